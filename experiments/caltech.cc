@@ -112,17 +112,17 @@ Expected<TestScores> TrainAndTest(const CaltechFeatures& features, const Categor
   const auto start = std::chrono::steady_clock::now();
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(features.ExamplesOf(split.train), seeded));
   scores.train_s = SecondsSince(start);
-  std::vector<QuantisedImage> pictures(split.test.size());
-  cv::parallel_for_({0, static_cast<int>(pictures.size())}, [&](const cv::Range& range) {
+  std::vector<QuantisedImage> images(split.test.size());
+  cv::parallel_for_({0, static_cast<int>(images.size())}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i)
-      pictures[static_cast<std::size_t>(i)] =
+      images[static_cast<std::size_t>(i)] =
           QuantiseFeatures(model, features.WholeImage(split.test[static_cast<std::size_t>(i)]));
   });
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
+  for (std::size_t i = 0; i < images.size(); ++i) {
     const auto scoring = std::chrono::steady_clock::now();
-    scores.phrases.push_back(Classify(model, pictures[i], CategoryMethod::kPhrases));
-    scores.phrase_scoring_ms += 1000 * SecondsSince(scoring) / static_cast<double>(pictures.size());
-    scores.words.push_back(Classify(model, pictures[i], CategoryMethod::kWords));
+    scores.phrases.push_back(Classify(model, images[i], CategoryMethod::kPhrases));
+    scores.phrase_scoring_ms += 1000 * SecondsSince(scoring) / static_cast<double>(images.size());
+    scores.words.push_back(Classify(model, images[i], CategoryMethod::kWords));
     scores.truth.push_back(features.rows()[split.test[i]].category);
   }
   if (model_out != nullptr) *model_out = std::move(model);

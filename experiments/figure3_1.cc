@@ -46,9 +46,9 @@ struct Tiling {
   }
 };
 
-FeatureSet ShuffleKeypoints(const FeatureSet& picture, const std::array<int, kTiles>& order) {
-  const Tiling tiling({picture.image_width, picture.image_height});
-  FeatureSet shuffled = picture;
+FeatureSet ShuffleKeypoints(const FeatureSet& image, const std::array<int, kTiles>& order) {
+  const Tiling tiling({image.image_width, image.image_height});
+  FeatureSet shuffled = image;
   for (Keypoint& keypoint : shuffled.keypoints) {
     const int tile = tiling.TileAt(keypoint.x, keypoint.y);
     const cv::Point2d shift = tiling.Corner(order[static_cast<std::size_t>(tile)]) - tiling.Corner(tile);
@@ -58,14 +58,14 @@ FeatureSet ShuffleKeypoints(const FeatureSet& picture, const std::array<int, kTi
   return shuffled;
 }
 
-cv::Mat ShufflePixels(const cv::Mat& picture, const std::array<int, kTiles>& order) {
-  const Tiling tiling(picture.size());
-  cv::Mat shuffled = picture.clone();
+cv::Mat ShufflePixels(const cv::Mat& image, const std::array<int, kTiles>& order) {
+  const Tiling tiling(image.size());
+  cv::Mat shuffled = image.clone();
   const cv::Size size(static_cast<int>(tiling.width_px), static_cast<int>(tiling.height_px));
   for (int tile = 0; tile < kTiles; ++tile) {
     const cv::Rect from(cv::Point(tiling.Corner(tile)), size);
     const cv::Rect to(cv::Point(tiling.Corner(order[static_cast<std::size_t>(tile)])), size);
-    picture(from).copyTo(shuffled(to));
+    image(from).copyTo(shuffled(to));
   }
   return shuffled;
 }
@@ -93,8 +93,8 @@ Status MeasureInto(ShuffleResults& results, const CaltechFeatures& features, con
     const QuantisedImage whole = QuantiseFeatures(model, features.WholeImage(row));
     const QuantisedImage shuffled =
         QuantiseFeatures(model, ShuffleKeypoints(features.WholeImage(row), Shuffle(random)));
-    const auto score = [&](const QuantisedImage& picture, CategoryMethod method) {
-      return Classify(model, picture, method).scores[node].raw;
+    const auto score = [&](const QuantisedImage& image, CategoryMethod method) {
+      return Classify(model, image, method).scores[node].raw;
     };
     const double change = score(shuffled, CategoryMethod::kPhrases) - score(whole, CategoryMethod::kPhrases);
     falls += change < 0 ? 1 : 0;
@@ -123,8 +123,8 @@ Expected<Report> RunFigure31(const ExperimentSettings& settings) {
   const std::array<std::string, 2> pair = {kAirplanes, kCars};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCaltechRows(settings, pair));
   Report report{.title = fmt::format("Test images cut into {} x {} tiles and shuffled", kTilesAcross, kTilesDown),
-                .columns = {"method", "phrase score falls, % of pictures", "mean fall of the raw score",
-                            "word score unchanged, % of pictures"}};
+                .columns = {"method", "phrase score falls, % of images", "mean fall of the raw score",
+                            "word score unchanged, % of images"}};
   report.plot = {.title = "Shuffled images whose phrase score falls",
                  .x = {.label = "seed"},
                  .y = {.label = "fraction (%)", .low = 50, .high = 100}};

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "experiments/draw_matches.h"
 #include "experiments/match_experiments.h"
-#include "experiments/match_picture.h"
 #include "experiments/match_trial.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
@@ -15,7 +15,7 @@ namespace {
 
 // One drawing per ratio (downwards) and stage (across); the counts as rows.
 struct Drawn {
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> images;
   Report report;
 };
 
@@ -33,8 +33,8 @@ Expected<Drawn> DrawStages(const ExperimentSettings& settings, const std::string
       const MatchCount count = trial.Count(left.sets[stage]);
       const std::string caption = fmt::format("{:g} {}: {} true, {} false", ratio, StageMatches::kNames[stage],
                                               count.correct, count.FalseMatches());
-      VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat picture, DrawMatches(trial, left.sets[stage], scale, caption));
-      drawn.pictures.push_back(std::move(picture));
+      VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat image, DrawMatches(trial, left.sets[stage], scale, caption));
+      drawn.images.push_back(std::move(image));
       drawn.report.rows.push_back({ratio, std::string(StageMatches::kNames[stage]), static_cast<double>(count.matches),
                                    static_cast<double>(count.correct), static_cast<double>(count.FalseMatches())});
     }
@@ -48,8 +48,8 @@ Expected<Report> RunFigure310(const ExperimentSettings& settings) {
   constexpr std::array kRatio = {0.8};
   VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jeep", kRatio, 4, 0.5));
   // Clockwise from the upper left corner, as in the thesis.
-  std::swap(drawn.pictures[2], drawn.pictures[3]);
-  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.10.png", Montage(drawn.pictures, 2)));
+  std::swap(drawn.images[2], drawn.images[3]);
+  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.10.png", Montage(drawn.images, 2)));
   drawn.report.title =
       "Matches at a ratio of 0.8, clockwise from the upper left corner: none, first, second, third stage";
   return drawn.report;
@@ -58,7 +58,7 @@ Expected<Report> RunFigure310(const ExperimentSettings& settings) {
 Expected<Report> RunFigure311(const ExperimentSettings& settings) {
   constexpr std::array kRatios = {0.6, 0.7, 0.8, 0.85, 0.9, 0.95};
   VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jeep", kRatios, 4, 0.25));
-  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.11.png", Montage(drawn.pictures, 4)));
+  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.11.png", Montage(drawn.images, 4)));
   drawn.report.title = "Matches at ratios from 0.6 to 0.95 (downwards) after each stage (across)";
   return drawn.report;
 }
@@ -66,7 +66,7 @@ Expected<Report> RunFigure311(const ExperimentSettings& settings) {
 Expected<Report> RunFigure313(const ExperimentSettings& settings) {
   constexpr std::array kRatios = {0.8, 0.85, 0.9, 0.95};
   VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jet", kRatios, 5, 0.22));
-  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.13.png", Montage(drawn.pictures, 5)));
+  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.13.png", Montage(drawn.images, 5)));
   drawn.report.title = "The second object at ratios from 0.8 to 0.95 (downwards) after each stage and MLESAC (across)";
   return drawn.report;
 }

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "experiments/draw_matches.h"
 #include "experiments/match_experiments.h"
-#include "experiments/match_picture.h"
 #include "experiments/match_trial.h"
 #include "experiments/view_grid.h"
 #include "victorious/base/file.h"
@@ -80,7 +80,7 @@ cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
   double most = 1;
   cv::minMaxLoc(grid, nullptr, &most);
   const int width = static_cast<int>(kColumns * kStepX + kRows * kSlant) + 20;
-  cv::Mat picture(kTop + static_cast<int>(kHighest + kRows * kStepY) + 10, width, CV_8UC3, cv::Scalar::all(255));
+  cv::Mat image(kTop + static_cast<int>(kHighest + kRows * kStepY) + 10, width, CV_8UC3, cv::Scalar::all(255));
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
       const double share = grid.at<float>(row, column) / std::max(most, 1.0);
@@ -91,12 +91,12 @@ cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
       cv::applyColorMap(level, colour, cv::COLORMAP_INFERNO);
       const cv::Vec3b bgr = colour.at<cv::Vec3b>(0);
       const cv::Rect bar(cv::Point2d(x, foot - share * kHighest - 2), cv::Point2d(x + kStepX - 2, foot));
-      cv::rectangle(picture, bar, cv::Scalar(bgr[0], bgr[1], bgr[2]), cv::FILLED);
-      cv::rectangle(picture, bar, cv::Scalar::all(200));
+      cv::rectangle(image, bar, cv::Scalar(bgr[0], bgr[1], bgr[2]), cv::FILLED);
+      cv::rectangle(image, bar, cv::Scalar::all(200));
     }
   }
-  DrawCaption(picture, StageCaption(stage, most));
-  return picture;
+  DrawCaption(image, StageCaption(stage, most));
+  return image;
 }
 
 template <typename Draw>

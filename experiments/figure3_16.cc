@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "experiments/draw_matches.h"
 #include "experiments/match_experiments.h"
-#include "experiments/match_picture.h"
 #include "experiments/match_pool.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/geometry/angles.h"
@@ -106,7 +106,7 @@ Expected<cv::Mat> Column(const ShownDetection& shown) {
 }
 
 // Tiles up to four true detections, one per model, and one false positive if there is any.
-Expected<cv::Mat> Picture(const std::vector<ShownDetection>& shown) {
+Expected<cv::Mat> DrawDetections(const std::vector<ShownDetection>& shown) {
   std::vector<cv::Mat> columns;
   std::set<std::string> kinds;
   for (const bool right : {true, false}) {
@@ -158,8 +158,8 @@ Expected<Report> RunFigure316(const ExperimentSettings& settings) {
                              static_cast<double>(count.false_positives), view_error});
     }
     if (setup.kind != MatchSetup::Kind::kDefault) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat picture, Picture(shown));
-    VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.16.png", picture));
+    VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat image, DrawDetections(shown));
+    VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.16.png", image));
   }
   report.notes = {
       fmt::format("Found: a detection of the model has an IoU of {:g} or more with the true box; in view: visible by "

@@ -48,41 +48,41 @@ Expected<ViewResult> Search(const RealView& view, const Recognizer& recognizer, 
 
 // Draws the edges of the object's 3-D bounding box.
 void DrawBox(const Rigid3& camera_from_object, const Eigen::AlignedBox3d& box, double focal_px,
-             const cv::Scalar& colour, cv::Mat& picture) {
+             const cv::Scalar& colour, cv::Mat& image) {
   const auto corner = [&](int which) {
     const Eigen::Vector3d half = box.diagonal() / 2;
     const Eigen::Vector3d at((which & 1) != 0 ? half.x() : -half.x(), (which & 2) != 0 ? half.y() : -half.y(),
                              (which & 4) != 0 ? half.z() : -half.z());
     const Eigen::Vector3d p = camera_from_object.Apply(at);
-    return cv::Point2d(focal_px * p.x() / p.z() + picture.cols / 2.0, focal_px * p.y() / p.z() + picture.rows / 2.0);
+    return cv::Point2d(focal_px * p.x() / p.z() + image.cols / 2.0, focal_px * p.y() / p.z() + image.rows / 2.0);
   };
   for (int a = 0; a < 8; ++a) {
     for (const int bit : {1, 2, 4}) {
-      if ((a & bit) == 0) cv::line(picture, corner(a), corner(a | bit), colour, 2, cv::LINE_AA);
+      if ((a & bit) == 0) cv::line(image, corner(a), corner(a | bit), colour, 2, cv::LINE_AA);
     }
   }
 }
 
 cv::Mat Draw(const RealView& view, const ViewResult& result, const Eigen::AlignedBox3d& box) {
-  cv::Mat picture = view.bgr.clone();
-  if (result.object_pose) DrawBox(*result.object_pose->camera_from_object, box, view.focal_px, {0, 255, 0}, picture);
+  cv::Mat image = view.bgr.clone();
+  if (result.object_pose) DrawBox(*result.object_pose->camera_from_object, box, view.focal_px, {0, 255, 0}, image);
   for (const Eigen::Vector2d& at : result.matched) {
-    cv::circle(picture, cv::Point2d(at.x(), at.y()), 3, {0, 255, 255}, 1, cv::LINE_AA);
+    cv::circle(image, cv::Point2d(at.x(), at.y()), 3, {0, 255, 255}, 1, cv::LINE_AA);
   }
-  if (!result.detection) cv::rectangle(picture, {0, 0, picture.cols, picture.rows}, {0, 0, 255}, 12);
-  cv::resize(picture, picture, {}, 0.5, 0.5, cv::INTER_AREA);
-  return picture;
+  if (!result.detection) cv::rectangle(image, {0, 0, image.cols, image.rows}, {0, 0, 255}, 12);
+  cv::resize(image, image, {}, 0.5, 0.5, cv::INTER_AREA);
+  return image;
 }
 
 // Tiles at most twelve evenly chosen images, four per row.
-cv::Mat MakeContactSheet(const std::vector<cv::Mat>& pictures) {
+cv::Mat MakeContactSheet(const std::vector<cv::Mat>& images) {
   constexpr std::size_t kMost = 12;
   constexpr std::size_t kColumns = 4;
   std::vector<cv::Mat> rows;
   std::vector<cv::Mat> row;
-  const std::size_t count = std::min(kMost, pictures.size());
+  const std::size_t count = std::min(kMost, images.size());
   for (std::size_t i = 0; i < count; ++i) {
-    row.push_back(pictures[i * pictures.size() / count]);
+    row.push_back(images[i * images.size() / count]);
     if (row.size() < kColumns && i + 1 < count) continue;
     while (row.size() < kColumns) row.emplace_back(cv::Mat::zeros(row.front().size(), row.front().type()));
     cv::hconcat(row, rows.emplace_back());
@@ -166,12 +166,12 @@ Status EvaluateTrial(const Trial& trial, const ExperimentSettings& settings, Rep
   Errors errors;
   double found = 0;
   double wrong = 0;
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> images;
   for (std::size_t i = trial.first_view; i < trial.views.size(); ++i) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     const RealView& view = trial.views[i];
     VICTORIOUS_ASSIGN_OR_RETURN(const ViewResult result, Search(view, recognizer, *extractor, options.observation));
-    pictures.push_back(Draw(view, result, box));
+    images.push_back(Draw(view, result, box));
     if (!result.detection) continue;
     if (!IsCorrectlyLocated(view, result)) {
       ++wrong;
@@ -187,7 +187,7 @@ Status EvaluateTrial(const Trial& trial, const ExperimentSettings& settings, Rep
                          FormatPercentile(errors.middle_px, 90)});
   std::string name = fmt::format("figure3.18-{}-{}.png", trial.object, trial.paint);
   std::ranges::replace(name, ' ', '-');
-  return WriteImage(settings.out / name, MakeContactSheet(pictures));
+  return WriteImage(settings.out / name, MakeContactSheet(images));
 }
 
 }  // namespace

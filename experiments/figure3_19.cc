@@ -29,7 +29,7 @@ struct Member {
 struct Cluster {
   std::uint32_t word = 0;
   std::vector<Member> members;  // by rising distance to the word
-  std::size_t pictures = 0;
+  std::size_t images = 0;
   double mean_distance = 0;
 };
 
@@ -56,18 +56,18 @@ std::vector<Cluster> ClustersOf(const CaltechFeatures& features, const Split& sp
   }
   std::vector<Cluster> sorted;
   for (auto& [word, cluster] : clusters) {
-    std::set<std::size_t> pictures;
+    std::set<std::size_t> images;
     for (const Member& member : cluster.members) {
-      pictures.insert(member.row);
+      images.insert(member.row);
       cluster.mean_distance += std::sqrt(member.distance2) / static_cast<double>(cluster.members.size());
     }
     cluster.word = word;
-    cluster.pictures = pictures.size();
+    cluster.images = images.size();
     std::ranges::stable_sort(cluster.members, {}, &Member::distance2);
     sorted.push_back(std::move(cluster));
   }
   std::erase_if(sorted,
-                [](const Cluster& c) { return c.members.size() < kPatchesARow || c.pictures < kPatchesARow / 2; });
+                [](const Cluster& c) { return c.members.size() < kPatchesARow || c.images < kPatchesARow / 2; });
   std::ranges::stable_sort(sorted, {}, &Cluster::mean_distance);
   return sorted;
 }
@@ -88,27 +88,26 @@ Expected<Report> RunFigure319(const ExperimentSettings& settings) {
   const std::vector<Cluster> clusters = ClustersOf(features, split, vocabulary);
 
   Report report{.title = "Visual words: the tightest clusters of patches from many images",
-                .columns = {"word", "patches", "pictures", "mean distance to the word"}};
+                .columns = {"word", "patches", "images", "mean distance to the word"}};
   PlotLine sizes{.name = "a visual word", .points = {}, .connected = false};
-  std::map<std::size_t, cv::Mat> pictures;
+  std::map<std::size_t, cv::Mat> images;
   std::vector<cv::Mat> lines;
   for (const Cluster& cluster : clusters) {
     report.rows.push_back({static_cast<double>(cluster.word), static_cast<double>(cluster.members.size()),
-                           static_cast<double>(cluster.pictures), cluster.mean_distance});
+                           static_cast<double>(cluster.images), cluster.mean_distance});
     sizes.points.push_back({static_cast<double>(cluster.members.size()), cluster.mean_distance});
     if (lines.size() >= kRows) continue;
     std::vector<cv::Mat> patches;
     for (std::size_t i = 0; i < kPatchesARow; ++i) {
       const Member& member = cluster.members[i];
-      cv::Mat& picture = pictures[member.row];
-      if (picture.empty()) {
+      cv::Mat& bgr = images[member.row];
+      if (bgr.empty()) {
         VICTORIOUS_ASSIGN_OR_RETURN(const Image image,
                                     ReadImage(settings.data / "caltech101" / features.rows()[member.row].image));
-        picture = image.bgr;
+        bgr = image.bgr;
       }
       cv::Mat highlighted;
-      cv::copyMakeBorder(PatchOf(picture, member.keypoint), highlighted, 1, 1, 1, 1, cv::BORDER_CONSTANT,
-                         {255, 255, 255});
+      cv::copyMakeBorder(PatchOf(bgr, member.keypoint), highlighted, 1, 1, 1, 1, cv::BORDER_CONSTANT, {255, 255, 255});
       patches.push_back(highlighted);
     }
     cv::hconcat(patches, lines.emplace_back());

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "experiments/draw_matches.h"
 #include "experiments/indexed_movie.h"
-#include "experiments/match_picture.h"
 #include "experiments/system_experiments.h"
 #include "experiments/video_frames.h"
 #include "experiments/view_grid.h"
@@ -114,23 +114,23 @@ Expected<SearchedBox> SearchBox(const SearchSetup& setup, const Frame& frame, co
 
 cv::Mat DrawFrame(const SearchedBox& searched, const cv::Scalar& colour) {
   constexpr double kScale = 0.62;
-  cv::Mat picture = PosteriseImage(searched.grey, kScale);
+  cv::Mat image = PosteriseImage(searched.grey, kScale);
   const auto point = [&](double x, double y) {
     return cv::Point(static_cast<int>(x * kScale), static_cast<int>(y * kScale));
   };
   const Box& box = searched.box;
-  cv::rectangle(picture, point(box.x, box.y), point(box.x + box.width - 2, box.y + box.height - 2), colour, 2);
+  cv::rectangle(image, point(box.x, box.y), point(box.x + box.width - 2, box.y + box.height - 2), colour, 2);
   if (searched.found) {
     std::vector<cv::Point> outline;
     for (const Eigen::Vector2d& corner : searched.found->outline) outline.push_back(point(corner.x(), corner.y()));
-    cv::polylines(picture, outline, true, cv::Scalar(60, 60, 255), 2);
+    cv::polylines(image, outline, true, cv::Scalar(60, 60, 255), 2);
   }
-  return picture;
+  return image;
 }
 
 // The frame, and below it the heat map of -log10 NFA over each model's views.
 cv::Mat Column(const SearchedBox& searched, const std::vector<ObjectModel>& models, const cv::Scalar& colour) {
-  std::vector<cv::Mat> pictures = {DrawFrame(searched, colour)};
+  std::vector<cv::Mat> images = {DrawFrame(searched, colour)};
   for (std::size_t m = 0; m < models.size(); ++m) {
     const double most = std::ranges::max(searched.neg_log10_nfa[m]);
     HighlightedViews highlighted{.views = {}, .colour = cv::Scalar(0, 255, 255)};
@@ -140,15 +140,15 @@ cv::Mat Column(const SearchedBox& searched, const std::vector<ObjectModel>& mode
     const std::string caption = searched.views[m].empty() ? fmt::format("{}: not searched", models[m].name)
                                                           : fmt::format("{}: {} views, at most {:.0f}", models[m].name,
                                                                         searched.views[m].size(), most);
-    pictures.push_back(DrawHeatMap(MakeViewGrid(models[m], searched.neg_log10_nfa[m]), caption, highlighted));
+    images.push_back(DrawHeatMap(MakeViewGrid(models[m], searched.neg_log10_nfa[m]), caption, highlighted));
   }
   int width = 0;
-  for (const cv::Mat& picture : pictures) width = std::max(width, picture.cols);
-  for (cv::Mat& picture : pictures) {
-    cv::copyMakeBorder(picture, picture, 0, 4, 0, width - picture.cols, cv::BORDER_CONSTANT, cv::Scalar::all(255));
+  for (const cv::Mat& image : images) width = std::max(width, image.cols);
+  for (cv::Mat& image : images) {
+    cv::copyMakeBorder(image, image, 0, 4, 0, width - image.cols, cv::BORDER_CONSTANT, cv::Scalar::all(255));
   }
   cv::Mat column;
-  cv::vconcat(pictures, column);
+  cv::vconcat(images, column);
   return column;
 }
 
@@ -223,11 +223,11 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const SearchedBox after,
                               SearchBox(setup, frames[1], steps.front().search_box, near_views, conditions(frames[1])));
 
-  cv::Mat picture;
+  cv::Mat image;
   const cv::Mat left = Column(before, movie.models, cv::Scalar(255, 120, 40));
   cv::Mat gap(left.rows, 6, CV_8UC3, cv::Scalar::all(255));
-  cv::hconcat(std::vector<cv::Mat>{left, gap, Column(after, movie.models, cv::Scalar(0, 255, 255))}, picture);
-  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure4.1.png", picture));
+  cv::hconcat(std::vector<cv::Mat>{left, gap, Column(after, movie.models, cv::Scalar(0, 255, 255))}, image);
+  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure4.1.png", image));
 
   Report report{.title = "Search of a whole frame, and of the tracked region in the next",
                 .columns = {"search", "pixels", "keypoints", "models", "views", "descriptors compared", "features, ms",

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "experiments/draw_matches.h"
 #include "experiments/indexed_movie.h"
-#include "experiments/match_picture.h"
 #include "experiments/steady_lock.h"
 #include "experiments/system_experiments.h"
 #include "experiments/video_frames.h"
@@ -82,23 +82,23 @@ Expected<cv::Mat> Draw(const MovieWithTruth& movie, const Lock& lock) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
                               ReadFrames(movie.folder / "video.mp4", numbers, FrameColor::kGrey));
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> images;
   for (const bool together : {true, false}) {
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      cv::Mat picture = PosteriseImage(frames[i].image, kScale);
+      cv::Mat image = PosteriseImage(frames[i].image, kScale);
       const std::optional<Polygon>& outline = together ? rows[i]->step.together : rows[i]->step.alone;
       std::vector<cv::Point> corners;
       for (const Eigen::Vector2d& corner : outline.value_or(Polygon())) {
         corners.emplace_back(static_cast<int>(corner.x() * kScale), static_cast<int>(corner.y() * kScale));
       }
       const cv::Scalar colour = together ? cv::Scalar(60, 220, 60) : cv::Scalar(60, 60, 255);
-      if (!corners.empty()) cv::polylines(picture, corners, true, colour, 2);
-      cv::putText(picture, fmt::format("{:.1f} s", rows[i]->step.time_s), {4, picture.rows - 6},
-                  cv::FONT_HERSHEY_SIMPLEX, 0.4, cv::Scalar::all(255), 1);
-      pictures.push_back(std::move(picture));
+      if (!corners.empty()) cv::polylines(image, corners, true, colour, 2);
+      cv::putText(image, fmt::format("{:.1f} s", rows[i]->step.time_s), {4, image.rows - 6}, cv::FONT_HERSHEY_SIMPLEX,
+                  0.4, cv::Scalar::all(255), 1);
+      images.push_back(std::move(image));
     }
   }
-  return Montage(pictures, static_cast<int>(frames.size()));
+  return Montage(images, static_cast<int>(frames.size()));
 }
 
 }  // namespace
@@ -132,8 +132,8 @@ Expected<Report> RunFigure42(const ExperimentSettings& settings) {
     if (model.name == "jeep" || !shown) shown = lock;
   }
   if (!shown) return Fail(ErrorCode::kNotFound, fmt::format("{}: no object was detected to track", movie.name));
-  VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat picture, Draw(movie, *shown));
-  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure4.2.png", picture));
+  VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat image, Draw(movie, *shown));
+  VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure4.2.png", image));
 
   PlotLine alone{.name = "tracker alone", .points = {}, .marked = false};
   PlotLine together{.name = "tracker and recogniser", .points = {}, .marked = false};

@@ -77,14 +77,14 @@ TEST(MatchTruth, OcclusionToleranceScalesWithObjectSize) {
 }
 
 TEST(DegradeImage, AppliesTheOrderOfACamera) {
-  cv::Mat picture(64, 64, CV_8UC3, cv::Scalar(90, 120, 60));
-  cv::Mat again = picture.clone();
+  cv::Mat image(64, 64, CV_8UC3, cv::Scalar(90, 120, 60));
+  cv::Mat again = image.clone();
   const ImageDegradation degradation{.degrade = {.noise = 0.2}, .jpeg_quality = 50};
-  ASSERT_TRUE(DegradeImage(degradation, 3, picture).has_value());
+  ASSERT_TRUE(DegradeImage(degradation, 3, image).has_value());
   ASSERT_TRUE(DegradeImage(degradation, 3, again).has_value());
-  EXPECT_EQ(cv::norm(picture, again), 0) << "by seed";
+  EXPECT_EQ(cv::norm(image, again), 0) << "by seed";
   cv::Mat clean(64, 64, CV_8UC3, cv::Scalar(90, 120, 60));
-  EXPECT_GT(cv::norm(picture, clean), 0);
+  EXPECT_GT(cv::norm(image, clean), 0);
   ASSERT_TRUE(DegradeImage({}, 3, clean).has_value());
   EXPECT_EQ(clean.at<cv::Vec3b>(5, 5), cv::Vec3b(90, 120, 60));
 }

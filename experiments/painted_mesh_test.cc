@@ -34,14 +34,14 @@ Mesh BoxMesh(const Eigen::Vector3f& half) {
 
 cv::Mat Patches(int width, int height) {
   Random random(3);
-  cv::Mat picture(height, width, CV_8UC3, cv::Scalar::all(90));
+  cv::Mat image(height, width, CV_8UC3, cv::Scalar::all(90));
   for (int i = 0; i < 200; ++i) {
     const cv::Rect patch(static_cast<int>(random.Below(static_cast<std::uint32_t>(width))),
                          static_cast<int>(random.Below(static_cast<std::uint32_t>(height))), 24, 24);
-    cv::rectangle(picture, patch, cv::Scalar(random.Below(230), random.Below(230), random.Below(230)), cv::FILLED);
+    cv::rectangle(image, patch, cv::Scalar(random.Below(230), random.Below(230), random.Below(230)), cv::FILLED);
   }
-  cv::GaussianBlur(picture, picture, {}, 2);
-  return picture;
+  cv::GaussianBlur(image, image, {}, 2);
+  return image;
 }
 
 cv::Mat Render(const Mesh& mesh, const PosedCamera& camera, cv::Mat& mask) {
@@ -60,14 +60,14 @@ TEST(ProjectTexture, ReproducesTheImageFromItsViewpoint) {
   const Sphere sphere = BoundingSphere(box);
   const ViewFraming framing{.distance_m = 1.2, .diameter_px = 260, .width_px = 320, .height_px = 280};
   const PosedCamera camera = CameraForView({0.6, 0.9}, sphere, framing).value();
-  const cv::Mat picture = Patches(320, 280);
-  const Mesh painted = ProjectTexture(box, picture, camera).value();
+  const cv::Mat image = Patches(320, 280);
+  const Mesh painted = ProjectTexture(box, image, camera).value();
   EXPECT_GT(painted.triangles.size(), 1000U) << "cut, so that perspective bends no texture";
   cv::Mat mask;
   const cv::Mat seen = Render(painted, camera, mask);
   ASSERT_GT(cv::countNonZero(mask), 10000);
   cv::Mat difference;
-  cv::absdiff(seen, picture, difference);
+  cv::absdiff(seen, image, difference);
   const cv::Scalar mean = cv::mean(difference, mask);
   for (int channel = 0; channel < 3; ++channel) EXPECT_LT(mean[channel], 4);
 }

@@ -164,15 +164,15 @@ std::optional<Vector2d> TrackPatch(const cv::Mat& first, const Vector2d& at, con
 
 // Reads the available images of the frames, grey, with their frame numbers from 0. Error: kNotFound without the first.
 Expected<std::vector<std::pair<std::size_t, cv::Mat>>> ReadGreyFrames(const fs::path& folder, std::size_t frames) {
-  std::vector<std::pair<std::size_t, cv::Mat>> pictures;
+  std::vector<std::pair<std::size_t, cv::Mat>> images;
   for (std::size_t i = 0; i < frames; ++i) {
     const fs::path path = folder / fmt::format("narrabeenFrames{:04}.jpg", i + 1);
     std::error_code error;
     if (!fs::exists(path, error)) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(path));
-    pictures.emplace_back(i, GreyFromBgr(image.bgr));
+    images.emplace_back(i, GreyFromBgr(image.bgr));
   }
-  if (!pictures.empty() && pictures.front().first == 0) return pictures;
+  if (!images.empty() && images.front().first == 0) return images;
   return Fail(ErrorCode::kNotFound, fmt::format("{}: expected narrabeenFrames0001.jpg", folder.string()));
 }
 
@@ -229,7 +229,7 @@ Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& setti
   } catch (const Json::exception& error) {
     return std::unexpected(Damaged(folder / "truth.json", error));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto pictures, ReadGreyFrames(folder / "frames", beach.frames.size()));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto images, ReadGreyFrames(folder / "frames", beach.frames.size()));
   PlaceSeries solved{.name = "beach, solved poses", .trials = {}};
   PlaceSeries recorded{.name = "beach, telemetry", .trials = {}};
   for (std::size_t i = 0; i < beach.survey.points.size(); ++i) {
@@ -237,8 +237,8 @@ Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& setti
     recorded.trials.push_back(solved.trials.back());
     solved.trials.back().locate_options = SolvedErrors();
     recorded.trials.back().lines = {LineOfSightThrough(beach.clicked[i], CameraAt(beach, beach.telemetry), 0)};
-    for (const auto& [frame, grey] : pictures) {
-      const auto at = frame == 0 ? beach.clicked[i] : TrackPatch(pictures.front().second, beach.clicked[i], grey);
+    for (const auto& [frame, grey] : images) {
+      const auto at = frame == 0 ? beach.clicked[i] : TrackPatch(images.front().second, beach.clicked[i], grey);
       if (!at) continue;
       solved.trials.back().lines.push_back(
           LineOfSightThrough(*at, CameraAt(beach, beach.frames[frame]), static_cast<double>(frame) * beach.frame_s));
@@ -291,9 +291,9 @@ Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings) {
                                    .boresight_side_deg = 0,
                                    .boresight_rise_deg = turn_deg,
                                    .range_fraction = 0};
-    constexpr int kPictures = 30;
-    for (int picture = 0; picture < kPictures; ++picture) {
-      trial.lines.push_back(LineOfSightThrough(river.seen[i], camera, picture));
+    constexpr int kImages = 30;
+    for (int image = 0; image < kImages; ++image) {
+      trial.lines.push_back(LineOfSightThrough(river.seen[i], camera, image));
     }
   }
   return series;

@@ -63,7 +63,7 @@ TEST(Places, SurveyedPointsFromAHoveringCamera) {
   const PlaceSeries& solved = beach->at(0);
   ASSERT_EQ(solved.trials.size(), 4U);
   for (const PlaceTrial& trial : solved.trials) {
-    EXPECT_EQ(trial.lines.size(), 11U) << trial.point << ": seen again in every picture";
+    EXPECT_EQ(trial.lines.size(), 11U) << trial.point << ": seen again in every image";
     const Geolocation one = PlaceOnGround(trial, 1, LocateMethod::kGround);
     const PlaceError error = ComputePlaceError(one, std::nullopt, TruthRow{.place = trial.truth});
     EXPECT_LT(*error.horizontal_error_m, 0.3) << trial.point;

@@ -46,9 +46,9 @@ Expected<PinholeCamera> ReadCamera(const fs::path& path) {
   return camera;
 }
 
-PinholeCamera ForPicture(PinholeCamera camera, const cv::Mat& picture) {
-  camera.width = picture.cols;
-  camera.height = picture.rows;
+PinholeCamera ForImage(PinholeCamera camera, const cv::Mat& image) {
+  camera.width = image.cols;
+  camera.height = image.rows;
   return camera;
 }
 
@@ -138,7 +138,7 @@ Expected<RealObject> LoadTeaBox(const fs::path& folder) {
   VICTORIOUS_ASSIGN_OR_RETURN(box.views, ReadVideo(folder / "teabox.mp4", camera.fx));
   VICTORIOUS_ASSIGN_OR_RETURN(box.other_views, ReadVideo(folder / "teabox_left.mp4", other.fx));
   VICTORIOUS_ASSIGN_OR_RETURN(const Rigid3 first_pose, FitPoseToClicks(clicks, box.mesh, camera));
-  box.first_camera = {ForPicture(camera, box.views.front().bgr), first_pose};
+  box.first_camera = {ForImage(camera, box.views.front().bgr), first_pose};
   return box;
 }
 
@@ -227,9 +227,9 @@ Expected<RealObject> LoadBoardObject(const fs::path& folder, const BoardObject& 
   const Rigid3 first_pose =
       RigidFromMatrix(first) * Rigid3{board_object.mesh_from_pose_file.conjugate(), Vector3d::Zero()};
   for (std::size_t i = 0; i < board.size(); ++i) {
-    const fs::path picture = folder / "frames" / fmt::format("color_image_{:04}.png", i);
-    if (!fs::exists(picture)) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(picture));
+    const fs::path path = folder / "frames" / fmt::format("color_image_{:04}.png", i);
+    if (!fs::exists(path)) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(path));
     const Rigid3 pose = board[i] * board[0].Inverse() * first_pose;
     object.views.push_back(
         {.bgr = image.bgr, .focal_px = camera.fx, .camera_from_object = Rigid3{pose.rotation, pose.Apply(middle)}});
@@ -238,7 +238,7 @@ Expected<RealObject> LoadBoardObject(const fs::path& folder, const BoardObject& 
     return Fail(ErrorCode::kNotFound,
                 fmt::format("{}: no images: expected color_image_NNNN.png", (folder / "frames").string()));
   }
-  object.first_camera = {ForPicture(camera, object.views.front().bgr), first_pose};
+  object.first_camera = {ForImage(camera, object.views.front().bgr), first_pose};
   return object;
 }
 

@@ -82,7 +82,7 @@ Expected<Report> RunTable36(const ExperimentSettings& settings) {
   }
 
   Report report{.title = "Airplanes against cars and background: area under ROC and time by words in phrases",
-                .columns = {"method", "words in phrases", "area under ROC", "training s", "scoring ms a picture",
+                .columns = {"method", "words in phrases", "area under ROC", "training s", "scoring ms an image",
                             "area, thesis", "test s, thesis"}};
   PlotLine printed_there{.name = "thesis, as printed there"};
   for (const Row& row : kRows) printed_there.points.push_back({static_cast<double>(row.words), row.thesis_area});

@@ -25,7 +25,7 @@ struct Overlaps {
   std::vector<double> centre_off;  // RMS offset along an axis over the longer side of the estimated box
 };
 
-Box WholeImageBox(const QuantisedImage& picture) { return FrameBox(picture.width, picture.height); }
+Box WholeImageBox(const QuantisedImage& image) { return FrameBox(image.width, image.height); }
 
 void MeasureInto(Overlaps& overlaps, const CategoryModel& model, const CaltechFeatures& features,
                  std::span<const std::size_t> test, const std::string& category) {
@@ -40,15 +40,15 @@ void MeasureInto(Overlaps& overlaps, const CategoryModel& model, const CaltechFe
   for (const std::size_t row : test) {
     const CategoryListRow& listed = features.rows()[row];
     if (listed.category != category || !listed.box) continue;
-    const QuantisedImage picture = QuantiseFeatures(model, features.WholeImage(row));
-    const Box box = SupportingBox(ComputeContributions(model, picture, node), picture);
-    const Box truth = Intersection(*listed.box, WholeImageBox(picture));
+    const QuantisedImage image = QuantiseFeatures(model, features.WholeImage(row));
+    const Box box = SupportingBox(ComputeContributions(model, image, node), image);
+    const Box truth = Intersection(*listed.box, WholeImageBox(image));
     const double overlap = IntersectionOverUnion(box, truth);
     const double x = box.x + box.width / 2;
     const double y = box.y + box.height / 2;
     ++count;
     found += overlap;
-    whole += IntersectionOverUnion(WholeImageBox(picture), truth);
+    whole += IntersectionOverUnion(WholeImageBox(image), truth);
     half += overlap >= 0.5 ? 1 : 0;
     inside += x >= truth.x && x <= truth.x + truth.width && y >= truth.y && y <= truth.y + truth.height ? 1 : 0;
     off += (std::pow(x - truth.x - truth.width / 2, 2) + std::pow(y - truth.y - truth.height / 2, 2)) /
@@ -82,7 +82,7 @@ Expected<Report> RunTableBoxes(const ExperimentSettings& settings) {
   }
   Report report{.title = "Boxes of the supporting phrases against annotated boxes, Caltech-101",
                 .columns = {"category", "overlap, mean %", "overlap of the whole image, mean %",
-                            "overlap of 0.5 or more, % of pictures", "centre inside the annotated box, % of pictures",
+                            "overlap of 0.5 or more, % of images", "centre inside the annotated box, % of images",
                             "centre offset along an axis, RMS, % of the box's longer side"}};
   for (std::size_t c = 0; c < boxed.size(); ++c) {
     const Overlaps& of = overlaps[c];

@@ -72,9 +72,9 @@ void MeasureInto(Figures& figures, const CaltechFeatures& features, const Split&
   std::vector<double> scores;
   std::vector<bool> is_positive;
   for (const std::size_t row : split.test) {
-    const QuantisedImage picture = QuantiseFeatures(model, features.WholeImage(row));
+    const QuantisedImage image = QuantiseFeatures(model, features.WholeImage(row));
     scores.push_back(
-        Classify(model, picture, CategoryMethod::kPhrases).scores[static_cast<std::size_t>(node)].probability);
+        Classify(model, image, CategoryMethod::kPhrases).scores[static_cast<std::size_t>(node)].probability);
     is_positive.push_back(features.rows()[row].category == category);
   }
   figures.area.push_back(RocArea(scores, is_positive));

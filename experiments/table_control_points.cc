@@ -73,7 +73,7 @@ Expected<Report> RunTableControlPoints(const ExperimentSettings& settings) {
            "of the point, with a standard deviation of 5 cm. Stated errors: solved poses 0.3 m and 0.02 deg, common to "
            "all images; telemetry the defaults (2 m, 0.5 deg), then 3 deg; the river's camera from its fit. The "
            "river's 30 images are one line of sight repeated 30 times."},
-      .columns = {"site and cameras", "ground", "method", "pictures", "points located",
+      .columns = {"site and cameras", "ground", "method", "images", "points located",
                   "error along the ground, median m", "max m", "CE90, median m", "LE90, median m",
                   "in the 90 % ellipsoid", "within CE90"}};
   const std::vector<Variant> ways = {{LocateMethod::kGround, 1, false},

@@ -43,19 +43,19 @@ cv::Mat DrawHeatMap(const cv::Mat& grid, const std::string& caption, const Highl
   cv::resize(levels, levels, {}, kCellPx, kCellPx, cv::INTER_NEAREST);
   cv::Mat colours;
   cv::applyColorMap(levels, colours, cv::COLORMAP_INFERNO);
-  cv::Mat picture(colours.rows + kTopPx, colours.cols, CV_8UC3, cv::Scalar::all(255));
-  colours.copyTo(picture(cv::Rect({0, kTopPx}, colours.size())));
+  cv::Mat image(colours.rows + kTopPx, colours.cols, CV_8UC3, cv::Scalar::all(255));
+  colours.copyTo(image(cv::Rect({0, kTopPx}, colours.size())));
   for (const ViewAngles& view : highlighted.views) {
     const cv::Point corner = CellOf(view) * kCellPx + cv::Point(0, kTopPx);
-    cv::rectangle(picture, cv::Rect(corner, cv::Size(kCellPx, kCellPx)), highlighted.colour);
+    cv::rectangle(image, cv::Rect(corner, cv::Size(kCellPx, kCellPx)), highlighted.colour);
   }
-  DrawCaption(picture, caption);
-  return picture;
+  DrawCaption(image, caption);
+  return image;
 }
 
-void DrawCaption(cv::Mat& picture, const std::string& text) {
+void DrawCaption(cv::Mat& image, const std::string& text) {
   constexpr double kFont = 0.42;
-  cv::putText(picture, text, {6, 16}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(0), 1, cv::LINE_AA);
+  cv::putText(image, text, {6, 16}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(0), 1, cv::LINE_AA);
 }
 
 }  // namespace victorious

@@ -29,6 +29,6 @@ struct HighlightedViews {
 [[nodiscard]] cv::Mat DrawHeatMap(const cv::Mat& grid, const std::string& caption, const HighlightedViews& highlighted);
 
 /// Writes a caption in black into the upper left corner.
-void DrawCaption(cv::Mat& picture, const std::string& text);
+void DrawCaption(cv::Mat& image, const std::string& text);
 
 }  // namespace victorious

@@ -27,9 +27,9 @@ std::string Bytes(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-std::string PngOf(const cv::Mat& picture) {
+std::string PngOf(const cv::Mat& image) {
   std::vector<unsigned char> bytes;
-  VICTORIOUS_CHECK(cv::imencode(".png", picture, bytes));
+  VICTORIOUS_CHECK(cv::imencode(".png", image, bytes));
   return {bytes.begin(), bytes.end()};
 }
 

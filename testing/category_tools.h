@@ -14,31 +14,31 @@ namespace victorious::testing {
 /// Draws a cross to the left (cross_first) or to the right of a disc, at a random position, on weak noise.
 /// Returns CV_8UC1, 160 x 120 px.
 inline cv::Mat DrawPair(bool cross_first, Random& random) {
-  cv::Mat picture(120, 160, CV_8UC1);
-  for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(100 + random.Below(8));
+  cv::Mat image(120, 160, CV_8UC1);
+  for (auto& pixel : cv::Mat_<std::uint8_t>(image)) pixel = static_cast<std::uint8_t>(100 + random.Below(8));
   const int x = 30 + static_cast<int>(random.Below(50));
   const int y = 30 + static_cast<int>(random.Below(60));
   constexpr int kApart = 40;
   const cv::Point cross(cross_first ? x : x + kApart, y);
   const cv::Point disc(cross_first ? x + kApart : x, y);
-  cv::line(picture, cross - cv::Point(14, 0), cross + cv::Point(14, 0), 230, 6);
-  cv::line(picture, cross - cv::Point(0, 14), cross + cv::Point(0, 14), 230, 6);
-  cv::circle(picture, disc, 14, 20, cv::FILLED);
-  return picture;
+  cv::line(image, cross - cv::Point(14, 0), cross + cv::Point(14, 0), 230, 6);
+  cv::line(image, cross - cv::Point(0, 14), cross + cv::Point(0, 14), 230, 6);
+  cv::circle(image, disc, 14, 20, cv::FILLED);
+  return image;
 }
 
 /// A coarse grid, for fast tests.
 inline DenseOptions CoarseGrid() { return {.step_px = 10, .sizes = 3}; }
 
-/// Draws `pictures_each` images of each category, with dense features.
-inline std::vector<CategoryExample> DrawExamples(int pictures_each, std::uint64_t seed) {
+/// Draws `images_each` images of each category, with dense features.
+inline std::vector<CategoryExample> DrawExamples(int images_each, std::uint64_t seed) {
   Random random(seed);
   std::vector<CategoryExample> examples;
-  for (int i = 0; i < 2 * pictures_each; ++i) {
+  for (int i = 0; i < 2 * images_each; ++i) {
     const bool cross_first = i % 2 == 0;
     examples.push_back({.category = cross_first ? "cross-disc" : "disc-cross",
                         .features = DenseFeatures(DrawPair(cross_first, random), CoarseGrid()),
-                        .picture = i});
+                        .image = i});
   }
   return examples;
 }

@@ -63,22 +63,22 @@ std::string RandomLabel(int count, Random& random) {
   return label;
 }
 
-Pencil::Pencil(const cv::Mat& picture, cv::Point2d origin, double angle_rad, double scale)
-    : picture_(picture),
+Pencil::Pencil(const cv::Mat& image, cv::Point2d origin, double angle_rad, double scale)
+    : image_(image),
       origin_(origin),
       angle_rad_(angle_rad),
       cosine_(std::cos(angle_rad)),
       sine_(std::sin(angle_rad)),
       scale_(scale) {}
 
-Pencil Pencil::On(const cv::Mat& picture) const { return {picture, origin_, angle_rad_, scale_}; }
+Pencil Pencil::On(const cv::Mat& image) const { return {image, origin_, angle_rad_, scale_}; }
 
-cv::Point2d Pencil::ToPicture(cv::Point2d point) const {
+cv::Point2d Pencil::ToImage(cv::Point2d point) const {
   return origin_ + scale_ * cv::Point2d(cosine_ * point.x - sine_ * point.y, sine_ * point.x + cosine_ * point.y);
 }
 
 cv::Point Pencil::Fixed(cv::Point2d point) const {
-  const cv::Point2d at = ToPicture(point) - cv::Point2d(0.5, 0.5);  // OpenCV's pixel centres are at integers
+  const cv::Point2d at = ToImage(point) - cv::Point2d(0.5, 0.5);  // OpenCV's pixel centres are at integers
   return {cvRound(at.x * kFixedOne), cvRound(at.y * kFixedOne)};
 }
 
@@ -87,7 +87,7 @@ int Pencil::Thickness(double units) const { return std::max(1, cvRound(units * s
 void Pencil::Fill(const std::vector<cv::Point2d>& corners, const Colour& colour) {
   std::vector<std::vector<cv::Point>> outline(1);
   for (const cv::Point2d& corner : corners) outline[0].push_back(Fixed(corner));
-  cv::fillPoly(picture_, outline, colour, cv::LINE_AA, kFixedBits);
+  cv::fillPoly(image_, outline, colour, cv::LINE_AA, kFixedBits);
 }
 
 void Pencil::Box(double x, double y, double width, double height, const Colour& colour) {
@@ -95,7 +95,7 @@ void Pencil::Box(double x, double y, double width, double height, const Colour& 
   const double h = height / 2;
   const cv::Point corners[] = {Fixed({x - w, y - h}), Fixed({x + w, y - h}), Fixed({x + w, y + h}),
                                Fixed({x - w, y + h})};
-  cv::fillConvexPoly(picture_, corners, 4, colour, cv::LINE_AA, kFixedBits);
+  cv::fillConvexPoly(image_, corners, 4, colour, cv::LINE_AA, kFixedBits);
 }
 
 void Pencil::Frame(double x, double y, double width, double height, const Colour& colour, double thickness) {
@@ -103,27 +103,26 @@ void Pencil::Frame(double x, double y, double width, double height, const Colour
   const double h = height / 2;
   const std::vector<cv::Point> corners = {Fixed({x - w, y - h}), Fixed({x + w, y - h}), Fixed({x + w, y + h}),
                                           Fixed({x - w, y + h})};
-  cv::polylines(picture_, corners, true, colour, Thickness(thickness), cv::LINE_AA, kFixedBits);
+  cv::polylines(image_, corners, true, colour, Thickness(thickness), cv::LINE_AA, kFixedBits);
 }
 
 void Pencil::Disc(double x, double y, double radius, const Colour& colour) {
-  cv::circle(picture_, Fixed({x, y}), cvRound(radius * scale_ * kFixedOne), colour, cv::FILLED, cv::LINE_AA,
-             kFixedBits);
+  cv::circle(image_, Fixed({x, y}), cvRound(radius * scale_ * kFixedOne), colour, cv::FILLED, cv::LINE_AA, kFixedBits);
 }
 
 void Pencil::Oval(double x, double y, double half_width, double half_height, const Colour& colour) {
   const cv::Size axes(cvRound(half_width * scale_ * kFixedOne), cvRound(half_height * scale_ * kFixedOne));
-  cv::ellipse(picture_, Fixed({x, y}), axes, DegreesFromRadians(angle_rad_), 0, 360, colour, cv::FILLED, cv::LINE_AA,
+  cv::ellipse(image_, Fixed({x, y}), axes, DegreesFromRadians(angle_rad_), 0, 360, colour, cv::FILLED, cv::LINE_AA,
               kFixedBits);
 }
 
 void Pencil::Ring(double x, double y, double radius, const Colour& colour, double thickness) {
-  cv::circle(picture_, Fixed({x, y}), cvRound(radius * scale_ * kFixedOne), colour, Thickness(thickness), cv::LINE_AA,
+  cv::circle(image_, Fixed({x, y}), cvRound(radius * scale_ * kFixedOne), colour, Thickness(thickness), cv::LINE_AA,
              kFixedBits);
 }
 
 void Pencil::Line(cv::Point2d from, cv::Point2d to, const Colour& colour, double thickness) {
-  cv::line(picture_, Fixed(from), Fixed(to), colour, Thickness(thickness), cv::LINE_AA, kFixedBits);
+  cv::line(image_, Fixed(from), Fixed(to), colour, Thickness(thickness), cv::LINE_AA, kFixedBits);
 }
 
 void Pencil::Text(double x, double y, const std::string& text, double height, double max_width, const Colour& colour,
@@ -137,8 +136,8 @@ void Pencil::Text(double x, double y, const std::string& text, double height, do
     font_scale /= too_wide;
     size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, font_scale, stroke, &baseline);
   }
-  const cv::Point2d centre = ToPicture({x, y});
-  cv::putText(picture_, text, cv::Point(cvRound(centre.x - size.width / 2.0), cvRound(centre.y + size.height / 2.0)),
+  const cv::Point2d centre = ToImage({x, y});
+  cv::putText(image_, text, cv::Point(cvRound(centre.x - size.width / 2.0), cvRound(centre.y + size.height / 2.0)),
               cv::FONT_HERSHEY_SIMPLEX, font_scale, colour, stroke, cv::LINE_AA);
 }
 

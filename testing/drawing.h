@@ -47,15 +47,15 @@ std::array<double, N> Uniforms(Random& random, const Range (&ranges)[N]) {
 /// Draws anti-aliased shapes on an image in a local coordinate system (rotated, translated, scaled).
 class Pencil {
  public:
-  /// @param picture  the image to draw on; shared
+  /// @param image  the image to draw on; shared
   /// @param origin   the local origin in the image, px
   /// @param angle_rad  rotation from the image's +x towards +y
   /// @param scale    image pixels per local unit
-  Pencil(const cv::Mat& picture, cv::Point2d origin, double angle_rad = 0.0, double scale = 1.0);
+  Pencil(const cv::Mat& image, cv::Point2d origin, double angle_rad = 0.0, double scale = 1.0);
 
   /// Returns a pencil with the same coordinate system on another image.
-  [[nodiscard]] Pencil On(const cv::Mat& picture) const;
-  [[nodiscard]] cv::Point2d ToPicture(cv::Point2d point) const;
+  [[nodiscard]] Pencil On(const cv::Mat& image) const;
+  [[nodiscard]] cv::Point2d ToImage(cv::Point2d point) const;
 
   void Fill(const std::vector<cv::Point2d>& corners, const Colour& colour);
   /// A filled rectangle centred at (x, y).
@@ -73,7 +73,7 @@ class Pencil {
   [[nodiscard]] cv::Point Fixed(cv::Point2d point) const;
   [[nodiscard]] int Thickness(double units) const;
 
-  cv::Mat picture_;
+  cv::Mat image_;
   cv::Point2d origin_;
   double angle_rad_;
   double cosine_;

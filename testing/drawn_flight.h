@@ -45,12 +45,12 @@ inline void WriteVideo(const testing::SyntheticFlight& flight, const std::filesy
 
 /// Image of an object, masked by its alpha channel, scaled by `factor`.
 inline Photo PhotoOf(const testing::SyntheticFlight& flight, int thing, double factor = 1.0) {
-  cv::Mat picture;
-  cv::resize(flight.ObjectPhoto(thing), picture, {}, factor, factor, cv::INTER_AREA);
+  cv::Mat image;
+  cv::resize(flight.ObjectPhoto(thing), image, {}, factor, factor, cv::INTER_AREA);
   cv::Mat bgr;
   cv::Mat alpha;
-  cv::cvtColor(picture, bgr, cv::COLOR_BGRA2BGR);
-  cv::extractChannel(picture, alpha, 3);
+  cv::cvtColor(image, bgr, cv::COLOR_BGRA2BGR);
+  cv::extractChannel(image, alpha, 3);
   return PreparePhoto(flight.ObjectName(thing), bgr, alpha, std::nullopt).value();
 }
 

@@ -341,7 +341,7 @@ SyntheticObject DrawObject(ObjectKind kind, std::uint64_t seed) {
   cv::Mat alpha;
   cv::resize(large, colour, size, 0, 0, cv::INTER_AREA);
   cv::resize(large_alpha, alpha, size, 0, 0, cv::INTER_AREA);
-  cv::merge(std::vector<cv::Mat>{colour, alpha}, thing.picture);
+  cv::merge(std::vector<cv::Mat>{colour, alpha}, thing.image);
   for (const cv::Point2d& corner : design.outline) thing.outline.emplace_back(corner.x + middle.x, corner.y + middle.y);
   return thing;
 }

@@ -23,7 +23,7 @@ inline constexpr int kNumObjectKinds = 4;
 std::string_view Name(ObjectKind kind);
 
 struct SyntheticObject {
-  cv::Mat picture;  ///< CV_8UC4, BGRA, alpha not premultiplied
+  cv::Mat image;    ///< CV_8UC4, BGRA, alpha not premultiplied
   Polygon outline;  ///< of the opaque pixels, px
 };
 

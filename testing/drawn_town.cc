@@ -119,7 +119,7 @@ class Town {
       const double side = random_.Uniform() < 0.5 ? -1 : 1;
       const bool parked = random_.Uniform() < 0.7;
       const double v = side * (parked ? street.width / 2 - 26 : street.width / 4);
-      AddCar(pencil.ToPicture({u, v}), (upright ? kPi / 2 : 0) + (side < 0 ? kPi : 0) + random_.Uniform(-0.04, 0.04));
+      AddCar(pencil.ToImage({u, v}), (upright ? kPi / 2 : 0) + (side < 0 ? kPi : 0) + random_.Uniform(-0.04, 0.04));
     }
   }
 

@@ -29,8 +29,8 @@ enum SeedUse : std::uint64_t { kTownSeed = 0x7001, kPathSeed = 0x7002, kThingSee
 
 std::uint64_t SeedFor(std::uint64_t seed, std::uint64_t use) { return Random(seed ^ (use << 40)).Next(); }
 
-std::vector<cv::Mat> BuildPyramid(const cv::Mat& picture) {
-  std::vector<cv::Mat> levels = {picture};
+std::vector<cv::Mat> BuildPyramid(const cv::Mat& image) {
+  std::vector<cv::Mat> levels = {image};
   while (std::min(levels.back().cols, levels.back().rows) > 16) {
     cv::Mat half;
     cv::pyrDown(levels.back(), half);
@@ -69,24 +69,24 @@ Eigen::Matrix3d Shift(double x, double y) {
 }
 
 /// Image pixels per frame pixel at a point of the frame: the square root of the determinant of the Jacobian.
-double LocalScale(const Eigen::Matrix3d& picture_from_frame, const Eigen::Vector2d& at) {
-  const double w = picture_from_frame.row(2).dot(at.homogeneous());
-  return std::sqrt(std::abs(picture_from_frame.determinant() / (w * w * w)));
+double LocalScale(const Eigen::Matrix3d& image_from_frame, const Eigen::Vector2d& at) {
+  const double w = image_from_frame.row(2).dot(at.homogeneous());
+  return std::sqrt(std::abs(image_from_frame.determinant() / (w * w * w)));
 }
 
 /// Warps the image into a region of the frame, from the pyramid level with the closest pixel size.
-cv::Mat LayInto(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, const cv::Rect& region,
+cv::Mat LayInto(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_image, const cv::Rect& region,
                 int border) {
-  const Eigen::Matrix3d picture_from_frame = frame_from_picture.inverse();
+  const Eigen::Matrix3d image_from_frame = frame_from_image.inverse();
   const Eigen::Vector2d middle(region.x + region.width / 2.0, region.y + region.height / 2.0);
-  const double octave = std::round(std::log2(LocalScale(picture_from_frame, middle)));
+  const double octave = std::round(std::log2(LocalScale(image_from_frame, middle)));
   const auto level = static_cast<std::size_t>(std::clamp(octave, 0.0, static_cast<double>(pyramid.size() - 1)));
 
   // OpenCV's pixel centres are at integers, and its pyramid keeps every second pixel.
-  Eigen::Matrix3d level_from_picture = Eigen::Matrix3d::Identity();
-  level_from_picture.topLeftCorner<2, 2>() *= std::exp2(-static_cast<double>(level));
+  Eigen::Matrix3d level_from_image = Eigen::Matrix3d::Identity();
+  level_from_image.topLeftCorner<2, 2>() *= std::exp2(-static_cast<double>(level));
   const Eigen::Matrix3d map =
-      level_from_picture * Shift(-0.5, -0.5) * picture_from_frame * Shift(region.x + 0.5, region.y + 0.5);
+      level_from_image * Shift(-0.5, -0.5) * image_from_frame * Shift(region.x + 0.5, region.y + 0.5);
   cv::Mat matrix(3, 3, CV_64F);
   for (int i = 0; i < 9; ++i) matrix.at<double>(i / 3, i % 3) = map(i / 3, i % 3);
   cv::Mat laid;
@@ -116,8 +116,8 @@ Polygon Mapped(const Eigen::Matrix3d& homography, const Polygon& polygon) {
   return mapped;
 }
 
-Polygon OutlineOf(const cv::Mat& picture) {
-  return BoxCorners({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
+Polygon OutlineOf(const cv::Mat& image) {
+  return BoxCorners({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)});
 }
 
 /// The bounding rectangle of the pixels that an outline touches, with a border of one pixel.
@@ -130,18 +130,18 @@ cv::Rect PixelsAround(const Polygon& outline) {
 }
 
 /// Composites the image onto the frame, where they intersect.
-void Overlay(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, cv::Mat& frame) {
-  const Polygon outline = Mapped(frame_from_picture, OutlineOf(pyramid[0]));
+void Overlay(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_image, cv::Mat& frame) {
+  const Polygon outline = Mapped(frame_from_image, OutlineOf(pyramid[0]));
   const cv::Rect region = PixelsAround(outline) & cv::Rect({0, 0}, frame.size());
   if (region.empty()) return;
-  Blend(LayInto(pyramid, frame_from_picture, region, cv::BORDER_CONSTANT), frame(region));
+  Blend(LayInto(pyramid, frame_from_image, region, cv::BORDER_CONSTANT), frame(region));
 }
 
 /// A mask of the region: 255 where the image covers at least half of a pixel, else 0.
-cv::Mat ComputeCoverage(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture,
+cv::Mat ComputeCoverage(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_image,
                         const cv::Rect& region) {
   cv::Mat alpha;
-  cv::extractChannel(LayInto(pyramid, frame_from_picture, region, cv::BORDER_CONSTANT), alpha, 3);
+  cv::extractChannel(LayInto(pyramid, frame_from_image, region, cv::BORDER_CONSTANT), alpha, 3);
   return alpha >= kOpaque;
 }
 
@@ -179,8 +179,8 @@ void SyntheticFlight::PlaceObjects() {
     FlightObject thing;
     thing.drawn = DrawObject(kind, random.Next());
     thing.name = std::string(Name(kind)) + (i < kNumObjectKinds ? "" : std::to_string(i / kNumObjectKinds + 1));
-    thing.pyramid = BuildPyramid(PremultiplyAlpha(thing.drawn.picture));
-    thing.shadow = BuildPyramid(MakeShadow(thing.drawn.picture));
+    thing.pyramid = BuildPyramid(PremultiplyAlpha(thing.drawn.image));
+    thing.shadow = BuildPyramid(MakeShadow(thing.drawn.image));
     const double aside = (i % 2 == 0 ? -0.16 : 0.16) * frame_height;
     thing.course.base = start_ + Eigen::Vector2d((kFirstObject + i * spacing) * reach_px_, aside);
     const double way = i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first thing moves along the camera path
@@ -214,7 +214,7 @@ Similarity2 SyntheticFlight::GroundFromObject(const FlightObject& thing, int ind
   Similarity2 pose;
   pose.scale = options_.object_scale * (1 + kScaleVariation * std::sin(2 * phase + course.phase_rad));
   pose.rotation_rad = course.heading_rad + course.turn_rad * phase / (2 * kPi);
-  const Eigen::Vector2d middle(thing.drawn.picture.cols / 2.0, thing.drawn.picture.rows / 2.0);
+  const Eigen::Vector2d middle(thing.drawn.image.cols / 2.0, thing.drawn.image.rows / 2.0);
   pose.translation = course.base + std::sin(phase + course.phase_rad) * course.swing - pose.Linear() * middle;
   return pose;
 }
@@ -249,7 +249,7 @@ std::vector<TruthRow> SyntheticFlight::Truth(int index) const {
   for (int i = 0; i < count; ++i) {
     const Eigen::Matrix3d frame_from_object = FrameFromObject(i, index);
     const Polygon outline = Mapped(frame_from_object, objects_[i].drawn.outline);
-    const cv::Rect region = PixelsAround(Mapped(frame_from_object, OutlineOf(objects_[i].drawn.picture)));
+    const cv::Rect region = PixelsAround(Mapped(frame_from_object, OutlineOf(objects_[i].drawn.image)));
     const cv::Rect in_view = region & cv::Rect(0, 0, options_.width, options_.height);
     if (in_view.empty()) continue;
 
@@ -275,7 +275,7 @@ std::vector<TruthRow> SyntheticFlight::Truth(int index) const {
   return rows;
 }
 
-cv::Mat SyntheticFlight::ObjectPhoto(int thing) const { return objects_.at(thing).drawn.picture.clone(); }
+cv::Mat SyntheticFlight::ObjectPhoto(int thing) const { return objects_.at(thing).drawn.image.clone(); }
 
 std::string SyntheticFlight::ObjectName(int thing) const { return objects_.at(thing).name; }
 

@@ -157,9 +157,9 @@ TEST(SyntheticFlightTest, NamesAreUnique) {
 TEST(DrawnThingsTest, OutlinesEncloseOpaquePixels) {
   for (int kind = 0; kind < kNumObjectKinds; ++kind) {
     const SyntheticObject thing = DrawObject(static_cast<ObjectKind>(kind), 1);
-    ASSERT_EQ(thing.picture.type(), CV_8UC4);
+    ASSERT_EQ(thing.image.type(), CV_8UC4);
     cv::Mat alpha;
-    cv::extractChannel(thing.picture, alpha, 3);
+    cv::extractChannel(thing.image, alpha, 3);
     EXPECT_NEAR(cv::sum(alpha)[0] / 255, std::abs(SignedArea(thing.outline)), 0.03 * cv::sum(alpha)[0] / 255)
         << Name(static_cast<ObjectKind>(kind));
   }
@@ -168,8 +168,8 @@ TEST(DrawnThingsTest, OutlinesEncloseOpaquePixels) {
 TEST(DrawnThingsTest, SeedsGiveDistinguishableObjects) {
   for (int kind = 0; kind < kNumObjectKinds; ++kind) {
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
-      cv::Mat a = DrawObject(static_cast<ObjectKind>(kind), seed).picture;
-      cv::Mat b = DrawObject(static_cast<ObjectKind>(kind), seed + 1).picture;
+      cv::Mat a = DrawObject(static_cast<ObjectKind>(kind), seed).image;
+      cv::Mat b = DrawObject(static_cast<ObjectKind>(kind), seed + 1).image;
       cv::cvtColor(a, a, cv::COLOR_BGRA2GRAY);
       cv::cvtColor(b, b, cv::COLOR_BGRA2GRAY);
       const cv::Rect middle(a.cols / 4, a.rows / 4, a.cols / 2, a.rows / 2);

@@ -181,8 +181,8 @@ void PaintCar(Pencil& pencil, const TownPiece& piece, Random& random) {
   }
 }
 
-Pencil At(const cv::Mat& picture, const TownPiece& piece, cv::Point2d shift = {}) {
-  return {picture, piece.centre + shift, piece.angle_rad};
+Pencil At(const cv::Mat& image, const TownPiece& piece, cv::Point2d shift = {}) {
+  return {image, piece.centre + shift, piece.angle_rad};
 }
 
 void PaintFootprint(Pencil pencil, const TownPiece& piece, const Colour& value) {

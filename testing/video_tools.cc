@@ -122,9 +122,9 @@ class Muxer {
       av_display_rotation_set(reinterpret_cast<std::int32_t*>(matrix), video_.rotation_deg);
     }
     for (std::size_t i = 0; i < video_.pts.size(); ++i) {
-      const cv::Mat picture =
-          video_.pictures.empty() ? NumberedImage(static_cast<int>(i % 256), video_.size) : video_.pictures[i];
-      const FrameHandle frame = ToFrame(picture, *encoder);
+      const cv::Mat image =
+          video_.images.empty() ? NumberedImage(static_cast<int>(i % 256), video_.size) : video_.images[i];
+      const FrameHandle frame = ToFrame(image, *encoder);
       frame->pts = video_.pts[i];
       Encode(*encoder, frame.get(), stream.index);
     }
@@ -228,23 +228,23 @@ class Muxer {
 }  // namespace
 
 cv::Mat NumberedImage(int number, cv::Size size) {
-  cv::Mat picture(size, CV_8UC3);
+  cv::Mat image(size, CV_8UC3);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
-      picture.at<cv::Vec3b>(y, x) = {cv::saturate_cast<uchar>(60 + 140.0 * x / size.width),
-                                     cv::saturate_cast<uchar>(60 + 140.0 * y / size.height), 120};
+      image.at<cv::Vec3b>(y, x) = {cv::saturate_cast<uchar>(60 + 140.0 * x / size.width),
+                                   cv::saturate_cast<uchar>(60 + 140.0 * y / size.height), 120};
     }
   }
   for (int bit = 0; bit < kNumberBits; ++bit) {
-    picture(NumberField(size, bit)).setTo((number >> bit & 1) != 0 ? cv::Scalar::all(230) : cv::Scalar::all(25));
+    image(NumberField(size, bit)).setTo((number >> bit & 1) != 0 ? cv::Scalar::all(230) : cv::Scalar::all(25));
   }
-  return picture;
+  return image;
 }
 
-int DecodeImageNumber(const cv::Mat& picture) {
+int DecodeImageNumber(const cv::Mat& image) {
   int number = 0;
   for (int bit = 0; bit < kNumberBits; ++bit) {
-    const cv::Scalar mean = cv::mean(picture(NumberField(picture.size(), bit)));
+    const cv::Scalar mean = cv::mean(image(NumberField(image.size(), bit)));
     if (mean[0] > 128) number |= 1 << bit;
   }
   return number;

@@ -16,7 +16,7 @@ namespace victorious::testing {
 cv::Mat NumberedImage(int number, cv::Size size);
 
 /// Decodes the number of such an image (CV_8UC1 or CV_8UC3); robust to lossy coding.
-int DecodeImageNumber(const cv::Mat& picture);
+int DecodeImageNumber(const cv::Mat& image);
 
 struct TestPacket {
   std::int64_t pts = 0;
@@ -30,7 +30,7 @@ struct TestVideo {
   cv::Size size = {96, 64};
   int time_base_hz = 1000;        ///< ticks/s of the times below
   std::vector<std::int64_t> pts;  ///< one per frame, increasing
-  std::vector<cv::Mat> pictures;  ///< BGR; empty: NumberedImage of the frame index
+  std::vector<cv::Mat> images;    ///< BGR; empty: NumberedImage of the frame index
   bool full_range = false;
   int color_space = 2;             ///< AVColorSpace: 2 unspecified, 1 BT.709
   int rotation_deg = 0;            ///< rotation of the display matrix, clockwise
@@ -39,7 +39,7 @@ struct TestVideo {
   int key_frame_interval = 12;
   bool audio = false;                      ///< true: adds an audio stream
   bool video = true;                       ///< false: audio only
-  bool cover = false;                      ///< true: adds an attached picture before the video stream
+  bool cover = false;                      ///< true: adds an attached image before the video stream
   std::vector<TestPacket> klv = {};        ///< packets of a KLV stream (mpegts)
   std::vector<TestPacket> subtitles = {};  ///< packets of a subtitle stream (matroska, mp4)
 };

@@ -288,8 +288,8 @@ def main() -> int:
     arguments = parser.parse_args()
     chapter = CHAPTERS[arguments.chapter]
     folder = f"chapter{arguments.chapter}"
-    pictures = arguments.docs / "images" / folder
-    pictures.mkdir(parents=True, exist_ok=True)
+    images = arguments.docs / "images" / folder
+    images.mkdir(parents=True, exist_ok=True)
     reports = read_reports(arguments, chapter.sections)
 
     more = f" --frames {arguments.frames}" if arguments.frames else ""
@@ -303,13 +303,13 @@ def main() -> int:
         for note in report["notes"]:
             page += f"\n{note}\n"
         plot = f"{name}.svg"
-        for picture in drawn + ([plot] if (arguments.results / plot).exists() else []):
-            size = (arguments.results / picture).stat().st_size
+        for image in drawn + ([plot] if (arguments.results / plot).exists() else []):
+            size = (arguments.results / image).stat().st_size
             if size > MAX_IMAGE_BYTES:
-                print(f"{picture}: {size} bytes: must be at most {MAX_IMAGE_BYTES}", file=sys.stderr)
+                print(f"{image}: {size} bytes: must be at most {MAX_IMAGE_BYTES}", file=sys.stderr)
                 return 1
-            shutil.copy(arguments.results / picture, pictures / picture)
-            page += f"\n![{heading}](images/{folder}/{picture})\n"
+            shutil.copy(arguments.results / image, images / image)
+            page += f"\n![{heading}](images/{folder}/{image})\n"
     (arguments.docs / f"{folder}.md").write_text(page)
     return 0
 

@@ -46,13 +46,13 @@ def report_of(name: str) -> dict:
 
 
 class PageTest(unittest.TestCase):
-    def make(self, chapter: str, folder: Path, picture_bytes: int) -> subprocess.CompletedProcess:
+    def make(self, chapter: str, folder: Path, image_bytes: int) -> subprocess.CompletedProcess:
         results = folder / "results"
         results.mkdir()
-        for name, _, _, pictures in chapter_page.CHAPTERS[chapter].sections:
+        for name, _, _, images in chapter_page.CHAPTERS[chapter].sections:
             (results / f"{name}.json").write_text(json.dumps(report_of(name)))
-            for picture in pictures:
-                (results / picture).write_bytes(b"x" * picture_bytes)
+            for image in images:
+                (results / image).write_bytes(b"x" * image_bytes)
         # All reports exist, so the program is never run.
         return subprocess.run([sys.executable, chapter_page.__file__, chapter, "/nowhere", "--results", results, "--docs",
                                folder / "docs"], capture_output=True, text=True, check=False)
@@ -65,15 +65,15 @@ class PageTest(unittest.TestCase):
                 run = self.make(number, folder, 10)
                 self.assertEqual(run.returncode, 0, run.stderr)
                 page = (folder / "docs" / f"chapter{number}.md").read_text()
-                for experiment, heading, _, pictures in chapter.sections:
+                for experiment, heading, _, images in chapter.sections:
                     self.assertIn(f"## {heading}\n", page)
                     self.assertIn(f"Title of {experiment}", page)
-                    for picture in pictures:
-                        self.assertIn(f"(images/chapter{number}/{picture})", page)
-                        self.assertTrue((folder / "docs" / "images" / f"chapter{number}" / picture).exists())
+                    for image in images:
+                        self.assertIn(f"(images/chapter{number}/{image})", page)
+                        self.assertTrue((folder / "docs" / "images" / f"chapter{number}" / image).exists())
                 self.assertIn(said[number], page)
 
-    def test_large_pictures_are_refused(self):
+    def test_large_images_are_refused(self):
         with tempfile.TemporaryDirectory() as name:
             run = self.make("3", Path(name), chapter_page.MAX_IMAGE_BYTES + 1)
             self.assertEqual(run.returncode, 1)

@@ -292,10 +292,10 @@ Part& Asset::Add(std::string part_name, Mesh mesh, Paint paint) {
   return part;
 }
 
-Stencil Canvas::On(const cv::Mat& picture, std::string_view part, Side side) const {
+Stencil Canvas::On(const cv::Mat& image, std::string_view part, Side side) const {
   for (const Chart& chart : charts_) {
     if (parts_[chart.part].name != part || chart.side != side) continue;
-    const cv::Mat place = picture(chart.place);
+    const cv::Mat place = image(chart.place);
     const double margin = kChartMargin_px * kSupersampling;
     const cv::Point2d origin(margin - chart.min_corner.x * chart.texels_per_m,
                              margin - chart.min_corner.y * chart.texels_per_m);

@@ -52,7 +52,7 @@ class Canvas {
   [[nodiscard]] Stencil Shade(std::string_view part, Side side) const { return On(shade_, part, side); }
 
  private:
-  [[nodiscard]] Stencil On(const cv::Mat& picture, std::string_view part, Side side) const;
+  [[nodiscard]] Stencil On(const cv::Mat& image, std::string_view part, Side side) const;
 
   const std::vector<Part>& parts_;
   const std::vector<Chart>& charts_;

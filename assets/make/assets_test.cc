@@ -67,8 +67,8 @@ class GlbReader {
     } else {
       mesh.indices = Values<std::uint32_t>(indices);
     }
-    const std::string picture = View(document_.at("images").at(0).at("bufferView"));
-    mesh.texture = cv::imdecode(std::vector<unsigned char>(picture.begin(), picture.end()), cv::IMREAD_COLOR);
+    const std::string image = View(document_.at("images").at(0).at("bufferView"));
+    mesh.texture = cv::imdecode(std::vector<unsigned char>(image.begin(), image.end()), cv::IMREAD_COLOR);
     mesh.least = mesh.greatest = mesh.positions.at(0);
     for (const Vec3& position : mesh.positions) {
       mesh.least = mesh.least.cwiseMin(position);

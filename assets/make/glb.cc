@@ -88,14 +88,14 @@ Json Attributes(Binary& binary, const TexturedMesh& model) {
 }  // namespace
 
 Expected<std::string> GlbBytes(const std::string& name, const TexturedMesh& model) {
-  std::vector<unsigned char> picture;
-  if (!cv::imencode(".jpg", model.texture, picture, {cv::IMWRITE_JPEG_QUALITY, model.jpeg_quality})) {
+  std::vector<unsigned char> jpeg;
+  if (!cv::imencode(".jpg", model.texture, jpeg, {cv::IMWRITE_JPEG_QUALITY, model.jpeg_quality})) {
     return Fail(ErrorCode::kInternal, "cannot encode the texture of " + name + " as JPEG");
   }
   Binary binary;
   const Json attributes = Attributes(binary, model);
   const int indices = AddIndices(binary, model);
-  const int image = binary.AddView(std::as_bytes(std::span(picture)), 0);
+  const int image = binary.AddView(std::as_bytes(std::span(jpeg)), 0);
   const Json document = {
       {"asset", {{"version", "2.0"}, {"generator", "VICTORIOUS make_assets"}}},
       {"scene", 0},

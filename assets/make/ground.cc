@@ -173,16 +173,16 @@ Ground::Ground(float side_m, int side_px, const Material& base, std::uint64_t se
       texels_per_m_(side_px / side_m),
       wraps_(wraps),
       random_(seed),
-      picture_(side_px, side_px, CV_8UC3) {
+      image_(side_px, side_px, CV_8UC3) {
   LayBox(base, 0, 0, side_m, side_m);
 }
 
 void Ground::Lay(const Material& material, const std::vector<cv::Point2d>& outline) {
-  cv::Mat mask(picture_.size(), CV_8U, cv::Scalar(0));
+  cv::Mat mask(image_.size(), CV_8U, cv::Scalar(0));
   Pencil(mask, {0, 0}, 0, texels_per_m_).Fill(outline, Colour{255});
-  cv::parallel_for_({0, picture_.rows}, [&](const cv::Range& rows) {
+  cv::parallel_for_({0, image_.rows}, [&](const cv::Range& rows) {
     for (int y = rows.start; y < rows.end; ++y) {
-      for (int x = 0; x < picture_.cols; ++x) {
+      for (int x = 0; x < image_.cols; ++x) {
         const int share = mask.at<std::uint8_t>(y, x);
         if (share == 0) continue;
         // Four samples per texel, for antialiasing.
@@ -191,7 +191,7 @@ void Ground::Lay(const Material& material, const std::vector<cv::Point2d>& outli
           const float scale = 1 / static_cast<float>(texels_per_m_);
           sum += material((static_cast<float>(x) + dx) * scale, (static_cast<float>(y) + dy) * scale, side_m_) * 0.25F;
         }
-        cv::Vec3b& pixel = picture_.at<cv::Vec3b>(y, x);
+        cv::Vec3b& pixel = image_.at<cv::Vec3b>(y, x);
         pixel = cv::Vec3b(Mix(Bgr(pixel), sum, static_cast<float>(share) / 255));
       }
     }
@@ -214,18 +214,18 @@ void Ground::LayDisc(const Material& material, double x, double y, double radius
 }
 
 void Ground::Draw(const std::function<void(Pencil&)>& draw) {
-  const double side_px = picture_.cols;
+  const double side_px = image_.cols;
   const int reach = wraps_ ? 1 : 0;
   for (int i = -reach; i <= reach; ++i) {
     for (int j = -reach; j <= reach; ++j) {
-      Pencil pencil(picture_, {i * side_px, j * side_px}, 0, texels_per_m_);
+      Pencil pencil(image_, {i * side_px, j * side_px}, 0, texels_per_m_);
       draw(pencil);
     }
   }
 }
 
 cv::Mat Ground::Worn(double wear) const {
-  cv::Mat kept(picture_.size(), CV_32F);
+  cv::Mat kept(image_.size(), CV_32F);
   for (int y = 0; y < kept.rows; ++y) {
     for (int x = 0; x < kept.cols; ++x) {
       const float u = static_cast<float>(x) / static_cast<float>(kept.cols);
@@ -240,25 +240,25 @@ cv::Mat Ground::Worn(double wear) const {
 }
 
 void Ground::Paint(const Colour& colour, const std::function<void(Pencil&, const Colour&)>& draw, double wear) {
-  cv::Mat mask(picture_.size(), CV_8U, cv::Scalar(0));
-  std::swap(mask, picture_);
+  cv::Mat mask(image_.size(), CV_8U, cv::Scalar(0));
+  std::swap(mask, image_);
   Draw([&](Pencil& pencil) { draw(pencil, Colour{255}); });
-  std::swap(mask, picture_);
+  std::swap(mask, image_);
   const cv::Mat kept = Worn(wear);
   const Bgr ink(static_cast<float>(colour[0]), static_cast<float>(colour[1]), static_cast<float>(colour[2]));
-  for (int y = 0; y < picture_.rows; ++y) {
-    for (int x = 0; x < picture_.cols; ++x) {
+  for (int y = 0; y < image_.rows; ++y) {
+    for (int x = 0; x < image_.cols; ++x) {
       const float share = static_cast<float>(mask.at<std::uint8_t>(y, x)) / 255 * kept.at<float>(y, x);
-      cv::Vec3b& pixel = picture_.at<cv::Vec3b>(y, x);
+      cv::Vec3b& pixel = image_.at<cv::Vec3b>(y, x);
       pixel = cv::Vec3b(Mix(Bgr(pixel), ink, share));
     }
   }
 }
 
 void Ground::Multiply(const cv::Mat& light) {
-  for (int y = 0; y < picture_.rows; ++y) {
-    for (int x = 0; x < picture_.cols; ++x) {
-      cv::Vec3b& pixel = picture_.at<cv::Vec3b>(y, x);
+  for (int y = 0; y < image_.rows; ++y) {
+    for (int x = 0; x < image_.cols; ++x) {
+      cv::Vec3b& pixel = image_.at<cv::Vec3b>(y, x);
       pixel = cv::Vec3b(Bgr(pixel) * (static_cast<float>(light.at<std::uint8_t>(y, x)) / 128));
     }
   }
@@ -321,8 +321,8 @@ void Ground::Patches(int count, const Material& material) {
 }
 
 void Ground::Stains(int count, double min_m, double max_m, double light) {
-  cv::Mat shade(picture_.size(), CV_8U, cv::Scalar(128));
-  std::swap(shade, picture_);
+  cv::Mat shade(image_.size(), CV_8U, cv::Scalar(128));
+  std::swap(shade, image_);
   for (int i = 0; i < count; ++i) {
     const auto [x, y, size, depth] = testing::Uniforms(random_, {{0, side_m_}, {0, side_m_}, {min_m, max_m}, {0.4, 1}});
     const Colour grey{128 * (1 + (light - 1) * depth)};
@@ -333,7 +333,7 @@ void Ground::Stains(int count, double min_m, double max_m, double light) {
       });
     }
   }
-  std::swap(shade, picture_);
+  std::swap(shade, image_);
   cv::GaussianBlur(shade, shade, {}, std::max(1.0, min_m * texels_per_m_ * 0.4));
   Multiply(shade);
 }
@@ -368,8 +368,8 @@ void Ground::Drain(double x, double y) {
 }
 
 void Ground::TyreTrack(const std::vector<cv::Point2d>& path, double gauge, double light) {
-  cv::Mat shade(picture_.size(), CV_8U, cv::Scalar(128));
-  std::swap(shade, picture_);
+  cv::Mat shade(image_.size(), CV_8U, cv::Scalar(128));
+  std::swap(shade, image_);
   Draw([&](Pencil& pencil) {
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
       const cv::Point2d along = path[i + 1] - path[i];
@@ -379,7 +379,7 @@ void Ground::TyreTrack(const std::vector<cv::Point2d>& path, double gauge, doubl
       pencil.Line(path[i] - across, path[i + 1] - across, grey, 0.24);
     }
   });
-  std::swap(shade, picture_);
+  std::swap(shade, image_);
   cv::GaussianBlur(shade, shade, {3, 3}, 0);
   Multiply(shade);
 }
@@ -393,7 +393,7 @@ void Ground::TyreTracks(int count, double light) {
 }
 
 void Ground::Wear(double x0, double y0, double x1, double y1, double width_m, double light) {
-  cv::Mat shade(picture_.size(), CV_8U, cv::Scalar(128));
+  cv::Mat shade(image_.size(), CV_8U, cv::Scalar(128));
   Pencil(shade, {0, 0}, 0, texels_per_m_).Line({x0, y0}, {x1, y1}, Colour{128 * light}, width_m);
   cv::GaussianBlur(shade, shade, {}, width_m * texels_per_m_ * 0.25);
   Multiply(shade);
@@ -406,7 +406,7 @@ TexturedMesh GroundTile(const Ground& ground) {
   tile.normals.assign(4, Vec3::UnitY());
   tile.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   tile.indices = {0, 3, 2, 0, 2, 1};
-  tile.texture = ground.picture();
+  tile.texture = ground.image();
   tile.jpeg_quality = 80;
   return tile;
 }

@@ -35,7 +35,7 @@ class Ground {
   /// @param wraps  drawings that cross a border continue at the opposite border
   Ground(float side_m, int side_px, const Material& base, std::uint64_t seed, bool wraps);
 
-  [[nodiscard]] const cv::Mat& picture() const { return picture_; }
+  [[nodiscard]] const cv::Mat& image() const { return image_; }
   [[nodiscard]] float side_m() const { return side_m_; }
   Random& random() { return random_; }
 
@@ -74,7 +74,7 @@ class Ground {
   double texels_per_m_;
   bool wraps_;
   Random random_;
-  cv::Mat picture_;
+  cv::Mat image_;
 };
 
 /// The shipped materials, as tiles of kMaterialSide_m.

@@ -36,10 +36,10 @@ Status WriteGlb(const assets::TexturedMesh& model, const fs::path& path) {
   return victorious::WriteFileAtomically(path, bytes);
 }
 
-Status WriteJpeg(const cv::Mat& picture, const fs::path& path) {
+Status WriteJpeg(const cv::Mat& image, const fs::path& path) {
   constexpr int kQuality = 80;
   std::vector<unsigned char> bytes;
-  if (!cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
+  if (!cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
     return victorious::Fail(victorious::ErrorCode::kInternal, "cannot encode " + path.string());
   }
   fmt::print("{}: {} KB\n", path.string(), bytes.size() / 1024);
@@ -60,7 +60,7 @@ Status MakeAll(const fs::path& folder, const std::vector<std::string>& names) {
   }
   for (const assets::MaterialEntry& entry : assets::Materials()) {
     const fs::path path = folder / "town/ground" / (entry.name + ".jpg");
-    if (wanted(path)) VICTORIOUS_RETURN_IF_ERROR(WriteJpeg(entry.make().picture(), path));
+    if (wanted(path)) VICTORIOUS_RETURN_IF_ERROR(WriteJpeg(entry.make().image(), path));
   }
   for (const assets::TileEntry& entry : assets::Tiles()) {
     const fs::path path = folder / "town/tiles" / (entry.name + ".glb");

@@ -150,8 +150,8 @@ Bgr Weathered(const Weather& weather, const Bgr& colour, const Surface& surface)
   return Mix(colour * light, weather.dust, dust);
 }
 
-Stencil::Stencil(const cv::Mat& picture, cv::Point2d origin, double texels_per_m, Side side)
-    : pencil_(picture, origin, 0, texels_per_m), sign_a_(SignOfA(side)), sign_b_(SignOfB(side)) {}
+Stencil::Stencil(const cv::Mat& image, cv::Point2d origin, double texels_per_m, Side side)
+    : pencil_(image, origin, 0, texels_per_m), sign_a_(SignOfA(side)), sign_b_(SignOfB(side)) {}
 
 void Stencil::Fill(const std::vector<cv::Point2d>& corners, const Colour& colour) {
   std::vector<cv::Point2d> placed;

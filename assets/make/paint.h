@@ -79,8 +79,8 @@ inline const Colour kSoot{50};
 /// (x, y) in front and at the back. Text is never mirrored.
 class Stencil {
  public:
-  /// @param origin  the part's origin on `picture`, px
-  Stencil(const cv::Mat& picture, cv::Point2d origin, double texels_per_m, Side side);
+  /// @param origin  the part's origin on `image`, px
+  Stencil(const cv::Mat& image, cv::Point2d origin, double texels_per_m, Side side);
 
   void Fill(const std::vector<cv::Point2d>& corners, const Colour& colour);
   void Box(double a0, double b0, double a1, double b1, const Colour& colour);

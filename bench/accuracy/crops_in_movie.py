@@ -44,10 +44,10 @@ def index_crops(program: Program, movie: Movie, rows: list[dict], params: str | 
     """Indexes the movie with the crops as models. Returns the index."""
     work.mkdir(parents=True)
     for row in rows:
-        picture = work / f"{row['model']}.png"
-        program("frame", movie.video, "--number", row["frame"], "--out", picture)
+        image = work / f"{row['model']}.png"
+        program("frame", movie.video, "--number", row["frame"], "--out", image)
         box = ",".join(str(side) for side in row["box"])
-        program("model", "add", row["model"], picture, "--box", box, "--models", work / "models")
+        program("model", "add", row["model"], image, "--box", box, "--models", work / "models")
     db = work / "index.db"
     extra = ["--params", params] if params else []
     program("index", movie.video, "--models", work / "models", "--db", db, *extra)
@@ -97,7 +97,7 @@ def main() -> None:
     parser.add_argument("--program", default="build/victorious")
     parser.add_argument("--seeds", type=int, default=3, help="random choices of frames besides the median one")
     parser.add_argument("--params", help="parameters of the index run, JSON")
-    parser.add_argument("--work", type=Path, help="keep pictures, models and indexes here (a new folder)")
+    parser.add_argument("--work", type=Path, help="keep images, models and indexes here (a new folder)")
     arguments = parser.parse_args()
     if arguments.work and arguments.work.exists():
         parser.error(f"--work {arguments.work}: exists already; name a new folder")

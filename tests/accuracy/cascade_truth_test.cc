@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
-#include "tests/accuracy/real_pictures.h"
+#include "tests/accuracy/real_images.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/image/image_file.h"
 #include "victorious/pipeline/preset.h"
@@ -52,11 +52,11 @@ void Print(const std::string& name, const Counts& counts) {
 
 // The first image of the series is the template, each of `numbers` a scene.
 Counts CountPairs(const Series& series, const std::vector<int>& numbers, const RecognizeOptions& options = {}) {
-  const Recognizer recognizer = MakeRecognizer({MakeModel(series.name(), series.Picture(1))}, options);
+  const Recognizer recognizer = MakeRecognizer({MakeModel(series.name(), series.ReadBgr(1))}, options);
   const std::span<const Keypoint> model = recognizer.models()[0].ViewFeatures(0).keypoints;
   Counts sum;
   for (const int number : numbers) {
-    const FeatureSet scene = ExtractFeatures(GreyFromBgr(series.Picture(number)));
+    const FeatureSet scene = ExtractFeatures(GreyFromBgr(series.ReadBgr(number)));
     const Eigen::Matrix3d map = series.HomographyFromFirst(number);
     const auto count = [&](const MatchSet& matches, Verdict verdict) {
       return static_cast<int>(std::ranges::count_if(matches, [&](const Match& match) {

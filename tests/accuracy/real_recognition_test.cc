@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
-#include "tests/accuracy/real_pictures.h"
+#include "tests/accuracy/real_images.h"
 #include "victorious/image/image_file.h"
 #include "victorious/video/video_reader.h"
 
@@ -20,16 +20,16 @@ namespace {
 
 constexpr double kMinOverlap = 0.7;
 
-cv::Mat Picture(const std::string& relative) { return ReadImage(DataPath(kRecognitionData) / relative).value().bgr; }
+cv::Mat ReadBgr(const std::string& relative) { return ReadImage(DataPath(kRecognitionData) / relative).value().bgr; }
 
-Polygon WholeOf(const cv::Mat& picture) {
-  return BoxCorners({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
+Polygon WholeOf(const cv::Mat& image) {
+  return BoxCorners({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)});
 }
 
 // A scene with the name and outline of the only model in it.
 struct Scene {
   std::string name;
-  cv::Mat picture;
+  cv::Mat image;
   std::size_t model;
   Polygon outline;
 };
@@ -39,20 +39,20 @@ class RealRecognition : public ::testing::Test {
   enum Model : std::size_t { kBox, kGraf, kBoat, kWall };
 
   static std::vector<ObjectModel> Models() {
-    return {MakeModel("box", Picture("find_object/box.png")), MakeModel("graf", Series("graf").Picture(1)),
-            MakeModel("boat", Series("boat").Picture(1)), MakeModel("wall", Series("wall").Picture(1))};
+    return {MakeModel("box", ReadBgr("find_object/box.png")), MakeModel("graf", Series("graf").ReadBgr(1)),
+            MakeModel("boat", Series("boat").ReadBgr(1)), MakeModel("wall", Series("wall").ReadBgr(1))};
   }
 
   static std::vector<Scene> Scenes() {
-    const cv::Mat box = Picture("find_object/box.png");
-    const cv::Mat box_scene = Picture("find_object/box_in_scene.png");
+    const cv::Mat box = ReadBgr("find_object/box.png");
+    const cv::Mat box_scene = ReadBgr("find_object/box_in_scene.png");
     std::vector<Scene> scenes = {
         {"box in its scene", box_scene, kBox,
          Project(WholeOf(box), EstimateHomographyByOpenCv(GreyFromBgr(box), GreyFromBgr(box_scene)))}};
     const auto add = [&](const Series& series, std::size_t model, std::initializer_list<int> numbers) {
-      const Polygon whole = WholeOf(series.Picture(1));
+      const Polygon whole = WholeOf(series.ReadBgr(1));
       for (const int number : numbers) {
-        scenes.push_back({fmt::format("{} 1 in {}", series.name(), number), series.Picture(number), model,
+        scenes.push_back({fmt::format("{} 1 in {}", series.name(), number), series.ReadBgr(number), model,
                           Project(whole, series.HomographyFromFirst(number))});
       }
     };
@@ -68,10 +68,10 @@ TEST_F(RealRecognition, FindsEachModelOnceAtItsPosition) {
   const Recognizer recognizer = MakeRecognizer(Models());
   for (const Scene& scene : Scenes()) {
     SCOPED_TRACE(scene.name);
-    const std::vector<Detection> found = recognizer.Recognize(ExtractFeatures(GreyFromBgr(scene.picture))).value();
+    const std::vector<Detection> found = recognizer.Recognize(ExtractFeatures(GreyFromBgr(scene.image))).value();
     ASSERT_EQ(found.size(), 1U);
     EXPECT_EQ(found[0].model_index, scene.model);
-    const OutlineOverlap agreement = CompareOutlines(found[0].outline, scene.outline, scene.picture.size());
+    const OutlineOverlap agreement = CompareOutlines(found[0].outline, scene.outline, scene.image.size());
     fmt::print("{:<18} score {:.3f}, {:>4} inliers, overlap {:.3f} in view, {:.3f} whole\n", scene.name, found[0].score,
                found[0].fit.inliers.size(), agreement.in_view, agreement.whole);
     EXPECT_GE(agreement.in_view, kMinOverlap);

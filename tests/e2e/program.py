@@ -84,7 +84,7 @@ def index() -> Path:
     return path
 
 
-def plain_picture(path: Path, width: int = 160, height: int = 120) -> Path:
+def plain_image(path: Path, width: int = 160, height: int = 120) -> Path:
     """A uniform grey image, without features."""
     path.write_bytes(b"P6\n%d %d\n255\n" % (width, height) + b"\x80" * (3 * width * height))
     return path

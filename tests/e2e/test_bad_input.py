@@ -32,9 +32,9 @@ class VideosTest(program.ProgramTest):
         self.refuses_video(self.scratch / "none.mp4", "no such file")
         self.refuses_video(self.write("empty.mp4", ""), "empty")
         (self.scratch / "folder").mkdir()
-        self.refuses_video(self.scratch / "folder", "without pictures")
-        self.write("texts/notes.txt", "no picture")
-        self.refuses_video(self.scratch / "texts", "without pictures")
+        self.refuses_video(self.scratch / "folder", "without images")
+        self.write("texts/notes.txt", "no image")
+        self.refuses_video(self.scratch / "texts", "without images")
 
     def test_a_bad_video_beside_a_good_one_is_told_and_the_good_one_indexed(self):
         db = self.scratch / "index.db"
@@ -91,13 +91,13 @@ class PhotosTest(program.ProgramTest):
         self.refuses(2, [photo, words], "search", "--db", INDEX, "--image", photo)
         self.assertFalse(out.exists())
 
-    def test_not_a_picture(self):
+    def test_not_a_image(self):
         none, out = self.scratch / "none.png", self.scratch / "out"
         self.refuses_photo(none)
         png = CRATE.read_bytes()
         broken = [
             self.write("empty.png", ""),
-            self.write("text.jpg", "This is a text and no picture."),
+            self.write("text.jpg", "This is a text and no image."),
             self.write("cut.png", png[:40]),
             self.scratch,
             VIDEO,
@@ -110,8 +110,8 @@ class PhotosTest(program.ProgramTest):
                 self.assertFalse(out.exists())
 
     def test_nothing_on_it(self):
-        self.refuses_photo(program.plain_picture(self.scratch / "plain.ppm"), "0 features on the object")
-        self.refuses_photo(program.plain_picture(self.scratch / "one_pixel.ppm", 1, 1), "0 features on the object")
+        self.refuses_photo(program.plain_image(self.scratch / "plain.ppm"), "0 features on the object")
+        self.refuses_photo(program.plain_image(self.scratch / "one_pixel.ppm", 1, 1), "0 features on the object")
 
     def test_other_files(self):
         models = self.scratch / "models"

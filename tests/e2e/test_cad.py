@@ -127,9 +127,9 @@ class GoodTest(CadTest):
         positions = struct.pack("<12f", -x, 0, z, x, 0, z, x, 0, -z, -x, 0, -z)
         uvs = struct.pack("<8f", 0, 1, 1, 1, 1, 0, 0, 0)
         indices = struct.pack("<6H", 0, 1, 2, 0, 2, 3)
-        picture = png(128, 64, 1)
-        binary = positions + uvs + indices + picture
-        sizes = [len(positions), len(uvs), len(indices), len(picture)]
+        image = png(128, 64, 1)
+        binary = positions + uvs + indices + image
+        sizes = [len(positions), len(uvs), len(indices), len(image)]
         cad = self.write("roof.glb", glb({
             "scene": 0,
             "scenes": [{"nodes": [0]}],

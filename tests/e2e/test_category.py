@@ -136,17 +136,17 @@ class CategoryTest(program.ProgramTest):
 
     def test_feedback(self):
         model = self.train()
-        picture, name = TEST[0].split(",")[:2]
-        before = next(row for row in self.classify(model) if row["image"] == picture)["scores"][name]
-        marks = self.write("marks.csv", f"image,category,mark\n{picture},{name},wrong\n")
+        image, name = TEST[0].split(",")[:2]
+        before = next(row for row in self.classify(model) if row["image"] == image)["scores"][name]
+        marks = self.write("marks.csv", f"image,category,mark\n{image},{name},wrong\n")
         better = self.scratch / "better.vcat"
         command = ("category", "refine", "--model", model, "--images", FOLDER, "--out", better, "--list")
         self.succeeds(*command, marks)
-        after = next(row for row in self.classify(better) if row["image"] == picture)["scores"][name]
+        after = next(row for row in self.classify(better) if row["image"] == image)["scores"][name]
         self.assertLess(after, before)
         better.unlink()
         self.refuses(2, ["line 2", "no mark"], *command, self.write("no.csv", listing(TEST)))
-        self.refuses(2, "boat", *command, self.write("boat.csv", f"image,category,mark\n{picture},boat,right\n"))
+        self.refuses(2, "boat", *command, self.write("boat.csv", f"image,category,mark\n{image},boat,right\n"))
         self.assertFalse(better.exists())
 
     def test_a_cad_file_stands_for_its_kind(self):
@@ -158,7 +158,7 @@ class CategoryTest(program.ProgramTest):
         result = self.succeeds(
             "category", "train", "--images", FOLDER, "--list", rows, "--params", params, "--out", model
         )
-        self.assertIn("from 16 pictures and 1 CAD file", result.out)
+        self.assertIn("from 16 images and 1 CAD file", result.out)
         self.assertEqual({row["label"] for row in self.classify(model)}, {"background"})
 
     def test_bad_cad_files(self):
@@ -170,7 +170,7 @@ class CategoryTest(program.ProgramTest):
         self.refuses_list(["line 18", "broken.glb"], listing([*nothing, "broken.glb,jet,,,,"]))
 
     def test_bad_lists(self):
-        self.refuses_list("no pictures", "")
+        self.refuses_list("no images", "")
         self.refuses_list("no column image", "\n".join(TRAIN))
         self.refuses_list(["line 2", "no category"], "image\ntrain0.pgm\n")
         self.refuses_list(["line 2", "is empty"], listing(["train0.pgm,a,10,10,10,50"]))
@@ -180,7 +180,7 @@ class CategoryTest(program.ProgramTest):
         (FOLDER / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nand no more")
         self.refuses_list(["line 18", "broken.png"], listing([*TRAIN, "broken.png,a,,,,"]))
         self.refuses_list("one category", listing(TRAIN[::2]))
-        self.refuses_list("disc-cross: one picture", listing([*TRAIN[::2], TRAIN[1]]))
+        self.refuses_list("disc-cross: one image", listing([*TRAIN[::2], TRAIN[1]]))
 
     def test_bad_models(self):
         rows = self.write("test.csv", listing(TEST))
@@ -228,7 +228,7 @@ class CategoryTest(program.ProgramTest):
         self.refuses(2, "all are background", "index", video, "--categories", model, "--db", new, "--params", none)
         self.assertFalse(new.exists())
 
-    def test_missing_pictures(self):
+    def test_missing_images(self):
         model = self.train()
         rows = self.write("test.csv", listing([*TEST, "nowhere.png,a"]))
         self.refuses(

@@ -76,7 +76,7 @@ class FindsTest(program.ProgramTest):
         text = self.succeeds("search", "--db", program.index()).out
         self.assertEqual(len(text.splitlines()), len(rows) + 1)
 
-    def test_search_by_picture_finds_what_no_model_was_made_of(self):
+    def test_search_by_image_finds_what_no_model_was_made_of(self):
         rows = self.succeeds(
             "search", "--db", program.index(), "--image", program.flight() / "sign.png", "--json"
         ).rows()
@@ -149,8 +149,8 @@ class FindsTest(program.ProgramTest):
     def test_what_was_rejected_is_listed_with_its_reason_where_asked_for(self):
         db = self.scratch / "index.db"
         # An object that is not in the flight: all of its detections are false, and weak.
-        picture = self.write("noise.ppm", b"P6\n96 72\n255\n" + random.Random(1).randbytes(3 * 96 * 72))
-        self.succeeds("model", "add", "noise", picture, "--models", self.scratch / "models")
+        image = self.write("noise.ppm", b"P6\n96 72\n255\n" + random.Random(1).randbytes(3 * 96 * 72))
+        self.succeeds("model", "add", "noise", image, "--models", self.scratch / "models")
         params = self.write(
             "params.json",
             '{"objects.false_alarm_rate": 1, "detect.min_score": 0, "pose.min_inliers": 2, "cascade.filter": "none"}',
@@ -268,7 +268,7 @@ class IndexTest(program.ProgramTest):
         self.succeeds(*flags, "--redo")
         self.assertEqual(*(without_ids(self.export(d, "sightings")) for d in (db, program.index())))
 
-    def test_a_folder_of_pictures_is_a_video(self):
+    def test_a_folder_of_images_is_a_video(self):
         folder, db = self.scratch / "frames", self.scratch / "index.db"
         folder.mkdir()
         for number in range(3):

@@ -55,7 +55,7 @@ class DamageTest(program.ProgramTest):
         self.assertGreater(len(warnings), 0)
         self.assertGreater(len(sightings), 5)
 
-    def test_a_folder_with_a_bad_picture(self):
+    def test_a_folder_with_a_bad_image(self):
         folder = self.scratch / "frames"
         folder.mkdir()
         for number in range(4):

@@ -28,16 +28,16 @@ class FeaturesTest(program.ProgramTest):
             length = math.sqrt(sum(value * value for value in descriptor))
             self.assertTrue(400 < length < 600, length)  # a unit vector times 512, rounded and clipped
 
-    def test_places_follow_the_picture(self):
+    def test_places_follow_the_image(self):
         """White discs on black: the centre of the first pixel is at 0.5, 0.5."""
 
         def keypoints(name, cx, cy):
             rows = bytes(
                 255 if math.hypot(x + 0.5 - cx, y + 0.5 - cy) < 6 else 0 for y in range(100) for x in range(120)
             )
-            picture = self.write(name + ".pgm", b"P5\n120 100\n255\n" + rows)
+            image = self.write(name + ".pgm", b"P5\n120 100\n255\n" + rows)
             out = self.scratch / (name + ".txt")
-            self.succeeds("features", picture, "--out", out)
+            self.succeeds("features", image, "--out", out)
             return [tuple(map(float, line.split(" ")[:4])) for line in out.read_text().splitlines()[1:]]
 
         for cx, cy in ((40.0, 30.0), (80.0, 70.0), (40.5, 30.5)):
@@ -48,9 +48,9 @@ class FeaturesTest(program.ProgramTest):
             self.assertAlmostEqual(blob[1], cy, delta=0.3)
             self.assertAlmostEqual(blob[2], 6 / math.sqrt(2), delta=1.2)  # a disc's scale is its radius over root 2
 
-    def test_a_picture_without_features_has_none(self):
+    def test_a_image_without_features_has_none(self):
         out = self.scratch / "features.txt"
-        self.succeeds("features", program.plain_picture(self.scratch / "plain.ppm"), "--out", out)
+        self.succeeds("features", program.plain_image(self.scratch / "plain.ppm"), "--out", out)
         self.assertEqual(out.read_text(), "0 128\n")
 
     def test_engine_and_parameters(self):

@@ -55,7 +55,7 @@ class MatchTest(program.ProgramTest):
         self.assertLess(counts[0], counts[1])
 
     def test_nothing_in_common_is_a_result(self):
-        plain = program.plain_picture(self.scratch / "plain.ppm")
+        plain = program.plain_image(self.scratch / "plain.ppm")
         told = self.match(plain, self.template)
         self.assertEqual([stage["name"] for stage in told["stages"]], STAGES)
         self.assertIsNone(told["similarity"])

@@ -190,7 +190,7 @@ class NavigateTest(program.ProgramTest):
 
     def test_nothing_seen_is_nothing_known(self):
         landmarks = true_landmarks()[:1]
-        grey = program.plain_picture(self.scratch / "grey.ppm")
+        grey = program.plain_image(self.scratch / "grey.ppm")
         out = self.scratch / "camera.csv"
         flags = ("--landmarks", self.list_of(landmarks), "--models", flight() / "models", "--out", out, "--hfov", "20")
         done = self.succeeds("navigate", grey, *flags)
@@ -234,7 +234,7 @@ class BadInputTest(program.ProgramTest):
     def test_bad_lines_among_good_ones_are_told(self):
         landmarks = self.list_of({}, {"altitude_m": "high"}, {"model": "zeppelin"})
         out = self.scratch / "camera.csv"
-        grey = program.plain_picture(self.scratch / "grey.ppm")
+        grey = program.plain_image(self.scratch / "grey.ppm")
         done = self.succeeds(
             "navigate", grey, "--landmarks", landmarks, "--models", flight() / "models", "--out", out, "--hfov", "20"
         )

@@ -38,9 +38,9 @@ void ParseAndUse(std::span<const std::byte> bytes) {
     VICTORIOUS_CHECK(model.error().message.find('\n') == std::string::npos);
     return;
   }
-  const victorious::QuantisedImage picture = QuantiseFeatures(*model, SomeFeatures(1));
+  const victorious::QuantisedImage image = QuantiseFeatures(*model, SomeFeatures(1));
   for (const auto method : {victorious::CategoryMethod::kPhrases, victorious::CategoryMethod::kWords}) {
-    const auto result = Classify(*model, picture, method);
+    const auto result = Classify(*model, image, method);
     VICTORIOUS_CHECK(result.scores.size() == model->nodes.size());
   }
   VICTORIOUS_CHECK(victorious::ParseCategoryModel(EncodeCategoryModel(*model), "again").has_value());
@@ -70,7 +70,7 @@ std::vector<std::string> FuzzSeeds() {
   std::vector<victorious::CategoryExample> examples;
   for (int i = 0; i < 6; ++i)
     examples.push_back(
-        {.category = i % 2 == 0 ? "a" : "b/c", .features = SomeFeatures(static_cast<std::uint64_t>(i)), .picture = i});
+        {.category = i % 2 == 0 ? "a" : "b/c", .features = SomeFeatures(static_cast<std::uint64_t>(i)), .image = i});
   std::vector<std::string> seeds = {"image,category,x0,y0,x1,y1\na.jpg,b,1,2,3,4\n\"c,d\",e,,,,\n",
                                     "image,mark\na.png,right\nb.png,wrong\n"};
   using victorious::CategoryScoring;

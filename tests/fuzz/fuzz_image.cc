@@ -30,9 +30,9 @@ std::vector<std::string> FuzzSeeds() {
   color.convertTo(deep, CV_16U, 257);
   const cv::Mat grey = victorious::GreyFromBgr(color);
   std::vector<std::string> seeds;
-  const auto add = [&](const char* extension, const cv::Mat& picture) {
+  const auto add = [&](const char* extension, const cv::Mat& image) {
     std::vector<unsigned char> bytes;
-    VICTORIOUS_CHECK(cv::imencode(extension, picture, bytes));
+    VICTORIOUS_CHECK(cv::imencode(extension, image, bytes));
     seeds.emplace_back(bytes.begin(), bytes.end());
   };
   for (const char* extension : {".png", ".jpg", ".tif", ".bmp", ".ppm"}) add(extension, color);

@@ -82,14 +82,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   // As the whole section, and as an image with a matching size.
   std::string sized(sizeof(std::uint32_t), '\0');
-  const auto picture_size = static_cast<std::uint32_t>(size);
-  std::memcpy(sized.data(), &picture_size, sizeof(picture_size));
+  const auto image_size = static_cast<std::uint32_t>(size);
+  std::memcpy(sized.data(), &image_size, sizeof(image_size));
   sized.append(reinterpret_cast<const char*>(data), size);
   for (const char* tag : {"thumbs", "surfaces"}) {
-    for (const std::span<const std::byte> pictures : {input, Bytes(sized)}) {
-      const std::array pictured = {Section{"metadata", Bytes(description)}, Section{"keypoint", keypoints},
-                                   Section{"descript", descriptors}, Section{tag, pictures}};
-      ParseAndUse(victorious::EncodeSections(pictured));
+    for (const std::span<const std::byte> images : {input, Bytes(sized)}) {
+      const std::array sections = {Section{"metadata", Bytes(description)}, Section{"keypoint", keypoints},
+                                   Section{"descript", descriptors}, Section{tag, images}};
+      ParseAndUse(victorious::EncodeSections(sections));
     }
   }
   return 0;

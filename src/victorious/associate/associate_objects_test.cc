@@ -41,7 +41,7 @@ struct SimulatedTracklet {
   Eigen::Vector3d camera_bias_enu{0, 0, 0};  // error of telemetry
 };
 
-ObservedTracklet RunOf(const SimulatedTracklet& seen) {
+ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
   Random random(static_cast<std::uint64_t>(seen.id));
   const TangentPlane plane(kOrigin);
   ObservedTracklet tracklet{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
@@ -77,11 +77,11 @@ ObservedTracklet RunOf(const SimulatedTracklet& seen) {
 std::vector<ObjectRecord> ObjectsFrom(const std::vector<SimulatedTracklet>& things, const ObjectOptions& options = {},
                                       std::int64_t frames_searched = 100) {
   std::vector<ObservedTracklet> tracklets;
-  for (const SimulatedTracklet& thing : things) tracklets.push_back(RunOf(thing));
+  for (const SimulatedTracklet& thing : things) tracklets.push_back(SimulateTracklet(thing));
   return AssociateTracklets(std::move(tracklets), frames_searched, options);
 }
 
-std::vector<std::vector<std::int64_t>> RunsOf(const std::vector<ObjectRecord>& objects) {
+std::vector<std::vector<std::int64_t>> TrackletsOf(const std::vector<ObjectRecord>& objects) {
   std::vector<std::vector<std::int64_t>> tracklets;
   for (const ObjectRecord& object : objects) tracklets.push_back(object.tracklets);
   return tracklets;
@@ -106,7 +106,7 @@ TEST(AssociateTracklets, WithoutTelemetryEachTrackletIsAnObjectWithoutPlace) {
   ObservedTracklet a{.record = {.id = 1, .video = 1, .model = 1}, .frames = {0, 1}};
   ObservedTracklet b{.record = {.id = 2, .video = 1, .model = 1}, .frames = {50, 51}};
   const auto objects = AssociateTracklets({a, b}, 0, {});
-  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2)));
+  EXPECT_THAT(TrackletsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2)));
   EXPECT_FALSE(objects[0].place);
   EXPECT_FALSE(objects[0].heading_rad);
   EXPECT_EQ(objects[0].rejected, "");
@@ -114,32 +114,33 @@ TEST(AssociateTracklets, WithoutTelemetryEachTrackletIsAnObjectWithoutPlace) {
 
 TEST(AssociateTracklets, ReappearanceAtSamePlaceIsSameObject) {
   EXPECT_THAT(
-      RunsOf(ObjectsFrom({{.id = 1, .first_frame = 0, .frames = 20}, {.id = 2, .first_frame = 70, .frames = 20}})),
+      TrackletsOf(ObjectsFrom({{.id = 1, .first_frame = 0, .frames = 20}, {.id = 2, .first_frame = 70, .frames = 20}})),
       ElementsAre(ElementsAre(1, 2)));
 }
 
 TEST(AssociateTracklets, InstancesTenMetresApartAreNotMerged) {
   // Observed at different times, never in one frame.
-  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {-5, 0, 1}, .frames = 20},
-                                  {.id = 2, .place_enu = {5, 0, 1}, .first_frame = 30, .frames = 20}})),
+  EXPECT_THAT(TrackletsOf(ObjectsFrom({{.id = 1, .place_enu = {-5, 0, 1}, .frames = 20},
+                                       {.id = 2, .place_enu = {5, 0, 1}, .first_frame = 30, .frames = 20}})),
               ElementsAre(ElementsAre(1), ElementsAre(2)));
 }
 
 TEST(AssociateTracklets, TrackletsWithCommonFramesAreNotMerged) {
-  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {0, 0, 1}}, {.id = 2, .place_enu = {2, 0, 1}}})),
+  EXPECT_THAT(TrackletsOf(ObjectsFrom({{.id = 1, .place_enu = {0, 0, 1}}, {.id = 2, .place_enu = {2, 0, 1}}})),
               ElementsAre(ElementsAre(1), ElementsAre(2)));
 }
 
 TEST(AssociateTracklets, TrackletsOfDifferentModelsAreNotMerged) {
-  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .frames = 20}, {.id = 2, .model = 2, .first_frame = 30, .frames = 10}})),
-              ElementsAre(ElementsAre(1), ElementsAre(2)));
+  EXPECT_THAT(
+      TrackletsOf(ObjectsFrom({{.id = 1, .frames = 20}, {.id = 2, .model = 2, .first_frame = 30, .frames = 10}})),
+      ElementsAre(ElementsAre(1), ElementsAre(2)));
 }
 
 TEST(AssociateTracklets, MovingObjectIsMergedAtItsPredictedPlace) {
   const Eigen::Vector3d velocity(-4, 3, 0);
   const auto objects = ObjectsFrom({{.id = 1, .velocity_enu = velocity, .frames = 30},
                                     {.id = 2, .velocity_enu = velocity, .first_frame = 45, .frames = 30}});
-  ASSERT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1, 2)));
+  ASSERT_THAT(TrackletsOf(objects), ElementsAre(ElementsAre(1, 2)));
   EXPECT_LT((*objects[0].place->velocity_enu - velocity).norm(), 0.3);
   EXPECT_NEAR(objects[0].place->time_s, 7.4, 1e-9);
   EXPECT_LT((EstimatePlace(objects[0]) - Eigen::Vector3d(-29.6, 22.2, 1)).norm(), 1.5);
@@ -154,7 +155,7 @@ TEST(AssociateTracklets, SameObjectInTwoVideosIsMerged) {
                                      .camera_from_m = 60,
                                      .camera_speed_m_s = -9,
                                      .camera_bias_enu = {1.5, -1, 0.5}}});
-  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2, 3)));
+  EXPECT_THAT(TrackletsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2, 3)));
 }
 
 TEST(AssociateTracklets, ResultDoesNotDependOnTrackletOrder) {
@@ -163,10 +164,10 @@ TEST(AssociateTracklets, ResultDoesNotDependOnTrackletOrder) {
     things.push_back({.id = i + 1, .place_enu = {6.0 * (i % 3), 8, 1}, .first_frame = 40 * (i / 3), .frames = 25});
   }
   const auto objects = ObjectsFrom(things);
-  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1, 4), ElementsAre(2, 5), ElementsAre(3, 6)));
+  EXPECT_THAT(TrackletsOf(objects), ElementsAre(ElementsAre(1, 4), ElementsAre(2, 5), ElementsAre(3, 6)));
   std::ranges::reverse(things);
   const auto again = ObjectsFrom(things);
-  ASSERT_EQ(RunsOf(again), RunsOf(objects));
+  ASSERT_EQ(TrackletsOf(again), TrackletsOf(objects));
   for (std::size_t i = 0; i < objects.size(); ++i) EXPECT_EQ(again[i].place->point, objects[i].place->point);
 }
 
@@ -263,7 +264,7 @@ TEST(AssociateTracklets, OfCoincidentObjectsTheLessObservedIsRejected) {
 }
 
 // A tracklet without a place, of a model, in a box that moves to the right.
-ObservedTracklet InThePicture(std::int64_t id, int frames, double x) {
+ObservedTracklet MovingBox(std::int64_t id, int frames, double x) {
   ObservedTracklet tracklet{
       .record = {.id = id, .object = id, .video = 1, .model = id, .score = 0.99, .frames = frames},
       .is_cad_model = true};
@@ -283,24 +284,24 @@ std::vector<std::string> RejectionsOf(std::vector<ObservedTracklet> tracklets) {
 }
 
 TEST(AssociateTracklets, OfOverlappingCadObjectsTheLessObservedIsRejected) {
-  EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 58)}),
+  EXPECT_THAT(RejectionsOf({MovingBox(1, 12, 50), MovingBox(2, 30, 58)}),
               ElementsAre("in the same pixels as object 2", ""));
 }
 
 TEST(AssociateTracklets, AdjacentOrBrieflyOverlappingObjectsAreNotRejected) {
-  EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 90)}), ElementsAre("", ""));
-  ObservedTracklet passing = InThePicture(1, 12, 50);
+  EXPECT_THAT(RejectionsOf({MovingBox(1, 12, 50), MovingBox(2, 30, 90)}), ElementsAre("", ""));
+  ObservedTracklet passing = MovingBox(1, 12, 50);
   for (std::size_t i = 5; i < passing.boxes.size(); ++i) passing.boxes[i].y = 300;
-  EXPECT_THAT(RejectionsOf({passing, InThePicture(2, 30, 50)}), ElementsAre("", ""));
-  ObservedTracklet elsewhere = InThePicture(1, 12, 50);
+  EXPECT_THAT(RejectionsOf({passing, MovingBox(2, 30, 50)}), ElementsAre("", ""));
+  ObservedTracklet elsewhere = MovingBox(1, 12, 50);
   elsewhere.record.video = 2;
-  EXPECT_THAT(RejectionsOf({elsewhere, InThePicture(2, 30, 50)}), ElementsAre("", ""));
+  EXPECT_THAT(RejectionsOf({elsewhere, MovingBox(2, 30, 50)}), ElementsAre("", ""));
 }
 
 TEST(AssociateTracklets, OverlappingPhotoModelIsNotRejected) {
-  ObservedTracklet photo = InThePicture(1, 12, 50);
+  ObservedTracklet photo = MovingBox(1, 12, 50);
   photo.is_cad_model = false;
-  EXPECT_THAT(RejectionsOf({photo, InThePicture(2, 30, 50)}), ElementsAre("", ""));
+  EXPECT_THAT(RejectionsOf({photo, MovingBox(2, 30, 50)}), ElementsAre("", ""));
 }
 
 TEST(AssociateTracklets, CategoriesHaveAPlaceAndRejectNoObject) {
@@ -315,7 +316,7 @@ TEST(AssociateTracklets, CategoriesHaveAPlaceAndRejectNoObject) {
 
 TEST(AssociateTracklets, CategoryWithNonIntersectingLinesHasNoPlace) {
   SimulatedTracklet seen{.id = 1, .is_category = true, .noise_rad = 0.3};
-  ObservedTracklet tracklet = RunOf(seen);
+  ObservedTracklet tracklet = SimulateTracklet(seen);
   for (BearingObservation& observation : tracklet.observations) observation.line.sigma_rad = 1e-4;
   const auto objects = AssociateTracklets({tracklet}, 0, {});
   EXPECT_EQ(objects[0].rejected, "");

@@ -61,8 +61,8 @@ struct CategoryResult {
 };
 
 /// Scores an image on all nodes and selects its label.
-/// @param picture  made by QuantiseFeatures with this model
-CategoryResult Classify(const CategoryModel& model, const QuantisedImage& picture, CategoryMethod method);
+/// @param image  made by QuantiseFeatures with this model
+CategoryResult Classify(const CategoryModel& model, const QuantisedImage& image, CategoryMethod method);
 
 /// Quantises an image's features with the model's vocabulary, and computes its Fisher vector and its shape vector if
 /// the model has these encoders.

@@ -34,20 +34,20 @@ TEST(CategoryModel, PhrasesSeparateCategoriesWithEqualWordCounts) {
 }
 
 // Examples with a mirrored copy of each image, as recognize/ makes them.
-std::vector<CategoryExample> WithMirrorImages(int pictures_each, bool mirrored_pairs) {
+std::vector<CategoryExample> WithMirrorImages(int images_each, bool mirrored_pairs) {
   Random random(11);
   std::vector<CategoryExample> examples;
-  for (int i = 0; i < 2 * pictures_each; ++i) {
-    cv::Mat picture = testing::DrawPair(mirrored_pairs ? i % 2 == 0 : true, random);
+  for (int i = 0; i < 2 * images_each; ++i) {
+    cv::Mat image = testing::DrawPair(mirrored_pairs ? i % 2 == 0 : true, random);
     // If all pairs have the same order, the second category is the image rotated by 90 degrees.
-    if (!mirrored_pairs && i % 2 == 1) cv::rotate(picture, picture, cv::ROTATE_90_CLOCKWISE);
+    if (!mirrored_pairs && i % 2 == 1) cv::rotate(image, image, cv::ROTATE_90_CLOCKWISE);
     const std::string category = i % 2 == 0 ? "cross-disc" : "disc-cross";
     for (const bool mirrored : {false, true}) {
-      cv::Mat seen = picture;
-      if (mirrored) cv::flip(picture, seen, 1);
+      cv::Mat seen = image;
+      if (mirrored) cv::flip(image, seen, 1);
       examples.push_back({.category = category,
                           .features = DenseFeatures(seen, testing::CoarseGrid()),
-                          .picture = i,
+                          .image = i,
                           .used_for_training = true,
                           .used_for_calibration = !mirrored,
                           .mirrored = mirrored});
@@ -182,7 +182,7 @@ TEST(CategoryModel, HierarchyHasAScorePerLevel) {
     cv::Mat noise(120, 160, CV_8UC1);
     for (auto& pixel : cv::Mat_<std::uint8_t>(noise)) pixel = static_cast<std::uint8_t>(random.Below(256));
     examples.push_back(
-        {.category = "noise", .features = DenseFeatures(noise, testing::CoarseGrid()), .picture = 100 + i});
+        {.category = "noise", .features = DenseFeatures(noise, testing::CoarseGrid()), .image = 100 + i});
   }
   for (const CategoryScoring scoring : {CategoryScoring::kLinear, CategoryScoring::kLikelihood}) {
     const auto model = TrainCategories(examples, SmallOptions(scoring));
@@ -190,7 +190,7 @@ TEST(CategoryModel, HierarchyHasAScorePerLevel) {
     std::vector<std::string> names;
     for (const CategoryNode& node : model->nodes) names.push_back(node.name);
     EXPECT_THAT(names, ElementsAre("noise", "pair", "pair/cross-disc", "pair/disc-cross"));
-    EXPECT_FALSE(model->nodes[1].can_be_label) << "no picture was named by it";
+    EXPECT_FALSE(model->nodes[1].can_be_label) << "no image was named by it";
     const auto scores =
         Classify(*model, QuantiseFeatures(*model, examples[0].features), CategoryMethod::kPhrases).scores;
     EXPECT_GT(scores[1].probability, 0.5) << ToText(kCategoryScoringTexts, scoring);
@@ -214,7 +214,7 @@ TEST(CategoryModel, ErrorsNameWhatIsMissing) {
   const auto examples = DrawExamples(3, 1);
   EXPECT_THAT(refusal({}), HasSubstr("no categories"));
   EXPECT_THAT(refusal({examples[0], examples[2]}), HasSubstr("at least two"));
-  EXPECT_THAT(refusal({examples[0], examples[2], examples[1]}), HasSubstr("category disc-cross: one picture"));
+  EXPECT_THAT(refusal({examples[0], examples[2], examples[1]}), HasSubstr("category disc-cross: one image"));
   auto unnamed = examples;
   unnamed[0].category = "a//b";
   EXPECT_THAT(refusal(unnamed), HasSubstr("a//b"));

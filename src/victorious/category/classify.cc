@@ -11,12 +11,12 @@ QuantisedImage QuantiseFeatures(const CategoryModel& model, const FeatureSet& fe
   return QuantiseFeatures(features, model.vocabulary, words_per_keypoint);
 }
 
-CategoryResult Classify(const CategoryModel& model, const QuantisedImage& picture, CategoryMethod method) {
+CategoryResult Classify(const CategoryModel& model, const QuantisedImage& image, CategoryMethod method) {
   VICTORIOUS_CHECK(!model.nodes.empty());
   const LinearModel* linear = model.linear();
-  const std::vector<double> raw = linear != nullptr ? LinearScores(*linear, picture, method)
+  const std::vector<double> raw = linear != nullptr ? LinearScores(*linear, image, method)
                                                     : ThesisScores(std::get<ThesisModel>(model.classifier), model.nodes,
-                                                                   model.options.thesis, picture, method);
+                                                                   model.options.thesis, image, method);
   CategoryResult result;
   double best = -1;
   for (std::size_t n = 0; n < raw.size(); ++n) {

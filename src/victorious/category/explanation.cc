@@ -12,9 +12,9 @@
 namespace victorious {
 namespace {
 
-std::vector<PhraseContribution> ContributionsTo(const LinearModel& model, const QuantisedImage& picture,
+std::vector<PhraseContribution> ContributionsTo(const LinearModel& model, const QuantisedImage& image,
                                                 std::span<const CategoryNode> /*nodes*/, std::size_t node) {
-  const auto phrases = FindPhrases(picture, model.cluster_of_word, model.word_clusters);
+  const auto phrases = FindPhrases(image, model.cluster_of_word, model.word_clusters);
   const SparseVector counts = CountPhrases(phrases, model.word_clusters);
   const SparseVector values = Hellinger(counts);
   std::vector<float> each(PhraseCount(model.word_clusters));  // contribution of one occurrence of each phrase
@@ -28,13 +28,13 @@ std::vector<PhraseContribution> ContributionsTo(const LinearModel& model, const 
   return contributions;
 }
 
-std::vector<PhraseContribution> ContributionsTo(const ThesisModel& model, const QuantisedImage& picture,
+std::vector<PhraseContribution> ContributionsTo(const ThesisModel& model, const QuantisedImage& image,
                                                 std::span<const CategoryNode> nodes, std::size_t node) {
   std::vector<PhraseContribution> contributions;
   double sum = 0;
   for (std::size_t z = 0; z < model.topic_nodes.size(); ++z) {
     if (!IsWithin(nodes[model.topic_nodes[z]].name, nodes[node].name)) continue;
-    for (const FoundPhrase& phrase : model.grammars[z].Phrases(picture)) {
+    for (const FoundPhrase& phrase : model.grammars[z].Phrases(image)) {
       contributions.push_back({phrase.i, phrase.j, phrase.likelihood});
       sum += phrase.likelihood;
     }
@@ -46,18 +46,18 @@ std::vector<PhraseContribution> ContributionsTo(const ThesisModel& model, const 
 constexpr int kCellsAcross = 32;  // of the grid, along the longer side
 
 // Contributions summed per grid cell of the image, minus the mean over cells.
-cv::Mat_<double> ContributionGrid(const std::vector<PhraseContribution>& contributions, const QuantisedImage& picture,
+cv::Mat_<double> ContributionGrid(const std::vector<PhraseContribution>& contributions, const QuantisedImage& image,
                                   double cell_px) {
-  cv::Mat_<double> grid(std::max(1, static_cast<int>(std::ceil(picture.height / cell_px))),
-                        std::max(1, static_cast<int>(std::ceil(picture.width / cell_px))), 0.0);
+  cv::Mat_<double> grid(std::max(1, static_cast<int>(std::ceil(image.height / cell_px))),
+                        std::max(1, static_cast<int>(std::ceil(image.width / cell_px))), 0.0);
   const auto add = [&](const Keypoint& keypoint, double weight) {
     const int row = std::clamp(static_cast<int>(keypoint.y / cell_px), 0, grid.rows - 1);
     const int column = std::clamp(static_cast<int>(keypoint.x / cell_px), 0, grid.cols - 1);
     grid(row, column) += weight;
   };
   for (const PhraseContribution& one : contributions) {
-    add(picture.keypoints[one.i], one.weight / 2);
-    add(picture.keypoints[one.j], one.weight / 2);
+    add(image.keypoints[one.i], one.weight / 2);
+    add(image.keypoints[one.j], one.weight / 2);
   }
   grid -= cv::mean(grid)[0];
   return grid;
@@ -93,24 +93,23 @@ cv::Rect BestRectangle(const cv::Mat_<double>& grid) {
 
 }  // namespace
 
-std::vector<PhraseContribution> ComputeContributions(const CategoryModel& model, const QuantisedImage& picture,
+std::vector<PhraseContribution> ComputeContributions(const CategoryModel& model, const QuantisedImage& image,
                                                      std::size_t node) {
   VICTORIOUS_CHECK(node < model.nodes.size());
-  auto contributions =
-      std::visit([&](const auto& classifier) { return ContributionsTo(classifier, picture, model.nodes, node); },
-                 model.classifier);
+  auto contributions = std::visit(
+      [&](const auto& classifier) { return ContributionsTo(classifier, image, model.nodes, node); }, model.classifier);
   std::ranges::stable_sort(contributions, std::ranges::greater(), &PhraseContribution::weight);
   return contributions;
 }
 
-Box SupportingBox(const std::vector<PhraseContribution>& contributions, const QuantisedImage& picture) {
-  const double cell_px = std::max(1.0, std::max(picture.width, picture.height) / static_cast<double>(kCellsAcross));
-  const cv::Rect cells = BestRectangle(ContributionGrid(contributions, picture, cell_px));
+Box SupportingBox(const std::vector<PhraseContribution>& contributions, const QuantisedImage& image) {
+  const double cell_px = std::max(1.0, std::max(image.width, image.height) / static_cast<double>(kCellsAcross));
+  const cv::Rect cells = BestRectangle(ContributionGrid(contributions, image, cell_px));
   const Box box{cells.x * cell_px, cells.y * cell_px, cells.width * cell_px, cells.height * cell_px};
-  return Intersection(box, FrameBox(picture.width, picture.height));
+  return Intersection(box, FrameBox(image.width, image.height));
 }
 
-cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& picture,
+cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& image,
                           const std::vector<PhraseContribution>& contributions, const std::string& caption) {
   constexpr double kDim = 0.55;
   constexpr std::size_t kDrawn = 150;
@@ -126,13 +125,13 @@ cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& picture,
     if (contributions[k].weight <= 0) continue;
     const double strength = contributions[k].weight / contributions.front().weight;
     const cv::Scalar colour(0, 100 + 155 * strength, 255 * strength);
-    const cv::Point2f a = place(picture.keypoints[contributions[k].i]);
-    const cv::Point2f b = place(picture.keypoints[contributions[k].j]);
+    const cv::Point2f a = place(image.keypoints[contributions[k].i]);
+    const cv::Point2f b = place(image.keypoints[contributions[k].j]);
     cv::line(canvas, a, b, colour, 1, cv::LINE_AA);
     cv::circle(canvas, a, 2, colour, cv::FILLED, cv::LINE_AA);
     cv::circle(canvas, b, 2, colour, cv::FILLED, cv::LINE_AA);
   }
-  const Box box = SupportingBox(contributions, picture);
+  const Box box = SupportingBox(contributions, image);
   cv::rectangle(canvas, cv::Rect2d(box.x * zoom, box.y * zoom, box.width * zoom, box.height * zoom), {255, 255, 0}, 2);
   constexpr int kCaptionPx = 26;
   cv::Mat framed;

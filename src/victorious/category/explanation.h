@@ -22,18 +22,18 @@ struct PhraseContribution {
 };
 
 /// Returns all phrases with a non-zero contribution to the node, by decreasing weight.
-std::vector<PhraseContribution> ComputeContributions(const CategoryModel& model, const QuantisedImage& picture,
+std::vector<PhraseContribution> ComputeContributions(const CategoryModel& model, const QuantisedImage& image,
                                                      std::size_t node);
 
 /// Localises the category: returns the box (px) that maximises the sum of contributions above the image's mean, on a
 /// grid of 32 cells along the longer side (maximum-sum rectangle by Kadane's algorithm). Returns the whole image if the
 /// contributions are uniform or empty.
 /// Cost: about 0.1 ms plus the accumulation of the contributions.
-Box SupportingBox(const std::vector<PhraseContribution>& contributions, const QuantisedImage& picture);
+Box SupportingBox(const std::vector<PhraseContribution>& contributions, const QuantisedImage& image);
 
 /// Draws the phrases with the largest positive contributions (brightness proportional to the weight), the supporting
 /// box and a caption on the image. Returns CV_8UC3, at least 480 px wide.
-cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& picture,
+cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& image,
                           const std::vector<PhraseContribution>& contributions, const std::string& caption);
 
 }  // namespace victorious

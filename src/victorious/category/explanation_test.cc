@@ -13,32 +13,32 @@ TEST(ComputeContributions, SumToThePhraseScore) {
   const auto model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions());
   ASSERT_TRUE(model.has_value());
   const auto examples = testing::DrawExamples(1, 9);
-  const QuantisedImage picture = QuantiseFeatures(*model, examples[0].features);
-  const auto evidence = ComputeContributions(*model, picture, 0);
+  const QuantisedImage image = QuantiseFeatures(*model, examples[0].features);
+  const auto evidence = ComputeContributions(*model, image, 0);
   ASSERT_FALSE(evidence.empty());
   EXPECT_TRUE(std::ranges::is_sorted(evidence, std::ranges::greater(), &PhraseContribution::weight));
   double sum = 0;
   for (const PhraseContribution& one : evidence) sum += one.weight;
   const LinearWeights& weights = model->linear()->phrase_weights[0];
-  double rest = weights.offset + weights.fisher.dot(picture.fisher);
-  for (const auto& [word, value] : Hellinger(CountWords(picture, model->vocabulary.size())))
+  double rest = weights.offset + weights.fisher.dot(image.fisher);
+  for (const auto& [word, value] : Hellinger(CountWords(image, model->vocabulary.size())))
     rest += static_cast<double>(weights.words(word)) * value;
-  EXPECT_NEAR(sum + rest, Classify(*model, picture, CategoryMethod::kPhrases).scores[0].raw, 1e-4);
+  EXPECT_NEAR(sum + rest, Classify(*model, image, CategoryMethod::kPhrases).scores[0].raw, 1e-4);
 }
 
 TEST(SupportingBox, EnclosesContributingPhrases) {
-  QuantisedImage picture{.width = 320, .height = 160};
+  QuantisedImage image{.width = 320, .height = 160};
   std::vector<PhraseContribution> evidence;
   for (int x = 5; x < 320; x += 10)
-    for (int y = 5; y < 160; y += 10) picture.keypoints.push_back({static_cast<float>(x), static_cast<float>(y), 2, 0});
-  for (std::uint32_t i = 0; i < picture.size(); ++i) {
-    const Keypoint& k = picture.keypoints[i];
+    for (int y = 5; y < 160; y += 10) image.keypoints.push_back({static_cast<float>(x), static_cast<float>(y), 2, 0});
+  for (std::uint32_t i = 0; i < image.size(); ++i) {
+    const Keypoint& k = image.keypoints[i];
     const bool inside = k.x > 100 && k.x < 200 && k.y > 40 && k.y < 120;
     evidence.push_back({i, i, inside ? 1.0 : -0.1});
   }
-  const Box box = SupportingBox(evidence, picture);
+  const Box box = SupportingBox(evidence, image);
   EXPECT_GT(IntersectionOverUnion(box, {100, 40, 100, 80}), 0.9);
-  EXPECT_EQ(SupportingBox({}, picture), (Box{0, 0, 320, 160}));
+  EXPECT_EQ(SupportingBox({}, image), (Box{0, 0, 320, 160}));
 }
 
 TEST(DrawContributions, WorksForBothScorings) {
@@ -49,10 +49,10 @@ TEST(DrawContributions, WorksForBothScorings) {
   for (const CategoryScoring scoring : {CategoryScoring::kLinear, CategoryScoring::kLikelihood}) {
     const auto model = TrainCategories(testing::DrawExamples(4, 1), testing::SmallOptions(scoring));
     ASSERT_TRUE(model.has_value());
-    const QuantisedImage picture = QuantiseFeatures(*model, DenseFeatures(grey, testing::CoarseGrid()));
-    const auto evidence = ComputeContributions(*model, picture, 0);
+    const QuantisedImage image = QuantiseFeatures(*model, DenseFeatures(grey, testing::CoarseGrid()));
+    const auto evidence = ComputeContributions(*model, image, 0);
     EXPECT_FALSE(evidence.empty());
-    const cv::Mat drawn = DrawContributions(bgr, picture, evidence, "caption");
+    const cv::Mat drawn = DrawContributions(bgr, image, evidence, "caption");
     EXPECT_GE(drawn.cols, 480);
   }
   const QuantisedImage nothing{.width = 160, .height = 120};

@@ -24,14 +24,14 @@ double Accuracy(const CategoryModel& model, std::span<const CategoryExample> exa
 }
 
 // The same two shapes with inverted contrast: bright discs, dark crosses.
-std::vector<CategoryExample> DrawNegatives(int pictures_each, std::uint64_t seed) {
+std::vector<CategoryExample> DrawNegatives(int images_each, std::uint64_t seed) {
   Random random(seed);
   std::vector<CategoryExample> examples;
-  for (int i = 0; i < 2 * pictures_each; ++i) {
+  for (int i = 0; i < 2 * images_each; ++i) {
     const cv::Mat negative = 255 - testing::DrawPair(i % 2 == 0, random);
     examples.push_back({.category = i % 2 == 0 ? "cross-disc" : "disc-cross",
                         .features = DenseFeatures(negative, testing::CoarseGrid()),
-                        .picture = i});
+                        .image = i});
   }
   return examples;
 }

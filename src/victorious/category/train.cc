@@ -23,7 +23,7 @@ Status CheckName(const std::string& name) {
 
 Status CheckExamples(std::span<const CategoryExample> examples) {
   struct TrainingData {
-    std::set<int> pictures;
+    std::set<int> images;
     std::size_t features = 0;
   };
   std::map<std::string, TrainingData> categories;
@@ -31,7 +31,7 @@ Status CheckExamples(std::span<const CategoryExample> examples) {
     VICTORIOUS_RETURN_IF_ERROR(CheckName(example.category));
     if (!example.used_for_training) continue;
     TrainingData& training_data = categories[example.category];
-    training_data.pictures.insert(example.picture);
+    training_data.images.insert(example.image);
     training_data.features += example.features.size();
   }
   if (categories.size() < 2) {
@@ -41,12 +41,12 @@ Status CheckExamples(std::span<const CategoryExample> examples) {
                             categories.empty() ? "no categories" : "one category"));
   }
   for (const auto& [name, training_data] : categories) {
-    if (training_data.pictures.size() < 2)
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("category {}: one picture; at least two are needed", name));
+    if (training_data.images.size() < 2)
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("category {}: one image; at least two are needed", name));
     if (training_data.features == 0)
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("category {}: no features in any of its {} images; larger or sharper images are needed",
-                              name, training_data.pictures.size()));
+                              name, training_data.images.size()));
   }
   return {};
 }

@@ -26,7 +26,7 @@ struct Level {
   double side = 0;  // side of its windows, px of the image before resampling
   cv::Size size;
   FeatureSet features;
-  QuantisedImage picture;  // quantised features, without a Fisher vector
+  QuantisedImage image;  // quantised features, without a Fisher vector
   std::vector<Row> rows;
 };
 
@@ -42,25 +42,25 @@ std::vector<Row> FindRows(const std::vector<Keypoint>& keypoints) {
   return rows;
 }
 
-cv::Size LevelSize(const cv::Size& picture, double side, int side_px) {
+cv::Size LevelSize(const cv::Size& image, double side, int side_px) {
   const double scale = side_px / side;
-  return {std::max(side_px, cvRound(picture.width * scale)), std::max(side_px, cvRound(picture.height * scale))};
+  return {std::max(side_px, cvRound(image.width * scale)), std::max(side_px, cvRound(image.height * scale))};
 }
 
-double DownscaleFactor(const cv::Size& picture, const WindowOptions& options) {
-  return std::min(1.0, static_cast<double>(options.max_side_px) / std::max(picture.width, picture.height));
+double DownscaleFactor(const cv::Size& image, const WindowOptions& options) {
+  return std::min(1.0, static_cast<double>(options.max_side_px) / std::max(image.width, image.height));
 }
 
 Level MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, const DenseOptions& dense,
                 const WindowOptions& options) {
   Level level{
-      .side = side, .size = LevelSize(grey.size(), side, options.side_px), .features = {}, .picture = {}, .rows = {}};
+      .side = side, .size = LevelSize(grey.size(), side, options.side_px), .features = {}, .image = {}, .rows = {}};
   cv::Mat resampled;
   cv::resize(grey, resampled, level.size, 0, 0, side > options.side_px ? cv::INTER_AREA : cv::INTER_LINEAR);
   DenseOptions at_this_size = dense;
   at_this_size.max_side_px = std::max(level.size.width, level.size.height);
   level.features = DenseFeatures(resampled, at_this_size);
-  level.picture = QuantiseFeatures(level.features, model.vocabulary, model.options.vocabulary.words_per_keypoint);
+  level.image = QuantiseFeatures(level.features, model.vocabulary, model.options.vocabulary.words_per_keypoint);
   level.rows = FindRows(level.features.keypoints);
   return level;
 }
@@ -117,12 +117,12 @@ QuantisedImage QuantiseFeatures(const CategoryModel& model, const Level& level, 
                                 const FeatureSet& crop) {
   QuantisedImage part;
   part.keypoints = crop.keypoints;
-  part.words_per_keypoint = level.picture.words_per_keypoint;
+  part.words_per_keypoint = level.image.words_per_keypoint;
   part.width = crop.image_width;
   part.height = crop.image_height;
   part.assignments.reserve(features.size() * part.words_per_keypoint);
   for (const std::size_t i : features) {
-    const auto assignments = level.picture.Assignments(i);
+    const auto assignments = level.image.Assignments(i);
     part.assignments.insert(part.assignments.end(), assignments.begin(), assignments.end());
   }
   part.shape = model.linear()->shape.Encode(crop);
@@ -141,9 +141,9 @@ double MaxLogOdds(const CategoryModel& model, const CategoryResult& result, Cate
 ScoredWindow ScoreWindow(const CategoryModel& model, const Level& level, const cv::Point& corner, int side_px) {
   const std::vector<std::size_t> inside = FindFeaturesInside(level, corner, side_px);
   const FeatureSet crop = CropFeatures(level, inside, corner, side_px);
-  ScoredWindow window{.box = {}, .result = {}, .picture = QuantiseFeatures(model, level, inside, crop)};
-  window.picture.fisher = model.linear()->fisher.Encode(crop);
-  window.result = Classify(model, window.picture, CategoryMethod::kPhrases);
+  ScoredWindow window{.box = {}, .result = {}, .image = QuantiseFeatures(model, level, inside, crop)};
+  window.image.fisher = model.linear()->fisher.Encode(crop);
+  window.result = Classify(model, window.image, CategoryMethod::kPhrases);
   const double scale = level.side / side_px;
   window.box = {corner.x * scale, corner.y * scale, level.side, level.side};
   return window;
@@ -163,8 +163,8 @@ void WindowOptions::ListFields(FieldList& fields) {
              {.min = 64, .max = 16384, .unit = "px", .reason = "images with a longer side are downscaled to it"});
 }
 
-std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options) {
-  const double longest = std::min(picture.width, picture.height);
+std::vector<double> WindowSides(const cv::Size& image, const WindowOptions& options) {
+  const double longest = std::min(image.width, image.height);
   std::vector<double> sides;
   for (double side = options.min_window_px; side * std::sqrt(kWindowSizeFactor) < longest; side *= kWindowSizeFactor)
     sides.push_back(side);
@@ -172,10 +172,10 @@ std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& op
   return sides;
 }
 
-std::size_t WindowCount(const cv::Size& picture, int grid_step_px, const WindowOptions& options) {
+std::size_t WindowCount(const cv::Size& image, int grid_step_px, const WindowOptions& options) {
   const int step_px = kWindowStepGridPoints * grid_step_px;
-  const double shrink = DownscaleFactor(picture, options);
-  const cv::Size size(cvRound(picture.width * shrink), cvRound(picture.height * shrink));
+  const double shrink = DownscaleFactor(image, options);
+  const cv::Size size(cvRound(image.width * shrink), cvRound(image.height * shrink));
   std::size_t count = 0;
   for (const double side : WindowSides(size, options)) {
     const cv::Size level = LevelSize(size, side, options.side_px);
@@ -190,12 +190,12 @@ std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::
   VICTORIOUS_CHECK(grey.type() == CV_8UC1 && model.linear() != nullptr);
   const int step_px = kWindowStepGridPoints * dense.step_px;
   const double shrink = DownscaleFactor(grey.size(), options);
-  cv::Mat picture = grey;
-  if (shrink < 1) cv::resize(grey, picture, {}, shrink, shrink, cv::INTER_AREA);
+  cv::Mat image = grey;
+  if (shrink < 1) cv::resize(grey, image, {}, shrink, shrink, cv::INTER_AREA);
   std::vector<Level> levels;
   std::vector<Candidate> candidates;
-  for (const double side : WindowSides(picture.size(), options)) {
-    const Level& level = levels.emplace_back(MakeLevel(model, picture, side, dense, options));
+  for (const double side : WindowSides(image.size(), options)) {
+    const Level& level = levels.emplace_back(MakeLevel(model, image, side, dense, options));
     for (const int y : WindowOffsets(level.size.height, options.side_px, step_px)) {
       for (const int x : WindowOffsets(level.size.width, options.side_px, step_px)) {
         const std::vector<std::size_t> inside = FindFeaturesInside(level, {x, y}, options.side_px);

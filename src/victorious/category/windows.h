@@ -42,17 +42,17 @@ struct WindowOptions {
 
 /// Returns the window sides for an image, px, increasing: from min_window_px (or the image's shorter side if that is
 /// smaller) to the image's shorter side.
-std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options);
+std::vector<double> WindowSides(const cv::Size& image, const WindowOptions& options);
 
 /// Returns the number of windows in an image, over all sizes.
 /// @param grid_step_px  DenseOptions::step_px
-std::size_t WindowCount(const cv::Size& picture, int grid_step_px, const WindowOptions& options);
+std::size_t WindowCount(const cv::Size& image, int grid_step_px, const WindowOptions& options);
 
 /// A window with its classification.
 struct ScoredWindow {
-  Box box;                 ///< px of the input image
-  CategoryResult result;   ///< by CategoryMethod::kPhrases; probabilities are corrected for the number of windows
-  QuantisedImage picture;  ///< words of the crop, in an image of side_px x side_px
+  Box box;                ///< px of the input image
+  CategoryResult result;  ///< by CategoryMethod::kPhrases; probabilities are corrected for the number of windows
+  QuantisedImage image;   ///< words of the crop, in an image of side_px x side_px
 };
 
 /// Classifies all windows of an image.

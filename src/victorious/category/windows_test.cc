@@ -14,7 +14,7 @@ TEST(Windows, SidesIncreaseToTheShorterImageSide) {
   const WindowOptions options{.min_window_px = 100};
   EXPECT_THAT(WindowSides({640, 200}, options), ElementsAre(100, 130, 169, 200));
   EXPECT_THAT(WindowSides({640, 190}, options), ElementsAre(100, 130, 190));
-  EXPECT_THAT(WindowSides({50, 200}, options), ElementsAre(50)) << "a picture smaller than any window is one";
+  EXPECT_THAT(WindowSides({50, 200}, options), ElementsAre(50)) << "an image smaller than any window is one";
 }
 
 TEST(Windows, NestedWindowsAreDuplicates) {

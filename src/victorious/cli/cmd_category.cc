@@ -61,7 +61,7 @@ Status Train(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.seed) options.category.seed = *arguments.seed;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
-  std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "pictures");
+  std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "images");
   Expected<CategoryModel> model = TrainOnList(
       arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); },
       [](const std::string& warning) { spdlog::warn("{}", OneLine(warning)); });
@@ -72,7 +72,7 @@ Status Train(const Arguments& arguments) {
   const auto labels = std::ranges::count(model->nodes, true, &CategoryNode::can_be_label);
   const auto cad_files = std::ranges::count_if(rows, [](const CategoryListRow& row) { return IsCadFile(row.image); });
   const std::string cad = cad_files == 0 ? "" : fmt::format(" and {} CAD file{}", cad_files, cad_files == 1 ? "" : "s");
-  return WriteOutput("", fmt::format("{}: {} categories, {} words, from {} pictures{}\n", arguments.out, labels,
+  return WriteOutput("", fmt::format("{}: {} categories, {} words, from {} images{}\n", arguments.out, labels,
                                      model->vocabulary.size(), std::ssize(rows) - cad_files, cad));
 }
 
@@ -102,12 +102,12 @@ Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel&
   const CategoryResult& result = classified.result;
   const Box& part = classified.classified_box;
   cv::Mat region = bgr(cv::Rect(cv::Rect2d(part.x, part.y, part.width, part.height)) & cv::Rect({0, 0}, bgr.size()));
-  if (region.size() != cv::Size(classified.picture.width, classified.picture.height))
-    cv::resize(region, region, {classified.picture.width, classified.picture.height}, 0, 0, cv::INTER_AREA);
+  if (region.size() != cv::Size(classified.image.width, classified.image.height))
+    cv::resize(region, region, {classified.image.width, classified.image.height}, 0, 0, cv::INTER_AREA);
   const std::string caption =
       fmt::format("{} {:.3f}", model.nodes[result.label].name, result.scores[result.label].probability);
-  return WriteImage(file, DrawContributions(region, classified.picture,
-                                            ComputeContributions(model, classified.picture, result.label), caption));
+  return WriteImage(file, DrawContributions(region, classified.image,
+                                            ComputeContributions(model, classified.image, result.label), caption));
 }
 
 Status Classify(const Arguments& arguments) {
@@ -127,7 +127,7 @@ Status Classify(const Arguments& arguments) {
     return {};
   };
   {
-    Progress progress(arguments.list, static_cast<std::int64_t>(rows.size()), "pictures");
+    Progress progress(arguments.list, static_cast<std::int64_t>(rows.size()), "images");
     VICTORIOUS_RETURN_IF_ERROR(ForEachImage(
         arguments.images, rows, classify, [&](std::size_t done) { progress.Update(static_cast<std::int64_t>(done)); }));
   }
@@ -171,14 +171,14 @@ Status Refine(const Arguments& arguments) {
 Action SetUpCategory(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.require_subcommand(1);
-  const auto add_pictures = [&](CLI::App* command, const char* list) {
+  const auto add_images = [&](CLI::App* command, const char* list) {
     command->add_option("--images", arguments->images, "Folder to which the paths of the list are relative")
         ->required()
         ->type_name("DIR");
     command->add_option("--list", arguments->list, list)->required()->type_name("CSV");
   };
   CLI::App* train = app.add_subcommand("train", "Train a category model from images");
-  add_pictures(
+  add_images(
       train,
       "CSV with a header and lines image,category,x0,y0,x1,y1; the box is in pixels, or empty. An image may be a CAD "
       "file: it is rendered from all directions");
@@ -188,7 +188,7 @@ Action SetUpCategory(CLI::App& app) {
 
   CLI::App* classify = app.add_subcommand("classify", "Classify images: a label, and a score for each category");
   classify->add_option("--model", arguments->model, "A category model")->required()->type_name("FILE");
-  add_pictures(classify, "CSV with a header and one image per line: the column image; other columns are ignored");
+  add_images(classify, "CSV with a header and one image per line: the column image; other columns are ignored");
   classify->add_option("--method", arguments->method, "phrases, or words (bag-of-words baseline)")
       ->check(CLI::IsMember({"phrases", "words"}));
   classify
@@ -202,7 +202,7 @@ Action SetUpCategory(CLI::App& app) {
   refine->add_option("--model", arguments->model, "The category model to refine; it is not changed")
       ->required()
       ->type_name("FILE");
-  add_pictures(refine, "CSV with a header and lines image,category,mark; mark is right or wrong");
+  add_images(refine, "CSV with a header and lines image,category,mark; mark is right or wrong");
   refine->add_option("--out", arguments->out, "The new category model to write")->required()->type_name("FILE");
   return [=] {
     if (refine->parsed()) return Refine(*arguments);

@@ -168,7 +168,7 @@ Expected<Report> DescribeVideo(const std::string& source) {
   const VideoInfo info = reader->info();
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoProbe probe, ProbeVideo(*reader, source));
   std::string text = fmt::format(
-      "{}\n  container  {}\n  picture    {} x {} px, {}{}{}{}\n", source, info.container, info.width, info.height,
+      "{}\n  container  {}\n  image      {} x {} px, {}{}{}{}\n", source, info.container, info.width, info.height,
       info.codec, info.frame_rate > 0 ? fmt::format(", {:.3g} frames/s", info.frame_rate) : "",
       info.pixel_aspect != 1 ? fmt::format(", pixel aspect ratio {:.4g}:1 corrected", info.pixel_aspect) : "",
       info.rotation_deg != 0 ? fmt::format(", rotated by {} degrees to be upright", info.rotation_deg) : "");

@@ -43,7 +43,7 @@ Status Run(const Arguments& arguments) {
 
 Action SetUpFeatures(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("IMAGE", arguments->image, "A picture (PNG, JPEG)")->required();
+  app.add_option("IMAGE", arguments->image, "An image (PNG, JPEG)")->required();
   app.add_option("--out", arguments->out,
                  "Output file: `N 128`, then one line per feature: x y scale orientation_rad d1 … d128")
       ->required()

@@ -48,9 +48,9 @@ cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
     cv::polylines(row, corners, true, {0, 255, 255}, 2, cv::LINE_AA);
     rows.push_back(std::move(row));
   }
-  cv::Mat picture;
-  cv::vconcat(rows, picture);
-  return picture;
+  cv::Mat image;
+  cv::vconcat(rows, image);
+  return image;
 }
 
 // Without a cut-out, the background would be learned as part of the object.

@@ -57,21 +57,21 @@ Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const Det
     options.sun_deg = elevation_deg;
   }
   std::optional<Progress> progress;
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> images;
   DetectabilityCallbacks callbacks;
   callbacks.progress = [&](int done, int /*all*/) {
     if (!progress) progress.emplace(model.name, std::nullopt, "directions");
     progress->Update(done);
   };
   if (!arguments.draw.empty()) {
-    callbacks.picture = [&](const cv::Mat& bgr) {
-      constexpr std::size_t kMaxPictures = 24;
-      if (pictures.size() < kMaxPictures) pictures.push_back(bgr);
+    callbacks.image = [&](const cv::Mat& bgr) {
+      constexpr std::size_t kMaxImages = 24;
+      if (images.size() < kMaxImages) images.push_back(bgr);
     };
   }
   Expected<Detectability> found =
       MeasureDetectability(model, search.features, search.recognize, options, Interrupt(), callbacks);
-  if (found && !pictures.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, Montage(pictures, 4)));
+  if (found && !images.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, Montage(images, 4)));
   return found;
 }
 

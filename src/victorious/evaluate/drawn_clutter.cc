@@ -32,12 +32,12 @@ cv::Mat MakeGroundNoise(cv::Size size, Random& random) {
 
 // Draws a rectangle of one grey at a random place, often with a row of smaller ones on it: windows, planks, parked
 // cars.
-void DrawRectangle(cv::Mat& picture, Random& random) {
+void DrawRectangle(cv::Mat& image, Random& random) {
   constexpr int kFine = 4;  // bits of a pixel's fraction
   const double angle_rad = random.Uniform(-kPi, kPi);
   const double width_px = std::exp(random.Uniform(std::log(6.0), std::log(120.0)));
   const double height_px = std::max(2.0, width_px * random.Uniform(0.1, 0.8));
-  const Eigen::Vector2d middle(random.Uniform() * picture.cols, random.Uniform() * picture.rows);
+  const Eigen::Vector2d middle(random.Uniform() * image.cols, random.Uniform() * image.rows);
   const Eigen::Rotation2Dd turn(angle_rad);
   const auto fill = [&](double x, double y, double half_x, double half_y, double grey) {
     std::vector<cv::Point> corners;
@@ -45,7 +45,7 @@ void DrawRectangle(cv::Mat& picture, Random& random) {
       const Eigen::Vector2d at = middle + turn * Eigen::Vector2d(x + a * half_x, y + b * half_y);
       corners.emplace_back(cvRound(at.x() * (1 << kFine)), cvRound(at.y() * (1 << kFine)));
     }
-    cv::fillConvexPoly(picture, corners, cv::Scalar(grey), cv::LINE_AA, kFine);
+    cv::fillConvexPoly(image, corners, cv::Scalar(grey), cv::LINE_AA, kFine);
   };
   const double grey = random.Uniform(30, 225);
   fill(0, 0, width_px / 2, height_px / 2, grey);
@@ -63,15 +63,15 @@ cv::Mat DrawClutter(cv::Size size, std::uint64_t seed) {
   constexpr double kRectanglesPerPixel = 130.0 / (640 * 480);
   Random random(seed);
   cv::Mat ground = MakeGroundNoise(size, random);
-  cv::Mat picture;
-  ground.convertTo(picture, CV_8U);
+  cv::Mat image;
+  ground.convertTo(image, CV_8U);
   const int rectangle_count = static_cast<int>(kRectanglesPerPixel * size.area());
-  for (int i = 0; i < rectangle_count; ++i) DrawRectangle(picture, random);
+  for (int i = 0; i < rectangle_count; ++i) DrawRectangle(image, random);
   // Adds noise to the rectangles too.
   cv::Mat noise = MakeGroundNoise(size, random);
   noise = (noise - cv::mean(noise)[0]) * 0.35;
-  cv::add(picture, noise, picture, cv::noArray(), CV_8U);
-  return picture;
+  cv::add(image, noise, image, cv::noArray(), CV_8U);
+  return image;
 }
 
 }  // namespace victorious

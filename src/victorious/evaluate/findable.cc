@@ -124,15 +124,15 @@ Box Paste(const WarpedView& view, const Sample& sample, double size_px, cv::Mat&
     for (const Eigen::Vector2d& corner : outline) seen.push_back(similarity.Apply(corner));
     return BoundingBox(seen);
   };
-  Similarity2 picture_from_view{.scale = 1, .rotation_rad = sample.turn_rad, .translation = {0, 0}};
-  const Box turned = boxed(picture_from_view);
-  picture_from_view.scale = size_px / std::max(turned.width, turned.height);
-  const Box scaled = boxed(picture_from_view);
-  picture_from_view.translation = {sample.place.x() * (grey.cols - scaled.width) - scaled.x,
-                                   sample.place.y() * (grey.rows - scaled.height) - scaled.y};
+  Similarity2 image_from_view{.scale = 1, .rotation_rad = sample.turn_rad, .translation = {0, 0}};
+  const Box turned = boxed(image_from_view);
+  image_from_view.scale = size_px / std::max(turned.width, turned.height);
+  const Box scaled = boxed(image_from_view);
+  image_from_view.translation = {sample.place.x() * (grey.cols - scaled.width) - scaled.x,
+                                 sample.place.y() * (grey.rows - scaled.height) - scaled.y};
 
-  victorious::Paste(view.grey, view.mask, picture_from_view, grey);
-  return boxed(picture_from_view);
+  victorious::Paste(view.grey, view.mask, image_from_view, grey);
+  return boxed(image_from_view);
 }
 
 // The frame conditions of a distant camera with the object on its optical axis.
@@ -312,7 +312,7 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
   ParallelRunner runner(cancel, callbacks);
   VICTORIOUS_RETURN_IF_ERROR(runner.ForEach(samples.size(), [&](std::size_t i) -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(outcomes[i], search.Measure(samples[i], tested));
-    if (!callbacks.picture) outcomes[i].at_size.bgr.release();
+    if (!callbacks.image) outcomes[i].at_size.bgr.release();
     return {};
   }));
 
@@ -365,12 +365,12 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
   VICTORIOUS_RETURN_IF_ERROR(
       repeat_missed_without(!tested.attitude_known, &Setting::attitude_known, true, result.with_attitude));
 
-  if (callbacks.picture) {
+  if (callbacks.image) {
     for (SampleResult& outcome : outcomes) {
       const Box& box = outcome.at_size.box;
       const cv::Scalar colour = outcome.at_size.found ? cv::Scalar(0, 255, 0) : cv::Scalar(0, 0, 255);
       cv::rectangle(outcome.at_size.bgr, cv::Rect2d(box.x - 4, box.y - 4, box.width + 8, box.height + 8), colour, 2);
-      callbacks.picture(outcome.at_size.bgr);
+      callbacks.image(outcome.at_size.bgr);
     }
   }
   return result;

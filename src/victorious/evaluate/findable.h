@@ -81,7 +81,7 @@ struct DetectabilityCallbacks {
   std::function<void(int done, int all)> progress;  ///< counts directions; called from any thread, one call at a time
   /// The test image of each direction at the size of the options, CV_8UC3, with the true box drawn (green: detected,
   /// red: missed). Called in the order of the directions, after the measurement.
-  std::function<void(const cv::Mat& bgr)> picture;
+  std::function<void(const cv::Mat& bgr)> image;
 };
 
 /// Measures the detectability. Deterministic by `options.seed`. Cost: about five searches of a 640 x 480 px image per

@@ -63,11 +63,11 @@ TEST(Detectability, RendersUnderSunWithoutAttitude) {
   DetectabilityOptions options = Few(120);
   options.sun_deg = 50;
   options.attitude_known = false;
-  int pictures = 0;
+  int images = 0;
   DetectabilityCallbacks callbacks;
-  callbacks.picture = [&](const cv::Mat& bgr) { pictures += bgr.type() == CV_8UC3 ? 1 : 0; };
+  callbacks.image = [&](const cv::Mat& bgr) { images += bgr.type() == CV_8UC3 ? 1 : 0; };
   const Detectability lit = Measure(testing::WaffleModel(), options, callbacks).value();
-  EXPECT_EQ(pictures, 3);
+  EXPECT_EQ(images, 3);
   EXPECT_GT(lit.rate.found, 0);
 }
 

@@ -13,15 +13,15 @@ constexpr std::uint64_t kSeed = 41;
 cv::Mat Grey() { return {200, 300, CV_8UC3, cv::Scalar(120, 120, 120)}; }
 
 cv::Mat Degraded(const DegradeOptions& options, std::uint64_t seed) {
-  cv::Mat picture = Grey();
-  Degrade(options, seed, picture);
-  return picture;
+  cv::Mat image = Grey();
+  Degrade(options, seed, image);
+  return image;
 }
 
-double ShareOf(const cv::Mat& picture, const cv::Scalar& colour) {
+double ShareOf(const cv::Mat& image, const cv::Scalar& colour) {
   cv::Mat mask;
-  cv::inRange(picture, colour, colour, mask);
-  return cv::countNonZero(mask) / static_cast<double>(picture.total());
+  cv::inRange(image, colour, colour, mask);
+  return cv::countNonZero(mask) / static_cast<double>(image.total());
 }
 
 TEST(Degrade, DefaultIsIdentity) { EXPECT_EQ(cv::norm(Degraded({}, kSeed), Grey(), cv::NORM_INF), 0); }
@@ -44,14 +44,14 @@ TEST(Degrade, GaussianNoiseHasItsSigmaInEachChannel) {
 }
 
 TEST(Degrade, BlurPrecedesNoise) {
-  cv::Mat picture = Grey();
-  picture.colRange(150, 300).setTo(cv::Scalar(220, 220, 220));
-  Degrade({.blur_px = 2, .noise = 0.05}, kSeed, picture);
+  cv::Mat image = Grey();
+  image.colRange(150, 300).setTo(cv::Scalar(220, 220, 220));
+  Degrade({.blur_px = 2, .noise = 0.05}, kSeed, image);
   // The edge is blurred, but the salt-and-pepper pixels on it are fully white and black.
-  EXPECT_GT(ShareOf(picture, {255, 255, 255}), 0.02);
+  EXPECT_GT(ShareOf(image, {255, 255, 255}), 0.02);
   int between = 0;
-  for (int row = 0; row < picture.rows; ++row) {
-    const int grey = picture.at<cv::Vec3b>(row, 150)[0];
+  for (int row = 0; row < image.rows; ++row) {
+    const int grey = image.at<cv::Vec3b>(row, 150)[0];
     between += grey > 160 && grey < 215 ? 1 : 0;
   }
   EXPECT_GT(between, 150);

@@ -57,18 +57,18 @@ Expected<ImageHeader> ReadCheckedHeader(std::span<const std::byte> bytes, const 
   const auto header = ReadImageHeader(bytes);
   if (!header || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: not a picture that can be read (PNG, JPEG, TIFF, BMP or PNM)", name));
+                fmt::format("{}: not an image that can be read (PNG, JPEG, TIFF, BMP or PNM)", name));
   }
   if (header->width == 0 || header->height == 0) {
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: a damaged {} picture, without a size", name, Name(header->format)));
+                fmt::format("{}: a damaged {} image, without a size", name, Name(header->format)));
   }
   if (std::uint64_t{header->width} * header->height > kMaxPixels) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels, more than the {} that can be read", name,
                                                      header->width, header->height, kMaxPixels));
   }
   if (header->cut_off) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a {} picture whose end is missing", name, Name(header->format)));
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a {} image whose end is missing", name, Name(header->format)));
   }
   return *header;
 }
@@ -77,7 +77,7 @@ Expected<ImageHeader> ReadCheckedHeader(std::span<const std::byte> bytes, const 
 Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeader& header, const std::string& name) {
   const cv::Mat stored = DecodeStored(bytes);
   if (stored.empty()) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} image", name, Name(header.format)));
   }
   if (stored.depth() != CV_8U && stored.depth() != CV_16U) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: pixels are neither 8-bit nor 16-bit integers", name));
@@ -104,7 +104,7 @@ Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string&
   try {
     return DecodeChecked(bytes, header, name);
   } catch (const std::exception&) {  // cv::Exception or std::bad_alloc
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} image", name, Name(header.format)));
   }
 }
 
@@ -118,7 +118,7 @@ Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
   } catch (const cv::Exception&) {
     // The extension is unknown to OpenCV.
   }
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a picture's name must end in .png or .jpg", path.string()));
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: an image's name must end in .png or .jpg", path.string()));
 }
 
 namespace {
@@ -134,7 +134,7 @@ Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const char* ending, 
     // The image is empty, or too large for the format.
   }
   return Fail(ErrorCode::kInternal,
-              fmt::format("a picture of {} x {} pixels cannot be encoded as {}", bgr.cols, bgr.rows, ending));
+              fmt::format("an image of {} x {} pixels cannot be encoded as {}", bgr.cols, bgr.rows, ending));
 }
 
 }  // namespace

@@ -21,9 +21,9 @@ using ::testing::Not;
 
 std::span<const std::byte> Bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-std::string Encode(const std::string& extension, const cv::Mat& picture, const std::vector<int>& parameters = {}) {
+std::string Encode(const std::string& extension, const cv::Mat& image, const std::vector<int>& parameters = {}) {
   std::vector<unsigned char> bytes;
-  EXPECT_TRUE(cv::imencode(extension, picture, bytes, parameters));
+  EXPECT_TRUE(cv::imencode(extension, image, bytes, parameters));
   return {bytes.begin(), bytes.end()};
 }
 
@@ -79,7 +79,7 @@ TEST(ImageFile, FormatsThatOpenCvDelegatesAreRefused) {
   for (const std::string& bytes : {webp, std::string(128, '\0') + "DICM", std::string("NITF02.10")}) {
     const auto image = DecodeImage(Bytes(bytes), "strange");
     ASSERT_FALSE(image);
-    EXPECT_THAT(image.error().message, HasSubstr("not a picture that can be read"));
+    EXPECT_THAT(image.error().message, HasSubstr("not an image that can be read"));
   }
 }
 
@@ -155,7 +155,7 @@ TEST(ImageFile, BmpPaddingIsNotAlpha) {
 TEST(ImageFile, ErrorsAreOneLineWithTheirCode) {
   const testing::ScratchFolder folder;
   testing::WriteBytes(folder / "empty.png", "");
-  testing::WriteBytes(folder / "text.png", "this is text, not a picture\n");
+  testing::WriteBytes(folder / "text.png", "this is text, not an image\n");
   const std::string png = Encode(".png", testing::NumberedImage(5, {200, 100}));
   testing::WriteBytes(folder / "head.png", png.substr(0, 40));
   std::string changed = png;
@@ -170,10 +170,10 @@ TEST(ImageFile, ErrorsAreOneLineWithTheirCode) {
   } cases[] = {{"missing.png", ErrorCode::kNotFound, "No such file"},
                {"", ErrorCode::kInvalidArgument, "not a regular file"},
                {"empty.png", ErrorCode::kInvalidArgument, "the file is empty"},
-               {"text.png", ErrorCode::kDataLoss, "not a picture that can be read"},
-               {"head.png", ErrorCode::kDataLoss, "a png picture whose end is missing"},
-               {"half.jpg", ErrorCode::kDataLoss, "a jpeg picture whose end is missing"},
-               {"changed.png", ErrorCode::kDataLoss, "a damaged png picture"}};
+               {"text.png", ErrorCode::kDataLoss, "not an image that can be read"},
+               {"head.png", ErrorCode::kDataLoss, "a png image whose end is missing"},
+               {"half.jpg", ErrorCode::kDataLoss, "a jpeg image whose end is missing"},
+               {"changed.png", ErrorCode::kDataLoss, "a damaged png image"}};
   for (const auto& [name, code, words] : cases) {
     const auto image = ReadImage(folder / name);
     ASSERT_FALSE(image) << name;

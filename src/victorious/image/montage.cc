@@ -16,14 +16,14 @@ cv::Mat PosteriseImage(const cv::Mat& grey, double scale) {
   return bgr;
 }
 
-cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns) {
+cv::Mat Montage(const std::vector<cv::Mat>& images, int columns) {
   constexpr int kGap = 4;
-  const cv::Size tile = pictures.front().size() + cv::Size(kGap, kGap);
-  const int rows = (static_cast<int>(pictures.size()) + columns - 1) / columns;
+  const cv::Size tile = images.front().size() + cv::Size(kGap, kGap);
+  const int rows = (static_cast<int>(images.size()) + columns - 1) / columns;
   cv::Mat montage(tile.height * rows - kGap, tile.width * columns - kGap, CV_8UC3, cv::Scalar::all(255));
-  for (int i = 0; i < static_cast<int>(pictures.size()); ++i) {
-    const cv::Mat& picture = pictures[static_cast<std::size_t>(i)];
-    picture.copyTo(montage(cv::Rect({i % columns * tile.width, i / columns * tile.height}, picture.size())));
+  for (int i = 0; i < static_cast<int>(images.size()); ++i) {
+    const cv::Mat& image = images[static_cast<std::size_t>(i)];
+    image.copyTo(montage(cv::Rect({i % columns * tile.width, i / columns * tile.height}, image.size())));
   }
   return montage;
 }

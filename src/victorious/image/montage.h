@@ -11,6 +11,6 @@ namespace victorious {
 [[nodiscard]] cv::Mat PosteriseImage(const cv::Mat& grey, double scale);
 
 /// Tiles images of one size, `columns` per row, in reading order.
-[[nodiscard]] cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns);
+[[nodiscard]] cv::Mat Montage(const std::vector<cv::Mat>& images, int columns);
 
 }  // namespace victorious

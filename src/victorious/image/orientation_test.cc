@@ -10,10 +10,10 @@ namespace {
 
 // The position of a stored pixel after RotateUpright, found by a single white pixel.
 cv::Point PlaceAfter(Orientation orientation, cv::Point stored) {
-  cv::Mat picture = cv::Mat::zeros(3, 5, CV_8UC1);
-  picture.at<uchar>(stored) = 255;
+  cv::Mat image = cv::Mat::zeros(3, 5, CV_8UC1);
+  image.at<uchar>(stored) = 255;
   cv::Point place;
-  cv::minMaxLoc(RotateUpright(picture, orientation), nullptr, nullptr, nullptr, &place);
+  cv::minMaxLoc(RotateUpright(image, orientation), nullptr, nullptr, nullptr, &place);
   return place;
 }
 

@@ -181,12 +181,12 @@ class SceneConverter {
   int TextureIndex(const std::string& name) {
     const auto [place, is_new] = texture_indices_.try_emplace(name, -1);
     if (!is_new) return place->second;
-    auto picture = ReadTexture(name);
-    if (!picture) {
-      loaded_.warnings.push_back("texture left out: " + OneLine(picture.error().message));
+    auto image = ReadTexture(name);
+    if (!image) {
+      loaded_.warnings.push_back("texture left out: " + OneLine(image.error().message));
       return -1;
     }
-    mesh().textures.push_back(*std::move(picture));
+    mesh().textures.push_back(*std::move(image));
     place->second = static_cast<int>(mesh().textures.size()) - 1;
     return place->second;
   }

@@ -283,7 +283,7 @@ TEST(LoadMesh, MissingAndUnsupportedTexturesAreSkippedWithAWarning) {
   std::filesystem::create_directory(folder);
   ASSERT_TRUE(cv::imwrite((outer / "secret.png").string(), FourTexels()));
   std::filesystem::create_symlink(outer / "secret.png", folder / "link.png");
-  std::ofstream(folder / "text.png") << "not a picture";
+  std::ofstream(folder / "text.png") << "not an image";
   for (const std::string uri : {"missing.png", "../secret.png", "link.png", "text.png", "/etc/passwd", "."}) {
     SCOPED_TRACE(uri);
     std::ofstream(folder / "a.glb", std::ios::binary)

@@ -32,7 +32,7 @@ class Writer {
     Value<std::uint64_t>(text.size());
     bytes_ += text;
   }
-  void Picture(const cv::Mat& bgra) {
+  void Texture(const cv::Mat& bgra) {
     Value(bgra.cols);
     Value(bgra.rows);
     for (int row = 0; row < bgra.rows; ++row) {
@@ -68,7 +68,7 @@ class Reader {
     return values;
   }
   std::string Text() { return std::string(Take(Count(1))); }
-  cv::Mat Picture() {
+  cv::Mat Texture() {
     const int cols = Value<int>();
     const int rows = Value<int>();
     if (cols < 1 || rows < 1 || cols > kMaxTextureSide || rows > kMaxTextureSide) ok_ = false;
@@ -162,7 +162,7 @@ std::string BytesFromMesh(const LoadedMesh& loaded) {
   writer.Value<std::uint64_t>(mesh.materials.size());
   for (const Material& material : mesh.materials) Write(writer, material);
   writer.Value<std::uint64_t>(mesh.textures.size());
-  for (const cv::Mat& texture : mesh.textures) writer.Picture(texture);
+  for (const cv::Mat& texture : mesh.textures) writer.Texture(texture);
   writer.Value<std::uint64_t>(loaded.warnings.size());
   for (const std::string& warning : loaded.warnings) writer.Text(warning);
   return writer.Take();
@@ -182,7 +182,7 @@ Expected<LoadedMesh> MeshFromBytes(std::string_view bytes) {
     mesh.materials.push_back(ReadMaterial(reader));
   }
   for (std::size_t left = reader.Count(1); left > 0 && reader.ok(); --left) {
-    mesh.textures.push_back(reader.Picture());
+    mesh.textures.push_back(reader.Texture());
   }
   for (std::size_t left = reader.Count(1); left > 0 && reader.ok(); --left) loaded.warnings.push_back(reader.Text());
   if (!reader.ok() || !IsConsistent(mesh)) {

@@ -42,7 +42,7 @@ namespace {
 
 // A rendering, ready for feature extraction: image, depth map and camera.
 struct RenderedTemplate {
-  ObjectImage picture;
+  ObjectImage image;
   cv::Mat depth_m;
   PosedCamera camera;
   ViewSphere::View view;
@@ -62,21 +62,21 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
   const MeshInstance instance{.mesh = mesh, .world_from_mesh = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(RenderedView rendered,
                               renderer.Render(std::span(&instance, 1), camera, options.light, options.render));
-  RenderedTemplate result{.picture = {.source = fmt::format("{} from azimuth {:.0f}, off-nadir {:.0f} degrees", source,
-                                                            DegreesFromRadians(view.direction.azimuth_rad),
-                                                            DegreesFromRadians(view.direction.off_nadir_rad)),
-                                      .grey = {},
-                                      .mask = rendered.mask >= 128,
-                                      .outline = {},
-                                      .thumbnail = {}},
+  RenderedTemplate result{.image = {.source = fmt::format("{} from azimuth {:.0f}, off-nadir {:.0f} degrees", source,
+                                                          DegreesFromRadians(view.direction.azimuth_rad),
+                                                          DegreesFromRadians(view.direction.off_nadir_rad)),
+                                    .grey = {},
+                                    .mask = rendered.mask >= 128,
+                                    .outline = {},
+                                    .thumbnail = {}},
                           .depth_m = std::move(rendered.depth_m),
                           .camera = camera,
                           .view = view};
   constexpr int kThumbnailPx = 72;
   const Box whole = FrameBox(side, side);  // not cropped: all thumbnails have the same scale
-  result.picture.thumbnail = MakeThumbnail(rendered.bgr, whole, kThumbnailPx);
-  cv::cvtColor(rendered.bgr, result.picture.grey, cv::COLOR_BGR2GRAY);
-  result.picture.outline = FindMaskOutline(result.picture.mask);
+  result.image.thumbnail = MakeThumbnail(rendered.bgr, whole, kThumbnailPx);
+  cv::cvtColor(rendered.bgr, result.image.grey, cv::COLOR_BGR2GRAY);
+  result.image.outline = FindMaskOutline(result.image.mask);
   return result;
 }
 
@@ -91,10 +91,10 @@ Expected<ProcessedView> MakeView(const RenderedTemplate& rendered, const Feature
                                  const CadModelOptions& options) {
   ProcessedView made;
   const PosedDepthMap depth_map{rendered.camera, rendered.depth_m};
-  VICTORIOUS_ASSIGN_OR_RETURN(made.features, ExtractTemplateFeatures(rendered.picture, depth_map, extractor, options));
+  VICTORIOUS_ASSIGN_OR_RETURN(made.features, ExtractTemplateFeatures(rendered.image, depth_map, extractor, options));
   constexpr double kMinSurfaceFraction = 0.7;
-  made.textured = CountObjectFeatures(rendered.picture, made.features.features, kMinSurfaceFraction);
-  VICTORIOUS_ASSIGN_OR_RETURN(made.surface, EncodeSurface({rendered.picture.grey, depth_map}));
+  made.textured = CountObjectFeatures(rendered.image, made.features.features, kMinSurfaceFraction);
+  VICTORIOUS_ASSIGN_OR_RETURN(made.surface, EncodeSurface({rendered.image.grey, depth_map}));
   return made;
 }
 
@@ -138,10 +138,10 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
     for (std::size_t i = 0; i < rendered.size(); ++i) {
       if (!made[i]) return std::unexpected(std::move(made[i]).error());
       const RenderedTemplate& view = rendered[i];
-      ModelView model_view{.source = view.picture.source,
-                           .width = view.picture.grey.cols,
-                           .height = view.picture.grey.rows,
-                           .outline = view.picture.outline.size() < 3 ? Polygon() : view.picture.outline,
+      ModelView model_view{.source = view.image.source,
+                           .width = view.image.grey.cols,
+                           .height = view.image.grey.rows,
+                           .outline = view.image.outline.size() < 3 ? Polygon() : view.image.outline,
                            .angles = ViewAngles{view.view.direction.azimuth_rad, view.view.direction.off_nadir_rad},
                            .neighbours = {view.view.neighbours.begin(), view.view.neighbours.end()},
                            .thumbnail = {},
@@ -149,7 +149,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
       const RelitTemplate& found = made[i]->features;
       max_textured = std::max(max_textured, made[i]->textured);
       VICTORIOUS_RETURN_IF_ERROR(builder.Add(std::move(model_view), found.features, found.points_in_model,
-                                             view.picture.thumbnail, std::move(made[i]->surface)));
+                                             view.image.thumbnail, std::move(made[i]->surface)));
     }
     if (progress) progress(first + size, count);
   }

@@ -31,8 +31,8 @@ double ObjectFraction(const cv::Mat& integral, float x, float y, float reach) {
 // Predicate: the keypoint lies on the object, and enough of its descriptor's support region does.
 class ObjectKeypointFilter {
  public:
-  ObjectKeypointFilter(const ObjectImage& picture, double min_fraction)
-      : bounds_(BoundingBox(picture.outline)), mask_(picture.mask), min_fraction_(min_fraction) {
+  ObjectKeypointFilter(const ObjectImage& image, double min_fraction)
+      : bounds_(BoundingBox(image.outline)), mask_(image.mask), min_fraction_(min_fraction) {
     if (!mask_.empty() && min_fraction > 0) cv::integral((mask_ != 0) / 255, integral_, CV_32S);
   }
 
@@ -60,15 +60,15 @@ struct PaddedCrop {
   int y = 0;
 };
 
-PaddedCrop CropWithMargin(const ObjectImage& picture, int margin) {
-  const Box bounds = BoundingBox(picture.outline);
+PaddedCrop CropWithMargin(const ObjectImage& image, int margin) {
+  const Box bounds = BoundingBox(image.outline);
   const int x0 = static_cast<int>(std::floor(bounds.x)) - margin;
   const int y0 = static_cast<int>(std::floor(bounds.y)) - margin;
   const int x1 = static_cast<int>(std::ceil(bounds.x + bounds.width)) + margin;
   const int y1 = static_cast<int>(std::ceil(bounds.y + bounds.height)) + margin;
-  const cv::Rect inside = cv::Rect(x0, y0, x1 - x0, y1 - y0) & cv::Rect({0, 0}, picture.grey.size());
+  const cv::Rect inside = cv::Rect(x0, y0, x1 - x0, y1 - y0) & cv::Rect({0, 0}, image.grey.size());
   PaddedCrop result{.grey = {}, .x = x0, .y = y0};
-  cv::copyMakeBorder(picture.grey(inside), result.grey, inside.y - y0, y1 - inside.br().y, inside.x - x0,
+  cv::copyMakeBorder(image.grey(inside), result.grey, inside.y - y0, y1 - inside.br().y, inside.x - x0,
                      x1 - inside.br().x, cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
   return result;
 }
@@ -81,14 +81,14 @@ void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t
   to.descriptors.insert(to.descriptors.end(), descriptor.begin(), descriptor.end());
 }
 
-Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& picture, const FeatureExtractor& extractor,
+Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& image, const FeatureExtractor& extractor,
                                            const ObjectFeatureOptions& options) {
-  const PaddedCrop crop = CropWithMargin(picture, options.margin_px);
+  const PaddedCrop crop = CropWithMargin(image, options.margin_px);
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet all, extractor.Extract(crop.grey));
   FeatureSet kept;
-  kept.image_width = picture.grey.cols;
-  kept.image_height = picture.grey.rows;
-  const ObjectKeypointFilter on_object(picture, options.min_mask_fraction);
+  kept.image_width = image.grey.cols;
+  kept.image_height = image.grey.rows;
+  const ObjectKeypointFilter on_object(image, options.min_mask_fraction);
   for (std::size_t i = 0; i < all.size(); ++i) {
     Keypoint keypoint = all.keypoints[i];
     keypoint.x += static_cast<float>(crop.x);
@@ -99,8 +99,8 @@ Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& picture, const Fea
   return kept;
 }
 
-std::size_t CountObjectFeatures(const ObjectImage& picture, const FeatureSet& features, double min_mask_fraction) {
-  const ObjectKeypointFilter on_object(picture, min_mask_fraction);
+std::size_t CountObjectFeatures(const ObjectImage& image, const FeatureSet& features, double min_mask_fraction) {
+  const ObjectKeypointFilter on_object(image, min_mask_fraction);
   return static_cast<std::size_t>(std::ranges::count_if(features.keypoints, on_object));
 }
 

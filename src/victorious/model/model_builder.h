@@ -33,12 +33,12 @@ struct ObjectFeatureOptions {
 /// Appends one feature to `to`: `keypoint` with the descriptor of feature `i` of `from`.
 void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t i, FeatureSet& to);
 
-/// Extracts the features that lie on the object. Keypoints are in pixels of `picture`. Errors: those of the extractor.
-Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& picture, const FeatureExtractor& extractor,
+/// Extracts the features that lie on the object. Keypoints are in pixels of `image`. Errors: those of the extractor.
+Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& image, const FeatureExtractor& extractor,
                                            const ObjectFeatureOptions& options);
 
 /// The number of features whose descriptor support region is object by at least the given fraction.
-std::size_t CountObjectFeatures(const ObjectImage& picture, const FeatureSet& features, double min_mask_fraction);
+std::size_t CountObjectFeatures(const ObjectImage& image, const FeatureSet& features, double min_mask_fraction);
 
 /// The object's outline in a mask (not 0: object): the simplified contour of the largest connected component, or the
 /// convex hull of all components if the largest has 80 % of the area or less. Clockwise on the screen; empty for an

@@ -23,12 +23,12 @@ using ::testing::Not;
 using testing::ScratchFolder;
 
 ObjectModel MakeModel(const std::string& name) {
-  const cv::Mat picture = testing::DrawObject(testing::ObjectKind::kCrate, 3).picture;
-  cv::Mat bgr(picture.size(), CV_8UC3);
-  cv::Mat alpha(picture.size(), CV_8UC1);
+  const cv::Mat image = testing::DrawObject(testing::ObjectKind::kCrate, 3).image;
+  cv::Mat bgr(image.size(), CV_8UC3);
+  cv::Mat alpha(image.size(), CV_8UC1);
   cv::Mat parts[] = {bgr, alpha};
   const int from_to[] = {0, 0, 1, 1, 2, 2, 3, 3};
-  cv::mixChannels(&picture, 1, parts, 2, from_to, 4);
+  cv::mixChannels(&image, 1, parts, 2, from_to, 4);
   const Photo photo = PreparePhoto("crate.png", bgr, alpha, std::nullopt).value();
   return MakePhotoModel(name, std::span(&photo, 1), 1.2, {}).value();
 }

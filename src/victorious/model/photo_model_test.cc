@@ -22,7 +22,7 @@ using ::testing::Not;
 using testing::ObjectKind;
 using testing::ScratchFolder;
 
-struct Picture {
+struct PhotoImage {
   cv::Mat bgr;
   cv::Mat alpha;
 };
@@ -30,23 +30,23 @@ struct Picture {
 // A synthetic object in the middle of a larger image, with its alpha channel.
 constexpr int kMarginPx = 40;
 
-Picture ThingOnGround(ObjectKind kind) {
+PhotoImage ThingOnGround(ObjectKind kind) {
   const testing::SyntheticObject thing = DrawObject(kind, 11);
-  Picture picture;
+  PhotoImage image;
   cv::Mat channels;
-  cv::copyMakeBorder(thing.picture, channels, kMarginPx, kMarginPx, kMarginPx, kMarginPx, cv::BORDER_CONSTANT,
+  cv::copyMakeBorder(thing.image, channels, kMarginPx, kMarginPx, kMarginPx, kMarginPx, cv::BORDER_CONSTANT,
                      cv::Scalar(90, 140, 110, 0));
-  cv::cvtColor(channels, picture.bgr, cv::COLOR_BGRA2BGR);
-  cv::extractChannel(channels, picture.alpha, 3);
-  return picture;
+  cv::cvtColor(channels, image.bgr, cv::COLOR_BGRA2BGR);
+  cv::extractChannel(channels, image.alpha, 3);
+  return image;
 }
 
-Box ThingBox(const Picture& picture) {
-  return {kMarginPx, kMarginPx, picture.bgr.cols - 2.0 * kMarginPx, picture.bgr.rows - 2.0 * kMarginPx};
+Box ThingBox(const PhotoImage& image) {
+  return {kMarginPx, kMarginPx, image.bgr.cols - 2.0 * kMarginPx, image.bgr.rows - 2.0 * kMarginPx};
 }
 
-Photo Prepare(const Picture& picture, const std::optional<Box>& box) {
-  Expected<Photo> photo = PreparePhoto("thing.png", picture.bgr, picture.alpha, box);
+Photo Prepare(const PhotoImage& image, const std::optional<Box>& box) {
+  Expected<Photo> photo = PreparePhoto("thing.png", image.bgr, image.alpha, box);
   EXPECT_TRUE(photo) << photo.error().message;
   return photo.value_or(Photo{});
 }
@@ -63,28 +63,28 @@ void ExpectOneLine(const Error& error, ErrorCode code, std::string_view words) {
 }
 
 TEST(PreparePhoto, WithoutAlphaOrBoxTheWholeImageIsTheObject) {
-  const Picture picture = ThingOnGround(ObjectKind::kCrate);
-  const Photo photo = Prepare({picture.bgr, {}}, std::nullopt);
+  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const Photo photo = Prepare({image.bgr, {}}, std::nullopt);
   EXPECT_EQ(photo.source, "thing.png");
   EXPECT_EQ(photo.grey.type(), CV_8UC1);
   EXPECT_TRUE(photo.mask.empty());
   EXPECT_EQ(BoundingBox(photo.outline),
-            (Box{0, 0, static_cast<double>(picture.bgr.cols), static_cast<double>(picture.bgr.rows)}));
+            (Box{0, 0, static_cast<double>(image.bgr.cols), static_cast<double>(image.bgr.rows)}));
 }
 
 TEST(PreparePhoto, BoxIsTheOutline) {
-  const Picture picture = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
   const Box box{30.5, 20, 100, 80.25};
-  const Photo photo = Prepare({picture.bgr, {}}, box);
+  const Photo photo = Prepare({image.bgr, {}}, box);
   EXPECT_EQ(BoundingBox(photo.outline), box);
   EXPECT_TRUE(photo.mask.empty());
 }
 
 TEST(PreparePhoto, AlphaChannelGivesTheOutline) {
   for (const ObjectKind kind : {ObjectKind::kCrate, ObjectKind::kTruck, ObjectKind::kAircraft}) {
-    const Picture picture = ThingOnGround(kind);
-    const Photo photo = Prepare(picture, std::nullopt);
-    const double opaque = cv::countNonZero(picture.alpha >= 128);
+    const PhotoImage image = ThingOnGround(kind);
+    const Photo photo = Prepare(image, std::nullopt);
+    const double opaque = cv::countNonZero(image.alpha >= 128);
     EXPECT_EQ(cv::countNonZero(photo.mask), opaque);
     // The contour passes through the centres of the outermost pixels; the simplification moves it by a few pixels.
     EXPECT_NEAR(SignedArea(photo.outline) / opaque, 1.0, 0.07) << Name(kind);
@@ -100,75 +100,75 @@ TEST(PreparePhoto, AlphaChannelGivesTheOutline) {
 
 // The alpha channel of a screenshot.
 TEST(PreparePhoto, OpaqueAlphaChannelChangesNothing) {
-  Picture picture = ThingOnGround(ObjectKind::kCrate);
-  picture.alpha.setTo(255);
-  const Photo opaque = Prepare(picture, ThingBox(picture));
-  picture.alpha = cv::Mat();
-  const Photo without = Prepare(picture, ThingBox(picture));
+  PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  image.alpha.setTo(255);
+  const Photo opaque = Prepare(image, ThingBox(image));
+  image.alpha = cv::Mat();
+  const Photo without = Prepare(image, ThingBox(image));
   EXPECT_EQ(opaque.outline, without.outline);
   EXPECT_EQ(cv::norm(opaque.grey, without.grey, cv::NORM_INF), 0) << "its surroundings stay";
 }
 
 TEST(PreparePhoto, BoxAndAlphaAreIntersected) {
-  const Picture picture = ThingOnGround(ObjectKind::kCrate);
-  const Box left_half{0, 0, picture.bgr.cols / 2.0, static_cast<double>(picture.bgr.rows)};
-  const Photo photo = Prepare(picture, left_half);
+  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const Box left_half{0, 0, image.bgr.cols / 2.0, static_cast<double>(image.bgr.rows)};
+  const Photo photo = Prepare(image, left_half);
   const Box outline = BoundingBox(photo.outline);
   EXPECT_GE(outline.x, kMarginPx);
   EXPECT_LE(outline.x + outline.width, left_half.width);
-  EXPECT_EQ(cv::countNonZero(photo.mask.colRange(picture.bgr.cols / 2 + 1, picture.bgr.cols)), 0);
+  EXPECT_EQ(cv::countNonZero(photo.mask.colRange(image.bgr.cols / 2 + 1, image.bgr.cols)), 0);
   EXPECT_GT(cv::countNonZero(photo.mask), 0);
 }
 
 TEST(PreparePhoto, BoxOutsideThePhotoIsRefused) {
-  const Picture picture = ThingOnGround(ObjectKind::kCrate);
-  const double width = picture.bgr.cols;
-  const double height = picture.bgr.rows;
+  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const double width = image.bgr.cols;
+  const double height = image.bgr.rows;
   for (const Box& box : {Box{-1, 0, 20, 20}, Box{0, -0.5, 20, 20}, Box{width - 10, 0, 11, 20},
                          Box{0, height - 10, 20, 10.5}, Box{width + 5, 5, 20, 20}, Box{5, 5, 0, 20}, Box{5, 5, 20, -3},
                          Box{5, 5, NAN, 20}, Box{NAN, 5, 20, 20}, Box{5, 5, INFINITY, 20}}) {
-    for (const cv::Mat& alpha : {cv::Mat(), picture.alpha}) {
-      const Expected<Photo> photo = PreparePhoto("thing.png", picture.bgr, alpha, box);
+    for (const cv::Mat& alpha : {cv::Mat(), image.alpha}) {
+      const Expected<Photo> photo = PreparePhoto("thing.png", image.bgr, alpha, box);
       ASSERT_FALSE(photo) << box.x << ',' << box.y << ',' << box.width << ',' << box.height;
       ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "inside the photo");
       EXPECT_THAT(photo.error().message, HasSubstr("thing.png"));
     }
   }
-  EXPECT_TRUE(PreparePhoto("thing.png", picture.bgr, {}, Box{0, 0, width, height}));
+  EXPECT_TRUE(PreparePhoto("thing.png", image.bgr, {}, Box{0, 0, width, height}));
 }
 
 TEST(PreparePhoto, TransparentPhotoIsRefused) {
-  const Picture picture = ThingOnGround(ObjectKind::kCrate);
-  const cv::Mat nothing = cv::Mat::zeros(picture.alpha.size(), CV_8UC1);
-  Expected<Photo> photo = PreparePhoto("thing.png", picture.bgr, nothing, std::nullopt);
+  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const cv::Mat nothing = cv::Mat::zeros(image.alpha.size(), CV_8UC1);
+  Expected<Photo> photo = PreparePhoto("thing.png", image.bgr, nothing, std::nullopt);
   ASSERT_FALSE(photo);
   ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "transparent everywhere");
-  photo = PreparePhoto("thing.png", picture.bgr, picture.alpha, Box{0, 0, 10, 10});
+  photo = PreparePhoto("thing.png", image.bgr, image.alpha, Box{0, 0, 10, 10});
   ASSERT_FALSE(photo);
   ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "transparent in the box");
   cv::Mat speck = nothing.clone();
   speck.at<std::uint8_t>(20, 20) = 255;
-  photo = PreparePhoto("thing.png", picture.bgr, speck, std::nullopt);
+  photo = PreparePhoto("thing.png", image.bgr, speck, std::nullopt);
   ASSERT_FALSE(photo);
   ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "no area");
 }
 
 TEST(LoadPhoto, ReadsFilesAndNamesUnreadableOnes) {
   const ScratchFolder folder;
-  const Picture picture = ThingOnGround(ObjectKind::kSign);
-  ASSERT_TRUE(WriteImage(folder / "sign.png", picture.bgr));
-  const Expected<Photo> photo = LoadPhoto(folder / "sign.png", ThingBox(picture));
+  const PhotoImage image = ThingOnGround(ObjectKind::kSign);
+  ASSERT_TRUE(WriteImage(folder / "sign.png", image.bgr));
+  const Expected<Photo> photo = LoadPhoto(folder / "sign.png", ThingBox(image));
   ASSERT_TRUE(photo) << photo.error().message;
   EXPECT_EQ(photo->source, (folder / "sign.png").string());
-  EXPECT_EQ(photo->grey.size(), picture.bgr.size());
+  EXPECT_EQ(photo->grey.size(), image.bgr.size());
   const Expected<Photo> missing = LoadPhoto(folder / "none.png", std::nullopt);
   ASSERT_FALSE(missing);
   ExpectOneLine(missing.error(), ErrorCode::kNotFound, "none.png");
 }
 
 TEST(MakePhotoModel, StoresEngineAndOptions) {
-  const Picture crate = ThingOnGround(ObjectKind::kCrate);
-  const Picture truck = ThingOnGround(ObjectKind::kTruck);
+  const PhotoImage crate = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage truck = ThingOnGround(ObjectKind::kTruck);
   const std::vector<Photo> photos = {Prepare(crate, std::nullopt), Prepare({truck.bgr, {}}, ThingBox(truck))};
   const Expected<ObjectModel> model = MakePhotoModel("thing", photos, 2.5, {});
   ASSERT_TRUE(model) << model.error().message;
@@ -189,15 +189,15 @@ TEST(MakePhotoModel, StoresEngineAndOptions) {
 }
 
 TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
-  const Picture picture = ThingOnGround(ObjectKind::kAircraft);
-  const Photo photo = Prepare(picture, std::nullopt);
+  const PhotoImage image = ThingOnGround(ObjectKind::kAircraft);
+  const Photo photo = Prepare(image, std::nullopt);
   const ObjectModel model = MakeModel(std::span(&photo, 1));
   ASSERT_GT(model.features.size(), 20U);
   for (const Keypoint& keypoint : model.features.keypoints) {
     EXPECT_NE(photo.mask.at<std::uint8_t>(static_cast<int>(keypoint.y), static_cast<int>(keypoint.x)), 0)
         << keypoint.x << ',' << keypoint.y;
   }
-  const Photo boxed = Prepare({picture.bgr, {}}, Box{60, 60, 90, 100});
+  const Photo boxed = Prepare({image.bgr, {}}, Box{60, 60, 90, 100});
   const ObjectModel of_box = MakeModel(std::span(&boxed, 1));
   for (const Keypoint& keypoint : of_box.features.keypoints) {
     EXPECT_TRUE((Box{60, 60, 90, 100}).Contains(keypoint.x, keypoint.y));
@@ -206,8 +206,8 @@ TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
 
 // An image that is all object has keypoints up to its edges, at the same positions as in a larger image.
 TEST(MakePhotoModel, MarginDoesNotShiftKeypoints) {
-  const Picture picture = ThingOnGround(ObjectKind::kCrate);
-  const Photo whole = Prepare({picture.bgr, {}}, std::nullopt);
+  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const Photo whole = Prepare({image.bgr, {}}, std::nullopt);
   std::vector<std::vector<Keypoint>> keypoints;
   for (const int margin_px : {0, 24}) {
     const Expected<ObjectModel> model =
@@ -229,7 +229,7 @@ TEST(MakePhotoModel, MarginDoesNotShiftKeypoints) {
 
 TEST(MakePhotoModel, RefusesPhotosWithTooFewFeatures) {
   const cv::Mat grey(200, 300, CV_8UC3, cv::Scalar(128, 128, 128));
-  const Picture crate = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage crate = ThingOnGround(ObjectKind::kCrate);
   const std::vector<Photo> photos = {Prepare(crate, std::nullopt),
                                      PreparePhoto("plain.png", grey, {}, std::nullopt).value()};
   const Expected<ObjectModel> model = MakePhotoModel("thing", photos, std::nullopt, {});

@@ -19,7 +19,7 @@
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/template_features.h"
-#include "victorious/model/view_picture.h"
+#include "victorious/model/view_appearance.h"
 #include "victorious/model/view_surface.h"
 
 namespace victorious {

@@ -21,13 +21,12 @@ std::optional<Point3> BackprojectKeypoint(const Keypoint& keypoint, const PosedD
 
 }  // namespace
 
-Expected<RelitTemplate> ExtractTemplateFeatures(const ObjectImage& picture, const PosedDepthMap& depth_map,
+Expected<RelitTemplate> ExtractTemplateFeatures(const ObjectImage& image, const PosedDepthMap& depth_map,
                                                 const FeatureExtractor& extractor, const CadModelOptions& options) {
   RelitTemplate result;
-  if (picture.outline.size() < 3) return result;
+  if (image.outline.size() < 3) return result;
   VICTORIOUS_ASSIGN_OR_RETURN(
-      const FeatureSet all,
-      ExtractObjectFeatures(picture, extractor, {.min_mask_fraction = options.min_mask_fraction}));
+      const FeatureSet all, ExtractObjectFeatures(image, extractor, {.min_mask_fraction = options.min_mask_fraction}));
   const Rigid3 model_from_camera = depth_map.camera.camera_from_world.Inverse();
   result.features.image_width = all.image_width;
   result.features.image_height = all.image_height;

@@ -11,9 +11,9 @@
 namespace victorious {
 
 /// The features on the object that have a depth; empty if there are fewer than options.min_features.
-/// @param depth_map  of the same rendering as `picture`; its world frame is the model frame
+/// @param depth_map  of the same rendering as `image`; its world frame is the model frame
 /// Errors: those of the extractor.
-Expected<RelitTemplate> ExtractTemplateFeatures(const ObjectImage& picture, const PosedDepthMap& depth_map,
+Expected<RelitTemplate> ExtractTemplateFeatures(const ObjectImage& image, const PosedDepthMap& depth_map,
                                                 const FeatureExtractor& extractor, const CadModelOptions& options);
 
 }  // namespace victorious

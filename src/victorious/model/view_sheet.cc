@@ -30,7 +30,7 @@ const cv::Scalar kBar(90, 200, 120);
 
 struct Tile {
   std::size_t view;
-  cv::Mat picture;
+  cv::Mat image;
 };
 
 struct Row {
@@ -70,8 +70,8 @@ Expected<std::vector<Row>> LayOut(const ObjectModel& model) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       if (i % kColumns == 0) rows.push_back({i == 0 ? label : "", {}});
       if (model.views[views[i]].thumbnail.empty()) continue;
-      VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat picture, DecodeThumbnail(model, views[i]));
-      rows.back().tiles.push_back({views[i], std::move(picture)});
+      VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat image, DecodeThumbnail(model, views[i]));
+      rows.back().tiles.push_back({views[i], std::move(image)});
     }
   }
   return rows;
@@ -81,11 +81,11 @@ void Write(cv::Mat& sheet, const std::string& text, cv::Point left_base, double 
   cv::putText(sheet, text, left_base, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
 }
 
-void DrawTile(const ModelView& view, const cv::Mat& picture, std::uint64_t max_features, const cv::Rect& cell,
+void DrawTile(const ModelView& view, const cv::Mat& image, std::uint64_t max_features, const cv::Rect& cell,
               cv::Mat& sheet) {
   constexpr int kBarPx = 3;
-  const cv::Point inset((cell.width - picture.cols) / 2, (cell.height - kCaptionPx - picture.rows) / 2);
-  picture.copyTo(sheet(cv::Rect(cell.tl() + inset, picture.size())));
+  const cv::Point inset((cell.width - image.cols) / 2, (cell.height - kCaptionPx - image.rows) / 2);
+  image.copyTo(sheet(cv::Rect(cell.tl() + inset, image.size())));
   const std::string azimuth =
       view.angles ? fmt::format("az {:.4g}", std::round(10 * DegreesFromRadians(view.angles->azimuth_rad)) / 10) : "";
   const cv::Point base(cell.x, cell.br().y - kBarPx - 3);
@@ -120,7 +120,7 @@ Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
   for (const Row& row : rows) {
     columns = std::max(columns, row.tiles.size());
     for (const Tile& tile : row.tiles) {
-      side = std::max({side, tile.picture.cols, tile.picture.rows});
+      side = std::max({side, tile.image.cols, tile.image.rows});
       max_features = std::max(max_features, model.views[tile.view].feature_count);
     }
   }
@@ -145,7 +145,7 @@ Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
     for (std::size_t c = 0; c < rows[r].tiles.size(); ++c) {
       const Tile& tile = rows[r].tiles[c];
       const cv::Rect cell(kLabelPx + static_cast<int>(c) * step.width, top, side, side + kCaptionPx);
-      DrawTile(model.views[tile.view], tile.picture, max_features, cell, sheet);
+      DrawTile(model.views[tile.view], tile.image, max_features, cell, sheet);
     }
   }
   return sheet;

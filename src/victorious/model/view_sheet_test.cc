@@ -63,12 +63,12 @@ TEST(ViewSheetTest, RefusesMissingOrDamagedThumbnails) {
 }
 
 TEST(ThumbnailTest, IsCroppedAndReducedToTheGivenSide) {
-  cv::Mat picture(200, 400, CV_8UC3, cv::Scalar(0, 0, 255));
-  picture(cv::Rect(100, 50, 160, 80)).setTo(cv::Scalar(0, 255, 0));
-  const cv::Mat green = MakeThumbnail(picture, {100, 50, 160, 80}, 40);
+  cv::Mat image(200, 400, CV_8UC3, cv::Scalar(0, 0, 255));
+  image(cv::Rect(100, 50, 160, 80)).setTo(cv::Scalar(0, 255, 0));
+  const cv::Mat green = MakeThumbnail(image, {100, 50, 160, 80}, 40);
   EXPECT_EQ(green.size(), cv::Size(40, 20));
   EXPECT_EQ(cv::norm(green, cv::Mat(20, 40, CV_8UC3, cv::Scalar(0, 255, 0)), cv::NORM_INF), 0);
-  EXPECT_EQ(MakeThumbnail(picture, {390, 190, 100, 100}, 40).size(), cv::Size(10, 10));  // cut, never enlarged
+  EXPECT_EQ(MakeThumbnail(image, {390, 190, 100, 100}, 40).size(), cv::Size(10, 10));  // cut, never enlarged
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ static_assert(sizeof(Header) == 120);
 constexpr int kMaxSidePx = 4096;
 constexpr double kDepths = 65534;  // quantisation steps between nearest_m and farthest_m
 
-bool IsValid(const Header& header, const cv::Mat& picture) {
+bool IsValid(const Header& header, const cv::Mat& image) {
   const double numbers[] = {header.fx, header.cx, header.cy, header.qw, header.qx,        header.qy,
                             header.qz, header.tx, header.ty, header.tz, header.nearest_m, header.farthest_m};
   if (!std::ranges::all_of(numbers, [](double number) { return std::isfinite(number) && std::abs(number) < 1e9; })) {
@@ -40,8 +40,8 @@ bool IsValid(const Header& header, const cv::Mat& picture) {
   const double norm = std::hypot(std::hypot(header.qw, header.qx), std::hypot(header.qy, header.qz));
   return header.fx > 0 && std::abs(norm - 1) < 1e-6 && header.nearest_m > 0 && header.farthest_m >= header.nearest_m &&
          header.width > 0 && header.height > 0 && header.width <= kMaxSidePx && header.height <= kMaxSidePx &&
-         header.left >= 0 && header.top >= 0 && header.left <= header.width - picture.cols &&
-         header.top <= header.height - picture.rows && header.background >= 0 && header.background <= 255;
+         header.left >= 0 && header.top >= 0 && header.left <= header.width - image.cols &&
+         header.top <= header.height - image.rows && header.background >= 0 && header.background <= 255;
 }
 
 }  // namespace
@@ -73,19 +73,19 @@ Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface) {
                       .top = box.y,
                       .background = surface.grey.at<std::uint8_t>(0, 0),
                       .reserved = 0};
-  cv::Mat picture(std::max(1, box.height), std::max(1, box.width), CV_8UC3, cv::Scalar::all(0));
+  cv::Mat image(std::max(1, box.height), std::max(1, box.width), CV_8UC3, cv::Scalar::all(0));
   const double steps_per_m = farthest_m > nearest_m ? kDepths / (farthest_m - nearest_m) : 0;
   for (int row = 0; row < box.height; ++row) {
     for (int column = 0; column < box.width; ++column) {
       const float depth_m = surface.depth_map.depth_m.at<float>(box.y + row, box.x + column);
       const int depth =
           std::isnan(depth_m) ? 0 : 1 + static_cast<int>(std::lround((depth_m - nearest_m) * steps_per_m));
-      picture.at<cv::Vec3b>(row, column) = {surface.grey.at<std::uint8_t>(box.y + row, box.x + column),
-                                            static_cast<std::uint8_t>(depth >> 8),
-                                            static_cast<std::uint8_t>(depth & 0xFF)};
+      image.at<cv::Vec3b>(row, column) = {surface.grey.at<std::uint8_t>(box.y + row, box.x + column),
+                                          static_cast<std::uint8_t>(depth >> 8),
+                                          static_cast<std::uint8_t>(depth & 0xFF)};
     }
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> png, EncodePng(picture));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> png, EncodePng(image));
   std::vector<std::byte> bytes(sizeof(header) + png.size());
   std::memcpy(bytes.data(), &header, sizeof(header));
   std::ranges::copy(png, bytes.begin() + sizeof(header));

@@ -56,8 +56,8 @@ double InPlaneRotation(const Rigid3& camera_from_object, const ViewDirection& di
 
 // Initial rotation: that of the matched view, at its position and in-plane rotation in the image.
 Quaterniond InitialRotation(const Detection& detection, const ModelView& view, const ImagePlane& image) {
-  const Vector2d picture_middle(view.width / 2.0, view.height / 2.0);
-  const Vector3d towards = image.DirectionOf(detection.fit.scene_from_template.Apply(picture_middle));
+  const Vector2d image_middle(view.width / 2.0, view.height / 2.0);
+  const Vector3d towards = image.DirectionOf(detection.fit.scene_from_template.Apply(image_middle));
   return RotationTowards(towards) *
          Eigen::AngleAxisd(detection.fit.scene_from_template.rotation_rad, Vector3d::UnitZ()) *
          CameraFromModel({view.angles->azimuth_rad, view.angles->off_nadir_rad});

@@ -29,7 +29,7 @@ struct Tile {
   ObjectRecord object;
   std::string model;
   SightingRecord best;
-  cv::Mat picture;
+  cv::Mat image;
 };
 
 std::vector<cv::Point> Corners(const Polygon& outline, double factor) {
@@ -41,7 +41,7 @@ std::vector<cv::Point> Corners(const Polygon& outline, double factor) {
 
 // The frame, scaled to the tile, with the outline drawn onto it.
 cv::Mat DrawTile(const Tile& tile, const cv::Mat& frame, const cv::Size& size) {
-  cv::Mat picture(size.height + kCaptionHeightPx, size.width, CV_8UC3, cv::Scalar::all(24));
+  cv::Mat image(size.height + kCaptionHeightPx, size.width, CV_8UC3, cv::Scalar::all(24));
   const double factor =
       std::min(static_cast<double>(size.width) / frame.cols, static_cast<double>(size.height) / frame.rows);
   cv::Mat small;
@@ -50,17 +50,17 @@ cv::Mat DrawTile(const Tile& tile, const cv::Mat& frame, const cv::Size& size) {
   const bool rejected = !tile.object.rejected.empty();
   const cv::Scalar colour = rejected ? cv::Scalar(0, 0, 255) : cv::Scalar(0, 255, 255);
   cv::polylines(small, Corners(outline, factor), true, colour, 2, cv::LINE_AA);
-  small.copyTo(picture(cv::Rect({0, 0}, small.size())));
+  small.copyTo(image(cv::Rect({0, 0}, small.size())));
   const auto caption = [&](const std::string& text, int line) {
-    cv::putText(picture, text, {4, size.height + 13 + 15 * line}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar::all(235),
-                1, cv::LINE_AA);
+    cv::putText(image, text, {4, size.height + 13 + 15 * line}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar::all(235), 1,
+                cv::LINE_AA);
   };
   caption(fmt::format("{}  score {:.2f}  object {}", tile.model, tile.object.score, tile.object.id), 0);
   caption(rejected ? "rejected: " + tile.object.rejected
                    : fmt::format("{:.2f} s (seen {:.1f} to {:.1f} s, {} frames)", tile.best.time_s,
                                  tile.object.first_time_s, tile.object.last_time_s, tile.object.frames),
           1);
-  return picture;
+  return image;
 }
 
 // Reads one video once and draws the tiles whose best sighting is in it.
@@ -74,7 +74,7 @@ Status DrawTilesOf(const VideoRecord& video, const std::vector<Tile*>& tiles, in
     if (!frame) break;
     const auto found = by_frame.find(frame->index);
     if (found == by_frame.end()) continue;
-    for (Tile* tile : found->second) tile->picture = DrawTile(*tile, frame->image, size);
+    for (Tile* tile : found->second) tile->image = DrawTile(*tile, frame->image, size);
     by_frame.erase(found);
   }
   return {};
@@ -83,7 +83,7 @@ Status DrawTilesOf(const VideoRecord& video, const std::vector<Tile*>& tiles, in
 cv::Mat Compose(const std::vector<Tile>& tiles, const ContactSheetOptions& options) {
   constexpr int kGapPx = 6;
   int height = 0;
-  for (const Tile& tile : tiles) height = std::max(height, tile.picture.rows);
+  for (const Tile& tile : tiles) height = std::max(height, tile.image.rows);
   const int columns = std::min(options.columns, static_cast<int>(tiles.size()));
   const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
   cv::Mat sheet(rows * (height + kGapPx) + kGapPx, columns * (options.tile_width_px + kGapPx) + kGapPx, CV_8UC3,
@@ -92,7 +92,7 @@ cv::Mat Compose(const std::vector<Tile>& tiles, const ContactSheetOptions& optio
     const auto column = static_cast<int>(i) % columns;
     const auto row = static_cast<int>(i) / columns;
     const cv::Point corner(kGapPx + column * (options.tile_width_px + kGapPx), kGapPx + row * (height + kGapPx));
-    tiles[i].picture.copyTo(sheet(cv::Rect(corner, tiles[i].picture.size())));
+    tiles[i].image.copyTo(sheet(cv::Rect(corner, tiles[i].image.size())));
   }
   return sheet;
 }
@@ -111,7 +111,7 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
     const ModelRecord* model = catalogue.Model(object.model);
     if (model == nullptr) continue;
     tile_of[object.id] = tiles.size();
-    tiles.push_back({.object = object, .model = model->name, .best = {.matches = -1}, .picture = {}});
+    tiles.push_back({.object = object, .model = model->name, .best = {.matches = -1}, .image = {}});
   }
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
     const auto found = tile_of.find(sighting.object);
@@ -130,7 +130,7 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
   for (const auto& [video, of_video] : by_video) {
     VICTORIOUS_RETURN_IF_ERROR(DrawTilesOf(*catalogue.Video(video), of_video, options.tile_width_px));
   }
-  std::erase_if(tiles, [](const Tile& tile) { return tile.picture.empty(); });
+  std::erase_if(tiles, [](const Tile& tile) { return tile.image.empty(); });
   if (tiles.empty())
     return Fail(ErrorCode::kInvalidArgument,
                 "no object in the index passes the filter: widen --video, --from, --to, or index a video first");

@@ -45,9 +45,9 @@ class ContactSheet : public ::testing::Test {
 };
 
 // Pixels of the outlines' yellow, which the rendered town does not contain.
-int Yellow(const cv::Mat& picture) {
+int Yellow(const cv::Mat& image) {
   cv::Mat yellow;
-  cv::inRange(picture, cv::Scalar(0, 250, 250), cv::Scalar(5, 255, 255), yellow);
+  cv::inRange(image, cv::Scalar(0, 250, 250), cv::Scalar(5, 255, 255), yellow);
   return cv::countNonZero(yellow);
 }
 

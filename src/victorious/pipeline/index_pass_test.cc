@@ -39,8 +39,8 @@ class FakeReader final : public VideoReader {
     if (next_ == broken_at) return Fail(ErrorCode::kInternal, "broken");
     const std::int64_t index = next_++;
     if (packet_of) packets_ = packet_of(index);
-    const cv::Mat picture = picture_of ? picture_of(index) : cv::Mat(32, 32, CV_8UC1, 128.0);
-    return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = picture};
+    const cv::Mat image = image_of ? image_of(index) : cv::Mat(32, 32, CV_8UC1, 128.0);
+    return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = image};
   }
   std::vector<DataPacket> TakeDataPackets() override { return std::exchange(packets_, {}); }
   bool SeekTo(double /*time_s*/) override { return false; }
@@ -50,7 +50,7 @@ class FakeReader final : public VideoReader {
   void AddStream(const std::string& type) { info_.streams.push_back({.index = 1, .type = type, .codec = {}}); }
 
   std::int64_t broken_at = -1;
-  std::function<cv::Mat(std::int64_t)> picture_of;                 // grey image; default: a uniform one
+  std::function<cv::Mat(std::int64_t)> image_of;                   // grey image; default: a uniform one
   std::function<std::vector<DataPacket>(std::int64_t)> packet_of;  // data packets that arrive with a frame
 
  private:
@@ -161,7 +161,7 @@ TEST_F(IndexPassTest, LiveTelemetryGivesPlaces) {
     if (frame == 14) cancel_.Cancel();
   });
   reader.AddStream("data");
-  reader.picture_of = [&](std::int64_t /*frame*/) { return GreyFromBgr(flight_.flight().Render(0).image); };
+  reader.image_of = [&](std::int64_t /*frame*/) { return GreyFromBgr(flight_.flight().Render(0).image); };
   reader.packet_of = [](std::int64_t frame) -> std::vector<DataPacket> {
     if (frame % 5 != 0) return {};  // 2 per second, from an altitude of 1000 m
     const std::string text = CameraPacket(1'700'000'000'000'000 + static_cast<std::uint64_t>(frame) * 100'000);

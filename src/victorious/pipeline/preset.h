@@ -18,7 +18,7 @@ struct PhotoModelOptions;
 struct RecognizeOptions;
 
 /// kLearnt: the cascade with all four measures in each stage, and thresholds near those that `experiment
-/// chapter3.filters` learns from simulated pictures: rounded, the angles a little wider, the last approval from table
+/// chapter3.filters` learns from simulated images: rounded, the angles a little wider, the last approval from table
 /// 3.1. Hypotheses by the grammar; R and all other parameters are unchanged.
 ///
 /// kThesis: chapter 3 of the thesis. Lowe's keypoints without prior denoising; for CAD models' views all keypoints on

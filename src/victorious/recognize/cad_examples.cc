@@ -36,18 +36,18 @@ Light SampleLight(Random& random) {
 }
 
 // A random position in a background of this size, at a scale that fills a random fraction of it.
-Similarity2 SamplePlacement(const cv::Rect& object, const cv::Size& picture, Random& random) {
+Similarity2 SamplePlacement(const cv::Rect& object, const cv::Size& image, Random& random) {
   constexpr double kMinFilledFraction = 0.6;
   constexpr double kMaxFilledFraction = 0.95;
   const double fraction = random.Uniform(kMinFilledFraction, kMaxFilledFraction);
   Similarity2 place;
-  place.scale = fraction * std::min(static_cast<double>(picture.width) / object.width,
-                                    static_cast<double>(picture.height) / object.height);
+  place.scale = fraction * std::min(static_cast<double>(image.width) / object.width,
+                                    static_cast<double>(image.height) / object.height);
   const auto shift = [&](double from, double length, double room) {
     return random.Uniform() * (room - place.scale * length) - place.scale * from;
   };
-  place.translation.x() = shift(object.x, object.width, picture.width);
-  place.translation.y() = shift(object.y, object.height, picture.height);
+  place.translation.x() = shift(object.x, object.width, image.width);
+  place.translation.y() = shift(object.y, object.height, image.height);
   return place;
 }
 
@@ -96,7 +96,7 @@ Expected<std::vector<LabelledImage>> RenderCadExamples(const Mesh& mesh, const s
   const Sphere sphere = BoundingSphere(mesh);
   constexpr double kDistanceRadii = 12;
   Random random(seed);
-  std::vector<LabelledImage> pictures;
+  std::vector<LabelledImage> images;
   for (int i = 0; i < options.views; ++i) {
     const ViewDirection from = SampleDirection(options.min_off_nadir_deg, options.max_off_nadir_deg, random);
     VICTORIOUS_ASSIGN_OR_RETURN(const PosedCamera camera, CameraForView(from, sphere,
@@ -113,15 +113,15 @@ Expected<std::vector<LabelledImage>> RenderCadExamples(const Mesh& mesh, const s
     constexpr double kDarkest = 0.6;
     constexpr double kBrightest = 1.5;
     object.convertTo(object, CV_8U, random.Uniform(kDarkest, kBrightest));
-    cv::Mat picture = backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))].clone();
-    const Similarity2 place = SamplePlacement(seen, picture.size(), random);
-    Paste(object, rendered.mask, place, picture);
+    cv::Mat image = backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))].clone();
+    const Similarity2 place = SamplePlacement(seen, image.size(), random);
+    Paste(object, rendered.mask, place, image);
     const Eigen::Vector2d corner = place.Apply({seen.x, seen.y});
-    pictures.push_back({.category = category,
-                        .grey = std::move(picture),
-                        .box = Box{corner.x(), corner.y(), place.scale * seen.width, place.scale * seen.height}});
+    images.push_back({.category = category,
+                      .grey = std::move(image),
+                      .box = Box{corner.x(), corner.y(), place.scale * seen.width, place.scale * seen.height}});
   }
-  return pictures;
+  return images;
 }
 
 }  // namespace victorious

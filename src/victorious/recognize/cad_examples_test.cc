@@ -30,18 +30,18 @@ cv::Mat Plain(int level) { return {150, 200, CV_8UC1, cv::Scalar(level)}; }
 
 TEST(RenderCadExamples, ObjectIsInItsBoxAndBackgroundUnchanged) {
   const std::vector<cv::Mat> backgrounds = {Plain(128)};
-  const auto pictures = RenderCadExamples(Block(), "block", backgrounds, {.views = 12}, 1);
-  ASSERT_TRUE(pictures) << pictures.error().message;
-  ASSERT_EQ(pictures->size(), 12U);
-  for (const LabelledImage& picture : *pictures) {
-    EXPECT_EQ(picture.category, "block");
-    ASSERT_TRUE(picture.box);
-    const cv::Rect changed = cv::boundingRect(cv::Mat(cv::abs(picture.grey - 128) > 3));
-    EXPECT_NEAR(changed.x, picture.box->x, 2.5);
-    EXPECT_NEAR(changed.y, picture.box->y, 2.5);
-    EXPECT_NEAR(changed.width, picture.box->width, 4);
-    EXPECT_NEAR(changed.height, picture.box->height, 4);
-    EXPECT_GT(std::max(picture.box->width / 200, picture.box->height / 150), 0.55);
+  const auto images = RenderCadExamples(Block(), "block", backgrounds, {.views = 12}, 1);
+  ASSERT_TRUE(images) << images.error().message;
+  ASSERT_EQ(images->size(), 12U);
+  for (const LabelledImage& image : *images) {
+    EXPECT_EQ(image.category, "block");
+    ASSERT_TRUE(image.box);
+    const cv::Rect changed = cv::boundingRect(cv::Mat(cv::abs(image.grey - 128) > 3));
+    EXPECT_NEAR(changed.x, image.box->x, 2.5);
+    EXPECT_NEAR(changed.y, image.box->y, 2.5);
+    EXPECT_NEAR(changed.width, image.box->width, 4);
+    EXPECT_NEAR(changed.height, image.box->height, 4);
+    EXPECT_GT(std::max(image.box->width / 200, image.box->height / 150), 0.55);
   }
 }
 
@@ -58,10 +58,10 @@ TEST(RenderCadExamples, AreDeterministicBySeed) {
 
 TEST(RenderCadExamples, RefuseAnEmptyRangeOfViews) {
   const std::vector<cv::Mat> backgrounds = {Plain(128)};
-  const auto pictures =
+  const auto images =
       RenderCadExamples(Block(), "block", backgrounds, {.min_off_nadir_deg = 80, .max_off_nadir_deg = 20}, 1);
-  ASSERT_FALSE(pictures);
-  EXPECT_THAT(pictures.error().message, HasSubstr("min_off_nadir_deg 80"));
+  ASSERT_FALSE(images);
+  EXPECT_THAT(images.error().message, HasSubstr("min_off_nadir_deg 80"));
 }
 
 // A folder with clutter images and a CAD file of a block.
@@ -72,21 +72,21 @@ class CadExampleTest : public ::testing::Test {
     std::ofstream(folder_ / "block.glb", std::ios::binary) << glb;
     Random random(4);
     for (int i = 0; i < 16; ++i) {
-      cv::Mat picture = Clutter(random);
-      EXPECT_TRUE(WriteImage((folder_ / fmt::format("{}.png", i)).string(), picture));
+      cv::Mat image = Clutter(random);
+      EXPECT_TRUE(WriteImage((folder_ / fmt::format("{}.png", i)).string(), image));
       rows_.push_back(
           {.image = fmt::format("{}.png", i), .category = "nothing", .box = {}, .mark = {}, .where = "row"});
     }
   }
 
   static cv::Mat Clutter(Random& random) {
-    cv::Mat picture(150, 200, CV_8UC3, cv::Scalar::all(100 + random.Below(50)));
+    cv::Mat image(150, 200, CV_8UC3, cv::Scalar::all(100 + random.Below(50)));
     const auto point = [&] {
       return cv::Point(static_cast<int>(random.Below(200)), static_cast<int>(random.Below(150)));
     };
     for (int i = 0; i < 12; ++i)
-      cv::circle(picture, point(), 4 + static_cast<int>(random.Below(20)), cv::Scalar::all(40), 2);
-    return picture;
+      cv::circle(image, point(), 4 + static_cast<int>(random.Below(20)), cv::Scalar::all(40), 2);
+    return image;
   }
 
   static CategoryTrainOptions Small() {
@@ -130,8 +130,8 @@ TEST_F(CadExampleTest, RepresentsItsCategory) {
     cv::cvtColor(Clutter(random), background, cv::COLOR_BGR2GRAY);
   }
   int right = 0;
-  const std::vector<LabelledImage> pictures = RenderCadExamples(cousin, "", backgrounds, {.views = 10}, 5).value();
-  for (const LabelledImage& picture : pictures) right += label(picture.grey) == "block" ? 1 : 0;
+  const std::vector<LabelledImage> images = RenderCadExamples(cousin, "", backgrounds, {.views = 10}, 5).value();
+  for (const LabelledImage& image : images) right += label(image.grey) == "block" ? 1 : 0;
   for (const cv::Mat& background : backgrounds) right += label(background) == "nothing" ? 1 : 0;
   EXPECT_GE(right, 15);  // 10 by chance
 }

@@ -93,9 +93,9 @@ std::vector<FoundCategory> CategoryFinder::FindInWindows(const cv::Mat& grey) co
   }
   std::vector<FoundCategory> found;
   for (const Likely& one : apart) {
-    const QuantisedImage& picture = one.window->picture;
-    const Box inside = SupportingBox(ComputeContributions(*model_, picture, nodes_[one.category]), picture);
-    const double scale = one.window->box.width / picture.width;
+    const QuantisedImage& image = one.window->image;
+    const Box inside = SupportingBox(ComputeContributions(*model_, image, nodes_[one.category]), image);
+    const double scale = one.window->box.width / image.width;
     found.push_back({.category = one.category,
                      .box = {one.window->box.x + inside.x * scale, one.window->box.y + inside.y * scale,
                              inside.width * scale, inside.height * scale},
@@ -107,14 +107,14 @@ std::vector<FoundCategory> CategoryFinder::FindInWindows(const cv::Mat& grey) co
 Expected<std::vector<FoundCategory>> CategoryFinder::Find(const cv::Mat& grey) const {
   if (featurizer_.options().windows.enabled) return FindInWindows(grey);
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, featurizer_.Extract(grey));
-  const QuantisedImage picture = QuantiseFeatures(*model_, features);
+  const QuantisedImage image = QuantiseFeatures(*model_, features);
   std::vector<FoundCategory> found;
-  if (picture.size() == 0) return found;  // no features
-  const CategoryResult result = Classify(*model_, picture, CategoryMethod::kPhrases);
+  if (image.size() == 0) return found;  // no features
+  const CategoryResult result = Classify(*model_, image, CategoryMethod::kPhrases);
   for (std::size_t c = 0; c < nodes_.size(); ++c) {
     const double probability = result.scores[nodes_[c]].probability;
     if (probability < min_probability_) continue;
-    const Box box = SupportingBox(ComputeContributions(*model_, picture, nodes_[c]), picture);
+    const Box box = SupportingBox(ComputeContributions(*model_, image, nodes_[c]), image);
     found.push_back({.category = c, .box = box, .probability = probability});
   }
   return found;

@@ -33,8 +33,8 @@ TEST(CategoryFinder, FindsTheCategoryAtItsPosition) {
   Random random(9);
   int right = 0;
   int near = 0;
-  constexpr int kPictures = 20;
-  for (int i = 0; i < kPictures; ++i) {
+  constexpr int kImages = 20;
+  for (int i = 0; i < kImages; ++i) {
     const cv::Mat grey = testing::DrawPair(i % 2 == 0, random);
     const auto found = finder->Find(grey);
     ASSERT_TRUE(found);
@@ -45,7 +45,7 @@ TEST(CategoryFinder, FindsTheCategoryAtItsPosition) {
       near += IntersectionOverUnion(one.box, BoxOfThings(grey)) > 0.25 ? 1 : 0;
     }
   }
-  EXPECT_GE(right, kPictures - 2);
+  EXPECT_GE(right, kImages - 2);
   EXPECT_GE(near, right * 3 / 4);
 }
 

@@ -97,7 +97,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& feat
     VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, featurizer.Extract(seen));
     examples.push_back({.category = category,
                         .features = std::move(features),
-                        .picture = number,
+                        .image = number,
                         .used_for_training = used_for_training,
                         .used_for_calibration = used_for_calibration,
                         .mirrored = mirrored});
@@ -180,7 +180,7 @@ Status ForEachImage(const std::filesystem::path& folder, std::span<const Categor
 namespace {
 
 struct SortedRows {
-  std::vector<CategoryListRow> pictures;
+  std::vector<CategoryListRow> images;
   std::vector<CategoryListRow> cad_files;
   std::set<std::string> object_categories;      // object categories: those with a box or a CAD file
   std::set<std::string> background_categories;  // background: the others, neither above nor below an object category
@@ -196,9 +196,9 @@ Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
     if (cad && row.box)
       return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a box: not allowed for a CAD file", row.where));
     if (cad || row.box) sorted.object_categories.insert(row.category);
-    (cad ? sorted.cad_files : sorted.pictures).push_back(row);
+    (cad ? sorted.cad_files : sorted.images).push_back(row);
   }
-  for (const CategoryListRow& row : sorted.pictures) {
+  for (const CategoryListRow& row : sorted.images) {
     const bool is_object = std::ranges::any_of(sorted.object_categories, [&](const std::string& thing) {
       return IsWithin(thing, row.category) || IsWithin(row.category, thing);
     });
@@ -221,9 +221,9 @@ Expected<std::vector<LabelledImage>> ReadCad(const std::filesystem::path& folder
   if (!loaded) return std::unexpected(std::move(loaded).error().WithContext(row.where));
   for (const std::string& warning : loaded->warnings)
     if (warn) warn(fmt::format("{}: {}", row.image, warning));
-  auto pictures = RenderCadExamples(loaded->mesh, row.category, backgrounds, options.cad, seed);
-  if (!pictures) return std::unexpected(std::move(pictures).error().WithContext(row.where));
-  return pictures;
+  auto images = RenderCadExamples(loaded->mesh, row.category, backgrounds, options.cad, seed);
+  if (!images) return std::unexpected(std::move(images).error().WithContext(row.where));
+  return images;
 }
 
 }  // namespace
@@ -244,12 +244,12 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
                        fmt::join(sorted.background_categories, ", ")));
   }
 
-  const std::size_t count = sorted.pictures.size();
-  std::vector<std::vector<CategoryExample>> of_picture(count);
-  std::vector<LabelledImage> pictures(by_windows ? count : 0);
+  const std::size_t count = sorted.images.size();
+  std::vector<std::vector<CategoryExample>> of_image(count);
+  std::vector<LabelledImage> images(by_windows ? count : 0);
   std::vector<cv::Mat> backgrounds(sorted.cad_files.empty() ? 0 : count);  // for CAD files
   const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
-    const CategoryListRow& listed = sorted.pictures[row];
+    const CategoryListRow& listed = sorted.images[row];
     const cv::Mat grey = GreyFromBgr(bgr);
     VICTORIOUS_ASSIGN_OR_RETURN(const Box box, ClippedBox(listed, grey.cols, grey.rows));
     const bool is_object = sorted.object_categories.contains(listed.category);
@@ -257,42 +257,42 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
     if (!backgrounds.empty() && sorted.background_categories.contains(listed.category))
       backgrounds[row] = ResizeBackgroundForCad(seen);
     if (by_windows) {
-      pictures[row] = {.category = listed.category, .grey = seen, .box = is_object ? std::optional(box) : std::nullopt};
+      images[row] = {.category = listed.category, .grey = seen, .box = is_object ? std::optional(box) : std::nullopt};
       return {};
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(of_picture[row],
+    VICTORIOUS_ASSIGN_OR_RETURN(of_image[row],
                                 ExamplesOf(featurizer, grey, box, listed.category, static_cast<int>(row)));
     return {};
   };
-  VICTORIOUS_RETURN_IF_ERROR(ForEachImage(folder, sorted.pictures, look, done));
+  VICTORIOUS_RETURN_IF_ERROR(ForEachImage(folder, sorted.images, look, done));
 
-  std::erase_if(backgrounds, [](const cv::Mat& picture) { return picture.empty(); });
+  std::erase_if(backgrounds, [](const cv::Mat& image) { return image.empty(); });
   for (std::size_t i = 0; i < sorted.cad_files.size(); ++i) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         std::vector<LabelledImage> drawn,
         ReadCad(folder, sorted.cad_files[i], backgrounds, options, MixSeed(options.category.seed, i), warn));
     if (by_windows) {
-      std::ranges::move(drawn, std::back_inserter(pictures));
+      std::ranges::move(drawn, std::back_inserter(images));
     } else {
       // Renderings of one CAD file are held out together, so that another CAD file is used for calibration, if the
       // category has one.
       const bool alone =
           1 == std::ranges::count(sorted.cad_files, sorted.cad_files[i].category, &CategoryListRow::category);
-      const std::size_t first = of_picture.size();
-      of_picture.resize(first + drawn.size());
+      const std::size_t first = of_image.size();
+      of_image.resize(first + drawn.size());
       VICTORIOUS_RETURN_IF_ERROR(ParallelFor(drawn.size(), [&](std::size_t d) -> Status {
         VICTORIOUS_ASSIGN_OR_RETURN(
-            of_picture[first + d], ExamplesOf(featurizer, drawn[d].grey, *drawn[d].box, drawn[d].category,
-                                              static_cast<int>(alone ? first + d : first), /*own_surroundings=*/false));
+            of_image[first + d], ExamplesOf(featurizer, drawn[d].grey, *drawn[d].box, drawn[d].category,
+                                            static_cast<int>(alone ? first + d : first), /*own_surroundings=*/false));
         return {};
       }));
     }
     done(count + i + 1);
   }
 
-  if (by_windows) return TrainOnWindows(featurizer, pictures, options);
+  if (by_windows) return TrainOnWindows(featurizer, images, options);
   std::vector<CategoryExample> examples;
-  for (auto& some : of_picture) std::ranges::move(some, std::back_inserter(examples));
+  for (auto& some : of_image) std::ranges::move(some, std::back_inserter(examples));
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));
   model.features_json = OptionsToJsonText(options.features);
   return model;
@@ -328,7 +328,7 @@ Expected<ClassifiedImage> ClassifyInWindows(const CategoryFeaturizer& featurizer
       chosen = &window;
     }
   }
-  return ClassifiedImage{std::move(result), chosen->box, chosen->picture};
+  return ClassifiedImage{std::move(result), chosen->box, chosen->image};
 }
 
 }  // namespace
@@ -341,9 +341,9 @@ Expected<ClassifiedImage> ClassifyImage(const CategoryFeaturizer& featurizer, co
                 "method words: requires a model of whole images: this model is of windows");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, featurizer.Extract(grey));
-  QuantisedImage picture = QuantiseFeatures(model, features);
-  CategoryResult result = Classify(model, picture, method);
-  return ClassifiedImage{std::move(result), FrameBox(grey.cols, grey.rows), std::move(picture)};
+  QuantisedImage image = QuantiseFeatures(model, features);
+  CategoryResult result = Classify(model, image, method);
+  return ClassifiedImage{std::move(result), FrameBox(grey.cols, grey.rows), std::move(image)};
 }
 
 }  // namespace victorious

@@ -114,8 +114,8 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
 /// A classified image, or its window with the highest probability of the label.
 struct ClassifiedImage {
   CategoryResult result;
-  Box classified_box;      ///< the classified region, px of the image
-  QuantisedImage picture;  ///< the visual words of that region
+  Box classified_box;    ///< the classified region, px of the image
+  QuantisedImage image;  ///< the visual words of that region
 };
 
 /// Classifies an image as the model was trained: as a whole, or by windows: the maximum score of each category over the

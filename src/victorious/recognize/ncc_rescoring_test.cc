@@ -35,16 +35,16 @@ cv::Mat Patches(const cv::Size& size, double breadth_px, std::uint64_t seed) {
 class FlatSquareSource : public RelitTemplateSource {
  public:
   explicit FlatSquareSource(const cv::Mat& grey) {
-    auto picture = std::make_shared<ViewAppearance>();
-    picture->centre_px = {grey.cols / 2.0, grey.rows / 2.0};
+    auto image = std::make_shared<ViewAppearance>();
+    image->centre_px = {grey.cols / 2.0, grey.rows / 2.0};
     for (int row = 4; row < grey.rows; row += 5) {
       for (int column = 4; column < grey.cols; column += 5) {
-        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - picture->centre_px;
-        picture->points.push_back(
+        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - image->centre_px;
+        image->points.push_back(
             {Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(), static_cast<float>(grey.at<std::uint8_t>(row, column))});
       }
     }
-    picture_ = std::move(picture);
+    image_ = std::move(image);
   }
   [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
       const RelitTemplateKey& /*wanted*/) const override {
@@ -53,11 +53,11 @@ class FlatSquareSource : public RelitTemplateSource {
   void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
   [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
                                                                               int /*half_octaves*/) const override {
-    return picture_;
+    return image_;
   }
 
  private:
-  std::shared_ptr<const ViewAppearance> picture_;
+  std::shared_ptr<const ViewAppearance> image_;
 };
 
 constexpr double kTurn_rad = 0.7;
@@ -82,10 +82,10 @@ cv::Mat SceneWith(const cv::Mat& object, double contrast) {
   return scene;
 }
 
-std::optional<double> ZScore(const cv::Mat& grey, const RelitTemplateSource& pictures, const Similarity2& fit) {
+std::optional<double> ZScore(const cv::Mat& grey, const RelitTemplateSource& images, const Similarity2& fit) {
   ObjectModel model;
   model.views.push_back({.source = "square", .width = kSidePx, .height = kSidePx, .outline = {}, .angles = {}});
-  return ComputeNccZScore(PrepareSceneForNcc(grey), model, pictures, 0, fit).value();
+  return ComputeNccZScore(PrepareSceneForNcc(grey), model, images, 0, fit).value();
 }
 
 TEST(NccScore, SeparatesTruePoseFromOtherPoses) {

@@ -320,21 +320,21 @@ TEST(Recognizer, RelitCoarseViewsHaveHalfResolution) {
 }
 
 // A crate with surface samples.
-class Pictured : public RelitTemplateSource {
+class SquareAppearanceSource : public RelitTemplateSource {
  public:
-  explicit Pictured(const cv::Mat& grey) {
+  explicit SquareAppearanceSource(const cv::Mat& grey) {
     cv::Mat blurred;
     cv::GaussianBlur(grey, blurred, {}, kAppearanceBlur_px);
-    auto picture = std::make_shared<ViewAppearance>();
-    picture->centre_px = {grey.cols / 2.0, grey.rows / 2.0};
+    auto image = std::make_shared<ViewAppearance>();
+    image->centre_px = {grey.cols / 2.0, grey.rows / 2.0};
     for (int row = 3; row < grey.rows; row += 6) {
       for (int column = 3; column < grey.cols; column += 6) {
-        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - picture->centre_px;
-        picture->points.push_back({Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(),
-                                   static_cast<float>(blurred.at<std::uint8_t>(row, column))});
+        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - image->centre_px;
+        image->points.push_back({Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(),
+                                 static_cast<float>(blurred.at<std::uint8_t>(row, column))});
       }
     }
-    picture_ = std::move(picture);
+    image_ = std::move(image);
   }
   [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
       const RelitTemplateKey& /*wanted*/) const override {
@@ -343,11 +343,11 @@ class Pictured : public RelitTemplateSource {
   void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
   [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
                                                                               int /*half_octaves*/) const override {
-    return picture_;
+    return image_;
   }
 
  private:
-  std::shared_ptr<const ViewAppearance> picture_;
+  std::shared_ptr<const ViewAppearance> image_;
 };
 
 TEST(Recognizer, NccScoreDecidesUncertainDetections) {
@@ -356,9 +356,9 @@ TEST(Recognizer, NccScoreDecidesUncertainDetections) {
   Paste(crate, 1.0, 0.5, {300, 220}, scene);
   const FeatureSet features = FeaturesOf(scene);
   const auto neg_log10_nfa = [&](const RecognizeOptions& options, const cv::Mat& grey) -> std::optional<double> {
-    const Recognizer recognizer =
-        Recognizer::Create({ModelOf("crate", crate)}, "opencv", options, {std::make_shared<const Pictured>(crate)})
-            .value();
+    const Recognizer recognizer = Recognizer::Create({ModelOf("crate", crate)}, "opencv", options,
+                                                     {std::make_shared<const SquareAppearanceSource>(crate)})
+                                      .value();
     const std::vector<Detection> found = recognizer.Recognize(features, {}, grey).value();
     if (found.empty()) return std::nullopt;
     EXPECT_DOUBLE_EQ(found[0].score, ComputeScore(found[0].neg_log10_nfa));

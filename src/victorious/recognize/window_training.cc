@@ -19,8 +19,8 @@ namespace {
 
 // A training window to sample.
 struct WindowSample {
-  std::size_t picture = 0;
-  Box window;  // square, px of the picture; may reach beyond it
+  std::size_t image = 0;
+  Box window;  // square, px of the image; may reach beyond it
   std::string category;
   bool mirrored = false;
   bool used_for_calibration = false;
@@ -48,12 +48,12 @@ cv::Mat CropWindow(const cv::Mat& grey, const Box& window, int side_px, const cv
 }
 
 // Shifts a window into the image; centres it along a side that is too short.
-Box ShiftedIntoImage(Box window, const cv::Size& picture) {
+Box ShiftedIntoImage(Box window, const cv::Size& image) {
   const auto shift = [&](double at, int length) {
     return window.width <= length ? std::clamp(at, 0.0, length - window.width) : (length - window.width) / 2;
   };
-  window.x = shift(window.x, picture.width);
-  window.y = shift(window.y, picture.height);
+  window.x = shift(window.x, image.width);
+  window.y = shift(window.y, image.height);
   return window;
 }
 
@@ -74,11 +74,11 @@ Box WindowAroundObject(const Box& box, const CategoryFeatureOptions& options, Ra
 }
 
 // A window at a random position with a log-uniform side: small windows are more frequent, as in a search.
-Box RandomWindow(const cv::Size& picture, const WindowOptions& options, Random& random) {
-  const double longest = std::min(picture.width, picture.height);
+Box RandomWindow(const cv::Size& image, const WindowOptions& options, Random& random) {
+  const double longest = std::min(image.width, image.height);
   const double shortest = std::min<double>(longest, options.min_window_px);
   const double side = shortest * std::pow(longest / shortest, random.Uniform());
-  return {random.Uniform() * (picture.width - side), random.Uniform() * (picture.height - side), side, side};
+  return {random.Uniform() * (image.width - side), random.Uniform() * (image.height - side), side, side};
 }
 
 bool IsCentredOnObject(const Box& window, const Box& about) {
@@ -86,26 +86,25 @@ bool IsCentredOnObject(const Box& window, const Box& about) {
   return IntersectionOverUnion(window, about) >= kMinOverlap;
 }
 
-std::vector<WindowSample> InitialSamples(std::span<const LabelledImage> pictures, const CategoryTrainOptions& options,
+std::vector<WindowSample> InitialSamples(std::span<const LabelledImage> images, const CategoryTrainOptions& options,
                                          const std::string& background) {
   const WindowOptions& windows = options.features.windows;
   std::vector<WindowSample> samples;
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    const LabelledImage& picture = pictures[i];
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const LabelledImage& image = images[i];
     Random random(MixSeed(options.category.seed, i));
-    if (!picture.box) {
+    if (!image.box) {
       for (int k = 0; k < options.examples.background; ++k)
-        samples.push_back({i, RandomWindow(picture.grey.size(), windows, random), picture.category, false, true});
+        samples.push_back({i, RandomWindow(image.grey.size(), windows, random), image.category, false, true});
       continue;
     }
     for (int k = 0; k < options.examples.copies; ++k) {
-      const Box window =
-          ShiftedIntoImage(WindowAroundObject(*picture.box, options.features, &random), picture.grey.size());
+      const Box window = ShiftedIntoImage(WindowAroundObject(*image.box, options.features, &random), image.grey.size());
       const bool mirrored = options.features.mirrored && k % 2 == 1;
-      samples.push_back({i, window, picture.category, mirrored, true});
+      samples.push_back({i, window, image.category, mirrored, true});
     }
     // Windows with only a part of the object are negatives: a detection must be centred on the object.
-    const Box about = WindowAroundObject(*picture.box, options.features, nullptr);
+    const Box about = WindowAroundObject(*image.box, options.features, nullptr);
     int parts = 0;
     constexpr int kTries = 20;
     constexpr double kMinOctaves = -1.5;  // of their sides, relative to a window around the object
@@ -116,7 +115,7 @@ std::vector<WindowSample> InitialSamples(std::span<const LabelledImage> pictures
       window.width = window.height = about.width * std::exp2(random.Uniform(kMinOctaves, kMaxOctaves));
       window.x += random.Uniform(-kMaxShift, kMaxShift) * about.width + (about.width - window.width) / 2;
       window.y += random.Uniform(-kMaxShift, kMaxShift) * about.height + (about.height - window.height) / 2;
-      if (IsCentredOnObject(window, about) || window != ShiftedIntoImage(window, picture.grey.size())) continue;
+      if (IsCentredOnObject(window, about) || window != ShiftedIntoImage(window, image.grey.size())) continue;
       samples.push_back({i, window, background, false, false});
       ++parts;
     }
@@ -125,20 +124,20 @@ std::vector<WindowSample> InitialSamples(std::span<const LabelledImage> pictures
 }
 
 Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& featurizer,
-                                                  std::span<const LabelledImage> pictures,
+                                                  std::span<const LabelledImage> images,
                                                   std::span<const WindowSample> samples) {
   std::vector<std::size_t> backgrounds;
-  for (std::size_t i = 0; i < pictures.size(); ++i)
-    if (!pictures[i].box) backgrounds.push_back(i);
+  for (std::size_t i = 0; i < images.size(); ++i)
+    if (!images[i].box) backgrounds.push_back(i);
   std::vector<CategoryExample> examples(samples.size());
   std::vector<Status> statuses(samples.size());
   cv::parallel_for_({0, static_cast<int>(samples.size())}, [&](const cv::Range& range) {
     for (auto c = static_cast<std::size_t>(range.start); c < static_cast<std::size_t>(range.end); ++c) {
       const WindowSample& cut = samples[c];
-      Random random(MixSeed(cut.picture, c));
-      const cv::Mat& beyond = pictures[backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))]].grey;
+      Random random(MixSeed(cut.image, c));
+      const cv::Mat& beyond = images[backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))]].grey;
       cv::Mat seen =
-          CropWindow(pictures[cut.picture].grey, cut.window, featurizer.options().windows.side_px, beyond, random);
+          CropWindow(images[cut.image].grey, cut.window, featurizer.options().windows.side_px, beyond, random);
       if (cut.mirrored) cv::flip(seen, seen, 1);
       Expected<FeatureSet> features = featurizer.Extract(seen);
       if (!features) {
@@ -147,7 +146,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& feat
       }
       examples[c] = {.category = cut.category,
                      .features = *std::move(features),
-                     .picture = static_cast<int>(cut.picture),
+                     .image = static_cast<int>(cut.image),
                      .used_for_training = true,
                      .used_for_calibration = cut.used_for_calibration,
                      .mirrored = cut.mirrored};
@@ -158,43 +157,43 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& feat
 }
 
 // Hard negatives: false positives of the model in background images and beside the objects.
-std::vector<WindowSample> MineHardNegatives(const CategoryModel& model, std::span<const LabelledImage> pictures,
+std::vector<WindowSample> MineHardNegatives(const CategoryModel& model, std::span<const LabelledImage> images,
                                             const CategoryTrainOptions& options, const std::string& background) {
   std::vector<std::size_t> object_nodes;
   for (std::size_t n = 0; n < model.nodes.size(); ++n) {
-    const auto shows = [&](const LabelledImage& picture) {
-      return picture.box && TrainingTarget(picture.category, model.nodes[n].name) > 0;
+    const auto shows = [&](const LabelledImage& image) {
+      return image.box && TrainingTarget(image.category, model.nodes[n].name) > 0;
     };
-    if (std::ranges::any_of(pictures, shows)) object_nodes.push_back(n);
+    if (std::ranges::any_of(images, shows)) object_nodes.push_back(n);
   }
-  std::vector<std::vector<WindowSample>> of_picture(pictures.size());
-  cv::parallel_for_({0, static_cast<int>(pictures.size())}, [&](const cv::Range& range) {
+  std::vector<std::vector<WindowSample>> of_image(images.size());
+  cv::parallel_for_({0, static_cast<int>(images.size())}, [&](const cv::Range& range) {
     for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i) {
-      const LabelledImage& picture = pictures[i];
+      const LabelledImage& image = images[i];
       const std::vector<ScoredWindow> windows =
-          ClassifyWindows(model, picture.grey, options.features.dense, options.features.windows, object_nodes);
-      const Box about = picture.box ? WindowAroundObject(*picture.box, options.features, nullptr) : Box{};
+          ClassifyWindows(model, image.grey, options.features.dense, options.features.windows, object_nodes);
+      const Box about = image.box ? WindowAroundObject(*image.box, options.features, nullptr) : Box{};
       for (const ScoredWindow& window : windows) {
-        if (picture.box && IsCentredOnObject(window.box, about)) continue;
-        if (of_picture[i].size() == static_cast<std::size_t>(options.examples.hard_negatives)) break;
+        if (image.box && IsCentredOnObject(window.box, about)) continue;
+        if (of_image[i].size() == static_cast<std::size_t>(options.examples.hard_negatives)) break;
         const auto same = [&](const WindowSample& cut) { return IsSameObject(cut.window, window.box); };
-        if (std::ranges::none_of(of_picture[i], same))
-          of_picture[i].push_back({i, window.box, picture.box ? background : picture.category, false, !picture.box});
+        if (std::ranges::none_of(of_image[i], same))
+          of_image[i].push_back({i, window.box, image.box ? background : image.category, false, !image.box});
       }
     }
   });
   std::vector<WindowSample> samples;
-  for (const auto& some : of_picture) samples.insert(samples.end(), some.begin(), some.end());
+  for (const auto& some : of_image) samples.insert(samples.end(), some.begin(), some.end());
   return samples;
 }
 
 // Mean number of windows of an image without boxes.
-double WindowsPerBackground(std::span<const LabelledImage> pictures, const CategoryFeatureOptions& options) {
+double WindowsPerBackground(std::span<const LabelledImage> images, const CategoryFeatureOptions& options) {
   double windows = 0;
   double backgrounds = 0;
-  for (const LabelledImage& picture : pictures) {
-    if (picture.box) continue;
-    windows += static_cast<double>(WindowCount(picture.grey.size(), options.dense.step_px, options.windows));
+  for (const LabelledImage& image : images) {
+    if (image.box) continue;
+    windows += static_cast<double>(WindowCount(image.grey.size(), options.dense.step_px, options.windows));
     ++backgrounds;
   }
   return windows / backgrounds;
@@ -212,38 +211,38 @@ void WindowTrainOptions::ListFields(FieldList& fields) {
               .reason = "hard negatives per image: windows without an object that score highest under a first model"});
 }
 
-Expected<CategoryModel> TrainOnWindows(const CategoryFeaturizer& featurizer, std::span<const LabelledImage> pictures,
+Expected<CategoryModel> TrainOnWindows(const CategoryFeaturizer& featurizer, std::span<const LabelledImage> images,
                                        const CategoryTrainOptions& options) {
-  const auto background = std::ranges::find_if(pictures, [](const LabelledImage& picture) { return !picture.box; });
-  if (background == pictures.end())
+  const auto background = std::ranges::find_if(images, [](const LabelledImage& image) { return !image.box; });
+  if (background == images.end())
     return Fail(ErrorCode::kInvalidArgument,
                 "windows require background images: add a category whose images have no boxes, for example background");
   std::set<std::string> boxed;
-  for (const LabelledImage& picture : pictures) {
-    if (picture.box) boxed.insert(picture.category);
+  for (const LabelledImage& image : images) {
+    if (image.box) boxed.insert(image.category);
   }
-  const auto another = std::ranges::find_if(pictures, [&](const LabelledImage& picture) {
-    return picture.category != background->category && !boxed.contains(picture.category);
+  const auto another = std::ranges::find_if(images, [&](const LabelledImage& image) {
+    return image.category != background->category && !boxed.contains(image.category);
   });
-  if (another != pictures.end()) {
+  if (another != images.end()) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} and {}: neither has boxes; windows require exactly one background category without "
                             "boxes, and boxes for all others",
                             background->category, another->category));
   }
-  std::vector<WindowSample> samples = InitialSamples(pictures, options, background->category);
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> examples, ExamplesOf(featurizer, pictures, samples));
+  std::vector<WindowSample> samples = InitialSamples(images, options, background->category);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> examples, ExamplesOf(featurizer, images, samples));
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));
   if (options.examples.hard_negatives > 0) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         std::vector<CategoryExample> hard,
-        ExamplesOf(featurizer, pictures, MineHardNegatives(model, pictures, options, background->category)));
+        ExamplesOf(featurizer, images, MineHardNegatives(model, images, options, background->category)));
     std::ranges::move(hard, std::back_inserter(examples));
     VICTORIOUS_ASSIGN_OR_RETURN(model, TrainCategories(examples, options.category));
   }
   model.features_json = OptionsToJsonText(options.features);
   model.windows = {.background_category = background->category,
-                   .windows_per_background = WindowsPerBackground(pictures, options.features)};
+                   .windows_per_background = WindowsPerBackground(images, options.features)};
   return model;
 }
 

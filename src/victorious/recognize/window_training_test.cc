@@ -15,24 +15,24 @@ namespace {
 using ::testing::HasSubstr;
 
 cv::Mat Noise(int width, int height, Random& random) {
-  cv::Mat picture(height, width, CV_8UC1);
-  for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(95 + random.Below(20));
+  cv::Mat image(height, width, CV_8UC1);
+  for (auto& pixel : cv::Mat_<std::uint8_t>(image)) pixel = static_cast<std::uint8_t>(95 + random.Below(20));
   for (int i = 0; i < 6; ++i) {  // clutter
     const cv::Point at(static_cast<int>(random.Below(static_cast<std::uint32_t>(width))),
                        static_cast<int>(random.Below(static_cast<std::uint32_t>(height))));
-    cv::line(picture, at, at + cv::Point(25, static_cast<int>(random.Below(30))), 60 + random.Below(130), 3);
+    cv::line(image, at, at + cv::Point(25, static_cast<int>(random.Below(30))), 60 + random.Below(130), 3);
   }
-  return picture;
+  return image;
 }
 
 // A cross, or a ring, of a size in px.
-Box Draw(cv::Mat& picture, bool cross, cv::Point middle, int size) {
+Box Draw(cv::Mat& image, bool cross, cv::Point middle, int size) {
   const int half = size / 2;
   if (cross) {
-    cv::line(picture, middle - cv::Point(half, half), middle + cv::Point(half, half), 230, size / 6);
-    cv::line(picture, middle - cv::Point(half, -half), middle + cv::Point(half, -half), 230, size / 6);
+    cv::line(image, middle - cv::Point(half, half), middle + cv::Point(half, half), 230, size / 6);
+    cv::line(image, middle - cv::Point(half, -half), middle + cv::Point(half, -half), 230, size / 6);
   } else {
-    cv::circle(picture, middle, half, 230, size / 6);
+    cv::circle(image, middle, half, 230, size / 6);
   }
   return {static_cast<double>(middle.x - half), static_cast<double>(middle.y - half), static_cast<double>(size),
           static_cast<double>(size)};
@@ -48,29 +48,29 @@ CategoryTrainOptions SmallWindows() {
   return options;
 }
 
-std::vector<LabelledImage> Pictures(int each, Random& random) {
-  std::vector<LabelledImage> pictures;
+std::vector<LabelledImage> MakeImages(int each, Random& random) {
+  std::vector<LabelledImage> images;
   for (int i = 0; i < 2 * each; ++i) {
-    LabelledImage& picture =
-        pictures.emplace_back(LabelledImage{i % 2 == 0 ? "cross" : "ring", Noise(160, 140, random), {}});
+    LabelledImage& image =
+        images.emplace_back(LabelledImage{i % 2 == 0 ? "cross" : "ring", Noise(160, 140, random), {}});
     const int size = 40 + static_cast<int>(random.Below(30));
-    picture.box = Draw(picture.grey, i % 2 == 0, {60 + static_cast<int>(random.Below(40)), 70}, size);
+    image.box = Draw(image.grey, i % 2 == 0, {60 + static_cast<int>(random.Below(40)), 70}, size);
   }
-  for (int i = 0; i < each; ++i) pictures.push_back({"nothing", Noise(240, 200, random), {}});
-  return pictures;
+  for (int i = 0; i < each; ++i) images.push_back({"nothing", Noise(240, 200, random), {}});
+  return images;
 }
 
 class WindowTrainingTest : public ::testing::Test {
  protected:
-  static Expected<CategoryModel> Train(const std::vector<LabelledImage>& pictures) {
+  static Expected<CategoryModel> Train(const std::vector<LabelledImage>& images) {
     const CategoryTrainOptions options = SmallWindows();
-    return TrainOnWindows(CategoryFeaturizer::Create(options.features).value(), pictures, options);
+    return TrainOnWindows(CategoryFeaturizer::Create(options.features).value(), images, options);
   }
 };
 
 TEST_F(WindowTrainingTest, FindsSeveralSmallObjectsAndNoneInBackground) {
   Random random(3);
-  const auto model = Train(Pictures(14, random));
+  const auto model = Train(MakeImages(14, random));
   ASSERT_TRUE(model) << model.error().message;
   const auto finder = CategoryFinder::Create(*model, {});
   ASSERT_TRUE(finder) << finder.error().message;
@@ -104,9 +104,9 @@ TEST_F(WindowTrainingTest, FindsSeveralSmallObjectsAndNoneInBackground) {
 
 TEST_F(WindowTrainingTest, CategoryWithoutBoxesIsRefusedByName) {
   Random random(6);
-  std::vector<LabelledImage> pictures = Pictures(4, random);
-  pictures.push_back({"sky", Noise(240, 200, random), {}});
-  const auto model = Train(pictures);
+  std::vector<LabelledImage> images = MakeImages(4, random);
+  images.push_back({"sky", Noise(240, 200, random), {}});
+  const auto model = Train(images);
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(model.error().message, ::testing::HasSubstr("nothing and sky"));
@@ -114,25 +114,25 @@ TEST_F(WindowTrainingTest, CategoryWithoutBoxesIsRefusedByName) {
 
 TEST_F(WindowTrainingTest, ImageIsClassifiedByItsBestWindow) {
   Random random(4);
-  const auto model = Train(Pictures(10, random));
+  const auto model = Train(MakeImages(10, random));
   ASSERT_TRUE(model) << model.error().message;
   const CategoryFeaturizer featurizer = CategoryFeaturizer::Of(*model).value();
-  cv::Mat picture = Noise(300, 200, random);
-  const Box ring = Draw(picture, false, {200, 90}, 50);
-  const auto seen = ClassifyImage(featurizer, *model, picture, CategoryMethod::kPhrases);
+  cv::Mat image = Noise(300, 200, random);
+  const Box ring = Draw(image, false, {200, 90}, 50);
+  const auto seen = ClassifyImage(featurizer, *model, image, CategoryMethod::kPhrases);
   ASSERT_TRUE(seen) << seen.error().message;
   EXPECT_EQ(model->nodes[seen->result.label].name, "ring");
   EXPECT_GT(IntersectionOverUnion(seen->classified_box, ring), 0.25);
-  const auto words = ClassifyImage(featurizer, *model, picture, CategoryMethod::kWords);
+  const auto words = ClassifyImage(featurizer, *model, image, CategoryMethod::kWords);
   ASSERT_FALSE(words);
   EXPECT_THAT(words.error().message, HasSubstr("windows"));
 }
 
 TEST_F(WindowTrainingTest, RequiresBackgroundImages) {
   Random random(5);
-  auto pictures = Pictures(3, random);
-  std::erase_if(pictures, [](const LabelledImage& picture) { return !picture.box; });
-  const auto model = Train(pictures);
+  auto images = MakeImages(3, random);
+  std::erase_if(images, [](const LabelledImage& image) { return !image.box; });
+  const auto model = Train(images);
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(model.error().message, HasSubstr("no boxes"));

@@ -73,8 +73,8 @@ void GpuMesh::UploadTextures(const Mesh& mesh) {
   UploadTexture(white_, cv::Mat(1, 1, CV_8UC4, cv::Scalar::all(255)));
   textures_.resize(mesh.textures.size());
   for (std::size_t i = 0; i < textures_.size(); ++i) {
-    const cv::Mat& picture = mesh.textures[i];
-    UploadTexture(textures_[i], picture.isContinuous() ? picture : picture.clone());
+    const cv::Mat& image = mesh.textures[i];
+    UploadTexture(textures_[i], image.isContinuous() ? image : image.clone());
   }
 }
 

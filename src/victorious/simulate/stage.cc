@@ -86,10 +86,10 @@ class Stage::Loader {
     return Upload(file, loaded.mesh);
   }
 
-  Expected<StagedMesh> LoadGround(const fs::path& picture, double side_m) {
-    const fs::path key = fmt::format("{} {}", picture.string(), side_m);
+  Expected<StagedMesh> LoadGround(const fs::path& path, double side_m) {
+    const fs::path key = fmt::format("{} {}", path.string(), side_m);
     if (const auto known = meshes_.find(key); known != meshes_.end()) return known->second;
-    VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(picture));
+    VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(path));
     return Upload(key, MakeGroundSquare(image.bgr, side_m));
   }
 

@@ -38,7 +38,7 @@ class StageTest : public ::testing::Test {
   }
 
   // The square from above, 26 m wide, the sun 15 degrees above the town's -x.
-  cv::Mat Picture(const std::vector<ScenePiece>& pieces) {
+  cv::Mat RenderImage(const std::vector<ScenePiece>& pieces) {
     Scene scene;
     scene.assets = assets.path();
     scene.camera.off_nadir_deg = {0};
@@ -64,15 +64,15 @@ class StageTest : public ::testing::Test {
 };
 
 TEST_F(StageTest, ShadowsOfObjectsOutsideTheViewAreRendered) {
-  const cv::Mat without = Picture({});
+  const cv::Mat without = RenderImage({});
   // A block 40 m high casts a shadow 149 m long.
   for (const double distance_m : {40.0, 90.0, 130.0}) {
-    const cv::Mat with = Picture({{.asset = "town/block", .x_m = -distance_m}});
+    const cv::Mat with = RenderImage({{.asset = "town/block", .x_m = -distance_m}});
     EXPECT_LT(with.at<cv::Vec3b>(32, 32)[0] + 40, without.at<cv::Vec3b>(32, 32)[0]) << distance_m;
     EXPECT_EQ(with.at<cv::Vec3b>(4, 32), without.at<cv::Vec3b>(4, 32)) << distance_m;  // beside the shadow
   }
-  EXPECT_EQ(cv::norm(Picture({{.asset = "town/block", .x_m = -170}}), without, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(Picture({{.asset = "town/block", .x_m = 40}}), without, cv::NORM_INF), 0);  // on the lee side
+  EXPECT_EQ(cv::norm(RenderImage({{.asset = "town/block", .x_m = -170}}), without, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(RenderImage({{.asset = "town/block", .x_m = 40}}), without, cv::NORM_INF), 0);  // on the lee side
 }
 
 }  // namespace

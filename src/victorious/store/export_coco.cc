@@ -44,8 +44,8 @@ Json SegmentationJson(const Polygon& polygon) {
 }
 
 Json AnnotationJson(const SightingRecord& sighting, const VideoRecord& video, std::size_t id, std::size_t image_id) {
-  const Box picture = FrameBox(video.width, video.height);
-  const Polygon visible = ClipToBox(sighting.outline, picture);
+  const Box image = FrameBox(video.width, video.height);
+  const Polygon visible = ClipToBox(sighting.outline, image);
   const double area = visible.size() < 3 ? sighting.box.Area() : std::abs(SignedArea(visible));
   return {{"id", id},
           {"image_id", image_id},

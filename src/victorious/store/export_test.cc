@@ -146,7 +146,7 @@ TEST_F(ExportTest, CocoReferencesImagesAndCategories) {
   EXPECT_EQ(first["image_id"], 1);
   EXPECT_EQ(first["category_id"], 1);
   EXPECT_EQ(first["bbox"], json::parse("[0.0,10.13,100.0,50.0]"));
-  EXPECT_EQ(first["area"], 5000.0) << "of the outline inside the picture";
+  EXPECT_EQ(first["area"], 5000.0) << "of the outline inside the image";
   EXPECT_EQ(first["segmentation"].size(), 1u);
   EXPECT_EQ(first["iscrowd"], 0);
   EXPECT_EQ(first["score"], 0.9);

@@ -125,11 +125,11 @@ TEST(ModelFileTest, ThumbnailsRoundTripAndDoNotChangeTheId) {
   ObjectModel model = TestModel();
   const std::string id = Parse(Encode(model)).value().id;
   EXPECT_TRUE(Parse(Encode(model)).value().views[0].thumbnail.empty());
-  const std::array pictures = {std::byte{1}, std::byte{2}, std::byte{3}};
-  model.views[1].thumbnail = pictures;
+  const std::array images = {std::byte{1}, std::byte{2}, std::byte{3}};
+  model.views[1].thumbnail = images;
   const ObjectModel read = Parse(Encode(model)).value();
   EXPECT_TRUE(read.views[0].thumbnail.empty());
-  EXPECT_TRUE(std::ranges::equal(read.views[1].thumbnail, pictures));
+  EXPECT_TRUE(std::ranges::equal(read.views[1].thumbnail, images));
   EXPECT_EQ(read.id, id);
 }
 

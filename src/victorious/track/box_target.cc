@@ -56,8 +56,8 @@ FilterShape MakeFilterShape(const Box& box) {
   return {{kWindowCells, kWindowCells}, {cells(box.width), cells(box.height)}};
 }
 
-double FractionInView(const ImagePyramid& picture, const RotatedBox& turned) {
-  const cv::Mat& image = picture.image();
+double FractionInView(const ImagePyramid& pyramid, const RotatedBox& turned) {
+  const cv::Mat& image = pyramid.image();
   return FractionInside(BoxCorners(turned.EllipseBounds()), FrameBox(image.cols, image.rows));
 }
 

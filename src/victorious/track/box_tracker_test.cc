@@ -20,8 +20,8 @@ using ::testing::HasSubstr;
 class Drive {
  public:
   Drive() : town_(testing::DrawTown({1100, 900}, 6)) {
-    cv::Mat picture = testing::DrawTown({60, 60}, 31);
-    car_ = picture(cv::Rect(10, 20, 30, 18)).clone();
+    cv::Mat image = testing::DrawTown({60, 60}, 31);
+    car_ = image(cv::Rect(10, 20, 30, 18)).clone();
     cv::rectangle(car_, {0, 0, 30, 18}, cv::Scalar(30, 40, 200), 3);
     cv::rectangle(car_, {9, 4, 8, 10}, cv::Scalar(40, 20, 20), cv::FILLED);
     cv::rectangle(car_, {22, 4, 4, 10}, cv::Scalar(220, 220, 210), cv::FILLED);

@@ -36,7 +36,7 @@ class World {
     const cv::Rect view(static_cast<int>(ground_px.x()), static_cast<int>(ground_px.y()), 400, 300);
     cv::Mat frame = town_(view).clone();
     cv::Mat laid;
-    cv::warpAffine(thing_.picture, laid, CvMap(frame_from_object), frame.size(), cv::INTER_AREA);
+    cv::warpAffine(thing_.image, laid, CvMap(frame_from_object), frame.size(), cv::INTER_AREA);
     for (int y = 0; y < frame.rows; ++y) {
       for (int x = 0; x < frame.cols; ++x) {
         const cv::Vec4b above = laid.at<cv::Vec4b>(y, x);

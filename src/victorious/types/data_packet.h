@@ -10,7 +10,7 @@ namespace victorious {
 enum class DataKind {
   kKlv,       ///< SMPTE 336 KLV, synchronous (MPEG-TS stream type 0x15) or asynchronous (0x06)
   kSubtitle,  ///< text subtitles, as DJI aircraft write their telemetry
-  kOther,     ///< anything else that is neither picture nor sound
+  kOther,     ///< anything else that is neither video nor audio
 };
 
 struct DataPacket {

@@ -142,7 +142,7 @@ Status Demuxer::SelectVideoStream() {
   }
   if (videos.empty()) {
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: no video stream{}", source_.name, cover ? ", only a cover picture" : " in it"));
+                fmt::format("{}: no video stream{}", source_.name, cover ? ", only a cover image" : " in it"));
   }
   const auto rank = [](const AVStream* stream) { return VideoRank(*stream); };
   video_index_ = (*std::ranges::max_element(videos, {}, rank))->index;

@@ -90,14 +90,14 @@ Expected<cv::Mat> FrameConverter::Convert(const AVFrame& frame) {
 }
 
 Expected<cv::Mat> FrameConverter::ConvertAndRotate(const AVFrame& frame) {
-  VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat picture, ConvertColor(frame));
-  if (picture.size() != size_) {
-    const bool shrinks = picture.total() > static_cast<std::size_t>(size_.area());
+  VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat image, ConvertColor(frame));
+  if (image.size() != size_) {
+    const bool shrinks = image.total() > static_cast<std::size_t>(size_.area());
     cv::Mat scaled;
-    cv::resize(picture, scaled, size_, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
-    picture = scaled;
+    cv::resize(image, scaled, size_, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+    image = scaled;
   }
-  return RotateUpright(picture, orientation_);
+  return RotateUpright(image, orientation_);
 }
 
 Expected<cv::Mat> FrameConverter::ConvertColor(const AVFrame& frame) {
@@ -108,9 +108,9 @@ Expected<cv::Mat> FrameConverter::ConvertColor(const AVFrame& frame) {
   const bool grey = color_ == FrameColor::kGrey;
   const bool luma = HasLumaPlane(frame, *format) && HasBt601Luma(frame, *format);
   if (luma && (grey || IsGreyFormat(*format))) {
-    cv::Mat picture = GreyFromLuma(frame, *format);
-    if (!grey) cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
-    return picture;
+    cv::Mat image = GreyFromLuma(frame, *format);
+    if (!grey) cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
+    return image;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat bgr, ToBgr(frame));
   return grey ? GreyFromBgr(bgr) : bgr;

@@ -92,10 +92,10 @@ Status ImageSequenceReader::Start(const fs::path& source) {
   if (!first_) {
     const std::string& reason = warnings().front();
     if (files_.size() == 1) return Fail(ErrorCode::kDataLoss, reason);
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: none of its {} pictures can be read, the first: {}",
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: none of its {} images can be read, the first: {}",
                                                   source.string(), files_.size(), reason));
   }
-  info_.container = sequence_ == Sequence::kFolder ? "folder of images" : "picture";
+  info_.container = sequence_ == Sequence::kFolder ? "folder of images" : "image";
   info_.frame_rate = options_.folder_frame_rate;
   info_.frame_count = static_cast<std::int64_t>(files_.size() - first_file_);
   info_.duration_s = TimeFromIndex(files_.size());
@@ -117,10 +117,9 @@ std::optional<Frame> ImageSequenceReader::ReadNext() {
   while (next_file_ < files_.size()) {
     const std::size_t file_index = next_file_++;
     if (next_index_ == 0) first_file_ = file_index;
-    auto picture = ReadImageFile(files_[file_index]);
-    if (picture)
-      return Frame{.index = next_index_++, .time_s = TimeFromIndex(file_index), .image = *std::move(picture)};
-    damage_.AddLine(picture.error().message);
+    auto image = ReadImageFile(files_[file_index]);
+    if (image) return Frame{.index = next_index_++, .time_s = TimeFromIndex(file_index), .image = *std::move(image)};
+    damage_.AddLine(image.error().message);
   }
   return std::nullopt;
 }
@@ -136,7 +135,7 @@ Expected<cv::Mat> ImageSequenceReader::ReadImageFile(const fs::path& file) {
     info_.height = image.bgr.rows;
   } else if (image.bgr.size() != cv::Size(info_.width, info_.height)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {} x {} pixels, the first picture has {} x {}; skipped", file.string(), image.bgr.cols,
+                fmt::format("{}: {} x {} pixels, the first image has {} x {}; skipped", file.string(), image.bgr.cols,
                             image.bgr.rows, info_.width, info_.height));
   }
   return options_.color == FrameColor::kGrey ? GreyFromBgr(image.bgr) : image.bgr;
@@ -161,7 +160,7 @@ Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const fs::path& folder, c
   if (error) return std::unexpected(ErrorFromErrno(error.value(), folder.string()));
   if (files.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: a folder without pictures (PNG, JPEG, TIFF, BMP or PNM)", folder.string()));
+                fmt::format("{}: a folder without images (PNG, JPEG, TIFF, BMP or PNM)", folder.string()));
   }
   std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
     return NaturalLess(a.filename().native(), b.filename().native());

@@ -59,7 +59,7 @@ TEST(ImageSequenceReader, FolderInNaturalOrder) {
     ASSERT_TRUE(
         cv::imwrite((folder / ("frame" + std::to_string(number) + ".png")).string(), NumberedImage(number, {80, 60})));
   }
-  testing::WriteBytes(folder / "notes.txt", "not a picture");
+  testing::WriteBytes(folder / "notes.txt", "not an image");
   const auto reader = MustOpen(folder.path(), {.folder_frame_rate = 4});
   ASSERT_TRUE(reader);
   EXPECT_EQ(reader->info().container, "folder of images");
@@ -101,14 +101,14 @@ TEST(ImageSequenceReader, UnusableImagesAreSkippedWithAWarning) {
 
 TEST(ImageSequenceReader, ImageIsAVideoOfOneFrame) {
   const ScratchFolder folder;
-  const cv::Mat picture = NumberedImage(77, {81, 61});
-  cv::imwrite((folder / "one.png").string(), picture);
+  const cv::Mat image = NumberedImage(77, {81, 61});
+  cv::imwrite((folder / "one.png").string(), image);
   const auto reader = MustOpen(folder / "one.png", {.color = FrameColor::kBgr});
   ASSERT_TRUE(reader);
-  EXPECT_EQ(reader->info().container, "picture");
+  EXPECT_EQ(reader->info().container, "image");
   const auto frame = reader->NextFrame().value();
   ASSERT_TRUE(frame);
-  EXPECT_EQ(cv::norm(frame->image, picture, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(frame->image, image, cv::NORM_INF), 0);
   EXPECT_FALSE(reader->NextFrame().value());
 }
 
@@ -117,13 +117,13 @@ TEST(ImageSequenceReader, FolderErrors) {
   const auto none = VideoReader::Open(folder.path().string(), {});
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_THAT(none.error().message, HasSubstr("a folder without pictures"));
+  EXPECT_THAT(none.error().message, HasSubstr("a folder without images"));
   testing::WriteBytes(folder / "1.png", "bad");
   testing::WriteBytes(folder / "2.jpg", "bad");
   const auto bad = VideoReader::Open(folder.path().string(), {});
   ASSERT_FALSE(bad);
   EXPECT_EQ(bad.error().code, ErrorCode::kDataLoss);
-  EXPECT_THAT(bad.error().message, HasSubstr("none of its 2 pictures can be read"));
+  EXPECT_THAT(bad.error().message, HasSubstr("none of its 2 images can be read"));
 }
 
 TEST(NaturalLess, ComparesNumbersByValue) {

@@ -41,7 +41,7 @@ struct StreamInfo {
 };
 
 struct VideoInfo {
-  std::string container;                    ///< FFmpeg's name, "folder of images" or "picture"
+  std::string container;                    ///< FFmpeg's name, "folder of images" or "image"
   std::string codec;                        ///< FFmpeg's name of the video codec
   int width = 0;                            ///< px, after rotation, with square pixels
   int height = 0;                           ///< px, after rotation, with square pixels
@@ -59,7 +59,7 @@ class VideoReader {
  public:
   /// Opens a source and decodes its first frame, so that info() describes the delivered frames. A local file cannot
   /// cause other files or URLs to be opened: playlists are refused.
-  /// @param source  a path (file, folder or single picture) or a URL ("rtsp://…", "udp://…", "http://…")
+  /// @param source  a path (file, folder or single image) or a URL ("rtsp://…", "udp://…", "http://…")
   /// Errors: kNotFound (also a URL without an answer), kInvalidArgument (empty, a folder without images), kDataLoss
   /// (not a video), kUnsupported (no decoder); each message is one line and names the remedy.
   static Expected<std::unique_ptr<VideoReader>> Open(const std::string& source, const VideoReaderOptions& options);

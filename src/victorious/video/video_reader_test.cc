@@ -107,13 +107,13 @@ TEST(VideoReader, OddSizes) {
   const ScratchFolder folder;
   for (const cv::Size size : {cv::Size(333, 251), cv::Size(161, 97), cv::Size(40, 33)}) {
     for (const std::string format : {"bgr0", "yuv420p", "yuv444p"}) {
-      const cv::Mat picture = NumberedImage(0xA5, size);
+      const cv::Mat image = NumberedImage(0xA5, size);
       WriteTestVideo(folder / "odd.mkv", {.muxer = "matroska",
                                           .encoder = "ffv1",
                                           .pixel_format = format,
                                           .size = size,
                                           .pts = SteadyTimes(2, 40),
-                                          .pictures = {picture, picture}});
+                                          .images = {image, image}});
       const auto bgr = ReadAll(folder / "odd.mkv", {.color = FrameColor::kBgr});
       const auto grey = ReadAll(folder / "odd.mkv");
       ASSERT_EQ(bgr.size(), 2U);
@@ -123,9 +123,9 @@ TEST(VideoReader, OddSizes) {
       // Including the last column and row.
       const cv::Rect corner(size.width - 9, size.height - 9, 9, 9);
       if (format != "yuv420p") {  // no chroma subsampling in the file
-        EXPECT_LE(cv::norm(bgr[0].image(corner), picture(corner), cv::NORM_INF), 6) << format << size;
+        EXPECT_LE(cv::norm(bgr[0].image(corner), image(corner), cv::NORM_INF), 6) << format << size;
       }
-      EXPECT_LE(cv::norm(grey[0].image(corner), GreyFromBgr(picture)(corner), cv::NORM_INF), 3) << format << size;
+      EXPECT_LE(cv::norm(grey[0].image(corner), GreyFromBgr(image)(corner), cv::NORM_INF), 3) << format << size;
     }
   }
 }
@@ -144,13 +144,13 @@ TEST(VideoReader, GreyAgreesWithColourInEveryFormat) {
                {"libx264", "nv12", true, 2},      {"ffv1", "gray12le", false, 2}, {"ffv1", "yuv420p12le", false, 1}};
   for (const auto& kind : kinds) {
     const std::string name = kind.encoder + " " + kind.format + (kind.full_range ? " full" : " limited");
-    const cv::Mat picture = NumberedImage(0x35, {192, 128});
+    const cv::Mat image = NumberedImage(0x35, {192, 128});
     WriteTestVideo(folder / "video", {.muxer = kind.encoder == "rawvideo" ? "nut" : "matroska",
                                       .encoder = kind.encoder,
                                       .pixel_format = kind.format,
-                                      .size = picture.size(),
+                                      .size = image.size(),
                                       .pts = SteadyTimes(2, 40),
-                                      .pictures = {picture, picture},
+                                      .images = {image, image},
                                       .full_range = kind.full_range,
                                       .color_space = kind.color_space});
     const auto grey = ReadAll(folder / "video");
@@ -158,12 +158,10 @@ TEST(VideoReader, GreyAgreesWithColourInEveryFormat) {
     ASSERT_EQ(grey.size(), 2U) << name;
     ASSERT_EQ(bgr.size(), 2U) << name;
     EXPECT_LE(cv::norm(grey[0].image, GreyFromBgr(bgr[0].image), cv::NORM_INF), 3) << name;
-    EXPECT_LE(cv::norm(grey[0].image, GreyFromBgr(bgr[0].image), cv::NORM_L1) / static_cast<double>(picture.total()),
-              1.2)
+    EXPECT_LE(cv::norm(grey[0].image, GreyFromBgr(bgr[0].image), cv::NORM_L1) / static_cast<double>(image.total()), 1.2)
         << name;
     // Also compared with the input: black is 25 and white is 230, in either range.
-    EXPECT_LE(cv::norm(grey[0].image, GreyFromBgr(picture), cv::NORM_L1) / static_cast<double>(picture.total()), 2)
-        << name;
+    EXPECT_LE(cv::norm(grey[0].image, GreyFromBgr(image), cv::NORM_L1) / static_cast<double>(image.total()), 2) << name;
   }
 }
 
@@ -177,7 +175,7 @@ TEST(VideoReader, FramesAreDeliveredUpright) {
                : rotation_deg == 180 ? cv::ROTATE_180
                                      : cv::ROTATE_90_CLOCKWISE);
     WriteTestVideo(folder / "turned.mp4",
-                   {.pts = SteadyTimes(3, 40), .pictures = {stored, stored, stored}, .rotation_deg = rotation_deg});
+                   {.pts = SteadyTimes(3, 40), .images = {stored, stored, stored}, .rotation_deg = rotation_deg});
     const auto reader = MustOpen(folder / "turned.mp4", {.color = FrameColor::kBgr});
     ASSERT_TRUE(reader);
     EXPECT_EQ(reader->info().rotation_deg, rotation_deg);
@@ -209,7 +207,7 @@ TEST(VideoReader, NonSquarePixelsAreResampled) {
                                       .encoder = kind.encoder,
                                       .time_base_hz = 25,
                                       .pts = SteadyTimes(3, 1),
-                                      .pictures = {stored, stored, stored},
+                                      .images = {stored, stored, stored},
                                       .rotation_deg = kind.rotation_deg,
                                       .pixel_aspect = kind.pixel_aspect});
     for (const FrameColor color : {FrameColor::kGrey, FrameColor::kBgr}) {

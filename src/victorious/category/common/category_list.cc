@@ -93,7 +93,7 @@ Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text, 
   }
   if (rows.empty())
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no pictures: must have a header and one line per image", name_for_errors));
+                fmt::format("{}: no images: must have a header and one line per image", name_for_errors));
   return rows;
 }
 

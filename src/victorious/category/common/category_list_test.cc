@@ -39,8 +39,8 @@ std::string Refusal(const std::string& text) {
 
 TEST(CategoryList, ErrorsNameTheLine) {
   const std::string header = "image,category,x0,y0,x1,y1\n";
-  EXPECT_THAT(Refusal(""), HasSubstr("no pictures"));
-  EXPECT_THAT(Refusal(header), HasSubstr("no pictures"));
+  EXPECT_THAT(Refusal(""), HasSubstr("no images"));
+  EXPECT_THAT(Refusal(header), HasSubstr("no images"));
   EXPECT_THAT(Refusal("a.jpg,plane\n"), HasSubstr("no column image"));
   EXPECT_THAT(Refusal(header + "a.jpg,plane,10,10,10,50\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("10,10,10,50 is empty")));

@@ -38,7 +38,7 @@ struct CategoryNode {
 struct CategoryExample {
   std::string category;
   FeatureSet features;
-  int picture = 0;                   ///< image id: equal for all examples that come from one image
+  int image = 0;                     ///< image id: equal for all examples that come from one image
   bool used_for_training = true;     ///< true if the classifier is trained on it
   bool used_for_calibration = true;  ///< true if its held-out score is used for calibration; set it for examples that
                                      ///< resemble the images to be classified

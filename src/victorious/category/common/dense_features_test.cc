@@ -11,9 +11,9 @@ namespace {
 
 TEST(DenseFeatures, FormAGridInsideTheImage) {
   Random random(1);
-  cv::Mat picture(120, 160, CV_8UC1);
-  for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(random.Below(256));
-  const FeatureSet features = DenseFeatures(picture, {.step_px = 10, .sizes = 1});
+  cv::Mat image(120, 160, CV_8UC1);
+  for (auto& pixel : cv::Mat_<std::uint8_t>(image)) pixel = static_cast<std::uint8_t>(random.Below(256));
+  const FeatureSet features = DenseFeatures(image, {.step_px = 10, .sizes = 1});
   // 160 x 120 px minus a margin of 8 px on each side, step 10 px.
   EXPECT_EQ(features.size(), 15U * 11U);
   EXPECT_EQ(features.descriptors.size(), features.size() * kDescriptorSize);
@@ -32,9 +32,9 @@ TEST(DenseFeatures, UniformImageHasNone) {
 
 TEST(DenseFeatures, EdgeHasGradientOrientation) {
   // Dark above bright: the gradient points down, +90 degrees, the third of eight orientations.
-  cv::Mat picture(64, 64, CV_8UC1, cv::Scalar(40));
-  picture.rowRange(32, 64).setTo(200);
-  const FeatureSet features = DenseFeatures(picture, {.step_px = 48, .sizes = 3});
+  cv::Mat image(64, 64, CV_8UC1, cv::Scalar(40));
+  image.rowRange(32, 64).setTo(200);
+  const FeatureSet features = DenseFeatures(image, {.step_px = 48, .sizes = 3});
   ASSERT_GT(features.size(), 0U);
   // At the largest scale the first patch reaches across the edge.
   const auto descriptor = features.View().Descriptor(features.size() - 1);

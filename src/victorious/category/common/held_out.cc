@@ -17,11 +17,11 @@ Calibration CalibrateHeldOut(std::span<const CategoryExample> examples, std::spa
     if (targets[i] > 0) {
       used.push_back(score);
       positive.push_back(true);
-    } else if (const auto [at, is_new] = highest.try_emplace(examples[i].picture, score); !is_new) {
+    } else if (const auto [at, is_new] = highest.try_emplace(examples[i].image, score); !is_new) {
       at->second = std::max(at->second, score);
     }
   }
-  for (const auto& [picture, score] : highest) {
+  for (const auto& [image, score] : highest) {
     used.push_back(score);
     positive.push_back(false);
   }

@@ -5,20 +5,20 @@
 namespace victorious {
 namespace {
 
-// Calibration on `pictures` negative images with `windows_per_image` windows each, of maximum score 0, and on as many
+// Calibration on `images` negative images with `windows_per_image` windows each, of maximum score 0, and on as many
 // positive images of score 2.
-Calibration CalibrateWithWindows(int pictures, int windows_per_image) {
+Calibration CalibrateWithWindows(int images, int windows_per_image) {
   std::vector<CategoryExample> examples;
   std::vector<int> targets;
   std::vector<double> scores;
-  for (int picture = 0; picture < pictures; ++picture) {
-    examples.push_back({.category = "thing", .picture = picture});
+  for (int image = 0; image < images; ++image) {
+    examples.push_back({.category = "thing", .image = image});
     targets.push_back(1);
-    scores.push_back(2 + 0.1 * (picture % 5));
+    scores.push_back(2 + 0.1 * (image % 5));
     for (int look = 0; look < windows_per_image; ++look) {
-      examples.push_back({.category = "none", .picture = pictures + picture});
+      examples.push_back({.category = "none", .image = images + image});
       targets.push_back(-1);
-      scores.push_back(look == 0 ? 0.1 * (picture % 5) : -3.0);
+      scores.push_back(look == 0 ? 0.1 * (image % 5) : -3.0);
     }
   }
   return CalibrateHeldOut(examples, targets, Eigen::Map<const Eigen::VectorXd>(scores.data(), std::ssize(scores)));

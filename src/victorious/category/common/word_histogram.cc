@@ -20,9 +20,9 @@ double Dot(const SparseVector& a, const SparseVector& b) {
   return sum;
 }
 
-SparseVector CountWords(const QuantisedImage& picture, std::size_t words) {
+SparseVector CountWords(const QuantisedImage& image, std::size_t words) {
   std::vector<float> counts(words);
-  for (const WordAssignment& weight : picture.assignments) counts[weight.word] += weight.weight;
+  for (const WordAssignment& weight : image.assignments) counts[weight.word] += weight.weight;
   SparseVector sparse;
   for (std::uint32_t word = 0; word < words; ++word)
     if (counts[word] > 0) sparse.emplace_back(word, counts[word]);

@@ -18,6 +18,6 @@ double Dot(const SparseVector& a, const SparseVector& b);
 
 /// Histogram of words: the soft-assignment weights summed over the keypoints.
 /// @param words  size of the vocabulary
-SparseVector CountWords(const QuantisedImage& picture, std::size_t words);
+SparseVector CountWords(const QuantisedImage& image, std::size_t words);
 
 }  // namespace victorious

@@ -19,21 +19,21 @@ void LinearOptions::ListFields(FieldList& fields) {
 
 QuantisedImage QuantiseForLinear(const LinearModel& model, const FeatureSet& features, const Vocabulary& vocabulary,
                                  int words_per_keypoint) {
-  QuantisedImage picture = QuantiseFeatures(features, vocabulary, words_per_keypoint);
-  picture.fisher = model.fisher.Encode(features);
-  picture.shape = model.shape.Encode(features);
-  return picture;
+  QuantisedImage image = QuantiseFeatures(features, vocabulary, words_per_keypoint);
+  image.fisher = model.fisher.Encode(features);
+  image.shape = model.shape.Encode(features);
+  return image;
 }
 
-LinearInput ComputeLinearInput(const LinearModel& model, const QuantisedImage& picture, CategoryMethod method) {
+LinearInput ComputeLinearInput(const LinearModel& model, const QuantisedImage& image, CategoryMethod method) {
   LinearInput input;
-  input.words = Hellinger(CountWords(picture, model.cluster_of_word.size()));
+  input.words = Hellinger(CountWords(image, model.cluster_of_word.size()));
   if (method == CategoryMethod::kPhrases) {
     input.phrases =
-        Hellinger(CountPhrases(FindPhrases(picture, model.cluster_of_word, model.word_clusters), model.word_clusters));
-    input.fisher = picture.fisher;
+        Hellinger(CountPhrases(FindPhrases(image, model.cluster_of_word, model.word_clusters), model.word_clusters));
+    input.fisher = image.fisher;
   }
-  if (model.shape.size() > 0) input.shapes = CompareShapes(model.shape_examples, picture.shape);
+  if (model.shape.size() > 0) input.shapes = CompareShapes(model.shape_examples, image.shape);
   return input;
 }
 
@@ -44,8 +44,8 @@ double LinearScore(const LinearWeights& weights, const LinearInput& input) {
   return score;
 }
 
-std::vector<double> LinearScores(const LinearModel& model, const QuantisedImage& picture, CategoryMethod method) {
-  const LinearInput input = ComputeLinearInput(model, picture, method);
+std::vector<double> LinearScores(const LinearModel& model, const QuantisedImage& image, CategoryMethod method) {
+  const LinearInput input = ComputeLinearInput(model, image, method);
   std::vector<double> scores;
   for (const LinearWeights& weights : method == CategoryMethod::kPhrases ? model.phrase_weights : model.word_weights)
     scores.push_back(LinearScore(weights, input));

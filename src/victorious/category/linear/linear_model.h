@@ -61,14 +61,14 @@ struct LinearInput {
   Eigen::VectorXf shapes;  ///< empty without a shape encoder
 };
 
-/// @param picture  quantised with the model's vocabulary, and encoded by its encoders
-LinearInput ComputeLinearInput(const LinearModel& model, const QuantisedImage& picture, CategoryMethod method);
+/// @param image  quantised with the model's vocabulary, and encoded by its encoders
+LinearInput ComputeLinearInput(const LinearModel& model, const QuantisedImage& image, CategoryMethod method);
 
 /// Raw score of one node.
 /// @param input  of the same method as the weights; phrases and Fisher vector are ignored by weights for words
 double LinearScore(const LinearWeights& weights, const LinearInput& input);
 
 /// Raw score of each node.
-std::vector<double> LinearScores(const LinearModel& model, const QuantisedImage& picture, CategoryMethod method);
+std::vector<double> LinearScores(const LinearModel& model, const QuantisedImage& image, CategoryMethod method);
 
 }  // namespace victorious

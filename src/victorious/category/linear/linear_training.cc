@@ -28,12 +28,12 @@ void ClusterWords(const Vocabulary& vocabulary, VocabularyOptions options, int w
 
 std::vector<QuantisedImage> QuantiseExamples(std::span<const CategoryExample> examples, const LinearModel& model,
                                              const Vocabulary& vocabulary, int words_per_keypoint) {
-  std::vector<QuantisedImage> pictures(examples.size());
+  std::vector<QuantisedImage> images(examples.size());
   cv::parallel_for_({0, static_cast<int>(examples.size())}, [&](const cv::Range& range) {
     for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
-      pictures[i] = QuantiseForLinear(model, examples[i].features, vocabulary, words_per_keypoint);
+      images[i] = QuantiseForLinear(model, examples[i].features, vocabulary, words_per_keypoint);
   });
-  return pictures;
+  return images;
 }
 
 // Input of the linear classifier for all examples.
@@ -44,20 +44,20 @@ struct TrainingData {
   Eigen::MatrixXf shapes;  // one column per example
 };
 
-TrainingData ComputeTrainingData(const LinearModel& model, std::span<const QuantisedImage> pictures) {
+TrainingData ComputeTrainingData(const LinearModel& model, std::span<const QuantisedImage> images) {
   TrainingData training_data{
-      .words = std::vector<SparseVector>(pictures.size()),
-      .phrases = std::vector<SparseVector>(pictures.size()),
-      .fisher = {static_cast<Eigen::Index>(model.fisher.size()), static_cast<Eigen::Index>(pictures.size())},
-      .shapes = {static_cast<Eigen::Index>(model.shape.size()), static_cast<Eigen::Index>(pictures.size())}};
-  cv::parallel_for_({0, static_cast<int>(pictures.size())}, [&](const cv::Range& range) {
+      .words = std::vector<SparseVector>(images.size()),
+      .phrases = std::vector<SparseVector>(images.size()),
+      .fisher = {static_cast<Eigen::Index>(model.fisher.size()), static_cast<Eigen::Index>(images.size())},
+      .shapes = {static_cast<Eigen::Index>(model.shape.size()), static_cast<Eigen::Index>(images.size())}};
+  cv::parallel_for_({0, static_cast<int>(images.size())}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      const auto phrases = FindPhrases(pictures[at], model.cluster_of_word, model.word_clusters);
-      training_data.words[at] = Hellinger(CountWords(pictures[at], model.cluster_of_word.size()));
+      const auto phrases = FindPhrases(images[at], model.cluster_of_word, model.word_clusters);
+      training_data.words[at] = Hellinger(CountWords(images[at], model.cluster_of_word.size()));
       training_data.phrases[at] = Hellinger(CountPhrases(phrases, model.word_clusters));
-      training_data.fisher.col(i) = pictures[at].fisher;
-      training_data.shapes.col(i) = pictures[at].shape;
+      training_data.fisher.col(i) = images[at].fisher;
+      training_data.shapes.col(i) = images[at].shape;
     }
   });
   return training_data;
@@ -130,7 +130,7 @@ struct NodeFits {
 NodeFits FitNodes(const Eigen::MatrixXd& kernel, std::span<const CategoryExample> examples, const Trained& trained,
                   std::span<const CategoryNode> category_nodes) {
   std::vector<int> groups;
-  for (const CategoryExample& example : examples) groups.push_back(example.picture);
+  for (const CategoryExample& example : examples) groups.push_back(example.image);
   const Eigen::VectorXd penalties = BalancedPenalties(examples, trained);
   const auto rows = static_cast<Eigen::Index>(examples.size());
   std::map<Trained, std::vector<Eigen::Index>> nodes_by_examples;  // by their training examples
@@ -176,7 +176,7 @@ Confusions CountConfusions(const Eigen::MatrixXd& kernel, std::span<const Catego
   std::vector<int> groups;
   Eigen::MatrixXi targets(static_cast<Eigen::Index>(examples.size()), static_cast<Eigen::Index>(names.size()));
   for (std::size_t i = 0; i < examples.size(); ++i) {
-    groups.push_back(examples[i].picture);
+    groups.push_back(examples[i].image);
     for (std::size_t c = 0; c < names.size(); ++c) {
       const int target = examples[i].category == names[c] ? 1 : -1;
       targets(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) = trained[i] ? target : 0;

@@ -78,27 +78,27 @@ SparseVector Hellinger(SparseVector counts) {
 
 std::size_t PhraseCount(std::size_t word_clusters) { return word_clusters * word_clusters * kPhraseGeometryBins; }
 
-std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& picture, std::span<const std::uint16_t> cluster_of_word,
+std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& image, std::span<const std::uint16_t> cluster_of_word,
                                           std::size_t word_clusters) {
-  const std::size_t count = picture.size();
+  const std::size_t count = image.size();
   std::vector<int> level(count);
   std::vector<std::uint32_t> cluster(count);
   std::vector<Direction> direction(count);
   for (std::size_t i = 0; i < count; ++i) {
-    level[i] = SizeLevel(picture.keypoints[i]);
-    cluster[i] = cluster_of_word[picture.NearestWord(i)];
-    const float angle = picture.keypoints[i].orientation_rad;
+    level[i] = SizeLevel(image.keypoints[i]);
+    cluster[i] = cluster_of_word[image.NearestWord(i)];
+    const float angle = image.keypoints[i].orientation_rad;
     direction[i] = {std::cos(angle), std::sin(angle)};
   }
-  const std::vector<std::uint32_t> order = OrderByRow(picture.keypoints, level);
+  const std::vector<std::uint32_t> order = OrderByRow(image.keypoints, level);
   std::vector<float> x_of(count);
-  for (std::size_t a = 0; a < count; ++a) x_of[a] = picture.keypoints[order[a]].x;
-  const std::vector<std::size_t> row_end = RowEnds(picture.keypoints, level, order);
+  for (std::size_t a = 0; a < count; ++a) x_of[a] = image.keypoints[order[a]].x;
+  const std::vector<std::size_t> row_end = RowEnds(image.keypoints, level, order);
 
   std::vector<PhraseOccurrence> phrases;
   for (std::size_t a = 0; a < count; ++a) {
     const std::uint32_t i = order[a];
-    const Keypoint& first = picture.keypoints[i];
+    const Keypoint& first = image.keypoints[i];
     const float cell_px = kCellsPerScale * first.scale_px;
     const auto squared = [&](double cells) { return static_cast<float>(cells * cells) * cell_px * cell_px; };
     const float min_distance2 = squared(kMinPhraseDistance_cells);
@@ -108,7 +108,7 @@ std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& picture, std::sp
     std::size_t b = a + 1;
     for (std::size_t row_begin = a; row_begin < count; row_begin = row_end[row_begin]) {
       const std::uint32_t in_row = order[row_begin];
-      const float dy = picture.keypoints[in_row].y - first.y;
+      const float dy = image.keypoints[in_row].y - first.y;
       if (level[in_row] != level[i] || dy * dy > max_distance2) break;
       const float reach = std::sqrt(max_distance2 - dy * dy);
       const std::size_t end = row_end[row_begin];

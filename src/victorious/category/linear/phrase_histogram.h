@@ -50,7 +50,7 @@ std::size_t PhraseCount(std::size_t word_clusters);
 /// Finds all phrases of an image. A keypoint's cluster is that of its nearest word.
 /// @param cluster_of_word  cluster index of each word, below the number of clusters
 /// Cost: linear in the number of keypoint pairs of one scale level within kMaxPhraseDistance_cells of each other.
-std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& picture, std::span<const std::uint16_t> cluster_of_word,
+std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& image, std::span<const std::uint16_t> cluster_of_word,
                                           std::size_t word_clusters);
 
 /// Histogram of phrases; counts saturate at 65535.

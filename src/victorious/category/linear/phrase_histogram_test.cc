@@ -11,16 +11,16 @@
 namespace victorious {
 namespace {
 
-QuantisedImage RandomPicture(std::uint64_t seed, bool on_a_grid) {
+QuantisedImage RandomImage(std::uint64_t seed, bool on_a_grid) {
   Random random(seed);
-  QuantisedImage picture{.width = 100, .height = 100};
+  QuantisedImage image{.width = 100, .height = 100};
   for (int i = 0; i < 80; ++i) {
     const auto place = [&] { return static_cast<float>(on_a_grid ? 6.0 * random.Below(16) : random.Uniform(0, 100)); };
-    picture.keypoints.push_back(
+    image.keypoints.push_back(
         {place(), place(), i % 2 == 0 ? 1.5F : 3.0F, on_a_grid ? 0.0F : static_cast<float>(random.Uniform(-3, 3))});
-    picture.assignments.push_back({random.Below(6), 1});
+    image.assignments.push_back({random.Below(6), 1});
   }
-  return picture;
+  return image;
 }
 
 constexpr std::size_t kClusters = 3;
@@ -28,16 +28,16 @@ const std::vector<std::uint16_t> kClusterOfWord = {0, 1, 2, 0, 1, 2};
 
 TEST(FindPhrases, AreAllPairsOfEqualScaleWithinRadius) {
   for (const bool on_a_grid : {true, false}) {
-    const QuantisedImage picture = RandomPicture(5, on_a_grid);
+    const QuantisedImage image = RandomImage(5, on_a_grid);
     std::set<std::pair<std::uint32_t, std::uint32_t>> found;
-    for (const PhraseOccurrence& phrase : FindPhrases(picture, kClusterOfWord, kClusters)) {
+    for (const PhraseOccurrence& phrase : FindPhrases(image, kClusterOfWord, kClusters)) {
       EXPECT_TRUE(found.insert(std::minmax(phrase.i, phrase.j)).second) << "each once";
       EXPECT_LT(phrase.phrase, PhraseCount(kClusters));
     }
-    for (std::uint32_t i = 0; i < picture.size(); ++i) {
-      for (std::uint32_t j = i + 1; j < picture.size(); ++j) {
-        const Keypoint& a = picture.keypoints[i];
-        const Keypoint& b = picture.keypoints[j];
+    for (std::uint32_t i = 0; i < image.size(); ++i) {
+      for (std::uint32_t j = i + 1; j < image.size(); ++j) {
+        const Keypoint& a = image.keypoints[i];
+        const Keypoint& b = image.keypoints[j];
         const double cells = std::hypot(a.x - b.x, a.y - b.y) / (3 * a.scale_px);
         const bool alike = std::cos(a.orientation_rad - b.orientation_rad) >= -0.5;
         const bool expected =
@@ -52,8 +52,8 @@ TEST(FindPhrases, AreAllPairsOfEqualScaleWithinRadius) {
 }
 
 TEST(FindPhrases, AreInvariantUnderRotation) {
-  const QuantisedImage picture = RandomPicture(7, false);
-  QuantisedImage turned = picture;
+  const QuantisedImage image = RandomImage(7, false);
+  QuantisedImage turned = image;
   for (Keypoint& keypoint : turned.keypoints) {
     const double c = std::cos(0.7);
     const double s = std::sin(0.7);
@@ -67,7 +67,7 @@ TEST(FindPhrases, AreInvariantUnderRotation) {
       phrases.insert({phrase.i, phrase.j, phrase.phrase});
     return phrases;
   };
-  EXPECT_EQ(phrases_of(picture), phrases_of(turned));
+  EXPECT_EQ(phrases_of(image), phrases_of(turned));
 }
 
 TEST(Hellinger, ComparesFractionsRegardlessOfTotal) {

@@ -10,10 +10,10 @@ namespace {
 // A bar at an angle across a square image with weak noise.
 FeatureSet Bar(double angle_deg, std::uint64_t seed) {
   Random random(seed);
-  cv::Mat picture(96, 96, CV_8UC1);
-  for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(100 + random.Below(30));
-  cv::ellipse(picture, {48, 48}, {40, 8}, angle_deg, 0, 360, 220, cv::FILLED);
-  return DenseFeatures(picture, {});
+  cv::Mat image(96, 96, CV_8UC1);
+  for (auto& pixel : cv::Mat_<std::uint8_t>(image)) pixel = static_cast<std::uint8_t>(100 + random.Below(30));
+  cv::ellipse(image, {48, 48}, {40, 8}, angle_deg, 0, 360, 220, cv::FILLED);
+  return DenseFeatures(image, {});
 }
 
 std::vector<FeatureSet> Bars(std::uint64_t seed) {

@@ -56,20 +56,20 @@ bool IsOrdered(std::uint16_t a, const Keypoint& i, std::uint16_t b, const Keypoi
 
 // Visits the ordered pairs within R whose words are both in the grammar. Returns the number of all pairs within R.
 template <typename Visit>
-std::size_t VisitWordPairs(const QuantisedImage& picture,
+std::size_t VisitWordPairs(const QuantisedImage& image,
                            const std::unordered_map<std::uint32_t, std::uint16_t>& index_of_word, double radius_px,
                            const Visit& visit) {
   constexpr std::uint16_t kNone = 0xFFFF;
-  std::vector<std::uint16_t> index(picture.size(), kNone);
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    const auto found = index_of_word.find(picture.NearestWord(i));
+  std::vector<std::uint16_t> index(image.size(), kNone);
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    const auto found = index_of_word.find(image.NearestWord(i));
     if (found != index_of_word.end()) index[i] = found->second;
   }
   std::size_t pairs = 0;
-  VisitPairs(picture.keypoints, radius_px, [&](std::uint32_t i, std::uint32_t j) {
+  VisitPairs(image.keypoints, radius_px, [&](std::uint32_t i, std::uint32_t j) {
     ++pairs;
     if (index[i] == kNone || index[j] == kNone) return;
-    if (!IsOrdered(index[i], picture.keypoints[i], index[j], picture.keypoints[j])) std::swap(i, j);
+    if (!IsOrdered(index[i], image.keypoints[i], index[j], image.keypoints[j])) std::swap(i, j);
     visit(i, j, index[i], index[j]);
   });
   return pairs;
@@ -112,7 +112,7 @@ PhraseGrammar::PhraseGrammar(std::vector<std::uint32_t> words, std::vector<float
   BuildTables();
 }
 
-PhraseGrammar PhraseGrammar::Learn(std::span<const QuantisedImage* const> pictures,
+PhraseGrammar PhraseGrammar::Learn(std::span<const QuantisedImage* const> images,
                                    std::span<const float> word_likelihoods, const GrammarOptions& options) {
   std::vector<std::uint32_t> order(word_likelihoods.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -129,10 +129,10 @@ PhraseGrammar PhraseGrammar::Learn(std::span<const QuantisedImage* const> pictur
     likelihoods.push_back(word_likelihoods[order[i]]);
   }
   std::vector<PhraseSample> samples;
-  for (const QuantisedImage* picture : pictures) {
-    VisitWordPairs(*picture, index_of_word, options.radius_px,
+  for (const QuantisedImage* image : images) {
+    VisitWordPairs(*image, index_of_word, options.radius_px,
                    [&](std::uint32_t i, std::uint32_t j, std::uint16_t first, std::uint16_t second) {
-                     samples.push_back({first, second, QuantiseMeasures(picture->keypoints[i], picture->keypoints[j])});
+                     samples.push_back({first, second, QuantiseMeasures(image->keypoints[i], image->keypoints[j])});
                    });
   }
   return {std::move(order), std::move(likelihoods), std::move(samples), options};
@@ -184,22 +184,22 @@ double PhraseGrammar::PairLikelihood(std::uint16_t first, std::uint16_t second, 
   return likelihood;
 }
 
-double PhraseGrammar::Likelihood(const QuantisedImage& picture) const {
+double PhraseGrammar::Likelihood(const QuantisedImage& image) const {
   double sum = 0;
-  const std::size_t pairs = VisitWordPairs(
-      picture, index_of_word_, options_.radius_px,
-      [&](std::uint32_t i, std::uint32_t j, std::uint16_t first, std::uint16_t second) {
-        sum += PairLikelihood(first, second, QuantiseMeasures(picture.keypoints[i], picture.keypoints[j]));
-      });
+  const std::size_t pairs =
+      VisitWordPairs(image, index_of_word_, options_.radius_px,
+                     [&](std::uint32_t i, std::uint32_t j, std::uint16_t first, std::uint16_t second) {
+                       sum += PairLikelihood(first, second, QuantiseMeasures(image.keypoints[i], image.keypoints[j]));
+                     });
   return pairs > 0 ? sum / static_cast<double>(pairs) : 0.0;
 }
 
-std::vector<FoundPhrase> PhraseGrammar::Phrases(const QuantisedImage& picture) const {
+std::vector<FoundPhrase> PhraseGrammar::Phrases(const QuantisedImage& image) const {
   std::vector<FoundPhrase> found;
-  VisitWordPairs(picture, index_of_word_, options_.radius_px,
+  VisitWordPairs(image, index_of_word_, options_.radius_px,
                  [&](std::uint32_t i, std::uint32_t j, std::uint16_t first, std::uint16_t second) {
                    const double likelihood =
-                       PairLikelihood(first, second, QuantiseMeasures(picture.keypoints[i], picture.keypoints[j]));
+                       PairLikelihood(first, second, QuantiseMeasures(image.keypoints[i], image.keypoints[j]));
                    if (likelihood > 0) found.push_back({i, j, likelihood});
                  });
   return found;

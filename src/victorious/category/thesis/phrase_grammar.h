@@ -67,14 +67,14 @@ class PhraseGrammar {
 
   /// Learns a grammar. W(z) is the fraction `options.word_fraction` of the vocabulary with the highest P(w|z).
   /// @param word_likelihoods  P(w|z) for each word of the vocabulary
-  static PhraseGrammar Learn(std::span<const QuantisedImage* const> pictures, std::span<const float> word_likelihoods,
+  static PhraseGrammar Learn(std::span<const QuantisedImage* const> images, std::span<const float> word_likelihoods,
                              const GrammarOptions& options);
 
   /// Equation 3.3 divided by the number of pairs within R; 0 for an image without pairs.
-  [[nodiscard]] double Likelihood(const QuantisedImage& picture) const;
+  [[nodiscard]] double Likelihood(const QuantisedImage& image) const;
 
   /// Returns the non-zero terms of equation 3.3.
-  [[nodiscard]] std::vector<FoundPhrase> Phrases(const QuantisedImage& picture) const;
+  [[nodiscard]] std::vector<FoundPhrase> Phrases(const QuantisedImage& image) const;
 
   [[nodiscard]] std::span<const std::uint32_t> words() const { return words_; }
   [[nodiscard]] std::span<const float> likelihoods() const { return likelihoods_; }

@@ -30,14 +30,14 @@ struct TopicModel {
 };
 
 /// Learns P(w|z). Deterministic for a given seed.
-/// @param topic_of_picture  topic index of each image, below `topics`
+/// @param topic_of_image  topic index of each image, below `topics`
 /// @param topics            number of topics
 /// @param words             size of the vocabulary
-TopicModel LearnTopics(std::span<const SparseVector> pictures, std::span<const int> topic_of_picture, int topics,
+TopicModel LearnTopics(std::span<const SparseVector> images, std::span<const int> topic_of_image, int topics,
                        std::size_t words, const PlsaOptions& options, std::uint64_t seed);
 
 /// Estimates P(z|d) of a new image by the same iteration with P(w|z) held fixed (folding-in). Uniform for an image
 /// without words.
-Eigen::VectorXd InferTopicMixture(const TopicModel& model, const SparseVector& picture, const PlsaOptions& options);
+Eigen::VectorXd InferTopicMixture(const TopicModel& model, const SparseVector& image, const PlsaOptions& options);
 
 }  // namespace victorious

@@ -29,12 +29,12 @@ struct TrainingSetup {
 // Trains on a subset of the examples.
 ThesisModel FitSubset(const TrainingSetup& setup, const Indices& used, const Vocabulary& vocabulary) {
   const auto topics = static_cast<int>(setup.topic_nodes.size());
-  std::vector<QuantisedImage> pictures;
+  std::vector<QuantisedImage> images;
   std::vector<SparseVector> counts;
   std::vector<int> topic;
   for (const std::size_t i : used) {
-    pictures.push_back(QuantiseFeatures(setup.examples[i].features, vocabulary, setup.words.words_per_keypoint));
-    counts.push_back(CountWords(pictures.back(), vocabulary.size()));
+    images.push_back(QuantiseFeatures(setup.examples[i].features, vocabulary, setup.words.words_per_keypoint));
+    counts.push_back(CountWords(images.back(), vocabulary.size()));
     topic.push_back(setup.topic_of_example[i]);
   }
   ThesisModel model;
@@ -43,7 +43,7 @@ ThesisModel FitSubset(const TrainingSetup& setup, const Indices& used, const Voc
   for (int z = 0; z < topics; ++z) {
     std::vector<const QuantisedImage*> own;
     for (std::size_t i = 0; i < used.size(); ++i)
-      if (topic[i] == z) own.push_back(&pictures[i]);
+      if (topic[i] == z) own.push_back(&images[i]);
     const Eigen::VectorXf likelihoods = model.topics.word_given_topic.col(z);
     model.grammars.push_back(PhraseGrammar::Learn(
         own, {likelihoods.data(), static_cast<std::size_t>(likelihoods.size())}, setup.options.grammar));
@@ -69,11 +69,11 @@ std::vector<double> NodeScores(std::span<const double> topic_likelihoods, const 
 
 // For each example, the index of its image within its category. Folds by this index never hold out a whole category.
 std::vector<int> ImageIndicesWithinCategory(std::span<const CategoryExample> examples) {
-  std::map<std::string, std::map<int, int>> image_indices;  // by category and picture
+  std::map<std::string, std::map<int, int>> image_indices;  // by category and image
   std::vector<int> all;
   for (const CategoryExample& example : examples) {
     std::map<int, int>& own = image_indices[example.category];
-    all.push_back(own.try_emplace(example.picture, static_cast<int>(own.size())).first->second);
+    all.push_back(own.try_emplace(example.image, static_cast<int>(own.size())).first->second);
   }
   return all;
 }
@@ -121,10 +121,9 @@ ThesisFit TrainThesis(std::span<const CategoryExample> examples, std::vector<Cat
       const ThesisModel model = FitSubset(setup, training, fold_vocabulary);
       for (std::size_t i = 0; i < examples.size(); ++i) {
         if (fold_of(i) != fold || !examples[i].used_for_calibration) continue;
-        const QuantisedImage picture =
-            QuantiseFeatures(examples[i].features, fold_vocabulary, words.words_per_keypoint);
+        const QuantisedImage image = QuantiseFeatures(examples[i].features, fold_vocabulary, words.words_per_keypoint);
         const auto score = [&](CategoryMethod method) {
-          const std::vector<double> scores = ThesisScores(model, nodes, options, picture, method);
+          const std::vector<double> scores = ThesisScores(model, nodes, options, image, method);
           return Eigen::RowVectorXd(Eigen::Map<const Eigen::RowVectorXd>(scores.data(), node_count));
         };
         by_words.row(static_cast<Eigen::Index>(i)) = score(CategoryMethod::kWords);
@@ -148,17 +147,17 @@ ThesisFit TrainThesis(std::span<const CategoryExample> examples, std::vector<Cat
 }
 
 std::vector<double> ThesisScores(const ThesisModel& model, std::span<const CategoryNode> nodes,
-                                 const ThesisOptions& options, const QuantisedImage& picture, CategoryMethod method) {
+                                 const ThesisOptions& options, const QuantisedImage& image, CategoryMethod method) {
   const bool by_phrases = method == CategoryMethod::kPhrases;
   std::vector<double> scores(nodes.size());
   if (by_phrases) {
     std::vector<double> likelihoods;
-    for (const PhraseGrammar& grammar : model.grammars) likelihoods.push_back(grammar.Likelihood(picture));
+    for (const PhraseGrammar& grammar : model.grammars) likelihoods.push_back(grammar.Likelihood(image));
     scores = NodeScores(likelihoods, model, nodes);
     for (double& score : scores) score *= options.grammar.likelihood_exponent;
   }
   if (!by_phrases || options.grammar.word_prior) {
-    const SparseVector counts = CountWords(picture, static_cast<std::size_t>(model.topics.word_given_topic.rows()));
+    const SparseVector counts = CountWords(image, static_cast<std::size_t>(model.topics.word_given_topic.rows()));
     const Eigen::VectorXd topic_mixture = InferTopicMixture(model.topics, counts, options.plsa);
     const std::vector<double> of_words =
         NodeScores({topic_mixture.data(), static_cast<std::size_t>(topic_mixture.size())}, model, nodes);

@@ -46,8 +46,8 @@ ThesisFit TrainThesis(std::span<const CategoryExample> examples, std::vector<Cat
                       std::uint64_t seed);
 
 /// Returns the raw score of each node (natural logarithm).
-/// @param picture  quantised with the vocabulary that the model was trained with
+/// @param image  quantised with the vocabulary that the model was trained with
 std::vector<double> ThesisScores(const ThesisModel& model, std::span<const CategoryNode> nodes,
-                                 const ThesisOptions& options, const QuantisedImage& picture, CategoryMethod method);
+                                 const ThesisOptions& options, const QuantisedImage& image, CategoryMethod method);
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-#include "experiments/match_picture.h"
+#include "experiments/draw_matches.h"
 
 #include <algorithm>
 #include <utility>

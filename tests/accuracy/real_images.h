@@ -36,8 +36,8 @@ class Series {
   explicit Series(std::string_view name);
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] cv::Mat Picture(int number) const;
-  /// The homography picture_from_first, for the first pixel's centre at (0.5, 0.5). (The files use centres at
+  [[nodiscard]] cv::Mat ReadBgr(int number) const;
+  /// The homography image_from_first, for the first pixel's centre at (0.5, 0.5). (The files use centres at
   /// integers.)
   [[nodiscard]] Eigen::Matrix3d HomographyFromFirst(int number) const;
 
@@ -56,6 +56,6 @@ struct OutlineOverlap {
   double whole = 0;
   double in_view = 0;
 };
-OutlineOverlap CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& picture);
+OutlineOverlap CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& image);
 
 }  // namespace victorious::testing

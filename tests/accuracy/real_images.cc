@@ -1,4 +1,4 @@
-#include "tests/accuracy/real_pictures.h"
+#include "tests/accuracy/real_images.h"
 
 #include <fstream>
 #include <span>
@@ -31,7 +31,7 @@ Recognizer MakeRecognizer(std::vector<ObjectModel> models, const RecognizeOption
 Series::Series(std::string_view name)
     : name_(name), folder_(DataPath(kRecognitionData) / "oxford_affine" / std::string(name)) {}
 
-cv::Mat Series::Picture(int number) const { return ReadImage(folder_ / fmt::format("img{}.png", number)).value().bgr; }
+cv::Mat Series::ReadBgr(int number) const { return ReadImage(folder_ / fmt::format("img{}.png", number)).value().bgr; }
 
 Eigen::Matrix3d Series::HomographyFromFirst(int number) const {
   std::ifstream file(folder_ / fmt::format("H1to{}p", number));
@@ -73,8 +73,8 @@ Polygon Project(const Polygon& outline, const Eigen::Matrix3d& map) {
   return projected;
 }
 
-OutlineOverlap CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& picture) {
-  const Box frame{0, 0, static_cast<double>(picture.width), static_cast<double>(picture.height)};
+OutlineOverlap CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& image) {
+  const Box frame{0, 0, static_cast<double>(image.width), static_cast<double>(image.height)};
   return {IntersectionOverUnion(found, truth), IntersectionOverUnion(ClipToBox(found, frame), ClipToBox(truth, frame))};
 }
 
