@@ -13,7 +13,7 @@
 #include "experiments/system_experiments.h"
 #include "experiments/video_frames.h"
 #include "experiments/view_grid.h"
-#include "victorious/calibrate/sun_survey.h"
+#include "victorious/calibrate/sun_direction.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
 #include "victorious/pipeline/region_features.h"

@@ -25,14 +25,14 @@ namespace fs = std::filesystem;
 // Loads the models that the truth names and that have a CAD file; other truth rows are left out.
 Expected<MovieWithTruth> LoadMovieWithTruth(const std::string& name, const fs::path& folder, const fs::path& cad_files,
                                             const ExperimentSettings& settings) {
-  MovieWithTruth movie{.name = name, .folder = folder, .truth = {}, .models = {}, .lit = {}};
+  MovieWithTruth movie{.name = name, .folder = folder, .truth = {}, .models = {}, .relit_templates = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(movie.truth, ReadTruth(folder / "truth.jsonl"));
   VICTORIOUS_ASSIGN_OR_RETURN(movie.models, LoadTruthModels(movie.truth, cad_files, settings));
   std::erase_if(movie.truth, [&](const TruthRow& row) {
     return std::ranges::find(movie.models, row.model, &ObjectModel::name) == movie.models.end();
   });
   for (const ObjectModel& model : movie.models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(movie.lit.emplace_back(), MakeRelitViews(model));
+    VICTORIOUS_ASSIGN_OR_RETURN(movie.relit_templates.emplace_back(), MakeRelitViews(model));
   }
   return movie;
 }
@@ -111,7 +111,7 @@ Expected<std::unique_ptr<IndexStore>> IndexMovie(const MovieWithTruth& movie, co
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create(movie.models, searched));
   const IndexJob job{.video = (movie.folder / "video.mp4").string(),
                      .telemetry = (movie.folder / "telemetry.csv").string(),
-                     .lit = movie.lit};
+                     .relit_templates = movie.relit_templates};
   VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const IndexReport report, indexer.Index(job, settings.Cancel(), *store));
   return store;
 }

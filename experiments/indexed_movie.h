@@ -30,7 +30,7 @@ struct MovieWithTruth {
   std::vector<TruthRow> truth;      ///< rows whose model is in `models`
   std::vector<ObjectModel> models;  ///< made from the CAD files of the models that the truth names, by name
   /// Relit templates of each model, shared so that one search reuses those of another.
-  std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
+  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
 };
 
 /// Returns the model of each name in the truth for which the folder has NAME.glb, by name. Models are built once and

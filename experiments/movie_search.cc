@@ -34,13 +34,13 @@ Expected<SearchContext> Prepare(const MovieSearch& search, const ExperimentSetti
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TruthRow> truth, ReadTruth(search.movie / "truth.jsonl"));
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models,
                               LoadTruthModels(truth, settings.data / "models", settings));
-  std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
+  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
   for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeRelitViews(model));
+    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates.emplace_back(), MakeRelitViews(model));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
-  VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer,
-                              Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
+  VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, Recognizer::Create(std::move(models), options.features.engine,
+                                                                        options.recognize, relit_templates));
   std::optional<CameraTrajectory> cameras;
   std::optional<Sun> sun;
   if (const fs::path path = search.movie / "telemetry.csv"; fs::exists(path)) {
@@ -48,7 +48,7 @@ Expected<SearchContext> Prepare(const MovieSearch& search, const ExperimentSetti
     cameras.emplace(std::move(telemetry.states), options.telemetry.max_gap_s);
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open((search.movie / "video.mp4").string(), {}));
     VICTORIOUS_ASSIGN_OR_RETURN(
-        sun, EstimateSunDirection({*cameras, recognizer, *extractor, options.daylight}, *reader, settings.Cancel(),
+        sun, EstimateSunDirection({*cameras, recognizer, *extractor, options.sun_direction}, *reader, settings.Cancel(),
                                   [](const std::string& warning) { fmt::print(stderr, "warning: {}\n", warning); }));
   }
   return SearchContext{std::move(extractor), std::move(recognizer), std::move(cameras), sun, std::move(truth)};

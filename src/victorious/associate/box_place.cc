@@ -115,14 +115,15 @@ void BoxPlaceOptions::ListFields(FieldList& fields) {
   fields.AddGroup("locate", fields_of_locate);
 }
 
-std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservation> spots,
+std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservation> ground_points,
                                              const CameraTrajectory& cameras, const cv::Size& image_size,
                                              const BoxPlaceOptions& options) {
   std::vector<BearingObservation> observations;
-  for (const GroundPointObservation& spot : spots) {
-    const std::optional<CameraState> camera = cameras.At(spot.time_s);
+  for (const GroundPointObservation& ground_point : ground_points) {
+    const std::optional<CameraState> camera = cameras.At(ground_point.time_s);
     if (!camera) continue;
-    const Box about{spot.place.x() - kPointBox_px / 2, spot.place.y() - kPointBox_px / 2, kPointBox_px, kPointBox_px};
+    const Box about{ground_point.place.x() - kPointBox_px / 2, ground_point.place.y() - kPointBox_px / 2, kPointBox_px,
+                    kPointBox_px};
     if (auto observation = MakeBoxBearingObservation(about, image_size, *camera, nullptr, 0))
       observations.push_back(*std::move(observation));
   }

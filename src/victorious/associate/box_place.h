@@ -49,8 +49,8 @@ struct GroundPointObservation {
 };
 
 /// Geolocates a static ground point by the intersection of its lines of sight. std::nullopt if too few of them agree.
-/// @param spots  observations of one point, each in another frame, in order of time
-std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservation> spots,
+/// @param ground_points  observations of one point, each in another frame, in order of time
+std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservation> ground_points,
                                              const CameraTrajectory& cameras, const cv::Size& image_size,
                                              const BoxPlaceOptions& options);
 

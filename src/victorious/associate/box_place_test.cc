@@ -168,16 +168,17 @@ TEST(EstimateBoxPlaces, UnknownGroundHeightFallsBackToTypeLength) {
 TEST(EstimateBoxPlaces, GroundPointIsTheIntersectionOfItsLines) {
   const Flight flight{.frames = 30};
   std::vector<CameraState> states;
-  std::vector<GroundPointObservation> spots;
+  std::vector<GroundPointObservation> ground_points;
   for (int i = 0; i < flight.frames; ++i) {
     states.push_back(CameraAt(flight, 0.1 * i));
     const auto seen = PredictBox(kOrigin, {0, 0, 2, 2}, states.back(), states.back(), kImage);
-    spots.push_back({i, 0.1 * i, {seen->box.x + 1, seen->box.y + 1}});
+    ground_points.push_back({i, 0.1 * i, {seen->box.x + 1, seen->box.y + 1}});
   }
-  const auto place = LocateGroundPoint(spots, CameraTrajectory(states, 1), kImage, {});
+  const auto place = LocateGroundPoint(ground_points, CameraTrajectory(states, 1), kImage, {});
   ASSERT_TRUE(place);
   EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm(), 0.5);
-  EXPECT_FALSE(LocateGroundPoint(std::span(spots).first(1), CameraTrajectory(states, 1), kImage, {})) << "one line";
+  EXPECT_FALSE(LocateGroundPoint(std::span(ground_points).first(1), CameraTrajectory(states, 1), kImage, {}))
+      << "one line";
 }
 
 TEST(EstimateBoxPlaces, StaticMotionSuppressesVelocity) {

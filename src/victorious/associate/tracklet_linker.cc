@@ -39,7 +39,7 @@ TrackletLinker::TrackletLinker(const TrackletOptions& options, ObjectOptions obj
 
 double TrackletLinker::HistorySeconds() const { return options_.gap_s + kTrackletTrail_s; }
 
-void TrackletLinker::AppendToTrail(const SightingRecord& sighting, Run& tracklet) {
+void TrackletLinker::AppendToTrail(const SightingRecord& sighting, GrowingTracklet& tracklet) {
   std::optional<BearingObservation> observation = sighting.observation;
   if (observation) {
     const auto last = std::ranges::find_if(tracklet.trail.rbegin(), tracklet.trail.rend(),
@@ -54,7 +54,7 @@ void TrackletLinker::AppendToTrail(const SightingRecord& sighting, Run& tracklet
 }
 
 void TrackletLinker::Resume(std::span<const TrackletRecord> tracklets, std::span<const SightingRecord> sightings) {
-  std::map<std::int64_t, Run> by_id;
+  std::map<std::int64_t, GrowingTracklet> by_id;
   for (const TrackletRecord& tracklet : tracklets)
     by_id[tracklet.id] = {.record = tracklet, .id = tracklet.id, .in_batch = {}, .track = {}, .trail = {}};
   for (const SightingRecord& sighting : sightings) {
@@ -62,13 +62,13 @@ void TrackletLinker::Resume(std::span<const TrackletRecord> tracklets, std::span
       AppendToTrail(sighting, tracklet->second);
   }
   for (auto& [id, tracklet] : by_id) {
-    if (!tracklet.trail.empty()) runs_.push_back(std::move(tracklet));
+    if (!tracklet.trail.empty()) tracklets_.push_back(std::move(tracklet));
   }
 }
 
 std::optional<std::int64_t> TrackletLinker::FirstRequiredFrame() const {
   std::optional<std::int64_t> first;
-  for (const Run& tracklet : runs_) {
+  for (const GrowingTracklet& tracklet : tracklets_) {
     if (!first || tracklet.trail.front().frame < *first) first = tracklet.trail.front().frame;
   }
   return first;
@@ -76,7 +76,7 @@ std::optional<std::int64_t> TrackletLinker::FirstRequiredFrame() const {
 
 void TrackletLinker::Step(std::int64_t frame, const std::optional<Similarity2>& now_from_before) {
   if (!now_from_before) return;
-  for (Run& tracklet : runs_) {
+  for (GrowingTracklet& tracklet : tracklets_) {
     for (TrailEntry& seen : tracklet.trail) {
       if (seen.frame < frame) seen.box = TransformBox(seen.box, *now_from_before);
     }
@@ -84,7 +84,7 @@ void TrackletLinker::Step(std::int64_t frame, const std::optional<Similarity2>& 
 }
 
 // Predicted box at a time: the last box, moved by the camera motion, plus the object's own velocity over the trail.
-Box TrackletLinker::PredictBox(const Run& tracklet, double time_s) {
+Box TrackletLinker::PredictBox(const GrowingTracklet& tracklet, double time_s) {
   const TrailEntry& first = tracklet.trail.front();
   const TrailEntry& last = tracklet.trail.back();
   Box box = last.box;
@@ -98,7 +98,7 @@ Box TrackletLinker::PredictBox(const Run& tracklet, double time_s) {
 
 // True if the observation passes the gate of the tracklet's place, under a static or an automatically selected motion
 // model. Telemetry's common errors count in full, because they may vary from frame to frame.
-bool TrackletLinker::IsConsistent(const Run& tracklet, const SightingRecord& sighting) const {
+bool TrackletLinker::IsConsistent(const GrowingTracklet& tracklet, const SightingRecord& sighting) const {
   if (!sighting.observation) return true;
   std::vector<BearingObservation> observations;
   for (const TrailEntry& seen : tracklet.trail) {
@@ -118,18 +118,18 @@ bool TrackletLinker::IsConsistent(const Run& tracklet, const SightingRecord& sig
 
 std::vector<std::optional<std::size_t>> TrackletLinker::AssignTracklets(
     const std::vector<SightingRecord>& sightings) const {
-  std::vector<std::optional<std::size_t>> run_of(sightings.size());
-  std::vector<bool> taken(runs_.size(), false);
+  std::vector<std::optional<std::size_t>> tracklet_of(sightings.size());
+  std::vector<bool> taken(tracklets_.size(), false);
   const double time_s = sightings.front().time_s;
   const auto is_candidate = [&](std::size_t r, const SightingRecord& sighting) {
-    const Run& tracklet = runs_[r];
+    const GrowingTracklet& tracklet = tracklets_[r];
     return !taken[r] && tracklet.record.model == sighting.model &&
            tracklet.record.last_time_s + options_.gap_s >= time_s;
   };
   for (std::size_t s = 0; s < sightings.size(); ++s) {
-    for (std::size_t r = 0; r < runs_.size() && sightings[s].track && !run_of[s]; ++r) {
-      if (runs_[r].track != sightings[s].track || !is_candidate(r, sightings[s])) continue;
-      run_of[s] = r;
+    for (std::size_t r = 0; r < tracklets_.size() && sightings[s].track && !tracklet_of[s]; ++r) {
+      if (tracklets_[r].track != sightings[s].track || !is_candidate(r, sightings[s])) continue;
+      tracklet_of[s] = r;
       taken[r] = true;
     }
   }
@@ -140,41 +140,43 @@ std::vector<std::optional<std::size_t>> TrackletLinker::AssignTracklets(
   };
   std::vector<Pair> pairs;
   for (std::size_t s = 0; s < sightings.size(); ++s) {
-    for (std::size_t r = 0; r < runs_.size() && !run_of[s]; ++r) {
+    for (std::size_t r = 0; r < tracklets_.size() && !tracklet_of[s]; ++r) {
       if (!is_candidate(r, sightings[s])) continue;
-      const double overlap = IntersectionOverUnion(PredictBox(runs_[r], time_s), SightingExtent(sightings[s]));
+      const double overlap = IntersectionOverUnion(PredictBox(tracklets_[r], time_s), SightingExtent(sightings[s]));
       if (overlap > 0 && overlap >= options_.min_overlap) pairs.push_back({overlap, s, r});
     }
   }
   std::ranges::stable_sort(pairs, std::greater{}, &Pair::overlap);
   for (const Pair& pair : pairs) {
-    if (run_of[pair.sighting] || taken[pair.tracklet] || !IsConsistent(runs_[pair.tracklet], sightings[pair.sighting]))
+    if (tracklet_of[pair.sighting] || taken[pair.tracklet] ||
+        !IsConsistent(tracklets_[pair.tracklet], sightings[pair.sighting]))
       continue;
-    run_of[pair.sighting] = pair.tracklet;
+    tracklet_of[pair.sighting] = pair.tracklet;
     taken[pair.tracklet] = true;
   }
-  return run_of;
+  return tracklet_of;
 }
 
 void TrackletLinker::Link(std::vector<SightingRecord> sightings, IndexBatch& batch) {
   if (sightings.empty()) return;
   const double time_s = sightings.front().time_s;
   // Drops tracklets that cannot grow any more, unless the store still has to assign their ids.
-  std::erase_if(runs_, [&](const Run& tracklet) {
+  std::erase_if(tracklets_, [&](const GrowingTracklet& tracklet) {
     return !tracklet.in_batch && tracklet.record.last_time_s + options_.gap_s < time_s;
   });
-  std::vector<std::optional<std::size_t>> run_of = AssignTracklets(sightings);
+  std::vector<std::optional<std::size_t>> tracklet_of = AssignTracklets(sightings);
   for (std::size_t s = 0; s < sightings.size(); ++s) {
     SightingRecord& sighting = sightings[s];
-    if (!run_of[s]) {
-      run_of[s] = runs_.size();
-      runs_.push_back({.record = {.video = sighting.video, .model = sighting.model, .first_time_s = sighting.time_s},
-                       .id = std::nullopt,
-                       .in_batch = std::nullopt,
-                       .track = std::nullopt,
-                       .trail = {}});
+    if (!tracklet_of[s]) {
+      tracklet_of[s] = tracklets_.size();
+      tracklets_.push_back(
+          {.record = {.video = sighting.video, .model = sighting.model, .first_time_s = sighting.time_s},
+           .id = std::nullopt,
+           .in_batch = std::nullopt,
+           .track = std::nullopt,
+           .trail = {}});
     }
-    Run& tracklet = runs_[*run_of[s]];
+    GrowingTracklet& tracklet = tracklets_[*tracklet_of[s]];
     tracklet.record.score = std::max(tracklet.record.score, sighting.score);
     tracklet.record.frames += 1;
     tracklet.record.last_time_s = sighting.time_s;
@@ -189,7 +191,7 @@ void TrackletLinker::Link(std::vector<SightingRecord> sightings, IndexBatch& bat
 }
 
 void TrackletLinker::SetCommittedIds(std::span<const std::int64_t> ids) {
-  for (Run& tracklet : runs_) {
+  for (GrowingTracklet& tracklet : tracklets_) {
     if (!tracklet.in_batch) continue;
     tracklet.id = ids[*tracklet.in_batch];
     tracklet.record.id = *tracklet.id;

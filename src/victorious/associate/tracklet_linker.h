@@ -80,7 +80,7 @@ class TrackletLinker {
     Box box;
     std::optional<BearingObservation> observation;
   };
-  struct Run {
+  struct GrowingTracklet {
     TrackletRecord record;
     std::optional<std::int64_t> id;       // set once committed
     std::optional<std::size_t> in_batch;  // index into the current batch's tracklets
@@ -88,15 +88,15 @@ class TrackletLinker {
     std::vector<TrailEntry> trail;        // its sightings of the last second
   };
 
-  void AppendToTrail(const SightingRecord& sighting, Run& tracklet);
-  [[nodiscard]] static Box PredictBox(const Run& tracklet, double time_s);
-  [[nodiscard]] bool IsConsistent(const Run& tracklet, const SightingRecord& sighting) const;
+  void AppendToTrail(const SightingRecord& sighting, GrowingTracklet& tracklet);
+  [[nodiscard]] static Box PredictBox(const GrowingTracklet& tracklet, double time_s);
+  [[nodiscard]] bool IsConsistent(const GrowingTracklet& tracklet, const SightingRecord& sighting) const;
   [[nodiscard]] std::vector<std::optional<std::size_t>> AssignTracklets(
       const std::vector<SightingRecord>& sightings) const;
 
   TrackletOptions options_;
   ObjectOptions objects_;
-  std::vector<Run> runs_;
+  std::vector<GrowingTracklet> tracklets_;
   std::int64_t recognitions_ = 0;
 };
 

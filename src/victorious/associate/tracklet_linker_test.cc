@@ -32,7 +32,7 @@ SightingRecord Sighting(std::int64_t frame, const Box& box, std::int64_t model =
 }
 
 // Emulates the store: assigns ids to new tracklets in their order, replaces updated ones, keeps sightings.
-class Ledger {
+class EmulatedStore {
  public:
   std::vector<std::int64_t> Commit(const IndexBatch& batch) {
     std::vector<std::int64_t> ids;
@@ -61,9 +61,9 @@ using Motions = std::vector<Similarity2>;
 // Links the frames, with a commit after each frame that `cut` selects, and a new linker for `kKill`.
 enum class Cut { kNone, kCommit, kKill };
 
-Ledger LinkAll(const Frames& frames, const TrackletOptions& options, const Motions& motions,
-               const std::function<Cut(std::size_t)>& cut, const ObjectOptions& objects = {}) {
-  Ledger ledger;
+EmulatedStore LinkAll(const Frames& frames, const TrackletOptions& options, const Motions& motions,
+                      const std::function<Cut(std::size_t)>& cut, const ObjectOptions& objects = {}) {
+  EmulatedStore store;
   TrackletLinker linker(options, objects);
   IndexBatch batch;
   const auto step = [&](std::size_t i) {
@@ -74,39 +74,39 @@ Ledger LinkAll(const Frames& frames, const TrackletOptions& options, const Motio
     linker.Link(frames[i], batch);
     const Cut here = i + 1 == frames.size() ? Cut::kCommit : cut(i);
     if (here == Cut::kNone) continue;
-    linker.SetCommittedIds(ledger.Commit(batch));
+    linker.SetCommittedIds(store.Commit(batch));
     batch = {};
     if (here == Cut::kCommit) continue;
     linker = TrackletLinker(options, objects);
     std::vector<TrackletRecord> tracklets;
-    for (const auto& [id, tracklet] : ledger.tracklets) tracklets.push_back(tracklet);
+    for (const auto& [id, tracklet] : store.tracklets) tracklets.push_back(tracklet);
     std::vector<SightingRecord> last;
-    for (const SightingRecord& sighting : ledger.sightings) {
+    for (const SightingRecord& sighting : store.sightings) {
       if (sighting.time_s >= kFrameS * static_cast<double>(i) - linker.HistorySeconds()) last.push_back(sighting);
     }
     linker.Resume(tracklets, last);
     for (auto k = static_cast<std::size_t>(linker.FirstRequiredFrame().value_or(0)); k <= i; ++k) step(k);
   }
-  return ledger;
+  return store;
 }
 
-Ledger LinkAll(const Frames& frames, const TrackletOptions& options, const Motions& motions = {}) {
+EmulatedStore LinkAll(const Frames& frames, const TrackletOptions& options, const Motions& motions = {}) {
   return LinkAll(frames, options, motions, [](std::size_t) { return Cut::kNone; });
 }
 
-std::vector<std::int64_t> RunsOf(const Ledger& ledger) {
+std::vector<std::int64_t> TrackletIdsOf(const EmulatedStore& store) {
   std::vector<std::int64_t> tracklets;
-  for (const SightingRecord& sighting : ledger.sightings) tracklets.push_back(sighting.tracklet);
+  for (const SightingRecord& sighting : store.sightings) tracklets.push_back(sighting.tracklet);
   return tracklets;
 }
 
 TEST(TrackletLinker, OverlappingSightingsExtendOneTracklet) {
-  const Ledger ledger = LinkAll({{Sighting(2, {10, 10, 40, 40}, kModel, 0.6)},
-                                 {Sighting(3, {14, 12, 40, 40}, kModel, 0.9)},
-                                 {Sighting(5, {20, 14, 40, 40}, kModel, 0.7)}},
-                                TrackletOptions{});
-  EXPECT_THAT(RunsOf(ledger), ElementsAre(1, 1, 1));
-  const TrackletRecord& tracklet = ledger.tracklets.at(1);
+  const EmulatedStore store = LinkAll({{Sighting(2, {10, 10, 40, 40}, kModel, 0.6)},
+                                       {Sighting(3, {14, 12, 40, 40}, kModel, 0.9)},
+                                       {Sighting(5, {20, 14, 40, 40}, kModel, 0.7)}},
+                                      TrackletOptions{});
+  EXPECT_THAT(TrackletIdsOf(store), ElementsAre(1, 1, 1));
+  const TrackletRecord& tracklet = store.tracklets.at(1);
   EXPECT_EQ(tracklet.video, 3);
   EXPECT_EQ(tracklet.model, kModel);
   EXPECT_EQ(tracklet.frames, 3);
@@ -118,27 +118,27 @@ TEST(TrackletLinker, OverlappingSightingsExtendOneTracklet) {
 TEST(TrackletLinker, GapAboveLimitEndsATracklet) {
   const TrackletOptions options{.gap_s = 1.05, .min_overlap = 0.1};
   const Box box{10, 10, 40, 40};
-  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(10, box)}}, options)), ElementsAre(1, 1));
-  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
+  EXPECT_THAT(TrackletIdsOf(LinkAll({{Sighting(0, box)}, {Sighting(10, box)}}, options)), ElementsAre(1, 1));
+  EXPECT_THAT(TrackletIdsOf(LinkAll({{Sighting(0, box)}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
   // Frames without sightings change nothing.
-  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {}, {}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
+  EXPECT_THAT(TrackletIdsOf(LinkAll({{Sighting(0, box)}, {}, {}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
 }
 
 TEST(TrackletLinker, OverlapBelowMinimumStartsANewTracklet) {
   const Box box{0, 0, 30, 10};
   const Box shifted{20, 0, 30, 10};  // 100 of 500 px: IoU 0.2
   const Frames frames = {{Sighting(0, box)}, {Sighting(1, shifted)}};
-  EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .min_overlap = 0.19})), ElementsAre(1, 1));
-  EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .min_overlap = 0.21})), ElementsAre(1, 2));
+  EXPECT_THAT(TrackletIdsOf(LinkAll(frames, {.gap_s = 1, .min_overlap = 0.19})), ElementsAre(1, 1));
+  EXPECT_THAT(TrackletIdsOf(LinkAll(frames, {.gap_s = 1, .min_overlap = 0.21})), ElementsAre(1, 2));
   // Even with a minimum overlap of 0, boxes without any overlap are different tracklets.
-  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(1, {31, 0, 30, 10})}}, {.min_overlap = 0})),
+  EXPECT_THAT(TrackletIdsOf(LinkAll({{Sighting(0, box)}, {Sighting(1, {31, 0, 30, 10})}}, {.min_overlap = 0})),
               ElementsAre(1, 2));
 }
 
 TEST(TrackletLinker, OverlapIsComputedWithTheLastSighting) {
   Frames frames;
   for (int i = 0; i < 20; ++i) frames.push_back({Sighting(i, {10.0 * i, 0, 40, 40})});
-  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ::testing::Each(1));
+  EXPECT_THAT(TrackletIdsOf(LinkAll(frames, TrackletOptions{})), ::testing::Each(1));
 }
 
 TEST(TrackletLinker, AssignmentIsOneToOneByDescendingOverlap) {
@@ -148,18 +148,18 @@ TEST(TrackletLinker, AssignmentIsOneToOneByDescendingOverlap) {
   const Frames frames = {{Sighting(0, left), Sighting(0, right)},
                          {Sighting(1, {31, 0, 40, 40}), Sighting(1, {1, 0, 40, 40})},
                          {Sighting(2, {2, 0, 40, 40}), Sighting(2, {4, 0, 40, 40}), Sighting(2, {32, 0, 40, 40})}};
-  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 2, 2, 1, 1, 3, 2));
+  EXPECT_THAT(TrackletIdsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 2, 2, 1, 1, 3, 2));
 }
 
 TEST(TrackletLinker, SightingsOfDifferentModelsAreNotLinked) {
   const Box box{0, 0, 40, 40};
   const Frames frames = {{Sighting(0, box, 7), Sighting(0, box, 8)}, {Sighting(1, box, 8), Sighting(1, box, 9)}};
-  const Ledger ledger = LinkAll(frames, TrackletOptions{});
-  EXPECT_THAT(RunsOf(ledger), ElementsAre(1, 2, 2, 3));
-  EXPECT_EQ(ledger.tracklets.at(2).model, 8);
+  const EmulatedStore store = LinkAll(frames, TrackletOptions{});
+  EXPECT_THAT(TrackletIdsOf(store), ElementsAre(1, 2, 2, 3));
+  EXPECT_EQ(store.tracklets.at(2).model, 8);
 }
 
-SightingRecord Followed(SightingRecord sighting, std::int64_t track) {
+SightingRecord WithTrack(SightingRecord sighting, std::int64_t track) {
   sighting.track = track;
   return sighting;
 }
@@ -167,12 +167,13 @@ SightingRecord Followed(SightingRecord sighting, std::int64_t track) {
 TEST(TrackletLinker, SightingsOfOneTrackAreOneTracklet) {
   const Box here{0, 0, 40, 40};
   const Box there{300, 0, 40, 40};
-  const Frames frames = {{Followed(Sighting(0, here), 5), Followed(Sighting(0, there), 6)},
-                         {Followed(Sighting(1, here), 6), Followed(Sighting(1, there), 5)}};
-  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 2, 2, 1));
+  const Frames frames = {{WithTrack(Sighting(0, here), 5), WithTrack(Sighting(0, there), 6)},
+                         {WithTrack(Sighting(1, here), 6), WithTrack(Sighting(1, there), 5)}};
+  EXPECT_THAT(TrackletIdsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 2, 2, 1));
   // A new track continues the tracklet at its first box.
-  EXPECT_THAT(RunsOf(LinkAll({{Followed(Sighting(0, here), 5)}, {Followed(Sighting(1, here), 9)}}, TrackletOptions{})),
-              ElementsAre(1, 1));
+  EXPECT_THAT(
+      TrackletIdsOf(LinkAll({{WithTrack(Sighting(0, here), 5)}, {WithTrack(Sighting(1, here), 9)}}, TrackletOptions{})),
+      ElementsAre(1, 1));
 }
 
 Similarity2 Shift(double x, double y) { return {.translation = {x, y}}; }
@@ -185,8 +186,8 @@ TEST(TrackletLinker, StaticObjectIsPredictedByImageMotion) {
   Frames frames(11);
   frames[0] = {Sighting(0, first)};
   frames[10] = {Sighting(10, first), Sighting(10, {3, 101, 50, 40})};
-  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{}, motions)), ElementsAre(1, 2, 1));
-  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 1, 2))
+  EXPECT_THAT(TrackletIdsOf(LinkAll(frames, TrackletOptions{}, motions)), ElementsAre(1, 2, 1));
+  EXPECT_THAT(TrackletIdsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 1, 2))
       << "as far as is known, it stands still";
 }
 
@@ -197,7 +198,7 @@ TEST(TrackletLinker, MovingObjectIsPredictedByItsVelocity) {
   Frames frames(26);
   for (int i = 0; i <= 10; ++i) frames[i] = {Sighting(i, middle)};
   frames[25] = {Sighting(25, {303, 198, 40, 40})};
-  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{}, motions)), ::testing::Each(1));
+  EXPECT_THAT(TrackletIdsOf(LinkAll(frames, TrackletOptions{}, motions)), ::testing::Each(1));
 }
 
 // A static object, initially 100 m north of the camera, which flies east at 20 m/s.
@@ -217,18 +218,18 @@ SightingRecord Standing(std::int64_t frame, double east_m, double range_m = 0) {
 }
 
 TEST(TrackletLinker, InconsistentObservationsSplitATracklet) {
-  const auto runs_with = [](const SightingRecord& last) {
+  const auto tracklets_with = [](const SightingRecord& last) {
     Frames frames(18);
     for (int i = 0; i < 6; ++i) frames[i] = {Standing(i, 10)};
     frames[17] = {last};
     return LinkAll(frames, TrackletOptions{}).tracklets.size();
   };
-  EXPECT_EQ(runs_with(Standing(17, 10)), 1U);
-  EXPECT_EQ(runs_with(Standing(17, 22)), 2U) << "beside it";
-  EXPECT_EQ(runs_with(Standing(17, 10, 200)), 2U) << "behind it";
+  EXPECT_EQ(tracklets_with(Standing(17, 10)), 1U);
+  EXPECT_EQ(tracklets_with(Standing(17, 22)), 2U) << "beside it";
+  EXPECT_EQ(tracklets_with(Standing(17, 10, 200)), 2U) << "behind it";
   SightingRecord unknown = Standing(17, 22);
   unknown.observation.reset();
-  EXPECT_EQ(runs_with(unknown), 1U) << "nothing tells";
+  EXPECT_EQ(tracklets_with(unknown), 1U) << "without an observation there is no gate";
   // The gate is that of the error model given.
   ObjectOptions vague;
   vague.locate.common.position_m = 10;
@@ -238,8 +239,8 @@ TEST(TrackletLinker, InconsistentObservationsSplitATracklet) {
   const auto no_cut = [](std::size_t) { return Cut::kNone; };
   EXPECT_EQ(LinkAll(apart, TrackletOptions{}, {}, no_cut, vague).tracklets.size(), 1U);
   // The same track overrides the gate: an error of telemetry does not split the tracklet.
-  const Frames followed = {{Followed(Standing(0, 10), 4)}, {Followed(Standing(1, 30), 4)}};
-  EXPECT_THAT(RunsOf(LinkAll(followed, TrackletOptions{})), ElementsAre(1, 1));
+  const Frames tracked = {{WithTrack(Standing(0, 10), 4)}, {WithTrack(Standing(1, 30), 4)}};
+  EXPECT_THAT(TrackletIdsOf(LinkAll(tracked, TrackletOptions{})), ElementsAre(1, 1));
 }
 
 TEST(TrackletLinker, WhiteTelemetryNoiseDoesNotSplitTracklets) {
@@ -283,9 +284,9 @@ Frames RandomFrames(std::uint64_t seed) {
   return frames;
 }
 
-std::vector<std::tuple<std::int64_t, double, std::int64_t, double, double>> Summary(const Ledger& ledger) {
+std::vector<std::tuple<std::int64_t, double, std::int64_t, double, double>> Summary(const EmulatedStore& store) {
   std::vector<std::tuple<std::int64_t, double, std::int64_t, double, double>> summary;
-  for (const auto& [id, tracklet] : ledger.tracklets) {
+  for (const auto& [id, tracklet] : store.tracklets) {
     summary.emplace_back(tracklet.model, tracklet.score, tracklet.frames, tracklet.first_time_s, tracklet.last_time_s);
   }
   return summary;
@@ -299,15 +300,15 @@ TEST(TrackletLinker, ResultDoesNotDependOnBatchesOrRestarts) {
     Motions motions;
     for (std::size_t i = 0; i < frames.size(); ++i)
       motions.push_back(Shift(moves.Uniform(-4, 4), moves.Uniform(-4, 4)));
-    const Ledger whole = LinkAll(frames, options, motions);
+    const EmulatedStore whole = LinkAll(frames, options, motions);
     ASSERT_GT(whole.tracklets.size(), 10U) << "seed " << seed;
     ASSERT_LT(whole.tracklets.size(), whole.sightings.size() / 3) << "seed " << seed;
     for (const std::uint32_t spacing : {1U, 3U, 20U}) {
       for (const Cut kind : {Cut::kCommit, Cut::kKill}) {
         Random random(100 * seed + spacing);
-        const Ledger cut = LinkAll(frames, options, motions,
-                                   [&](std::size_t) { return random.Below(spacing) == 0 ? kind : Cut::kNone; });
-        EXPECT_EQ(RunsOf(cut), RunsOf(whole)) << "seed " << seed << ", one cut in " << spacing;
+        const EmulatedStore cut = LinkAll(frames, options, motions,
+                                          [&](std::size_t) { return random.Below(spacing) == 0 ? kind : Cut::kNone; });
+        EXPECT_EQ(TrackletIdsOf(cut), TrackletIdsOf(whole)) << "seed " << seed << ", one cut in " << spacing;
         EXPECT_EQ(Summary(cut), Summary(whole)) << "seed " << seed << ", one cut in " << spacing;
       }
     }

@@ -53,25 +53,25 @@ void LogTelemetryError(const Navigation& navigation, double expected_sigma_m) {
       place.norm());
 }
 
-void LogSummary(const NavigationResult& run, const NavigateOptions& options) {
-  const std::vector<NavigatedFrame>& frames = run.navigation.frames;
+void LogSummary(const NavigationResult& result, const NavigateOptions& options) {
+  const std::vector<NavigatedFrame>& frames = result.navigation.frames;
   const auto with_landmark =
       std::ranges::count_if(frames, [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
-  spdlog::info("{} frames, {} with a landmark; {} sightings rejected as outliers", run.frames, with_landmark,
-               run.rejected_sightings);
-  for (std::size_t i = 0; i < run.landmarks.size(); ++i) {
-    if (run.sightings[i] == 0) continue;
-    const Landmark& landmark = run.landmarks[i];
+  spdlog::info("{} frames, {} with a landmark; {} sightings rejected as outliers", result.frames, with_landmark,
+               result.rejected_sightings);
+  for (std::size_t i = 0; i < result.landmarks.size(); ++i) {
+    if (result.sightings[i] == 0) continue;
+    const Landmark& landmark = result.landmarks[i];
     spdlog::info("landmark {} at {:.6f} {:.6f}: in {} frames", landmark.model,
                  DegreesFromRadians(landmark.place.latitude_rad), DegreesFromRadians(landmark.place.longitude_rad),
-                 run.sightings[i]);
+                 result.sightings[i]);
   }
-  LogTelemetryError(run.navigation, options.telemetry.position_m);
+  LogTelemetryError(result.navigation, options.telemetry.position_m);
   spdlog::info(
       "{:.1f} ms per frame while landmarks are tracked, {:.1f} ms of CPU time; {:.2f} ms to estimate the trajectory",
-      run.tracked_ms, run.tracked_cpu_ms, run.estimate_ms);
-  if (run.navigation.status != NavigationStatus::kOk) {
-    spdlog::warn("{}: the camera position is unknown", ToText(kNavigationStatusTexts, run.navigation.status));
+      result.tracked_ms, result.tracked_cpu_ms, result.estimate_ms);
+  if (result.navigation.status != NavigationStatus::kOk) {
+    spdlog::warn("{}: the camera position is unknown", ToText(kNavigationStatusTexts, result.navigation.status));
   }
 }
 
@@ -87,12 +87,12 @@ Status Run(const Arguments& arguments) {
   }
   std::vector<std::string> warnings;  // collected, so that an error stays the only line
   const NavigateJob job{.video = arguments.video, .landmarks = arguments.landmarks, .telemetry = arguments.telemetry};
-  VICTORIOUS_ASSIGN_OR_RETURN(const NavigationResult run,
+  VICTORIOUS_ASSIGN_OR_RETURN(const NavigationResult result,
                               NavigateVideo(job, std::move(models), options, Interrupt(),
                                             [&](const std::string& warning) { warnings.push_back(warning); }));
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
-  VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToCsv(run)));
-  LogSummary(run, options.navigate);
+  VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToCsv(result)));
+  LogSummary(result, options.navigate);
   return {};
 }
 

@@ -63,32 +63,32 @@ void LogUnknownTypes(const std::vector<std::string>& types) {
 
 // Logs in which frames and videos an object was seen.
 void LogSightingTimes(const std::vector<BoxSighting>& sightings, const std::vector<std::string>& videos,
-                      std::size_t drawn) {
+                      std::size_t box_index) {
   for (std::size_t video = 0; video < videos.size(); ++video) {
     std::vector<const BoxSighting*> seen;
     for (const BoxSighting& one : sightings) {
-      if (one.drawn == drawn && one.video == video) seen.push_back(&one);
+      if (one.box_index == box_index && one.video == video) seen.push_back(&one);
     }
     if (seen.empty()) {
-      spdlog::info("{}: not seen in {}", BoxName(drawn), OneLine(videos[video]));
+      spdlog::info("{}: not seen in {}", BoxName(box_index), OneLine(videos[video]));
       continue;
     }
-    spdlog::info("{}: seen in {} frames of {}, {:.2f} to {:.2f} s", BoxName(drawn), seen.size(), OneLine(videos[video]),
-                 seen.front()->time_s, seen.back()->time_s);
+    spdlog::info("{}: seen in {} frames of {}, {:.2f} to {:.2f} s", BoxName(box_index), seen.size(),
+                 OneLine(videos[video]), seen.front()->time_s, seen.back()->time_s);
   }
 }
 
 // Logs the place of an object when it was last seen, or the reason why there is none.
-void LogPlace(const TrackedBoxes& tracked, std::size_t drawn) {
-  if (!tracked.place_failures[drawn].empty()) {
-    spdlog::info("{}: no place: {}", BoxName(drawn), tracked.place_failures[drawn]);
+void LogPlace(const TrackedBoxes& tracked, std::size_t box_index) {
+  if (!tracked.place_failures[box_index].empty()) {
+    spdlog::info("{}: no place: {}", BoxName(box_index), tracked.place_failures[box_index]);
     return;
   }
   const auto last =
       std::ranges::find_if(tracked.sightings.rbegin(), tracked.sightings.rend(),
-                           [&](const BoxSighting& one) { return one.drawn == drawn && one.place.has_value(); });
+                           [&](const BoxSighting& one) { return one.box_index == box_index && one.place.has_value(); });
   const Geolocation& place = *last->place;
-  spdlog::info("{}: place at {:.2f} s: {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(drawn),
+  spdlog::info("{}: place at {:.2f} s: {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(box_index),
                last->time_s, DegreesFromRadians(place.point.latitude_rad),
                DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
                place.IsMoving() ? fmt::format("; moving at {:.1f} m/s", place.velocity_enu->norm()) : "");
@@ -133,9 +133,9 @@ Status Run(const Arguments& arguments) {
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(tracked.sightings, videos, boxes)));
   LogUnknownTypes(arguments.types);
-  for (std::size_t drawn = 0; drawn < boxes.size(); ++drawn) {
-    LogSightingTimes(tracked.sightings, videos, drawn);
-    LogPlace(tracked, drawn);
+  for (std::size_t box_index = 0; box_index < boxes.size(); ++box_index) {
+    LogSightingTimes(tracked.sightings, videos, box_index);
+    LogPlace(tracked, box_index);
   }
   return {};
 }

@@ -16,7 +16,7 @@
 #include "victorious/base/random.h"
 #include "victorious/evaluate/drawn_clutter.h"
 #include "victorious/evaluate/score.h"
-#include "victorious/evaluate/turned_view.h"
+#include "victorious/evaluate/warped_view.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
 #include "victorious/image/degrade.h"
@@ -293,9 +293,10 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
                                              const CancelToken& cancel, const DetectabilityCallbacks& callbacks) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(model, options));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(features));
-  std::vector<std::shared_ptr<const RelitTemplateSource>> lit(1);
-  VICTORIOUS_ASSIGN_OR_RETURN(lit.front(), MakeRelitViews(model));
-  VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, Recognizer::Create({model}, features.engine, recognize, lit));
+  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates(1);
+  VICTORIOUS_ASSIGN_OR_RETURN(relit_templates.front(), MakeRelitViews(model));
+  VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer,
+                              Recognizer::Create({model}, features.engine, recognize, relit_templates));
   const Search search(model, std::move(recognizer), std::move(extractor));
 
   Detectability result{.options = options,

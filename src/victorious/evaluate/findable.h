@@ -1,6 +1,6 @@
 // Detectability of a CAD model before there is a video (`model show --findable`).
 //
-// Method: a Monte Carlo test. The object is rendered from random directions between the model's views (turned_view.h),
+// Method: a Monte Carlo test. The object is rendered from random directions between the model's views (warped_view.h),
 // at a given size, light and noise, and pasted onto synthetic clutter (drawn_clutter.h). The recogniser searches each
 // image as it searches a frame. The fraction of detections estimates the recall of a flight; it is an upper limit,
 // because the images come from the model's own renderings.

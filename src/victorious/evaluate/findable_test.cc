@@ -66,9 +66,9 @@ TEST(Detectability, RendersUnderSunWithoutAttitude) {
   int images = 0;
   DetectabilityCallbacks callbacks;
   callbacks.image = [&](const cv::Mat& bgr) { images += bgr.type() == CV_8UC3 ? 1 : 0; };
-  const Detectability lit = Measure(testing::WaffleModel(), options, callbacks).value();
+  const Detectability sunlit = Measure(testing::WaffleModel(), options, callbacks).value();
   EXPECT_EQ(images, 3);
-  EXPECT_GT(lit.rate.found, 0);
+  EXPECT_GT(sunlit.rate.found, 0);
 }
 
 // A uniform side of the model: the report names the interval and the reason.

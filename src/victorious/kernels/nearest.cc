@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "victorious/kernels/few_nearest.h"
+#include "victorious/kernels/k_nearest.h"
 
 namespace victorious::kernels {
 PackedDescriptors Pack(std::span<const std::uint8_t> rows) {
@@ -53,13 +53,12 @@ void FindNearestTwo(const PackedQueries& queries, const PackedDescriptors& set, 
   }
 }
 
-void FindNearestFew(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                    std::span<Neighbour> out) {
+void FindNearestK(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k, std::span<Neighbour> out) {
   static const bool has_vnni = HasVnni();
   if (has_vnni) {
-    FindNearestFewVnni(queries, set, few, out);
+    FindNearestKVnni(queries, set, k, out);
   } else {
-    FindNearestFewSimd(queries, set, few, out);
+    FindNearestKSimd(queries, set, k, out);
   }
 }
 

@@ -70,11 +70,10 @@ struct Neighbour {
 
 inline constexpr std::size_t kMaxNeighbours = 8;
 
-/// The k = `few` nearest descriptors of query i in out[few i] to out[few i + few - 1], nearest first; of equal
-/// distances the lower index first. 1 <= few <= kMaxNeighbours; out.size() == few * queries.count.
+/// The k nearest descriptors of query i in out[k i] to out[k i + k - 1], nearest first; of equal
+/// distances the lower index first. 1 <= k <= kMaxNeighbours; out.size() == k * queries.count.
 /// Cost: that of FindNearestTwo.
-void FindNearestFew(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                    std::span<Neighbour> out);
+void FindNearestK(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k, std::span<Neighbour> out);
 
 // The implementations, for tests and benchmarks.
 void FindNearestTwoRef(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out);
@@ -83,12 +82,12 @@ bool HasVnni();
 /// Only where HasVnni().
 void FindNearestTwoVnni(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out);
 
-void FindNearestFewRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                       std::span<Neighbour> out);
-void FindNearestFewSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                        std::span<Neighbour> out);
+void FindNearestKRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                     std::span<Neighbour> out);
+void FindNearestKSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                      std::span<Neighbour> out);
 /// Only where HasVnni().
-void FindNearestFewVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                        std::span<Neighbour> out);
+void FindNearestKVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                      std::span<Neighbour> out);
 
 }  // namespace victorious::kernels

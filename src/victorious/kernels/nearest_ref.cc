@@ -1,4 +1,4 @@
-// The reference implementations of FindNearestTwo and FindNearestFew: one byte at a time.
+// The reference implementations of FindNearestTwo and FindNearestK: one byte at a time.
 #include <algorithm>
 #include <vector>
 
@@ -42,13 +42,13 @@ void FindNearestTwoRef(const PackedQueries& queries, const PackedDescriptors& se
   }
 }
 
-void FindNearestFewRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                       std::span<Neighbour> out) {
+void FindNearestKRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                     std::span<Neighbour> out) {
   std::vector<Neighbour> all(set.count);
   for (std::size_t q = 0; q < queries.count; ++q) {
     for (std::size_t i = 0; i < set.count; ++i) all[i] = {static_cast<std::uint32_t>(i), Distance2(queries, q, set, i)};
     std::ranges::stable_sort(all, {}, &Neighbour::distance2);
-    for (std::size_t r = 0; r < few; ++r) out[q * few + r] = r < all.size() ? all[r] : Neighbour{};
+    for (std::size_t r = 0; r < k; ++r) out[q * k + r] = r < all.size() ? all[r] : Neighbour{};
   }
 }
 

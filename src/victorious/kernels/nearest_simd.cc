@@ -1,8 +1,8 @@
-// FindNearestTwo and FindNearestFew on any vector width, through Highway: compiled once for each instruction set,
+// FindNearestTwo and FindNearestK on any vector width, through Highway: compiled once for each instruction set,
 // chosen at run time.
 #include <vector>
 
-#include "victorious/kernels/few_nearest.h"
+#include "victorious/kernels/k_nearest.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/kernels/reduce_nearest_two.h"
 
@@ -133,7 +133,7 @@ void FindNearestTwoTarget(const PackedQueries& queries, const PackedDescriptors&
 }
 
 // Inserts the lanes that are nearer than the current k-th nearest.
-HWY_INLINE void Admit(V32 constant, V32 sum, std::size_t first_index, FewNearest& found) {
+HWY_INLINE void Admit(V32 constant, V32 sum, std::size_t first_index, KNearest& found) {
   const D32 d32;
   const V32 distance = hn::Sub(constant, hn::Add(sum, sum));
   if (hn::AllFalse(d32, hn::Lt(distance, hn::Set(d32, found.Worst())))) return;
@@ -144,12 +144,12 @@ HWY_INLINE void Admit(V32 constant, V32 sum, std::size_t first_index, FewNearest
   }
 }
 
-void FindNearestFewTarget(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                          std::span<Neighbour> out) {
+void FindNearestKTarget(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                        std::span<Neighbour> out) {
   const D32 d32;
   for (std::size_t first = 0; first < queries.count; first += kTile) {
     const QueryTile tile = WidenTile(queries, first);
-    std::vector<FewNearest> found(kTile, FewNearest(few));
+    std::vector<KNearest> found(kTile, KNearest(k));
     for (std::size_t block = 0; block < set.block_count(); ++block) {
       for (std::size_t lane = 0; lane < kBlockDescriptors; lane += hn::Lanes(d32)) {
         V32 sum0, sum1, sum2, sum3;
@@ -163,7 +163,7 @@ void FindNearestFewTarget(const PackedQueries& queries, const PackedDescriptors&
       }
     }
     for (std::size_t t = 0; t < std::min(kTile, queries.count - first); ++t) {
-      found[t].Write(queries.squared[first + t], &out[(first + t) * few]);
+      found[t].Write(queries.squared[first + t], &out[(first + t) * k]);
     }
   }
 }
@@ -177,16 +177,16 @@ HWY_AFTER_NAMESPACE();
 namespace victorious::kernels {
 
 HWY_EXPORT(FindNearestTwoTarget);
-HWY_EXPORT(FindNearestFewTarget);
+HWY_EXPORT(FindNearestKTarget);
 HWY_EXPORT(TargetName);
 
 void FindNearestTwoSimd(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
   HWY_DYNAMIC_DISPATCH(FindNearestTwoTarget)(queries, set, out);
 }
 
-void FindNearestFewSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                        std::span<Neighbour> out) {
-  HWY_DYNAMIC_DISPATCH(FindNearestFewTarget)(queries, set, few, out);
+void FindNearestKSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                      std::span<Neighbour> out) {
+  HWY_DYNAMIC_DISPATCH(FindNearestKTarget)(queries, set, k, out);
 }
 
 const char* NearestTwoTarget() { return HasVnni() ? "avx512_vnni" : HWY_DYNAMIC_DISPATCH(TargetName)(); }

@@ -15,7 +15,7 @@ namespace victorious::kernels {
 namespace {
 
 using Find = void (*)(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>);
-using FindFew = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>);
+using FindK = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>);
 
 std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uint32_t levels) {
   std::vector<std::uint8_t> rows(count * kDescriptorBytes);
@@ -44,21 +44,21 @@ std::vector<NearestTwo> Expected(const std::vector<std::uint8_t>& queries, const
   return result;
 }
 
-std::vector<Neighbour> ExpectedFew(const std::vector<std::uint8_t>& queries, const std::vector<std::uint8_t>& set,
-                                   std::size_t few) {
+std::vector<Neighbour> ExpectedK(const std::vector<std::uint8_t>& queries, const std::vector<std::uint8_t>& set,
+                                 std::size_t k) {
   std::vector<Neighbour> result;
   for (std::size_t q = 0; q < queries.size() / kDescriptorBytes; ++q) {
     const std::span<const std::uint8_t> query(&queries[q * kDescriptorBytes], kDescriptorBytes);
-    std::vector<Neighbour> all(std::max(few, set.size() / kDescriptorBytes));
+    std::vector<Neighbour> all(std::max(k, set.size() / kDescriptorBytes));
     for (std::size_t i = 0; i < set.size() / kDescriptorBytes; ++i) {
       all[i] = {static_cast<std::uint32_t>(i), 0};
-      for (std::size_t k = 0; k < kDescriptorBytes; ++k) {
-        const int difference = query[k] - set[i * kDescriptorBytes + k];
+      for (std::size_t byte = 0; byte < kDescriptorBytes; ++byte) {
+        const int difference = query[byte] - set[i * kDescriptorBytes + byte];
         all[i].distance2 += static_cast<std::uint32_t>(difference * difference);
       }
     }
     std::ranges::stable_sort(all, {}, &Neighbour::distance2);
-    result.insert(result.end(), all.begin(), all.begin() + static_cast<std::ptrdiff_t>(few));
+    result.insert(result.end(), all.begin(), all.begin() + static_cast<std::ptrdiff_t>(k));
   }
   return result;
 }
@@ -66,7 +66,7 @@ std::vector<Neighbour> ExpectedFew(const std::vector<std::uint8_t>& queries, con
 struct Implementation {
   std::string name;
   Find find;
-  FindFew find_few;
+  FindK find_k;
   std::int64_t highway_target = 0;  ///< the only instruction set that Highway may use; 0: Highway's choice
 
   friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
@@ -74,13 +74,13 @@ struct Implementation {
 
 // The reference, VNNI, the dispatched one, and Highway's code for every instruction set of this machine.
 std::vector<Implementation> Implementations() {
-  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestFewRef},
-                                     {"vnni", &FindNearestTwoVnni, &FindNearestFewVnni},
-                                     {"best", &FindNearestTwo, &FindNearestFew}};
+  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestKRef},
+                                     {"vnni", &FindNearestTwoVnni, &FindNearestKVnni},
+                                     {"best", &FindNearestTwo, &FindNearestK}};
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     std::string name = "simd_" + std::string(hwy::TargetName(target));
     std::erase_if(name, [](unsigned char c) { return c != '_' && std::isalnum(c) == 0; });
-    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestFewSimd, target});
+    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestKSimd, target});
   }
   return all;
 }
@@ -105,10 +105,10 @@ class NearestTest : public ::testing::TestWithParam<Implementation> {
     GetParam().find(packed, Pack(set), out);
     EXPECT_EQ(out, Expected(queries, set))
         << packed.count << " queries, " << set.size() / kDescriptorBytes << " in set";
-    for (const std::size_t few : {std::size_t{1}, std::size_t{3}, kMaxNeighbours}) {
-      std::vector<Neighbour> neighbours(packed.count * few);
-      GetParam().find_few(packed, Pack(set), few, neighbours);
-      EXPECT_EQ(neighbours, ExpectedFew(queries, set, few)) << few << " of " << set.size() / kDescriptorBytes;
+    for (const std::size_t k : {std::size_t{1}, std::size_t{3}, kMaxNeighbours}) {
+      std::vector<Neighbour> neighbours(packed.count * k);
+      GetParam().find_k(packed, Pack(set), k, neighbours);
+      EXPECT_EQ(neighbours, ExpectedK(queries, set, k)) << k << " of " << set.size() / kDescriptorBytes;
     }
   }
 };

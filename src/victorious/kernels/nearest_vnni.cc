@@ -1,7 +1,7 @@
-// FindNearestTwo and FindNearestFew with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway lacks: 64
+// FindNearestTwo and FindNearestK with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway lacks: 64
 // products per instruction.
 #include "victorious/base/check.h"
-#include "victorious/kernels/few_nearest.h"
+#include "victorious/kernels/k_nearest.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/kernels/reduce_nearest_two.h"
 
@@ -89,13 +89,13 @@ VICTORIOUS_VNNI void FindNearestTwoVnni(const PackedQueries& queries, const Pack
   }
 }
 
-VICTORIOUS_VNNI void FindNearestFewVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
-                                        std::span<Neighbour> out) {
+VICTORIOUS_VNNI void FindNearestKVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                                      std::span<Neighbour> out) {
   const std::size_t blocks = set.block_count();
   for (std::size_t first = 0; first < queries.count; first += kTile) {
     const std::int8_t* rows[kTile];
     TileRows(queries, first, rows);
-    std::vector<FewNearest> found(kTile, FewNearest(few));
+    std::vector<KNearest> found(kTile, KNearest(k));
     __m512i worst[kTile];
     for (__m512i& one : worst) one = _mm512_set1_epi32(kPaddingDistance);
     for (std::size_t block = 0; block < blocks; ++block) {
@@ -116,7 +116,7 @@ VICTORIOUS_VNNI void FindNearestFewVnni(const PackedQueries& queries, const Pack
       }
     }
     const std::size_t tile = std::min(kTile, queries.count - first);
-    for (std::size_t t = 0; t < tile; ++t) found[t].Write(queries.squared[first + t], &out[(first + t) * few]);
+    for (std::size_t t = 0; t < tile; ++t) found[t].Write(queries.squared[first + t], &out[(first + t) * k]);
   }
 }
 
@@ -130,7 +130,7 @@ bool HasVnni() { return false; }
 void FindNearestTwoVnni(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>) {
   VICTORIOUS_CHECK(HasVnni());
 }
-void FindNearestFewVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>) {
+void FindNearestKVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>) {
   VICTORIOUS_CHECK(HasVnni());
 }
 

@@ -6,7 +6,7 @@ std::vector<RankedMatch> RankedMatcher::Match(const kernels::PackedQueries& mode
   const auto few = static_cast<std::size_t>(nearest);
   if (scene_.count <= few) return {};
   std::vector<kernels::Neighbour> found(model.count * few);
-  kernels::FindNearestFew(model, scene_, few, found);
+  kernels::FindNearestK(model, scene_, few, found);
   std::vector<RankedMatch> matches;
   matches.reserve(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) {

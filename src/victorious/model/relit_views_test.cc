@@ -75,15 +75,15 @@ TEST(ViewSurface, DamagedSurfaceIsAnError) {
 // Relit templates have features and points of the same form as the original ones; they depend on the sun, and repeated
 // requests give the same ones.
 TEST(RelitViews, FeaturesDependOnTheSun) {
-  const auto lit = MakeRelitViews(WaffleModel()).value();
-  ASSERT_NE(lit, nullptr);
+  const auto relit = MakeRelitViews(WaffleModel()).value();
+  ASSERT_NE(relit, nullptr);
   constexpr std::size_t kView = 5;
-  const auto east = lit->GetTemplate({7, kView}).value();
-  const auto west = lit->GetTemplate({10, kView}).value();
+  const auto east = relit->GetTemplate({7, kView}).value();
+  const auto west = relit->GetTemplate({10, kView}).value();
   ASSERT_GT(east->features.size(), 10U);
   EXPECT_EQ(east->features.size(), east->points_in_model.size());
   EXPECT_NE(east->features.descriptors, west->features.descriptors);
-  EXPECT_EQ(lit->GetTemplate({7, kView}).value(), east);
+  EXPECT_EQ(relit->GetTemplate({7, kView}).value(), east);
   for (const Point3& point : east->points_in_model) {
     EXPECT_LE(std::abs(point.x), 2.05F);
     EXPECT_LE(std::abs(point.y), 2.05F);
@@ -93,10 +93,10 @@ TEST(RelitViews, FeaturesDependOnTheSun) {
 
 // A coarse template has fewer features than the full one, with larger keypoints, at the projections of their points.
 TEST(RelitViews, CoarseTemplateHasTheSamePixelFrame) {
-  const auto lit = MakeRelitViews(WaffleModel()).value();
+  const auto relit = MakeRelitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;
-  const auto sharp = lit->GetTemplate({7, kView}).value();
-  const auto coarse = lit->GetTemplate({7, kView, true}).value();
+  const auto sharp = relit->GetTemplate({7, kView}).value();
+  const auto coarse = relit->GetTemplate({7, kView, true}).value();
   ASSERT_GT(coarse->features.size(), 10U);
   EXPECT_LT(coarse->features.size(), sharp->features.size());
   EXPECT_EQ(coarse->features.image_width, sharp->features.image_width);
@@ -120,22 +120,22 @@ TEST(RelitViews, CoarseTemplateHasTheSamePixelFrame) {
 
 // An evicted template is made again identically; the most recently used one is not evicted.
 TEST(RelitViews, CacheSizeIsLimited) {
-  const auto lit = MakeRelitViews(WaffleModel(), 4).value();
-  const auto first = lit->GetTemplate({7, 1}).value();
-  for (std::size_t view = 2; view < 5; ++view) static_cast<void>(lit->GetTemplate({7, view}).value());
-  EXPECT_EQ(lit->GetTemplate({7, 1}).value(), first);
-  const auto fifth = lit->GetTemplate({7, 5}).value();  // one too many: of 2, 3, 4, 1, 5 the older ones go
-  EXPECT_EQ(lit->GetTemplate({7, 5}).value(), fifth);
-  EXPECT_EQ(lit->GetTemplate({7, 1}).value(), first);
-  for (std::size_t view = 2; view < 6; ++view) static_cast<void>(lit->GetTemplate({7, view}).value());
-  const auto again = lit->GetTemplate({7, 1}).value();
+  const auto relit = MakeRelitViews(WaffleModel(), 4).value();
+  const auto first = relit->GetTemplate({7, 1}).value();
+  for (std::size_t view = 2; view < 5; ++view) static_cast<void>(relit->GetTemplate({7, view}).value());
+  EXPECT_EQ(relit->GetTemplate({7, 1}).value(), first);
+  const auto fifth = relit->GetTemplate({7, 5}).value();  // one too many: of 2, 3, 4, 1, 5 the older ones go
+  EXPECT_EQ(relit->GetTemplate({7, 5}).value(), fifth);
+  EXPECT_EQ(relit->GetTemplate({7, 1}).value(), first);
+  for (std::size_t view = 2; view < 6; ++view) static_cast<void>(relit->GetTemplate({7, view}).value());
+  const auto again = relit->GetTemplate({7, 1}).value();
   EXPECT_NE(again, first);
   EXPECT_EQ(again->features.descriptors, first->features.descriptors);
 }
 
 // Threads that prepare the same views concurrently share them; each is made once.
 TEST(RelitViews, ConcurrentThreadsShareTemplates) {
-  const auto lit = MakeRelitViews(WaffleModel()).value();
+  const auto relit = MakeRelitViews(WaffleModel()).value();
   std::vector<RelitTemplateKey> wanted;
   for (std::size_t view = 1; view < 7; ++view) wanted.push_back({8, view});
   constexpr std::size_t kThreads = 4;
@@ -144,8 +144,8 @@ TEST(RelitViews, ConcurrentThreadsShareTemplates) {
     std::vector<std::jthread> threads;
     for (auto& mine : got) {
       threads.emplace_back([&] {
-        lit->Prepare(wanted);
-        for (const RelitTemplateKey& one : wanted) mine.push_back(lit->GetTemplate(one).value());
+        relit->Prepare(wanted);
+        for (const RelitTemplateKey& one : wanted) mine.push_back(relit->GetTemplate(one).value());
       });
     }
   }

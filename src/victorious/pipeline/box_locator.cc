@@ -18,16 +18,17 @@ bool CanFly(const ObjectType* type) { return type != nullptr && type->can_fly; }
 }  // namespace
 
 void BoxLocator::Locate(std::vector<BoxSighting>& sightings) const {
-  std::ranges::sort(sightings, {}, [](const BoxSighting& one) { return std::tuple(one.video, one.frame, one.drawn); });
-  for (std::size_t drawn = 0; drawn < boxes_.size(); ++drawn) {
-    const ObjectType* type = FindObjectType(boxes_[drawn].type);
-    const SeenByVideo seen = Observe(drawn, sightings);
-    const BoxMotion motion = ClassifyMotion(drawn, seen[0]);
+  std::ranges::sort(sightings, {},
+                    [](const BoxSighting& one) { return std::tuple(one.video, one.frame, one.box_index); });
+  for (std::size_t box_index = 0; box_index < boxes_.size(); ++box_index) {
+    const ObjectType* type = FindObjectType(boxes_[box_index].type);
+    const SeenByVideo seen = Observe(box_index, sightings);
+    const BoxMotion motion = ClassifyMotion(box_index, seen[0]);
     // The ground point constrains the place only if the object is on the ground: a type that does not fly, or an
     // untyped object that leaves its ground point.
-    const std::optional<ObjectGround> given = GivenGround(drawn);
+    const std::optional<ObjectGround> given = GivenGround(box_index);
     const bool on_ground_point = type != nullptr ? !CanFly(type) : motion == BoxMotion::kMoving;
-    const std::optional<ObjectGround> ground = given || !on_ground_point ? given : EstimateGround(drawn);
+    const std::optional<ObjectGround> ground = given || !on_ground_point ? given : EstimateGround(box_index);
     SetPlaces(seen[0], motion, ground);
     const bool stands = motion != BoxMotion::kMoving && !seen[0].empty() && seen[0].front()->place &&
                         !seen[0].front()->place->IsMoving();
@@ -39,14 +40,14 @@ void BoxLocator::Locate(std::vector<BoxSighting>& sightings) const {
 }
 
 // Sets the bearing observations of an object's sightings. Returns those that have one, by video.
-BoxLocator::SeenByVideo BoxLocator::Observe(std::size_t drawn, std::vector<BoxSighting>& sightings) const {
-  const ObjectType* type = FindObjectType(boxes_[drawn].type);
+BoxLocator::SeenByVideo BoxLocator::Observe(std::size_t box_index, std::vector<BoxSighting>& sightings) const {
+  const ObjectType* type = FindObjectType(boxes_[box_index].type);
   SeenByVideo seen(videos_.sizes.size());
   for (BoxSighting& sighting : sightings) {
-    if (sighting.drawn != drawn) continue;
+    if (sighting.box_index != box_index) continue;
     const auto camera = CameraAt(sighting);
     if (!camera) continue;
-    const auto recognition = static_cast<std::int64_t>(sighting.video * boxes_.size() + drawn + 1);
+    const auto recognition = static_cast<std::int64_t>(sighting.video * boxes_.size() + box_index + 1);
     sighting.observation =
         MakeBoxBearingObservation(sighting.extent, videos_.sizes[sighting.video], *camera, type, recognition);
     if (sighting.observation) seen[sighting.video].push_back(&sighting);
@@ -56,19 +57,20 @@ BoxLocator::SeenByVideo BoxLocator::Observe(std::size_t drawn, std::vector<BoxSi
 
 // Classifies the motion by the largest distance of the box from the ground point on which it was drawn, over the box's
 // longer side. Tall objects and box jitter cause small distances also for static objects.
-BoxMotion BoxLocator::ClassifyMotion(std::size_t drawn, const std::vector<BoxSighting*>& seen) const {
-  const ObjectType* type = FindObjectType(boxes_[drawn].type);
+BoxMotion BoxLocator::ClassifyMotion(std::size_t box_index, const std::vector<BoxSighting*>& seen) const {
+  const ObjectType* type = FindObjectType(boxes_[box_index].type);
   if (type != nullptr && type->is_static) return BoxMotion::kStatic;
   constexpr double kMoving = 1;
   constexpr double kStaticDistance = 0.5;
   constexpr double kMaxOutlierFraction = 0.05;  // fraction of outlier boxes ignored, at least three
   std::vector<double> away;
   for (const BoxSighting* sighting : seen) {
-    const auto spot = ground_points_[drawn].find(sighting->frame);
-    if (spot == ground_points_[drawn].end() || TouchesImageBorder(sighting->box, videos_.sizes[0])) continue;
+    const auto ground_point = ground_points_[box_index].find(sighting->frame);
+    if (ground_point == ground_points_[box_index].end() || TouchesImageBorder(sighting->box, videos_.sizes[0]))
+      continue;
     const Box& box = sighting->extent;
     const Eigen::Vector2d centre(box.x + box.width / 2, box.y + box.height / 2);
-    away.push_back((centre - spot->second.place).norm() / std::max(box.width, box.height));
+    away.push_back((centre - ground_point->second.place).norm() / std::max(box.width, box.height));
   }
   const std::size_t outliers =
       std::max<std::size_t>(3, static_cast<std::size_t>(kMaxOutlierFraction * std::ssize(away)));
@@ -84,28 +86,28 @@ std::optional<CameraState> BoxLocator::CameraAt(const BoxSighting& sighting) con
 }
 
 // The given ground; std::nullopt if there is none, or if the object may fly.
-std::optional<ObjectGround> BoxLocator::GivenGround(std::size_t drawn) const {
-  if (!given_ground_ || CanFly(FindObjectType(boxes_[drawn].type))) return std::nullopt;
+std::optional<ObjectGround> BoxLocator::GivenGround(std::size_t box_index) const {
+  if (!given_ground_ || CanFly(FindObjectType(boxes_[box_index].type))) return std::nullopt;
   return ObjectGround{given_ground_, options_.locate.ground_sigma_m};
 }
 
 // Ground at the ground point on which the box was drawn.
-std::optional<ObjectGround> BoxLocator::EstimateGround(std::size_t drawn) const {
+std::optional<ObjectGround> BoxLocator::EstimateGround(std::size_t box_index) const {
   if (!videos_.cameras[0].HasStates()) return std::nullopt;
-  std::vector<GroundPointObservation> spots;
-  for (const auto& [frame, spot] : ground_points_[drawn]) spots.push_back(spot);
+  std::vector<GroundPointObservation> ground_points;
+  for (const auto& [frame, ground_point] : ground_points_[box_index]) ground_points.push_back(ground_point);
   const std::optional<Geolocation> place =
-      LocateGroundPoint(spots, *videos_.cameras[0].trajectory(), videos_.sizes[0], options_);
+      LocateGroundPoint(ground_points, *videos_.cameras[0].trajectory(), videos_.sizes[0], options_);
   return place ? std::optional(ObjectGround::AtPlace(*place)) : std::nullopt;
 }
 
 void BoxLocator::WarnOfGround(std::span<const BoxSighting> sightings, const WarningSink& warn) const {
   if (!given_ground_) return;
   constexpr double kFarSigmas = 3;
-  for (std::size_t drawn = 0; drawn < boxes_.size(); ++drawn) {
-    if (CanFly(FindObjectType(boxes_[drawn].type))) continue;
+  for (std::size_t box_index = 0; box_index < boxes_.size(); ++box_index) {
+    if (CanFly(FindObjectType(boxes_[box_index].type))) continue;
     const auto seen = std::ranges::find_if(
-        sightings, [&](const BoxSighting& one) { return one.drawn == drawn && one.place.has_value(); });
+        sightings, [&](const BoxSighting& one) { return one.box_index == box_index && one.place.has_value(); });
     if (seen == sightings.end()) continue;
     const GeodeticPoint& point = seen->place->point;
     const std::optional<double> ground_m = given_ground_->HeightAt(point);
@@ -114,12 +116,12 @@ void BoxLocator::WarnOfGround(std::span<const BoxSighting> sightings, const Warn
     warn(
         fmt::format("{}: its lines of sight intersect at {:.1f} m, but the given ground is at {:.1f} m there: the "
                     "ground is ignored",
-                    BoxName(drawn), point.altitude_m, *ground_m));
+                    BoxName(box_index), point.altitude_m, *ground_m));
   }
 }
 
-std::string BoxLocator::DescribePlaceFailure(std::size_t drawn, std::span<const BoxSighting> sightings) const {
-  const auto of_it = [&](const BoxSighting& one) { return one.drawn == drawn; };
+std::string BoxLocator::DescribePlaceFailure(std::size_t box_index, std::span<const BoxSighting> sightings) const {
+  const auto of_it = [&](const BoxSighting& one) { return one.box_index == box_index; };
   const auto any = [&](const auto& what) {
     return std::ranges::any_of(sightings, [&](const BoxSighting& one) { return of_it(one) && what(one); });
   };
@@ -156,10 +158,10 @@ std::vector<std::optional<StaticBox>> BoxLocator::FindStaticBoxes(std::span<cons
   std::vector<std::optional<StaticBox>> standing(boxes_.size());
   for (const UserBoxTarget& target : targets) {
     const auto seen = std::ranges::find_if(sightings, [&](const BoxSighting& one) {
-      return one.video == 0 && one.drawn == target.drawn && one.frame == target.frame;
+      return one.video == 0 && one.box_index == target.box_index && one.frame == target.frame;
     });
     if (seen == sightings.end() || !seen->place || seen->place->IsMoving()) continue;
-    standing[target.drawn] = {*seen->place, target.box, *CameraAt(*seen)};
+    standing[target.box_index] = {*seen->place, target.box, *CameraAt(*seen)};
   }
   return standing;
 }

@@ -51,7 +51,7 @@ class BoxLocator {
 
   /// Reason why an object has no place; empty if it has one.
   /// @param sightings  located
-  [[nodiscard]] std::string DescribePlaceFailure(std::size_t drawn, std::span<const BoxSighting> sightings) const;
+  [[nodiscard]] std::string DescribePlaceFailure(std::size_t box_index, std::span<const BoxSighting> sightings) const;
 
   /// Warns if a place is far from the given ground: the lines of sight override the ground.
   void WarnOfGround(std::span<const BoxSighting> sightings, const WarningSink& warn) const;
@@ -59,10 +59,10 @@ class BoxLocator {
  private:
   using SeenByVideo = std::vector<std::vector<BoxSighting*>>;
 
-  SeenByVideo Observe(std::size_t drawn, std::vector<BoxSighting>& sightings) const;
-  [[nodiscard]] BoxMotion ClassifyMotion(std::size_t drawn, const std::vector<BoxSighting*>& seen) const;
-  [[nodiscard]] std::optional<ObjectGround> GivenGround(std::size_t drawn) const;
-  [[nodiscard]] std::optional<ObjectGround> EstimateGround(std::size_t drawn) const;
+  SeenByVideo Observe(std::size_t box_index, std::vector<BoxSighting>& sightings) const;
+  [[nodiscard]] BoxMotion ClassifyMotion(std::size_t box_index, const std::vector<BoxSighting*>& seen) const;
+  [[nodiscard]] std::optional<ObjectGround> GivenGround(std::size_t box_index) const;
+  [[nodiscard]] std::optional<ObjectGround> EstimateGround(std::size_t box_index) const;
   void SetPlaces(const std::vector<BoxSighting*>& seen, BoxMotion motion,
                  const std::optional<ObjectGround>& ground) const;
   [[nodiscard]] std::optional<CameraState> CameraAt(const BoxSighting& sighting) const;

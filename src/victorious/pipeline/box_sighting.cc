@@ -8,15 +8,15 @@
 
 namespace victorious {
 
-std::string BoxName(std::size_t drawn) { return fmt::format("box-{}", drawn + 1); }
+std::string BoxName(std::size_t box_index) { return fmt::format("box-{}", box_index + 1); }
 
 std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
                         std::span<const UserBox> boxes) {
   std::string text;
   for (const BoxSighting& sighting : sightings) {
-    const std::string& type = boxes[sighting.drawn].type;
-    Json line{{"object_id", sighting.drawn + 1},
-              {"model", BoxName(sighting.drawn)},
+    const std::string& type = boxes[sighting.box_index].type;
+    Json line{{"object_id", sighting.box_index + 1},
+              {"model", BoxName(sighting.box_index)},
               {"category", nullptr},
               {"type", type.empty() ? Json() : Json(type)},
               {"video", videos[sighting.video]},

@@ -22,8 +22,8 @@ struct UserBox {
 
 /// One object in one frame.
 struct BoxSighting {
-  std::size_t drawn = 0;  ///< index into the user boxes
-  std::size_t video = 0;  ///< index of the video: 0 holds the user boxes; from 1: the other videos
+  std::size_t box_index = 0;  ///< index into the user boxes
+  std::size_t video = 0;      ///< index of the video: 0 holds the user boxes; from 1: the other videos
   std::int64_t frame = 0;
   double time_s = 0;
   Box box;                                        ///< px, clipped to the frame
@@ -35,7 +35,7 @@ struct BoxSighting {
 };
 
 /// Name of a user box's object: "box-1" for index 0, "box-2" for index 1, …
-[[nodiscard]] std::string BoxName(std::size_t drawn);
+[[nodiscard]] std::string BoxName(std::size_t box_index);
 
 /// JSON Lines (docs/formats/export.md), with BoxName as `model`.
 std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,

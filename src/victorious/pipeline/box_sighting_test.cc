@@ -11,7 +11,7 @@ namespace {
 TEST(BoxSighting, UnknownIsNull) {
   const std::vector<BoxSighting> sightings = {
       {.frame = 3, .time_s = 0.3, .box = {1, 2, 3, 4}, .score = 0.5},
-      {.drawn = 1, .frame = 4, .time_s = 0.4, .box = {1, 2, 3, 4}, .score = 0.9, .matches = 12}};
+      {.box_index = 1, .frame = 4, .time_s = 0.4, .box = {1, 2, 3, 4}, .score = 0.9, .matches = 12}};
   const std::vector<UserBox> boxes = {{{1, 2, 3, 4}, 0.0, "vehicle/car"}, {{1, 2, 3, 4}, 0.0}};
   const std::vector<std::string> videos = {"flight.mkv"};
   const std::string text = ToJsonLines(sightings, videos, boxes);

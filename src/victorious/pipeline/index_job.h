@@ -20,7 +20,7 @@ struct IndexJob {
   int threads = 0;                       ///< 0: one per hardware thread
   /// Relit templates (MakeRelitViews), one entry per model. The caller keeps them, to share them between jobs with the
   /// same models. If empty, they are made for this video and released after it.
-  std::vector<std::shared_ptr<const RelitTemplateSource>> lit = {};
+  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates = {};
 };
 
 /// What one call of Indexer::Index did.

@@ -30,7 +30,7 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("features", features);
   recognize.ListFields(fields);
   fields.AddGroup("categories", categories);
-  fields.AddGroup("daylight", daylight);
+  fields.AddGroup("daylight", sun_direction);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("follow", follow);
   fields.AddGroup("tracklets", tracklets);

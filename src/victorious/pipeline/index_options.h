@@ -5,7 +5,7 @@
 #include "victorious/associate/object_options.h"
 #include "victorious/associate/tracklet_linker.h"
 #include "victorious/base/options.h"
-#include "victorious/calibrate/sun_survey.h"
+#include "victorious/calibrate/sun_direction.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/follower.h"
@@ -35,7 +35,7 @@ struct IndexOptions {
   FeatureOptions features = LowContrastFeatureOptions();
   RecognizeOptions recognize;
   CategoryFindOptions categories;
-  DaylightOptions daylight;
+  SunDirectionOptions sun_direction;
   TelemetryOptions telemetry;
   ObservationOptions observation;
   FollowOptions follow;

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "victorious/associate/tracklet_linker.h"
-#include "victorious/calibrate/sun_survey.h"
+#include "victorious/calibrate/sun_direction.h"
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/follower.h"

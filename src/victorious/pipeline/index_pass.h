@@ -33,7 +33,7 @@ struct IndexPass {
   const FeatureExtractor& extractor;
   const IndexOptions& options;
   CameraStates& cameras;
-  std::optional<Sun> sun;  ///< sun direction, if known (sun_survey.h)
+  std::optional<Sun> sun;  ///< sun direction, if known (sun_direction.h)
   int threads = 0;         ///< 0: one per hardware thread
 };
 

@@ -167,7 +167,7 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
 
 Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                       const WarningSink& warn) const {
-  VICTORIOUS_CHECK(job.lit.empty() || job.lit.size() == models_.size());
+  VICTORIOUS_CHECK(job.relit_templates.empty() || job.relit_templates.size() == models_.size());
   if (cancel.IsCancelled()) {
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to resume", job.video));
   }
@@ -247,17 +247,17 @@ Expected<std::vector<Indexer::PlannedPass>> Indexer::PlanPasses(const IndexJob& 
 
 Expected<Recognizer> Indexer::MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const {
   std::vector<ObjectModel> models;
-  std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
+  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
   for (const std::size_t target : plan.targets) {
     if (target >= models_.size()) continue;  // a category
     const ObjectModel& model = models.emplace_back(models_[target]);
-    if (job.lit.empty()) {
-      VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeRelitViews(model));
+    if (job.relit_templates.empty()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(relit_templates.emplace_back(), MakeRelitViews(model));
     } else {
-      lit.push_back(job.lit[target]);
+      relit_templates.push_back(job.relit_templates[target]);
     }
   }
-  return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, lit);
+  return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, relit_templates);
 }
 
 Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video, const CancelToken& cancel,
@@ -274,8 +274,8 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
   report.sun.reset();
   if (trajectory != nullptr && !recognizer.models().empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(
-        report.sun,
-        EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.daylight}, *video.reader, cancel, warn));
+        report.sun, EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.sun_direction}, *video.reader,
+                                         cancel, warn));
     if (!video.reader->info().live) {
       VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
     }

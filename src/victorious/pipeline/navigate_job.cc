@@ -187,7 +187,7 @@ Expected<Pass> RunPass(const PassContext& context, const Source& source, const C
   if (held) {
     known.track = &*held;
     VICTORIOUS_ASSIGN_OR_RETURN(
-        known.sun, EstimateSunDirection({*held, context.recognizer, context.extractor, context.options.daylight},
+        known.sun, EstimateSunDirection({*held, context.recognizer, context.extractor, context.options.sun_direction},
                                         *reader, cancel, context.warn));
     if (!source.live) {
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(source.video, source.reading));
@@ -215,15 +215,16 @@ Expected<NavigationResult> RunPassAndNavigate(const PassContext& context, const 
   const Clock::time_point start = Clock::now();
   std::vector<CameraState> rows;
   if (cameras.trajectory() != nullptr) rows = cameras.trajectory()->states();
-  NavigationResult run;
-  VICTORIOUS_ASSIGN_OR_RETURN(run.navigation, Navigate({pass.frames(), rows, list.landmarks, context.landmarks_by_model,
-                                                        pass.sightings(), list.common_covariance_enu_m2},
-                                                       context.options.navigate));
-  run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::size_t>(1, pass.frames().size()));
-  run.frames = static_cast<std::int64_t>(pass.frames().size());
-  run.tracked_ms = pass.tracked_ms();
-  run.tracked_cpu_ms = pass.tracked_cpu_ms();
-  return run;
+  NavigationResult result;
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      result.navigation, Navigate({pass.frames(), rows, list.landmarks, context.landmarks_by_model, pass.sightings(),
+                                   list.common_covariance_enu_m2},
+                                  context.options.navigate));
+  result.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::size_t>(1, pass.frames().size()));
+  result.frames = static_cast<std::int64_t>(pass.frames().size());
+  result.tracked_ms = pass.tracked_ms();
+  result.tracked_cpu_ms = pass.tracked_cpu_ms();
+  return result;
 }
 
 // Estimated camera states of the frames whose attitude is accurate enough for upright templates. std::nullopt if there
@@ -275,46 +276,47 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
       if (list.landmarks[i].model == models[m].name) landmarks_by_model[m].push_back(i);
     }
   }
-  std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
+  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
   for (const ObjectModel& model : models) {
     VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const RelitTemplateSource> views, MakeRelitViews(model));
-    lit.push_back(std::move(views));
+    relit_templates.push_back(std::move(views));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
-                              Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Recognizer recognizer,
+      Recognizer::Create(std::move(models), options.features.engine, options.recognize, relit_templates));
   const PassContext context{options, recognizer, *extractor, warn, std::move(landmarks_by_model)};
   const Source source{job.video, reading, reader->info().live};
   std::optional<CameraTrajectory> held;
   if (cameras.trajectory() != nullptr) held = *cameras.trajectory();
-  VICTORIOUS_ASSIGN_OR_RETURN(NavigationResult run,
+  VICTORIOUS_ASSIGN_OR_RETURN(NavigationResult result,
                               RunPassAndNavigate(context, source, cameras, held, list, reader, cancel));
   if (options.second_pass && !source.live &&
-      (cameras.trajectory() == nullptr || !IsTelemetryAttitudeAccurate(run.navigation, cameras))) {
+      (cameras.trajectory() == nullptr || !IsTelemetryAttitudeAccurate(result.navigation, cameras))) {
     // The attitude is now known, or known better than from telemetry, so a second pass finds more.
-    held = AccurateStates(run.navigation, cameras, options);
+    held = AccurateStates(result.navigation, cameras, options);
     if (held) {
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
-      VICTORIOUS_ASSIGN_OR_RETURN(run, RunPassAndNavigate(context, source, cameras, held, list, reader, cancel));
+      VICTORIOUS_ASSIGN_OR_RETURN(result, RunPassAndNavigate(context, source, cameras, held, list, reader, cancel));
     }
   }
   for (const std::string& warning : reader->warnings()) warn(warning);
-  run.landmarks = std::move(list.landmarks);
-  run.sightings.resize(run.landmarks.size());
-  for (const auto& assigned : run.navigation.landmark_by_sighting) {
-    (assigned ? run.sightings[*assigned] : run.rejected_sightings) += 1;
+  result.landmarks = std::move(list.landmarks);
+  result.sightings.resize(result.landmarks.size());
+  for (const auto& assigned : result.navigation.landmark_by_sighting) {
+    (assigned ? result.sightings[*assigned] : result.rejected_sightings) += 1;
   }
-  for (const NavigatedFrame& frame : run.navigation.frames) {
-    run.states.push_back(frame.camera);
+  for (const NavigatedFrame& frame : result.navigation.frames) {
+    result.states.push_back(frame.camera);
     const CameraState camera = cameras.At(frame.camera.time_s).value();
-    run.states.back().hfov_rad = camera.hfov_rad;
-    run.states.back().distortion = camera.distortion;
-    run.states.back().utc_us = camera.utc_us;
+    result.states.back().hfov_rad = camera.hfov_rad;
+    result.states.back().distortion = camera.distortion;
+    result.states.back().utc_us = camera.utc_us;
   }
-  return run;
+  return result;
 }
 
-std::string ToCsv(const NavigationResult& run) {
-  const std::vector<NavigatedFrame>& frames = run.navigation.frames;
+std::string ToCsv(const NavigationResult& result) {
+  const std::vector<NavigatedFrame>& frames = result.navigation.frames;
   std::vector<CsvColumn> columns;
   const auto add = [&](const char* name, const auto& cell) {
     CsvColumn& column = columns.emplace_back(CsvColumn{name, {}});
@@ -331,7 +333,7 @@ std::string ToCsv(const NavigationResult& run) {
   const bool offset = std::ranges::any_of(frames, [](const NavigatedFrame& frame) { return frame.offset.has_value(); });
   // Columns that are written even if they are empty.
   constexpr std::array<std::string_view, 3> kAlways = {"sigma_position_m", "sigma_attitude_deg", "vertical_datum"};
-  if (!offset) return FormatCameraCsv(run.states, columns, kAlways);
+  if (!offset) return FormatCameraCsv(result.states, columns, kAlways);
   const auto add_offset = [&](const char* name, const auto& value) {
     add(name, [&](const NavigatedFrame& frame) {
       return frame.offset ? fmt::format("{:.4f}", value(*frame.offset)) : std::string();
@@ -346,7 +348,7 @@ std::string ToCsv(const NavigationResult& run) {
     add_offset(kAngles[i],
                [i](const TelemetryOffset& measured) { return DegreesFromRadians(measured.attitude_rad[i]); });
   }
-  return FormatCameraCsv(run.states, columns, kAlways);
+  return FormatCameraCsv(result.states, columns, kAlways);
 }
 
 }  // namespace victorious

@@ -13,7 +13,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/base/warning_sink.h"
-#include "victorious/calibrate/sun_survey.h"
+#include "victorious/calibrate/sun_direction.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/navigate/navigate.h"
 #include "victorious/observe/landmark_sighting.h"
@@ -32,7 +32,7 @@ struct NavigateVideoOptions {
   VideoOptions video;
   FeatureOptions features = LowContrastFeatureOptions();
   RecognizeOptions recognize;
-  DaylightOptions daylight;
+  SunDirectionOptions sun_direction;
   TelemetryOptions telemetry;
   ObservationOptions observation;
   FollowOptions follow;
@@ -73,6 +73,6 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
                                          const WarningSink& warn);
 
 /// The telemetry table with additional columns (docs/formats/navigate.md).
-std::string ToCsv(const NavigationResult& run);
+std::string ToCsv(const NavigationResult& result);
 
 }  // namespace victorious

@@ -39,16 +39,16 @@ class NavigateJobTest : public ::testing::Test {
 };
 
 TEST_F(NavigateJobTest, PhotoModelWithoutLengthIsNotALandmark) {
-  const auto run = Run(List(kCrate), flight_.Models(), WithView());
-  ASSERT_TRUE(run) << run.error().message;
-  EXPECT_EQ(run->frames, 6);
-  EXPECT_TRUE(run->states.empty());
-  EXPECT_EQ(run->navigation.landmark_by_sighting.size(), 0);
+  const auto result = Run(List(kCrate), flight_.Models(), WithView());
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->frames, 6);
+  EXPECT_TRUE(result->states.empty());
+  EXPECT_EQ(result->navigation.landmark_by_sighting.size(), 0);
 }
 
 TEST_F(NavigateJobTest, RefusesUnusableInput) {
-  const auto refused = [](const Expected<NavigationResult>& run) {
-    return run ? "not refused" : std::string(Name(run.error().code)) + ": " + run.error().message;
+  const auto refused = [](const Expected<NavigationResult>& result) {
+    return result ? "not refused" : std::string(Name(result.error().code)) + ": " + result.error().message;
   };
   EXPECT_NE(refused(Run(List(kCrate), flight_.Models(), {})).find("--hfov"), std::string::npos);
   EXPECT_NE(refused(Run(List(kCrate), {flight_.Model(1)}, WithView())).find("crate"), std::string::npos);
@@ -76,20 +76,20 @@ TEST(NavigationCsv, EmptyNavigationHasTheHeader) {
 }
 
 TEST(NavigationCsv, HasTelemetryColumnsAndSigmas) {
-  NavigationResult run;
+  NavigationResult result;
   for (int i = 0; i < 2; ++i) {
     NavigatedFrame frame;
     frame.camera = {.time_s = 0.1 * i, .place = {0.9, 0.2, 100}, .attitude = Attitude{1, -1, 0}};
     frame.camera.sigma_position_m = 0.5;
     frame.covariance = Matrix6::Identity() * 0.25;
     frame.landmarks = i;
-    run.states.push_back(frame.camera);
-    run.navigation.frames.push_back(frame);
+    result.states.push_back(frame.camera);
+    result.navigation.frames.push_back(frame);
   }
-  const std::string without = ToCsv(run);
+  const std::string without = ToCsv(result);
   EXPECT_EQ(without.find("offset"), std::string::npos);
-  run.navigation.frames[1].offset = TelemetryOffset{{1.5, 0, -2}, {0, 0, kPi / 180}, Matrix6::Identity()};
-  const std::string text = ToCsv(run);
+  result.navigation.frames[1].offset = TelemetryOffset{{1.5, 0, -2}, {0, 0, kPi / 180}, Matrix6::Identity()};
+  const std::string text = ToCsv(result);
   EXPECT_NE(text.find(",landmarks,covariance_east_east_m2,"), std::string::npos) << text;
   EXPECT_NE(text.find(",0,0.25,0,0,0.25,0,0.25,,,,,,\n"), std::string::npos) << text;
   EXPECT_NE(text.find(",1,0.25,0,0,0.25,0,0.25,1.5000,0.0000,-2.0000,0.0000,0.0000,1.0000\n"), std::string::npos)

@@ -81,13 +81,13 @@ Status ReadVideo(const TrackContext& context, VideoReader& reader, const std::st
 }
 
 void StoreGroundPoints(TrackPass& pass, GroundPointTracks& tracks) {
-  for (UserBoxGroundPoint& point : pass.TakeGroundPoints()) tracks[point.drawn][point.seen.frame] = point.seen;
+  for (UserBoxGroundPoint& point : pass.TakeGroundPoints()) tracks[point.box_index][point.seen.frame] = point.seen;
 }
 
 // Starts a user box in the last frame that the pass processed: adds its target, its model and its first sighting.
 Status StartBox(const TrackContext& context, std::size_t index, const Frame& frame, TrackPass& pass,
                 FirstVideoTracks& tracks, std::vector<BoxSighting>& sightings) {
-  UserBoxTarget target{.drawn = index, .box = context.boxes[index].box, .frame = frame.index};
+  UserBoxTarget target{.box_index = index, .box = context.boxes[index].box, .frame = frame.index};
   Expected<Box> box = pass.Start(target);
   if (!box) return std::unexpected(std::move(box).error().WithContext(BoxName(index)));
   target.box = *box;
@@ -99,7 +99,7 @@ Status StartBox(const TrackContext& context, std::size_t index, const Frame& fra
   } else {
     context.warn(fmt::format("{}: re-detected by its template only: {}", BoxName(index), recognizer.error().message));
   }
-  sightings.push_back({.drawn = index,
+  sightings.push_back({.box_index = index,
                        .frame = frame.index,
                        .time_s = frame.time_s,
                        .box = target.box,
@@ -226,8 +226,8 @@ Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span
   }
   if (videos.size() > 1) locator.Locate(sightings);
   locator.WarnOfGround(sightings, warn);
-  for (std::size_t drawn = 0; drawn < boxes.size(); ++drawn) {
-    tracked.place_failures.push_back(locator.DescribePlaceFailure(drawn, sightings));
+  for (std::size_t box_index = 0; box_index < boxes.size(); ++box_index) {
+    tracked.place_failures.push_back(locator.DescribePlaceFailure(box_index, sightings));
   }
   return tracked;
 }

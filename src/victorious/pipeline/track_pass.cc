@@ -10,17 +10,17 @@ namespace victorious {
 
 std::optional<CameraState> BoxPlacePrior::CameraAt(const Frame& frame) const { return cameras_.At(frame.time_s); }
 
-bool BoxPlacePrior::IsInconsistent(std::size_t drawn, const Box& box, const Frame& frame) const {
+bool BoxPlacePrior::IsInconsistent(std::size_t box_index, const Box& box, const Frame& frame) const {
   const auto camera = CameraAt(frame);
-  if (!static_boxes_[drawn] || !camera) return false;
+  if (!static_boxes_[box_index] || !camera) return false;
   const auto observation = MakeBoxBearingObservation(box, frame.image.size(), *camera, nullptr, 0);
-  return observation && !IsConsistentWithPlace(*observation, static_boxes_[drawn]->place, options_);
+  return observation && !IsConsistentWithPlace(*observation, static_boxes_[box_index]->place, options_);
 }
 
-std::optional<PredictedBox> BoxPlacePrior::Predict(std::size_t drawn, const Frame& frame) const {
+std::optional<PredictedBox> BoxPlacePrior::Predict(std::size_t box_index, const Frame& frame) const {
   const auto camera = CameraAt(frame);
-  if (!static_boxes_[drawn] || !camera) return std::nullopt;
-  const StaticBox& standing = *static_boxes_[drawn];
+  if (!static_boxes_[box_index] || !camera) return std::nullopt;
+  const StaticBox& standing = *static_boxes_[box_index];
   return PredictBox(standing.place.point, standing.box, standing.camera, *camera, frame.image.size());
 }
 
@@ -81,9 +81,9 @@ bool TrackPass::HandleStep(const BoxTrackStep& step, const Frame& frame, std::si
                            const BoxPlacePrior* place_prior, const Detection* recognised,
                            std::vector<BoxSighting>& sightings) {
   TrackedTarget& followed = targets_[step.target];
-  const std::size_t drawn = followed.target.drawn;
+  const std::size_t box_index = followed.target.box_index;
   const bool elsewhere =
-      step.seen() && place_prior != nullptr && place_prior->IsInconsistent(drawn, step.extent, frame);
+      step.seen() && place_prior != nullptr && place_prior->IsInconsistent(box_index, step.extent, frame);
   if (elsewhere) tracker_.MarkLost(step.target);
   followed.last_box.reset();
   if (elsewhere || !step.seen()) {
@@ -91,7 +91,7 @@ bool TrackPass::HandleStep(const BoxTrackStep& step, const Frame& frame, std::si
     return false;
   }
   followed.last_box = step.box;
-  BoxSighting sighting{.drawn = drawn,
+  BoxSighting sighting{.box_index = box_index,
                        .video = video,
                        .frame = frame.index,
                        .time_s = frame.time_s,
@@ -122,7 +122,7 @@ void TrackPass::TrackGroundPoints(const Frame& frame) {
   for (TrackedTarget& followed : targets_) {
     if (!followed.ground) continue;
     if (const auto place = followed.ground->Step(clean, followed.last_box)) {
-      ground_points_.push_back({followed.target.drawn, {frame.index, frame.time_s, *place}});
+      ground_points_.push_back({followed.target.box_index, {frame.index, frame.time_s, *place}});
     } else {
       followed.ground.reset();
     }
@@ -131,7 +131,7 @@ void TrackPass::TrackGroundPoints(const Frame& frame) {
 
 bool TrackPass::ResumeAtPlace(std::size_t target, const Frame& frame, std::size_t video,
                               const BoxPlacePrior& place_prior, std::vector<BoxSighting>& sightings) {
-  const auto expected = place_prior.Predict(targets_[target].target.drawn, frame);
+  const auto expected = place_prior.Predict(targets_[target].target.box_index, frame);
   if (!expected) return false;
   const Box inside = Intersection(expected->box, FrameBox(frame.image.cols, frame.image.rows));
   constexpr double kMinInView = 0.5;
@@ -144,15 +144,15 @@ bool TrackPass::ResumeAtPlace(std::size_t target, const Frame& frame, std::size_
 Status TrackPass::ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame,
                                       std::size_t video, const BoxPlacePrior* place_prior,
                                       std::vector<BoxSighting>& sightings) {
-  const UserBoxTarget& drawn = targets_[target].target;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, drawn.recognizer->Recognize(scene));
+  const UserBoxTarget& user_box = targets_[target].target;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, user_box.recognizer->Recognize(scene));
   if (detections.empty()) return {};
   const Detection& best = detections.front();
   // Keeps the shape of the user box at any rotation: a box around the rotated outline would be too large.
   const Box around = BoundingBox(best.outline);
   const double scale = best.fit.scene_from_template.scale;
-  const double width = drawn.box.width * scale;
-  const double height = drawn.box.height * scale;
+  const double width = user_box.box.width * scale;
+  const double height = user_box.box.height * scale;
   const Box box{around.x + (around.width - width) / 2, around.y + (around.height - height) / 2, width, height};
   const BoxTrackStep step =
       tracker_.Resume(target, box, best.fit.scene_from_template.rotation_rad, BoxTracker::ResumeBasis::kRecognised);

@@ -34,7 +34,7 @@ namespace victorious {
 
 /// A user box at the start of a pass.
 struct UserBoxTarget {
-  std::size_t drawn = 0;                                   ///< index into the user boxes
+  std::size_t box_index = 0;                               ///< index into the user boxes
   Box box;                                                 ///< px, clipped to the frame
   std::int64_t frame = 0;                                  ///< index of the frame in which the user drew it
   std::shared_ptr<const Recognizer> recognizer = nullptr;  ///< null: too few keypoints in the box
@@ -42,7 +42,7 @@ struct UserBoxTarget {
 
 /// One image observation of the ground point on which a user box was drawn.
 struct UserBoxGroundPoint {
-  std::size_t drawn = 0;
+  std::size_t box_index = 0;
   GroundPointObservation seen;
 };
 
@@ -65,10 +65,10 @@ class BoxPlacePrior {
 
   /// True if the line of sight through `box` misses the object's known place by more than BoxPlaceOptions::gate_sigma:
   /// the box holds another object. False without a place or a camera state.
-  [[nodiscard]] bool IsInconsistent(std::size_t drawn, const Box& box, const Frame& frame) const;
+  [[nodiscard]] bool IsInconsistent(std::size_t box_index, const Box& box, const Frame& frame) const;
 
   /// The predicted box, which may lie outside the frame. std::nullopt without a place or a camera state.
-  [[nodiscard]] std::optional<PredictedBox> Predict(std::size_t drawn, const Frame& frame) const;
+  [[nodiscard]] std::optional<PredictedBox> Predict(std::size_t box_index, const Frame& frame) const;
 
  private:
   [[nodiscard]] std::optional<CameraState> CameraAt(const Frame& frame) const;

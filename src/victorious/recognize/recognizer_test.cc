@@ -217,9 +217,9 @@ class Painted : public RelitTemplateSource {
  public:
   Painted() {
     for (std::size_t i = 0; i < kAround * kAround; ++i) {
-      auto lit = std::make_shared<RelitTemplate>();
-      lit->features = FeaturesOf(PaintOf(i / kAround, i % kAround));
-      lit_.push_back(std::move(lit));
+      auto relit = std::make_shared<RelitTemplate>();
+      relit->features = FeaturesOf(PaintOf(i / kAround, i % kAround));
+      relit_templates_.push_back(std::move(relit));
     }
   }
   static cv::Mat PaintOf(std::size_t sun_view, std::size_t view) {
@@ -229,7 +229,7 @@ class Painted : public RelitTemplateSource {
   [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
       const RelitTemplateKey& wanted) const override {
     (wanted.half_resolution ? coarse_ : sharp_).insert(wanted.view);
-    return lit_[kAround * wanted.sun_view + wanted.view];
+    return relit_templates_[kAround * wanted.sun_view + wanted.view];
   }
   void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
   [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
@@ -242,7 +242,7 @@ class Painted : public RelitTemplateSource {
   [[nodiscard]] const std::set<std::size_t>& sharp() const { return sharp_; }
 
  private:
-  std::vector<std::shared_ptr<const RelitTemplate>> lit_;
+  std::vector<std::shared_ptr<const RelitTemplate>> relit_templates_;
   mutable std::set<std::size_t> coarse_;
   mutable std::set<std::size_t> sharp_;
 };

@@ -101,7 +101,7 @@ cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light
   const Rigid3 world_from_camera = depth_map.camera.camera_from_world.Inverse();
   const Vector3d to_sun_before = before.to_sun_in_world.normalized();
   const Vector3d to_sun_after = after.to_sun_in_world.normalized();
-  cv::Mat lit = grey.clone();
+  cv::Mat relit = grey.clone();
   for (int row = 0; row < grey.rows; ++row) {
     for (int column = 0; column < grey.cols; ++column) {
       if (std::isnan(depth_map.depth_m.at<float>(row, column))) continue;
@@ -116,10 +116,10 @@ cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light
       }
       const double linear = LinearFromGreyTable()[grey.at<std::uint8_t>(row, column)] * irradiance(after, sun_after) /
                             std::max(kMinIrradiance, irradiance(before, sun_before));
-      lit.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(255 * SrgbFromLinear(linear));
+      relit.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(255 * SrgbFromLinear(linear));
     }
   }
-  return lit;
+  return relit;
 }
 
 }  // namespace victorious

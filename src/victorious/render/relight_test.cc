@@ -64,10 +64,10 @@ TEST(Relight, MatchesTheRendererUnderTheSameSun) {
     const ViewDirection from = {RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(40)};
     const RenderedView soft = scene.Render(from, Light());
     const cv::Mat wanted = GreyOf(scene.Render(from, Sunny()));
-    const cv::Mat lit = Relight(GreyOf(soft), scene.Surface(from), Light(), Sunny(), scene.Surface(kSun));
+    const cv::Mat relit = Relight(GreyOf(soft), scene.Surface(from), Light(), Sunny(), scene.Surface(kSun));
     const cv::Mat mask = soft.mask == 255;
     cv::Mat off;
-    cv::absdiff(lit, wanted, off);
+    cv::absdiff(relit, wanted, off);
     cv::Mat before;
     cv::absdiff(GreyOf(soft), wanted, before);
     ASSERT_GT(cv::countNonZero(mask), 10000);
@@ -80,9 +80,9 @@ TEST(Relight, KeepsTheBackground) {
   Towered scene;
   const ViewDirection from = {0, RadiansFromDegrees(30)};
   const RenderedView soft = scene.Render(from, Light());
-  const cv::Mat lit = Relight(GreyOf(soft), scene.Surface(from), Light(), Sunny(), scene.Surface(kSun));
+  const cv::Mat relit = Relight(GreyOf(soft), scene.Surface(from), Light(), Sunny(), scene.Surface(kSun));
   cv::Mat off;
-  cv::absdiff(lit, GreyOf(soft), off);
+  cv::absdiff(relit, GreyOf(soft), off);
   EXPECT_EQ(cv::countNonZero(off & (soft.mask == 0)), 0);
 }
 

@@ -33,7 +33,7 @@ std::vector<Neighbour> Nearest(std::span<const std::uint8_t> rows, const kernels
       const std::size_t first = static_cast<std::size_t>(block) * kBlock;
       const std::size_t size = std::min(kBlock, count - first);
       const auto queries = kernels::PackQueries(rows.subspan(first * kDescriptorSize, size * kDescriptorSize));
-      kernels::FindNearestFew(queries, set, k, std::span(out).subspan(first * k, size * k));
+      kernels::FindNearestK(queries, set, k, std::span(out).subspan(first * k, size * k));
     }
   });
   return out;

@@ -1,4 +1,4 @@
-#include "victorious/evaluate/turned_view.h"
+#include "victorious/evaluate/warped_view.h"
 
 #include <cmath>
 

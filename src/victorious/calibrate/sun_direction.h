@@ -25,7 +25,7 @@ enum class SunSearch {
   kOff,   ///< never: templates for diffuse light only
 };
 
-struct DaylightOptions {
+struct SunDirectionOptions {
   SunSearch sun = SunSearch::kAuto;
 
   void ListFields(FieldList& fields);
@@ -37,11 +37,11 @@ struct DaylightOptions {
                                                   const std::optional<Sun>& sun);
 
 /// Input of EstimateSunDirection. The references outlive it.
-struct DaylightInput {
+struct SunDirectionInput {
   const CameraTrajectory& cameras;
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
-  const DaylightOptions& options;
+  const SunDirectionOptions& options;
 };
 
 /// The sun's direction (azimuth from north). Taken from the ephemeris if telemetry has a clock. Otherwise frames are
@@ -51,7 +51,7 @@ struct DaylightInput {
 /// @param reader  at its first frame; reads as far as needed
 /// @param warn    receives read errors, which end the sampling, and errors of feature extraction, which skip a frame
 /// Errors: kCancelled.
-Expected<std::optional<Sun>> EstimateSunDirection(const DaylightInput& survey, VideoReader& reader,
+Expected<std::optional<Sun>> EstimateSunDirection(const SunDirectionInput& input, VideoReader& reader,
                                                   const CancelToken& cancel, const WarningSink& warn);
 
 }  // namespace victorious

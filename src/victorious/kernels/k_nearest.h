@@ -1,4 +1,4 @@
-// Shared by the vector implementations of FindNearestFew: the running k nearest descriptors of one query.
+// Shared by the vector implementations of FindNearestK: the running k nearest descriptors of one query.
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,18 @@ inline constexpr std::int32_t kPaddingDistance = 1 << 29;
 
 /// Partial distances (without |q|^2) in ascending order; kPaddingDistance in empty slots. Descriptors must be inserted
 /// in the order of their indices, so that the lower index stays first among equal distances.
-class FewNearest {
+class KNearest {
  public:
-  explicit FewNearest(std::size_t few) : few_(few) {
+  explicit KNearest(std::size_t k) : k_(k) {
     for (std::int32_t& distance : distance_) distance = kPaddingDistance;
   }
 
   /// The k-th smallest partial distance so far: a descriptor must be nearer to be inserted.
-  [[nodiscard]] std::int32_t Worst() const { return distance_[few_ - 1]; }
+  [[nodiscard]] std::int32_t Worst() const { return distance_[k_ - 1]; }
 
   void Insert(std::int32_t distance, std::uint32_t index) {
     if (distance >= Worst()) return;
-    std::size_t place = few_ - 1;
+    std::size_t place = k_ - 1;
     for (; place > 0 && distance < distance_[place - 1]; --place) {
       distance_[place] = distance_[place - 1];
       index_[place] = index_[place - 1];
@@ -35,7 +35,7 @@ class FewNearest {
   }
 
   void Write(std::int32_t query_squared, Neighbour* out) const {
-    for (std::size_t i = 0; i < few_; ++i) {
+    for (std::size_t i = 0; i < k_; ++i) {
       out[i] = {};
       if (distance_[i] < kPaddingDistance)
         out[i] = {index_[i], static_cast<std::uint32_t>(distance_[i] + query_squared)};
@@ -43,7 +43,7 @@ class FewNearest {
   }
 
  private:
-  std::size_t few_;
+  std::size_t k_;
   std::int32_t distance_[kMaxNeighbours];
   std::uint32_t index_[kMaxNeighbours] = {};
 };

@@ -1,4 +1,4 @@
-#include "victorious/calibrate/sun_survey.h"
+#include "victorious/calibrate/sun_direction.h"
 
 #include <algorithm>
 #include <array>
@@ -91,13 +91,13 @@ struct SampledFrame {
   Expected<std::optional<SunDirectionEstimate>> estimate;
 };
 
-Expected<std::optional<SunDirectionEstimate>> EstimateSunFromFrame(const DaylightInput& survey, const Frame& frame) {
-  const std::optional<CameraState> camera = survey.cameras.At(frame.time_s);
+Expected<std::optional<SunDirectionEstimate>> EstimateSunFromFrame(const SunDirectionInput& input, const Frame& frame) {
+  const std::optional<CameraState> camera = input.cameras.At(frame.time_s);
   if (!camera || !camera->attitude || !camera->hfov_rad) return std::nullopt;
-  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, survey.extractor.Extract(frame.image));
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, input.extractor.Extract(frame.image));
   const FrameConditions conditions = MakeFrameConditions(camera, frame.image.size(), {});
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<SunEstimate> found,
-                              survey.recognizer.EstimateSun(features, *conditions.vertical));
+                              input.recognizer.EstimateSun(features, *conditions.vertical));
   if (!found) return std::nullopt;
   found->relative_sun.azimuth_rad += camera->attitude->yaw_rad;
   return SunDirectionEstimate{DirectionFromSun(found->relative_sun), found->neg_log10_nfa};
@@ -172,16 +172,16 @@ FrameConditions MakeFrameConditions(const std::optional<CameraState>& camera, co
   return conditions;
 }
 
-void DaylightOptions::ListFields(FieldList& fields) {
+void SunDirectionOptions::ListFields(FieldList& fields) {
   fields.Add("sun", sun, kSunSearchTexts,
              {.reason = "auto: also searches for CAD models with templates relit for the sun's direction, if telemetry "
                         "has the camera's attitude; off: templates for diffuse light only"});
 }
 
-Expected<std::optional<Sun>> EstimateSunDirection(const DaylightInput& survey, VideoReader& reader,
+Expected<std::optional<Sun>> EstimateSunDirection(const SunDirectionInput& input, VideoReader& reader,
                                                   const CancelToken& cancel, const WarningSink& warn) {
-  if (survey.options.sun == SunSearch::kOff || !survey.recognizer.HasRelitTemplates()) return std::nullopt;
-  if (const CameraState* timed = FindTimedState(survey.cameras)) return SunFromEphemeris(*timed);
+  if (input.options.sun == SunSearch::kOff || !input.recognizer.HasRelitTemplates()) return std::nullopt;
+  if (const CameraState* timed = FindTimedState(input.cameras)) return SunFromEphemeris(*timed);
   if (reader.info().live) return std::nullopt;  // a live source cannot be read again for the search
 
   SampleSelector selector(reader.info().frame_count);
@@ -193,7 +193,7 @@ Expected<std::optional<Sun>> EstimateSunDirection(const DaylightInput& survey, V
     return SampledFrame{.frame = std::move(frame), .estimate = std::nullopt};
   };
   const auto estimate = [&](SampledFrame& sample) -> Status {
-    sample.estimate = EstimateSunFromFrame(survey, sample.frame);
+    sample.estimate = EstimateSunFromFrame(input, sample.frame);
     return {};
   };
   const auto collect = [&](const SampledFrame& sample) -> Status {
