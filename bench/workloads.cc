@@ -28,30 +28,30 @@ T Unwrap(Expected<T> value) {
 }
 
 // A view of the flat object from afar: foreshortened along the projected line of sight, which points up in the image.
-cv::Mat RenderView(const cv::Mat& thing, double azimuth_rad, double off_nadir_rad) {
+cv::Mat RenderView(const cv::Mat& object, double azimuth_rad, double off_nadir_rad) {
   const double c = std::cos(azimuth_rad);
   const double s = std::sin(azimuth_rad);
   const double squeeze = std::cos(off_nadir_rad);
   const cv::Matx22d linear(c, -s, squeeze * s, squeeze * c);
-  const int side = static_cast<int>(std::ceil(std::hypot(thing.cols, thing.rows)));
-  const cv::Vec2d middle(thing.cols / 2.0 - 0.5, thing.rows / 2.0 - 0.5);
+  const int side = static_cast<int>(std::ceil(std::hypot(object.cols, object.rows)));
+  const cv::Vec2d middle(object.cols / 2.0 - 0.5, object.rows / 2.0 - 0.5);
   const cv::Vec2d shift = cv::Vec2d(side / 2.0 - 0.5, side * squeeze / 2.0 - 0.5) - linear * middle;
   const cv::Matx23d map(linear(0, 0), linear(0, 1), shift[0], linear(1, 0), linear(1, 1), shift[1]);
   cv::Mat smooth;
-  cv::GaussianBlur(thing, smooth, cv::Size(), 0.6);
+  cv::GaussianBlur(object, smooth, cv::Size(), 0.6);
   cv::Mat view;
   cv::warpAffine(smooth, view, map, cv::Size(side, static_cast<int>(std::ceil(side * squeeze))));
   return view;
 }
 
-std::vector<Photo> RenderAllRoundPhotos(const cv::Mat& thing, int every) {
+std::vector<Photo> RenderAllRoundPhotos(const cv::Mat& object, int every) {
   constexpr int kStepDeg = 10;
   std::vector<Photo> photos;
   int number = 0;
   for (int off_nadir = 0; off_nadir <= 70; off_nadir += kStepDeg) {
     for (int azimuth = 0; azimuth < (off_nadir == 0 ? 1 : 360); azimuth += kStepDeg) {
       if (number++ % every != 0) continue;
-      photos.push_back(MakePhoto(RenderView(thing, RadiansFromDegrees(azimuth), RadiansFromDegrees(off_nadir))));
+      photos.push_back(MakePhoto(RenderView(object, RadiansFromDegrees(azimuth), RadiansFromDegrees(off_nadir))));
     }
   }
   return photos;
@@ -95,9 +95,9 @@ FeatureSet ExtractFeatures(const cv::Mat& grey, int most) {
   return Unwrap(Unwrap(MakeFeatureExtractor(options))->Extract(grey));
 }
 
-ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int thing) {
-  const Photo photo = MakePhoto(flight.ObjectPhoto(thing));
-  return Unwrap(MakePhotoModel(flight.ObjectName(thing), std::span(&photo, 1), std::nullopt, {}));
+ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int object) {
+  const Photo photo = MakePhoto(flight.ObjectPhoto(object));
+  return Unwrap(MakePhotoModel(flight.ObjectName(object), std::span(&photo, 1), std::nullopt, {}));
 }
 
 std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flight, int every) {
@@ -105,9 +105,9 @@ std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flig
   options.features.max_features = 100;
   options.min_features = 1;
   std::vector<ObjectModel> models;
-  for (int thing = 0; thing < flight.options().objects; ++thing) {
-    const std::vector<Photo> photos = RenderAllRoundPhotos(flight.ObjectPhoto(thing), every);
-    models.push_back(Unwrap(MakePhotoModel(flight.ObjectName(thing), photos, std::nullopt, options)));
+  for (int object = 0; object < flight.options().objects; ++object) {
+    const std::vector<Photo> photos = RenderAllRoundPhotos(flight.ObjectPhoto(object), every);
+    models.push_back(Unwrap(MakePhotoModel(flight.ObjectName(object), photos, std::nullopt, options)));
   }
   return models;
 }

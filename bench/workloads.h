@@ -31,7 +31,7 @@ FeatureSet ExtractFeatures(const cv::Mat& grey, int most = 0);
 Photo MakePhoto(const cv::Mat& bgra);
 
 /// A model with one view, the object's photo.
-ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int thing);
+ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int object);
 
 /// Models of the flight's objects with views from all azimuths, up to 70 degrees off nadir: 1 + 7 x 36 = 253 views with
 /// the 100 strongest features each (or all, if a view has fewer).

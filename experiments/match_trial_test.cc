@@ -21,7 +21,7 @@ AnnotatedImage SceneWith(const std::vector<Rigid3>& fits) {
   AnnotatedImage scene;
   scene.pinhole = {100, 100, 50, 50, 100, 100};
   for (const Rigid3& fit : fits)
-    scene.objects.push_back({.model = "thing", .camera_from_model = fit, .view = {}, .box = {}, .visible = 1});
+    scene.objects.push_back({.model = "object", .camera_from_model = fit, .view = {}, .box = {}, .visible = 1});
   return scene;
 }
 
@@ -33,7 +33,7 @@ Keypoint KeypointAt(float x, float y, float scale_px = 1) {
 
 TEST(MatchTruth, IsTheProjectionByTheTruePose) {
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}};
-  const MatchTruth truth(SceneWith({At(0, 0)}), "thing", points, 8);
+  const MatchTruth truth(SceneWith({At(0, 0)}), "object", points, 8);
   EXPECT_EQ(truth.Label(KeypointAt(50, 50), 0), MatchLabel::kTrue);
   EXPECT_EQ(truth.Label(KeypointAt(70, 52.9F), 1), MatchLabel::kTrue);
   EXPECT_EQ(truth.Label(KeypointAt(70, 53.1F), 1), MatchLabel::kNear);
@@ -50,8 +50,8 @@ TEST(MatchTruth, IsTheProjectionByTheTruePose) {
 TEST(MatchTruth, AcceptsAnyObjectOfTheModelOnly) {
   AnnotatedImage scene = SceneWith({At(-3, 0), At(3, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
-  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Label(KeypointAt(20, 50), 0), MatchLabel::kTrue);
-  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Label(KeypointAt(80, 50), 0), MatchLabel::kTrue);
+  EXPECT_EQ(MatchTruth(scene, "object", points, 8).Label(KeypointAt(20, 50), 0), MatchLabel::kTrue);
+  EXPECT_EQ(MatchTruth(scene, "object", points, 8).Label(KeypointAt(80, 50), 0), MatchLabel::kTrue);
   EXPECT_EQ(MatchTruth(scene, "other", points, 8).Label(KeypointAt(80, 50), 0), MatchLabel::kFalse);
 }
 
@@ -60,7 +60,7 @@ TEST(MatchTruth, OccludedOrOutsidePointsHaveNoMatch) {
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(10));
   scene.depth_m(cv::Rect(0, 0, 60, 100)).setTo(4);  // a wall in front of the first point
-  const MatchTruth truth(scene, "thing", points, 8);
+  const MatchTruth truth(scene, "object", points, 8);
   EXPECT_EQ(truth.Label(KeypointAt(50, 50), 0), MatchLabel::kFalse);
   EXPECT_EQ(truth.Label(KeypointAt(70, 50), 1), MatchLabel::kTrue);
   EXPECT_EQ(truth.Label(KeypointAt(130, 50), 2), MatchLabel::kFalse);
@@ -70,9 +70,9 @@ TEST(MatchTruth, OcclusionToleranceScalesWithObjectSize) {
   AnnotatedImage scene = SceneWith({At(0, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(9.8));
-  EXPECT_EQ(MatchTruth(scene, "thing", points, 4).Label(KeypointAt(50, 50), 0), MatchLabel::kFalse)
+  EXPECT_EQ(MatchTruth(scene, "object", points, 4).Label(KeypointAt(50, 50), 0), MatchLabel::kFalse)
       << "a shelf before a toy";
-  EXPECT_EQ(MatchTruth(scene, "thing", points, 30).Label(KeypointAt(50, 50), 0), MatchLabel::kTrue)
+  EXPECT_EQ(MatchTruth(scene, "object", points, 30).Label(KeypointAt(50, 50), 0), MatchLabel::kTrue)
       << "an aircraft's own skin";
 }
 
@@ -125,11 +125,11 @@ TEST(LoadOrBuildModel, RebuildsOnlyForOtherContentOrOptions) {
       .data = {}, .scenes = {}, .out = folder / "out", .progress = [&](std::string_view) { ++made; }};
   CadModelOptions options;
   options.sphere.step_deg = 45;
-  const std::filesystem::path cad = folder / "thing.obj";
+  const std::filesystem::path cad = folder / "object.obj";
   WriteCad(cad, 3);
   const auto first = LoadOrBuildModel(settings, cad, options);
   ASSERT_TRUE(first.has_value()) << first.error().message;
-  EXPECT_EQ((*first)->name, "thing");
+  EXPECT_EQ((*first)->name, "object");
   const auto kept = LoadOrBuildModel(settings, cad, options);
   ASSERT_TRUE(kept.has_value());
   EXPECT_EQ(made, 1);

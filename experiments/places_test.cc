@@ -122,15 +122,15 @@ TEST(Places, OneObjectInSeveralPhotosIsConsistent) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/geo_gcp/brighton_beach/telemetry.csv");
   const auto report = RunTableBrighton(Settings());
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_GE(report->rows.size(), 30U) << "five things, six ways each";
+  EXPECT_GE(report->rows.size(), 30U) << "five objects, six ways each";
   for (const auto& row : report->rows) {
     const double photos = ParseNumber(*report, row, "photos");
-    EXPECT_GE(photos, 2) << TextIn(*report, row, "thing");
+    EXPECT_GE(photos, 2) << TextIn(*report, row, "object");
     EXPECT_EQ(TextIn(*report, row, "within their CE90"),
               std::to_string(int(photos)) + " of " + std::to_string(int(photos)))
-        << TextIn(*report, row, "thing") << ", " << TextIn(*report, row, "method");
+        << TextIn(*report, row, "object") << ", " << TextIn(*report, row, "method");
     EXPECT_LT(ParseNumber(*report, row, "photos alone: max distance from joint place, m"), 4)
-        << TextIn(*report, row, "thing");
+        << TextIn(*report, row, "object");
   }
 }
 

@@ -111,10 +111,10 @@ Expected<std::vector<PhotoRecord>> ReadPhotos(const fs::path& path) {
 
 Expected<std::vector<ObjectModel>> MakeModels(const fs::path& folder, const FeatureOptions& features) {
   std::vector<ObjectModel> models;
-  for (const MarkedObject& thing : kMarkedObjects) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const Photo photo, LoadPhoto(folder / thing.photo, thing.box));
-    VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
-                                MakePhotoModel(thing.name, std::span(&photo, 1), std::nullopt, {.features = features}));
+  for (const MarkedObject& object : kMarkedObjects) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const Photo photo, LoadPhoto(folder / object.photo, object.box));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        ObjectModel model, MakePhotoModel(object.name, std::span(&photo, 1), std::nullopt, {.features = features}));
     models.push_back(std::move(model));
   }
   return models;
@@ -178,7 +178,7 @@ std::vector<Geolocation> LocateFromSinglePhotos(const std::vector<PhotoSighting>
   return places;
 }
 
-void AddRow(const MarkedObject& thing, const std::vector<PhotoSighting>& sightings, const Variant& way,
+void AddRow(const MarkedObject& object, const std::vector<PhotoSighting>& sightings, const Variant& way,
             Report& report) {
   const double ground_m = MeanGround(sightings);
   LocateOptions options{.method = way.method};
@@ -186,7 +186,7 @@ void AddRow(const MarkedObject& thing, const std::vector<PhotoSighting>& sightin
   std::vector<LineOfSight> lines;
   for (const PhotoSighting& one : sightings) lines.push_back(one.line);
   const auto fix = Locate(lines, options);
-  std::vector<Cell> row = {std::string(thing.name), static_cast<double>(lines.size()),
+  std::vector<Cell> row = {std::string(object.name), static_cast<double>(lines.size()),
                            std::string(ToText(kLocateMethodTexts, way.method)), std::string(way.ground ? "told" : "-")};
   if (!fix || !fix->place) {
     row.insert(row.end(), {fix ? StatusText(*fix) : fix.error().message, std::string("-"), std::string("-"),
@@ -221,7 +221,7 @@ Expected<Report> RunTableBrighton(const ExperimentSettings& settings) {
       .notes = {"Each object is marked in one photo and detected in the others. Photos alone: the intersection of "
                 "one ray with the ground at the take-off height, with a standard deviation of 2 m. Errors of lines "
                 "and flight: the defaults. Nothing was surveyed: the rows show whether the photos agree."},
-      .columns = {"thing", "photos", "method", "ground", "photos alone: max distance from joint place, m",
+      .columns = {"object", "photos", "method", "ground", "photos alone: max distance from joint place, m",
                   "their CE90, min m", "within their CE90", "CE90, m", "above the take-off, m", "LE90, m"}};
   for (std::size_t i = 0; i < kMarkedObjects.size(); ++i) {
     if (found[i].empty()) continue;

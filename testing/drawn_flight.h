@@ -44,14 +44,14 @@ inline void WriteVideo(const testing::SyntheticFlight& flight, const std::filesy
 }
 
 /// Image of an object, masked by its alpha channel, scaled by `factor`.
-inline Photo PhotoOf(const testing::SyntheticFlight& flight, int thing, double factor = 1.0) {
+inline Photo PhotoOf(const testing::SyntheticFlight& flight, int object, double factor = 1.0) {
   cv::Mat image;
-  cv::resize(flight.ObjectPhoto(thing), image, {}, factor, factor, cv::INTER_AREA);
+  cv::resize(flight.ObjectPhoto(object), image, {}, factor, factor, cv::INTER_AREA);
   cv::Mat bgr;
   cv::Mat alpha;
   cv::cvtColor(image, bgr, cv::COLOR_BGRA2BGR);
   cv::extractChannel(image, alpha, 3);
-  return PreparePhoto(flight.ObjectName(thing), bgr, alpha, std::nullopt).value();
+  return PreparePhoto(flight.ObjectName(object), bgr, alpha, std::nullopt).value();
 }
 
 /// The flight of one seed in its own folder, with its video and a library of the requested models.
@@ -66,11 +66,11 @@ class DrawnFlight {
   [[nodiscard]] std::filesystem::path operator/(std::string_view name) const { return folder_ / name; }
 
   /// Model of an object, as read back from a library, so that it has an id.
-  [[nodiscard]] ObjectModel Model(int thing, double factor = 1.0) const {
+  [[nodiscard]] ObjectModel Model(int object, double factor = 1.0) const {
     const ModelLibrary library(folder_ / ("models-" + std::to_string(factor)));
-    const std::string name = flight_.ObjectName(thing);
+    const std::string name = flight_.ObjectName(object);
     if (!library.Load(name)) {
-      const Photo photo = PhotoOf(flight_, thing, factor);
+      const Photo photo = PhotoOf(flight_, object, factor);
       EXPECT_TRUE(library.Add(MakePhotoModel(name, std::span(&photo, 1), std::nullopt, {}).value()));
     }
     return library.Load(name).value();

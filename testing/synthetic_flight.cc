@@ -16,16 +16,16 @@ namespace victorious::testing {
 namespace {
 
 constexpr double kZoomVariation = 0.2;         // relative amplitude of the zoom
-constexpr double kScaleVariation = 0.1;        // relative amplitude of a thing's scale
+constexpr double kScaleVariation = 0.1;        // relative amplitude of an object's scale
 constexpr double kRotationAmplitudeRad = 0.7;  // amplitude of the camera's rotation
 constexpr double kFirstObject = 0.12;          // position on the camera path, as a fraction of its length
 constexpr double kObjectSpacing = 0.38;        // as a fraction of the camera path, maximum
 constexpr int kMaxObjects = 8;
-constexpr std::uint8_t kOpaque = 128;   // alpha from which a pixel belongs to the thing (half covered)
+constexpr std::uint8_t kOpaque = 128;   // alpha from which a pixel belongs to the object (half covered)
 const Eigen::Vector2d kShadowPx(7, 5);  // ground px
 
 // Random streams of the seed, one for each purpose.
-enum SeedUse : std::uint64_t { kTownSeed = 0x7001, kPathSeed = 0x7002, kThingSeed = 0x7003, kNoiseSeed = 0x7004 };
+enum SeedUse : std::uint64_t { kTownSeed = 0x7001, kPathSeed = 0x7002, kObjectSeed = 0x7003, kNoiseSeed = 0x7004 };
 
 std::uint64_t SeedFor(std::uint64_t seed, std::uint64_t use) { return Random(seed ^ (use << 40)).Next(); }
 
@@ -174,22 +174,22 @@ void SyntheticFlight::PlaceObjects() {
   const double spacing = std::min(kObjectSpacing, (1 - 2 * kFirstObject) / std::max(1, options_.objects - 1));
   const double frame_height = options_.height / options_.zoom;
   for (int i = 0; i < options_.objects; ++i) {
-    Random random(SeedFor(options_.seed, kThingSeed + 16 * static_cast<std::uint64_t>(i)));
+    Random random(SeedFor(options_.seed, kObjectSeed + 16 * static_cast<std::uint64_t>(i)));
     const auto kind = static_cast<ObjectKind>(i % kNumObjectKinds);
-    FlightObject thing;
-    thing.drawn = DrawObject(kind, random.Next());
-    thing.name = std::string(Name(kind)) + (i < kNumObjectKinds ? "" : std::to_string(i / kNumObjectKinds + 1));
-    thing.pyramid = BuildPyramid(PremultiplyAlpha(thing.drawn.image));
-    thing.shadow = BuildPyramid(MakeShadow(thing.drawn.image));
+    FlightObject object;
+    object.drawn = DrawObject(kind, random.Next());
+    object.name = std::string(Name(kind)) + (i < kNumObjectKinds ? "" : std::to_string(i / kNumObjectKinds + 1));
+    object.pyramid = BuildPyramid(PremultiplyAlpha(object.drawn.image));
+    object.shadow = BuildPyramid(MakeShadow(object.drawn.image));
     const double aside = (i % 2 == 0 ? -0.16 : 0.16) * frame_height;
-    thing.course.base = start_ + Eigen::Vector2d((kFirstObject + i * spacing) * reach_px_, aside);
-    const double way = i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first thing moves along the camera path
-    thing.course.swing = 0.16 * frame_height * Eigen::Vector2d(std::cos(way), std::sin(way));
-    thing.course.phase_rad = i == 0 ? 0.0 : random.Uniform(0, 2 * kPi);
-    thing.course.heading_rad = random.Uniform(-kPi, kPi);
+    object.course.base = start_ + Eigen::Vector2d((kFirstObject + i * spacing) * reach_px_, aside);
+    const double way = i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first object moves along the camera path
+    object.course.swing = 0.16 * frame_height * Eigen::Vector2d(std::cos(way), std::sin(way));
+    object.course.phase_rad = i == 0 ? 0.0 : random.Uniform(0, 2 * kPi);
+    object.course.heading_rad = random.Uniform(-kPi, kPi);
     const double turn = random.Uniform(1.2, 2.6);
-    thing.course.turn_rad = random.Uniform() < 0.5 ? -turn : turn;
-    objects_.push_back(std::move(thing));
+    object.course.turn_rad = random.Uniform() < 0.5 ? -turn : turn;
+    objects_.push_back(std::move(object));
   }
 }
 
@@ -208,29 +208,29 @@ Eigen::Matrix3d SyntheticFlight::FrameFromGround(int index) const {
   return Shift(options_.width / 2.0, options_.height / 2.0) * view.Matrix();
 }
 
-Similarity2 SyntheticFlight::GroundFromObject(const FlightObject& thing, int index) const {
+Similarity2 SyntheticFlight::GroundFromObject(const FlightObject& object, int index) const {
   const double phase = Phase(index);
-  const Course& course = thing.course;
+  const Course& course = object.course;
   Similarity2 pose;
   pose.scale = options_.object_scale * (1 + kScaleVariation * std::sin(2 * phase + course.phase_rad));
   pose.rotation_rad = course.heading_rad + course.turn_rad * phase / (2 * kPi);
-  const Eigen::Vector2d middle(thing.drawn.image.cols / 2.0, thing.drawn.image.rows / 2.0);
+  const Eigen::Vector2d middle(object.drawn.image.cols / 2.0, object.drawn.image.rows / 2.0);
   pose.translation = course.base + std::sin(phase + course.phase_rad) * course.swing - pose.Linear() * middle;
   return pose;
 }
 
-Eigen::Matrix3d SyntheticFlight::FrameFromObject(int thing, int index) const {
-  return FrameFromGround(index) * GroundFromObject(objects_.at(thing), index).Matrix();
+Eigen::Matrix3d SyntheticFlight::FrameFromObject(int object, int index) const {
+  return FrameFromGround(index) * GroundFromObject(objects_.at(object), index).Matrix();
 }
 
 Frame SyntheticFlight::Render(int index) const {
   const Eigen::Matrix3d frame_from_ground = FrameFromGround(index);
   const cv::Rect whole(0, 0, options_.width, options_.height);
   cv::Mat image = LayInto(ground_, frame_from_ground, whole, cv::BORDER_REFLECT_101);
-  for (const FlightObject& thing : objects_) {
-    const Eigen::Matrix3d ground_from_object = GroundFromObject(thing, index).Matrix();
-    Overlay(thing.shadow, frame_from_ground * Shift(kShadowPx.x(), kShadowPx.y()) * ground_from_object, image);
-    Overlay(thing.pyramid, frame_from_ground * ground_from_object, image);
+  for (const FlightObject& object : objects_) {
+    const Eigen::Matrix3d ground_from_object = GroundFromObject(object, index).Matrix();
+    Overlay(object.shadow, frame_from_ground * Shift(kShadowPx.x(), kShadowPx.y()) * ground_from_object, image);
+    Overlay(object.pyramid, frame_from_ground * ground_from_object, image);
   }
   if (options_.blur_px > 0) cv::GaussianBlur(image, image, {}, options_.blur_px);
   if (options_.noise > 0)
@@ -239,8 +239,8 @@ Frame SyntheticFlight::Render(int index) const {
   return {index, index / options_.fps, image};
 }
 
-cv::Mat SyntheticFlight::ObjectCoverage(int thing, int index, const cv::Rect& region) const {
-  return ComputeCoverage(objects_[thing].pyramid, FrameFromObject(thing, index), region);
+cv::Mat SyntheticFlight::ObjectCoverage(int object, int index, const cv::Rect& region) const {
+  return ComputeCoverage(objects_[object].pyramid, FrameFromObject(object, index), region);
 }
 
 std::vector<TruthRow> SyntheticFlight::Truth(int index) const {
@@ -275,8 +275,8 @@ std::vector<TruthRow> SyntheticFlight::Truth(int index) const {
   return rows;
 }
 
-cv::Mat SyntheticFlight::ObjectPhoto(int thing) const { return objects_.at(thing).drawn.image.clone(); }
+cv::Mat SyntheticFlight::ObjectPhoto(int object) const { return objects_.at(object).drawn.image.clone(); }
 
-std::string SyntheticFlight::ObjectName(int thing) const { return objects_.at(thing).name; }
+std::string SyntheticFlight::ObjectName(int object) const { return objects_.at(object).name; }
 
 }  // namespace victorious::testing

@@ -1,11 +1,11 @@
-// A synthetic flight over a drawn town with exact ground truth, for end-to-end tests. Planar objects ("things") lie and
+// A synthetic flight over a drawn town with exact ground truth, for end-to-end tests. Planar objects lie and
 // move on the ground; the camera passes over them, rotates, climbs, and returns. The same options give the same pixels,
 // for any number of threads.
 //
-// Coordinate frames: thing (its image, px), ground (the town's image, px), frame (px); the first pixel's centre is at
+// Coordinate frames: object (its image, px), ground (the town's image, px), frame (px); the first pixel's centre is at
 // (0.5, 0.5). The camera's footprint moves out and back along a line of `path_widths` frame widths on the ground, once
-// in the whole flight. The things lie along that line in their order: the first is in view at the start and at the end,
-// later ones enter, leave and return, and the farthest camera positions show none of the first.
+// in the whole flight. The objects lie along that line in their order: the first is in view at the start and at the
+// end, later ones enter, leave and return, and the farthest camera positions show none of the first.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-#include "testing/drawn_things.h"
+#include "testing/drawn_objects.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/polygon.h"
 #include "victorious/geometry/similarity.h"
@@ -29,15 +29,15 @@ struct FlightOptions {
   double fps = 10.0;          ///< frames/s
   int width = 640;            ///< px
   int height = 480;           ///< px
-  int objects = 2;            ///< 0 to 8, of the kinds of drawn_things.h in turn
-  double object_scale = 1.0;  ///< mean ground px per px of a thing's image; varies by 10 %
+  int objects = 2;            ///< 0 to 8, of the kinds of drawn_objects.h in turn
+  double object_scale = 1.0;  ///< mean ground px per px of an object's image; varies by 10 %
   double zoom = 0.8;          ///< mean frame px per ground px; varies by 20 % as the camera climbs and descends
   double path_widths = 1.5;   ///< length of the camera path in frame widths; 0: no translation
   double blur_px = 0.4;       ///< sigma of the lens blur; 0: no blur
   double noise = 2.0;         ///< standard deviation of the sensor noise, grey levels
 };
 
-/// The ground truth of one thing in one frame.
+/// The ground truth of one object in one frame.
 struct TruthRow {
   int object_index = 0;    ///< index
   std::int64_t frame = 0;  ///< from 0
@@ -57,15 +57,15 @@ class SyntheticFlight {
   /// Renders frame `index`, 0 to options.frames - 1; CV_8UC3.
   [[nodiscard]] Frame Render(int index) const;
 
-  /// Returns the truth of every thing with at least one visible pixel, in order of the things.
+  /// Returns the truth of every object with at least one visible pixel, in order of the objects.
   [[nodiscard]] std::vector<TruthRow> Truth(int index) const;
 
-  /// The thing's image, BGRA: the photo for a model.
-  [[nodiscard]] cv::Mat ObjectPhoto(int thing) const;
+  /// The object's image, BGRA: the photo for a model.
+  [[nodiscard]] cv::Mat ObjectPhoto(int object) const;
   /// "crate", "truck", "sign", "aircraft", "crate2", ...
-  [[nodiscard]] std::string ObjectName(int thing) const;
+  [[nodiscard]] std::string ObjectName(int object) const;
 
-  [[nodiscard]] Eigen::Matrix3d FrameFromObject(int thing, int index) const;
+  [[nodiscard]] Eigen::Matrix3d FrameFromObject(int object, int index) const;
   [[nodiscard]] Eigen::Matrix3d FrameFromGround(int index) const;
   [[nodiscard]] const FlightOptions& options() const { return options_; }
 
@@ -73,7 +73,7 @@ class SyntheticFlight {
   /// An image pyramid for warping into the frame, colours premultiplied by alpha.
   using Pyramid = std::vector<cv::Mat>;
 
-  /// The motion of a thing on the ground.
+  /// The motion of an object on the ground.
   struct Course {
     Eigen::Vector2d base;   ///< ground px
     Eigen::Vector2d swing;  ///< ground px, amplitude of the motion around base
@@ -91,8 +91,8 @@ class SyntheticFlight {
   };
 
   [[nodiscard]] double Phase(int index) const;
-  [[nodiscard]] Similarity2 GroundFromObject(const FlightObject& thing, int index) const;
-  [[nodiscard]] cv::Mat ObjectCoverage(int thing, int index, const cv::Rect& region) const;
+  [[nodiscard]] Similarity2 GroundFromObject(const FlightObject& object, int index) const;
+  [[nodiscard]] cv::Mat ObjectCoverage(int object, int index, const cv::Rect& region) const;
   void PlaceObjects();
 
   FlightOptions options_;

@@ -23,8 +23,8 @@ FlightOptions SmallFlight(std::uint64_t seed) {
 
 double LargestDifference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
 
-/// Mean absolute difference of the green channel between a thing's opaque pixels and the frame at their true positions,
-/// shifted by `aside_px`.
+/// Mean absolute difference of the green channel between an object's opaque pixels and the frame at their true
+/// positions, shifted by `aside_px`.
 double MeanDifference(const cv::Mat& image, const cv::Mat& photo, const Eigen::Matrix3d& frame_from_object,
                       const Eigen::Vector2d& aside_px) {
   double sum = 0;
@@ -43,9 +43,9 @@ double MeanDifference(const cv::Mat& image, const cv::Mat& photo, const Eigen::M
   return sum / count;
 }
 
-std::optional<TruthRow> TruthOf(const SyntheticFlight& flight, int thing, int index) {
+std::optional<TruthRow> TruthOf(const SyntheticFlight& flight, int object, int index) {
   for (const TruthRow& row : flight.Truth(index)) {
-    if (row.object_index == thing) return row;
+    if (row.object_index == object) return row;
   }
   return std::nullopt;
 }
@@ -154,18 +154,18 @@ TEST(SyntheticFlightTest, NamesAreUnique) {
   EXPECT_EQ(row->object, "crate-1");
 }
 
-TEST(DrawnThingsTest, OutlinesEncloseOpaquePixels) {
+TEST(DrawnObjectsTest, OutlinesEncloseOpaquePixels) {
   for (int kind = 0; kind < kNumObjectKinds; ++kind) {
-    const SyntheticObject thing = DrawObject(static_cast<ObjectKind>(kind), 1);
-    ASSERT_EQ(thing.image.type(), CV_8UC4);
+    const SyntheticObject object = DrawObject(static_cast<ObjectKind>(kind), 1);
+    ASSERT_EQ(object.image.type(), CV_8UC4);
     cv::Mat alpha;
-    cv::extractChannel(thing.image, alpha, 3);
-    EXPECT_NEAR(cv::sum(alpha)[0] / 255, std::abs(SignedArea(thing.outline)), 0.03 * cv::sum(alpha)[0] / 255)
+    cv::extractChannel(object.image, alpha, 3);
+    EXPECT_NEAR(cv::sum(alpha)[0] / 255, std::abs(SignedArea(object.outline)), 0.03 * cv::sum(alpha)[0] / 255)
         << Name(static_cast<ObjectKind>(kind));
   }
 }
 
-TEST(DrawnThingsTest, SeedsGiveDistinguishableObjects) {
+TEST(DrawnObjectsTest, SeedsGiveDistinguishableObjects) {
   for (int kind = 0; kind < kNumObjectKinds; ++kind) {
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
       cv::Mat a = DrawObject(static_cast<ObjectKind>(kind), seed).image;

@@ -57,11 +57,11 @@ Status WriteTruth(const SyntheticFlight& flight, const fs::path& path) {
 }
 
 Status WritePhotos(const SyntheticFlight& flight, const fs::path& folder) {
-  for (int thing = 0; thing < flight.options().objects; ++thing) {
+  for (int object = 0; object < flight.options().objects; ++object) {
     std::vector<std::uint8_t> bytes;
-    cv::imencode(".png", flight.ObjectPhoto(thing), bytes);
-    VICTORIOUS_RETURN_IF_ERROR(
-        victorious::WriteFileAtomically(folder / (flight.ObjectName(thing) + ".png"), std::as_bytes(std::span(bytes))));
+    cv::imencode(".png", flight.ObjectPhoto(object), bytes);
+    VICTORIOUS_RETURN_IF_ERROR(victorious::WriteFileAtomically(folder / (flight.ObjectName(object) + ".png"),
+                                                               std::as_bytes(std::span(bytes))));
   }
   return {};
 }

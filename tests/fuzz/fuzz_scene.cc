@@ -42,7 +42,7 @@ std::vector<std::string> FuzzSeeds() {
       R"({"seed": 9, "assets": "../assets", "video": {"frames": 12, "fps": 10, "noise": 0.1, "blur_px": 0.5},)"
       R"( "origin": {"latitude_deg": 42.5, "heading_deg": 17}, "sun": {"elevation_deg": 30, "strength": 0.5},)"
       R"( "camera": {"path": "smooth", "aim_m": [[1, 2], [3, 4], [5, 1]], "from_deg": [10, 370], "range_m": 90}})";
-  const std::string things =
+  const std::string objects =
       R"({"objects": [{"id": "jeep-1", "model": "jeep", "x_m": 5, "y_m": 6, "heading_deg": 90},)"
       R"( {"id": "tank-1", "model": "tank", "path_m": [[0, 0], [9, 0], [9, 9]], "speed_m_s": 3}],)"
       R"( "pieces": [{"asset": "town/trees/oak", "x_m": 1, "y_m": 2}]})";
@@ -50,7 +50,7 @@ std::vector<std::string> FuzzSeeds() {
       R"({"town": {"seed": 4, "density": 1, "squares": [0, -1, 2, 3],)"
       R"( "tiles": [{"tile": "apron", "column": 1, "row": 2, "turns": 3}]}, "camera": {"shake_deg": 2}})";
   return {plain,
-          things,
+          objects,
           town,
           R"({"objects": [{"id": "a", "model": "b", "file": "c.glb", "path_m": [[0, 0], [0, 0]], "speed_m_s": 400}]})",
           R"({"video": {"width": 1e300, "fps": -0.0}, "camera": {"aim_m": [[1e308, 1]], "range_m": []}})",

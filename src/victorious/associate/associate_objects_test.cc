@@ -74,10 +74,10 @@ ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
   return tracklet;
 }
 
-std::vector<ObjectRecord> ObjectsFrom(const std::vector<SimulatedTracklet>& things, const ObjectOptions& options = {},
-                                      std::int64_t frames_searched = 100) {
+std::vector<ObjectRecord> ObjectsFrom(const std::vector<SimulatedTracklet>& simulated,
+                                      const ObjectOptions& options = {}, std::int64_t frames_searched = 100) {
   std::vector<ObservedTracklet> tracklets;
-  for (const SimulatedTracklet& thing : things) tracklets.push_back(SimulateTracklet(thing));
+  for (const SimulatedTracklet& one : simulated) tracklets.push_back(SimulateTracklet(one));
   return AssociateTracklets(std::move(tracklets), frames_searched, options);
 }
 
@@ -159,14 +159,14 @@ TEST(AssociateTracklets, SameObjectInTwoVideosIsMerged) {
 }
 
 TEST(AssociateTracklets, ResultDoesNotDependOnTrackletOrder) {
-  std::vector<SimulatedTracklet> things;
+  std::vector<SimulatedTracklet> simulated;
   for (int i = 0; i < 6; ++i) {
-    things.push_back({.id = i + 1, .place_enu = {6.0 * (i % 3), 8, 1}, .first_frame = 40 * (i / 3), .frames = 25});
+    simulated.push_back({.id = i + 1, .place_enu = {6.0 * (i % 3), 8, 1}, .first_frame = 40 * (i / 3), .frames = 25});
   }
-  const auto objects = ObjectsFrom(things);
+  const auto objects = ObjectsFrom(simulated);
   EXPECT_THAT(TrackletsOf(objects), ElementsAre(ElementsAre(1, 4), ElementsAre(2, 5), ElementsAre(3, 6)));
-  std::ranges::reverse(things);
-  const auto again = ObjectsFrom(things);
+  std::ranges::reverse(simulated);
+  const auto again = ObjectsFrom(simulated);
   ASSERT_EQ(TrackletsOf(again), TrackletsOf(objects));
   for (std::size_t i = 0; i < objects.size(); ++i) EXPECT_EQ(again[i].place->point, objects[i].place->point);
 }

@@ -150,13 +150,13 @@ TEST(EstimateBoxPlaces, GroundIsAPriorOfStaticObject) {
 }
 
 TEST(EstimateBoxPlaces, UnknownGroundHeightFallsBackToTypeLength) {
-  class NowhereKnown final : public Ground {
+  class UnknownGround final : public Ground {
    public:
     [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& /*point*/) const override { return {}; }
     [[nodiscard]] double Spacing() const override { return 1; }
     [[nodiscard]] double MaxSlope() const override { return 1; }
   };
-  const ObjectGround ground{std::make_shared<const NowhereKnown>(), 1};
+  const ObjectGround ground{std::make_shared<const UnknownGround>(), 1};
   const auto observations = Fly({.frames = 10, .speed_m_s = 0}, FindObjectType("car"), 0);
   for (const BoxMotion motion : {BoxMotion::kStatic, BoxMotion::kMoving}) {
     const auto place = EstimateBoxPlaces(observations, motion, ground, {}).back();

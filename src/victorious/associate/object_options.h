@@ -40,7 +40,7 @@ struct ObjectOptions {
   /// addition to that of the ground. Not user parameters.
   double centre_height_m = 1.2;
   double centre_height_sigma_m = 1;
-  std::shared_ptr<const Ground> ground;  ///< under the objects, or null; given with the videos, not a parameter
+  std::shared_ptr<const Ground> ground;  ///< under the objects, or null; given with the videos. Not a user parameter
 
   void ListFields(FieldList& fields);
 

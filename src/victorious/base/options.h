@@ -11,6 +11,13 @@
 // Structs nest by `fields.AddGroup("match", match)`; a field's full name is then "match.ratio".
 // A field that is an enum is listed with the table of its texts (enum_text.h), which are its choices and its JSON:
 // `fields.Add("filter", filter, kFilterTexts, {.reason = "..."})`.
+//
+// Every field of an options struct is one of two kinds:
+//   - a user parameter: listed. The list gives unit, range and reason, and so docs/parameters.md; the header repeats
+//     them only briefly, or not at all.
+//   - not listed: set by the caller, the presets, the experiments or the tests. Its comment gives unit and reason and
+//     ends with "Not a user parameter"; a comment "Not user parameters" covers a struct, "Not user parameters from here
+//     on" the rest of one.
 #pragma once
 
 #include <array>

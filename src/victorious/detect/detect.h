@@ -38,7 +38,7 @@ struct DetectOptions {
   double min_score = 0.795;
   double min_side_px = 8;
 
-  // The rest are no parameters: the tests vary them.
+  // Not user parameters from here on: the tests vary them.
   /// A detection is suppressed if its centre is nearer to that of a better one of the same model than this fraction of
   /// the smaller one's size (square root of its area).
   double suppression_fraction = 0.5;

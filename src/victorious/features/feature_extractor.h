@@ -27,8 +27,8 @@ struct FeatureOptions {
   double edge_threshold = 10.0;
   int max_side_px = 2048;
   double impulse_fraction = kDefaultImpulseFraction;
-  /// Maximum number of keypoints, of the highest contrast; 0 keeps all. Not a parameter: the search by an image and
-  /// the benchmarks bound it.
+  /// Maximum number of keypoints, of the highest contrast; 0 keeps all. Not a user parameter: the search by an image
+  /// and the benchmarks bound it.
   int max_features = 0;
 
   void ListFields(FieldList& fields);

@@ -64,7 +64,7 @@ struct LocateOptions {
   std::uint64_t seed = 1;
   LineErrorOptions line;
   CommonErrorOptions common;
-  std::shared_ptr<const Ground> ground;  ///< on which objects stand, if given; set by the caller, not a parameter
+  std::shared_ptr<const Ground> ground;  ///< on which objects stand, if given; set by the caller. Not a user parameter
 
   void ListFields(FieldList& fields);
 };

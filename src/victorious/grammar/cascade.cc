@@ -278,9 +278,9 @@ std::vector<Tally> CountVotes(const std::vector<MatchNode>& nodes, const Grid& g
 template <typename Agree>
 std::vector<Tally> CountDistinctVotes(const std::vector<MatchNode>& nodes, const Grid& grid, std::size_t voters,
                                       const Agree& agree) {
-  constexpr std::uint32_t kNobody = ~std::uint32_t{0};
-  std::vector<std::uint32_t> counted_by(voters, kNobody);  // per voter: the last receiver within reach; then voted for
-  std::vector<std::uint32_t> voted_for(voters, kNobody);
+  constexpr std::uint32_t kNoVoter = ~std::uint32_t{0};
+  std::vector<std::uint32_t> counted_by(voters, kNoVoter);  // per voter: the last receiver within reach; then voted for
+  std::vector<std::uint32_t> voted_for(voters, kNoVoter);
   std::vector<Tally> tallies(nodes.size());
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     const MatchNode& receiver = nodes[i];

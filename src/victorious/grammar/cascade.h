@@ -53,7 +53,7 @@ struct CascadeOptions {
   double second_approval = 0.4;             ///< ANG_APPROVE_THRESHOLD
   double third_approval = 0.6;              ///< RE_DIST_APPROVE_THRESHOLD
 
-  // The rest are no parameters: the presets and the experiments of chapter 3 set them.
+  // Not user parameters from here on: the presets and the experiments of chapter 3 set them.
   /// Each stage requires agreement in all four measures of a pair, not in its own two: chance agreement is rarer, so
   /// that a lower first_approval suffices, and a pair costs more.
   bool all_measures = false;

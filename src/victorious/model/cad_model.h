@@ -27,8 +27,8 @@ struct CadModelOptions {
   double pixels_per_m = 22.0;
   double min_mask_fraction = 0.3;
   int min_features = 4;
-  // Not parameters: the tests vary them. The bounds of the diameter of the object's bounding sphere, px: smaller ones
-  // have too few keypoints, larger ones cost time without finding more (docs/adr/0008).
+  // Not user parameters from here on: the tests vary them. The bounds of the diameter of the object's bounding sphere,
+  // px: smaller ones have too few keypoints, larger ones cost time without finding more (docs/adr/0008).
   int min_size_px = 180;
   int max_size_px = 400;
 

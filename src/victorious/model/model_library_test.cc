@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
-#include "testing/drawn_things.h"
+#include "testing/drawn_objects.h"
 #include "victorious/base/file.h"
 #include "victorious/model/photo_model.h"
 

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/data.h"
-#include "testing/drawn_things.h"
+#include "testing/drawn_objects.h"
 #include "victorious/base/version.h"
 #include "victorious/image/image_file.h"
 
@@ -30,29 +30,29 @@ struct PhotoImage {
 // A synthetic object in the middle of a larger image, with its alpha channel.
 constexpr int kMarginPx = 40;
 
-PhotoImage ThingOnGround(ObjectKind kind) {
-  const testing::SyntheticObject thing = DrawObject(kind, 11);
+PhotoImage ObjectOnGround(ObjectKind kind) {
+  const testing::SyntheticObject object = DrawObject(kind, 11);
   PhotoImage image;
   cv::Mat channels;
-  cv::copyMakeBorder(thing.image, channels, kMarginPx, kMarginPx, kMarginPx, kMarginPx, cv::BORDER_CONSTANT,
+  cv::copyMakeBorder(object.image, channels, kMarginPx, kMarginPx, kMarginPx, kMarginPx, cv::BORDER_CONSTANT,
                      cv::Scalar(90, 140, 110, 0));
   cv::cvtColor(channels, image.bgr, cv::COLOR_BGRA2BGR);
   cv::extractChannel(channels, image.alpha, 3);
   return image;
 }
 
-Box ThingBox(const PhotoImage& image) {
+Box ObjectBox(const PhotoImage& image) {
   return {kMarginPx, kMarginPx, image.bgr.cols - 2.0 * kMarginPx, image.bgr.rows - 2.0 * kMarginPx};
 }
 
 Photo Prepare(const PhotoImage& image, const std::optional<Box>& box) {
-  Expected<Photo> photo = PreparePhoto("thing.png", image.bgr, image.alpha, box);
+  Expected<Photo> photo = PreparePhoto("object.png", image.bgr, image.alpha, box);
   EXPECT_TRUE(photo) << photo.error().message;
   return photo.value_or(Photo{});
 }
 
 ObjectModel MakeModel(std::span<const Photo> photos) {
-  Expected<ObjectModel> model = MakePhotoModel("thing", photos, std::nullopt, {});
+  Expected<ObjectModel> model = MakePhotoModel("object", photos, std::nullopt, {});
   EXPECT_TRUE(model) << model.error().message;
   return model.value_or(ObjectModel{});
 }
@@ -63,9 +63,9 @@ void ExpectOneLine(const Error& error, ErrorCode code, std::string_view words) {
 }
 
 TEST(PreparePhoto, WithoutAlphaOrBoxTheWholeImageIsTheObject) {
-  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage image = ObjectOnGround(ObjectKind::kCrate);
   const Photo photo = Prepare({image.bgr, {}}, std::nullopt);
-  EXPECT_EQ(photo.source, "thing.png");
+  EXPECT_EQ(photo.source, "object.png");
   EXPECT_EQ(photo.grey.type(), CV_8UC1);
   EXPECT_TRUE(photo.mask.empty());
   EXPECT_EQ(BoundingBox(photo.outline),
@@ -73,7 +73,7 @@ TEST(PreparePhoto, WithoutAlphaOrBoxTheWholeImageIsTheObject) {
 }
 
 TEST(PreparePhoto, BoxIsTheOutline) {
-  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage image = ObjectOnGround(ObjectKind::kCrate);
   const Box box{30.5, 20, 100, 80.25};
   const Photo photo = Prepare({image.bgr, {}}, box);
   EXPECT_EQ(BoundingBox(photo.outline), box);
@@ -82,7 +82,7 @@ TEST(PreparePhoto, BoxIsTheOutline) {
 
 TEST(PreparePhoto, AlphaChannelGivesTheOutline) {
   for (const ObjectKind kind : {ObjectKind::kCrate, ObjectKind::kTruck, ObjectKind::kAircraft}) {
-    const PhotoImage image = ThingOnGround(kind);
+    const PhotoImage image = ObjectOnGround(kind);
     const Photo photo = Prepare(image, std::nullopt);
     const double opaque = cv::countNonZero(image.alpha >= 128);
     EXPECT_EQ(cv::countNonZero(photo.mask), opaque);
@@ -100,17 +100,17 @@ TEST(PreparePhoto, AlphaChannelGivesTheOutline) {
 
 // The alpha channel of a screenshot.
 TEST(PreparePhoto, OpaqueAlphaChannelChangesNothing) {
-  PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  PhotoImage image = ObjectOnGround(ObjectKind::kCrate);
   image.alpha.setTo(255);
-  const Photo opaque = Prepare(image, ThingBox(image));
+  const Photo opaque = Prepare(image, ObjectBox(image));
   image.alpha = cv::Mat();
-  const Photo without = Prepare(image, ThingBox(image));
+  const Photo without = Prepare(image, ObjectBox(image));
   EXPECT_EQ(opaque.outline, without.outline);
   EXPECT_EQ(cv::norm(opaque.grey, without.grey, cv::NORM_INF), 0) << "its surroundings stay";
 }
 
 TEST(PreparePhoto, BoxAndAlphaAreIntersected) {
-  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage image = ObjectOnGround(ObjectKind::kCrate);
   const Box left_half{0, 0, image.bgr.cols / 2.0, static_cast<double>(image.bgr.rows)};
   const Photo photo = Prepare(image, left_half);
   const Box outline = BoundingBox(photo.outline);
@@ -121,43 +121,43 @@ TEST(PreparePhoto, BoxAndAlphaAreIntersected) {
 }
 
 TEST(PreparePhoto, BoxOutsideThePhotoIsRefused) {
-  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage image = ObjectOnGround(ObjectKind::kCrate);
   const double width = image.bgr.cols;
   const double height = image.bgr.rows;
   for (const Box& box : {Box{-1, 0, 20, 20}, Box{0, -0.5, 20, 20}, Box{width - 10, 0, 11, 20},
                          Box{0, height - 10, 20, 10.5}, Box{width + 5, 5, 20, 20}, Box{5, 5, 0, 20}, Box{5, 5, 20, -3},
                          Box{5, 5, NAN, 20}, Box{NAN, 5, 20, 20}, Box{5, 5, INFINITY, 20}}) {
     for (const cv::Mat& alpha : {cv::Mat(), image.alpha}) {
-      const Expected<Photo> photo = PreparePhoto("thing.png", image.bgr, alpha, box);
+      const Expected<Photo> photo = PreparePhoto("object.png", image.bgr, alpha, box);
       ASSERT_FALSE(photo) << box.x << ',' << box.y << ',' << box.width << ',' << box.height;
       ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "inside the photo");
-      EXPECT_THAT(photo.error().message, HasSubstr("thing.png"));
+      EXPECT_THAT(photo.error().message, HasSubstr("object.png"));
     }
   }
-  EXPECT_TRUE(PreparePhoto("thing.png", image.bgr, {}, Box{0, 0, width, height}));
+  EXPECT_TRUE(PreparePhoto("object.png", image.bgr, {}, Box{0, 0, width, height}));
 }
 
 TEST(PreparePhoto, TransparentPhotoIsRefused) {
-  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage image = ObjectOnGround(ObjectKind::kCrate);
   const cv::Mat nothing = cv::Mat::zeros(image.alpha.size(), CV_8UC1);
-  Expected<Photo> photo = PreparePhoto("thing.png", image.bgr, nothing, std::nullopt);
+  Expected<Photo> photo = PreparePhoto("object.png", image.bgr, nothing, std::nullopt);
   ASSERT_FALSE(photo);
   ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "transparent everywhere");
-  photo = PreparePhoto("thing.png", image.bgr, image.alpha, Box{0, 0, 10, 10});
+  photo = PreparePhoto("object.png", image.bgr, image.alpha, Box{0, 0, 10, 10});
   ASSERT_FALSE(photo);
   ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "transparent in the box");
   cv::Mat speck = nothing.clone();
   speck.at<std::uint8_t>(20, 20) = 255;
-  photo = PreparePhoto("thing.png", image.bgr, speck, std::nullopt);
+  photo = PreparePhoto("object.png", image.bgr, speck, std::nullopt);
   ASSERT_FALSE(photo);
   ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "no area");
 }
 
 TEST(LoadPhoto, ReadsFilesAndNamesUnreadableOnes) {
   const ScratchFolder folder;
-  const PhotoImage image = ThingOnGround(ObjectKind::kSign);
+  const PhotoImage image = ObjectOnGround(ObjectKind::kSign);
   ASSERT_TRUE(WriteImage(folder / "sign.png", image.bgr));
-  const Expected<Photo> photo = LoadPhoto(folder / "sign.png", ThingBox(image));
+  const Expected<Photo> photo = LoadPhoto(folder / "sign.png", ObjectBox(image));
   ASSERT_TRUE(photo) << photo.error().message;
   EXPECT_EQ(photo->source, (folder / "sign.png").string());
   EXPECT_EQ(photo->grey.size(), image.bgr.size());
@@ -167,12 +167,12 @@ TEST(LoadPhoto, ReadsFilesAndNamesUnreadableOnes) {
 }
 
 TEST(MakePhotoModel, StoresEngineAndOptions) {
-  const PhotoImage crate = ThingOnGround(ObjectKind::kCrate);
-  const PhotoImage truck = ThingOnGround(ObjectKind::kTruck);
-  const std::vector<Photo> photos = {Prepare(crate, std::nullopt), Prepare({truck.bgr, {}}, ThingBox(truck))};
-  const Expected<ObjectModel> model = MakePhotoModel("thing", photos, 2.5, {});
+  const PhotoImage crate = ObjectOnGround(ObjectKind::kCrate);
+  const PhotoImage truck = ObjectOnGround(ObjectKind::kTruck);
+  const std::vector<Photo> photos = {Prepare(crate, std::nullopt), Prepare({truck.bgr, {}}, ObjectBox(truck))};
+  const Expected<ObjectModel> model = MakePhotoModel("object", photos, 2.5, {});
   ASSERT_TRUE(model) << model.error().message;
-  EXPECT_EQ(model->name, "thing");
+  EXPECT_EQ(model->name, "object");
   EXPECT_EQ(model->kind, ModelKind::kPhotos);
   EXPECT_EQ(model->engine, "opencv");
   EXPECT_EQ(model->program_version, kVersion);
@@ -189,7 +189,7 @@ TEST(MakePhotoModel, StoresEngineAndOptions) {
 }
 
 TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
-  const PhotoImage image = ThingOnGround(ObjectKind::kAircraft);
+  const PhotoImage image = ObjectOnGround(ObjectKind::kAircraft);
   const Photo photo = Prepare(image, std::nullopt);
   const ObjectModel model = MakeModel(std::span(&photo, 1));
   ASSERT_GT(model.features.size(), 20U);
@@ -206,12 +206,12 @@ TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
 
 // An image that is all object has keypoints up to its edges, at the same positions as in a larger image.
 TEST(MakePhotoModel, MarginDoesNotShiftKeypoints) {
-  const PhotoImage image = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage image = ObjectOnGround(ObjectKind::kCrate);
   const Photo whole = Prepare({image.bgr, {}}, std::nullopt);
   std::vector<std::vector<Keypoint>> keypoints;
   for (const int margin_px : {0, 24}) {
     const Expected<ObjectModel> model =
-        MakePhotoModel("thing", std::span(&whole, 1), std::nullopt, {.margin_px = margin_px});
+        MakePhotoModel("object", std::span(&whole, 1), std::nullopt, {.margin_px = margin_px});
     ASSERT_TRUE(model) << model.error().message;
     keypoints.emplace_back(model->features.keypoints.begin(), model->features.keypoints.end());
   }
@@ -229,24 +229,24 @@ TEST(MakePhotoModel, MarginDoesNotShiftKeypoints) {
 
 TEST(MakePhotoModel, RefusesPhotosWithTooFewFeatures) {
   const cv::Mat grey(200, 300, CV_8UC3, cv::Scalar(128, 128, 128));
-  const PhotoImage crate = ThingOnGround(ObjectKind::kCrate);
+  const PhotoImage crate = ObjectOnGround(ObjectKind::kCrate);
   const std::vector<Photo> photos = {Prepare(crate, std::nullopt),
                                      PreparePhoto("plain.png", grey, {}, std::nullopt).value()};
-  const Expected<ObjectModel> model = MakePhotoModel("thing", photos, std::nullopt, {});
+  const Expected<ObjectModel> model = MakePhotoModel("object", photos, std::nullopt, {});
   ASSERT_FALSE(model);
   ExpectOneLine(model.error(), ErrorCode::kInvalidArgument, "plain.png: 0 features");
   EXPECT_THAT(model.error().message, HasSubstr("at least 4"));
-  const Expected<ObjectModel> none = MakePhotoModel("thing", {}, std::nullopt, {});
+  const Expected<ObjectModel> none = MakePhotoModel("object", {}, std::nullopt, {});
   ASSERT_FALSE(none);
   ExpectOneLine(none.error(), ErrorCode::kInvalidArgument, "at least one photo");
 }
 
 TEST(MakePhotoModel, RefusesOptionsOutOfRange) {
-  const Photo photo = Prepare(ThingOnGround(ObjectKind::kCrate), std::nullopt);
+  const Photo photo = Prepare(ObjectOnGround(ObjectKind::kCrate), std::nullopt);
   PhotoModelOptions options;
   options.margin_px = -1;
   options.features.max_side_px = 0;
-  const Expected<ObjectModel> model = MakePhotoModel("thing", std::span(&photo, 1), std::nullopt, options);
+  const Expected<ObjectModel> model = MakePhotoModel("object", std::span(&photo, 1), std::nullopt, options);
   ASSERT_FALSE(model);
   ExpectOneLine(model.error(), ErrorCode::kInvalidArgument, "margin_px = -1");
   EXPECT_THAT(model.error().message, HasSubstr("features.max_side_px = 0"));

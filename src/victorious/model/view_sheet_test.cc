@@ -24,7 +24,7 @@ ObjectModel MakeModelWithViews(int count, const cv::Size& thumbnail, const cv::S
                              .angles = ViewAngles{RadiansFromDegrees(20.0 * i), RadiansFromDegrees(30)}},
                             features, {}, cv::Mat(thumbnail, CV_8UC3, colour)));
   }
-  return std::move(builder).Finish({.name = "thing", .kind = ModelKind::kCad, .program_version = "0.0.1"});
+  return std::move(builder).Finish({.name = "object", .kind = ModelKind::kCad, .program_version = "0.0.1"});
 }
 
 // The number of pixels of the thumbnails' colour.

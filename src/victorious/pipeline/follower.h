@@ -25,13 +25,14 @@
 
 namespace victorious {
 
+/// Tracking between full-frame searches.
 struct FollowOptions {
-  bool enabled = true;
-  int restart_interval_frames = 60;
+  bool enabled = true;               ///< false: every full frame is searched independently
+  int restart_interval_frames = 60;  ///< frames after which all tracks restart
   /// Frames in which a track must have been recognised before a tracked sighting counts: false recognitions seldom
-  /// repeat. No parameter of the user.
+  /// repeat. Not a user parameter.
   int min_recognised_frames = 2;
-  int search_interval_frames = 1;
+  int search_interval_frames = 1;  ///< frames between searches of a visible track's region
   TrackOptions track;
 
   void ListFields(FieldList& fields);

@@ -174,8 +174,8 @@ TEST_F(IndexCategoriesTest, SearchingWithModelsChangesNothing) {
   };
   index(flight.Models(), std::nullopt, *apart);
   index(flight.Models(), TrainedModel(), *together);
-  for (int thing = 0; thing < 2; ++thing) {
-    const SightingFilter filter{.model_name = flight.Model(thing).name};
+  for (int object = 0; object < 2; ++object) {
+    const SightingFilter filter{.model_name = flight.Model(object).name};
     const auto a = SightingsOf(*apart, filter);
     const auto b = SightingsOf(*together, filter);
     ASSERT_EQ(a.size(), b.size());

@@ -18,14 +18,14 @@ namespace victorious {
 
 /// Which frames' features the index keeps for search by example image.
 struct KeepOptions {
-  double interval_s = 1.0;
+  double interval_s = 1.0;  ///< between kept frames, s; 0 keeps every searched frame
 
   void ListFields(FieldList& fields);
 };
 
 /// How video sources are read.
 struct VideoOptions {
-  double folder_frame_rate = 10.0;
+  double folder_frame_rate = 10.0;  ///< of a folder of images, frames/s
 
   void ListFields(FieldList& fields);
 };
@@ -43,7 +43,7 @@ struct IndexOptions {
   ObjectOptions objects;
   GroundOptions ground;
   KeepOptions keep;
-  int every = 1;
+  int every = 1;  ///< frames between full-frame searches
 
   void ListFields(FieldList& fields);
 

@@ -135,8 +135,8 @@ TEST(Indexer, ChangedModelReplacesItsSightings) {
 
   const auto fresh = flight.Store("fresh.db");
   Index(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *fresh);
-  for (int thing : {0, 1}) {
-    const SightingFilter filter{.model_name = flight.flight().ObjectName(thing)};
+  for (int object : {0, 1}) {
+    const SightingFilter filter{.model_name = flight.flight().ObjectName(object)};
     const std::vector<SightingRecord> got = SightingsOf(*store, filter);
     const std::vector<SightingRecord> expected = SightingsOf(*fresh, filter);
     ASSERT_THAT(got, SizeIs(expected.size()));
@@ -311,8 +311,8 @@ TEST(Indexer, ModelsResumeAtTheirOwnFrame) {
 
   const auto whole = flight.Store("whole.db");
   Index(flight.video(), flight.Models(), *whole, ManyCommits());
-  for (int thing : {0, 1}) {
-    const SightingFilter filter{.model_name = flight.flight().ObjectName(thing)};
+  for (int object : {0, 1}) {
+    const SightingFilter filter{.model_name = flight.flight().ObjectName(object)};
     EXPECT_THAT(SightingsOf(*store, filter), SizeIs(SightingsOf(*whole, filter).size()));
     EXPECT_THAT(ObjectsOf(*store, filter), SizeIs(ObjectsOf(*whole, filter).size()));
   }

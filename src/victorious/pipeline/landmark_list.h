@@ -12,9 +12,9 @@
 namespace victorious {
 
 struct LandmarkListOptions {
-  double heading_deg = 2;
-  double common_fraction = 1;
-  double max_speed_m_s = 0.2;
+  double heading_deg = 2;      ///< standard deviation of a heading for which the list gives none
+  double common_fraction = 1;  ///< sigma of the error common to all places, over that of the best place
+  double max_speed_m_s = 0.2;  ///< faster objects are not landmarks
 
   void ListFields(FieldList& fields);
 };

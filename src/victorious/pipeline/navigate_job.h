@@ -26,6 +26,7 @@
 
 namespace victorious {
 
+/// All parameters of landmark navigation; `victorious params navigate` prints them.
 struct NavigateVideoOptions {
   NavigateVideoOptions();
 
@@ -39,9 +40,9 @@ struct NavigateVideoOptions {
   LandmarkListOptions list;
   NavigateOptions navigate;
   LandmarkSightingOptions sighting;
-  bool second_pass = true;
-  int every = 30;
-  int lost_every = 5;
+  bool second_pass = true;  ///< search again with the estimated attitude if telemetry has none, or one off by a degree
+  int every = 30;           ///< frames between full-frame searches while a landmark is tracked
+  int lost_every = 5;       ///< frames between full-frame searches while none is tracked
 
   void ListFields(FieldList& fields);
 };

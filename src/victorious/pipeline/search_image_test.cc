@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/drawn_flight.h"
-#include "testing/drawn_things.h"
+#include "testing/drawn_objects.h"
 
 namespace victorious {
 namespace {
@@ -43,9 +43,9 @@ std::vector<VideoSegment> Search(const Photo& example, IndexStore& store, const 
   return std::move(moments).value_or(std::vector<VideoSegment>{});
 }
 
-std::optional<Box> TruthBox(const DrawnFlight& flight, int thing, std::int64_t frame) {
+std::optional<Box> TruthBox(const DrawnFlight& flight, int object, std::int64_t frame) {
   const std::vector<testing::TruthRow> rows = flight.flight().Truth(static_cast<int>(frame));
-  const auto row = std::ranges::find(rows, thing, &testing::TruthRow::object_index);
+  const auto row = std::ranges::find(rows, object, &testing::TruthRow::object_index);
   return row == rows.end() ? std::nullopt : std::optional(row->box);
 }
 

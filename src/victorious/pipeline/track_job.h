@@ -34,10 +34,10 @@ struct TrackBoxesOptions {
   TelemetryOptions telemetry;
   BoxPlaceOptions place;
   GroundOptions ground;
-  PhotoModelOptions model;     ///< of the boxes' models; no parameter of the user
-  RecognizeOptions recognize;  ///< search for lost objects; no parameter of the user
-  int recognize_every = 5;
-  int memory_mb = 512;
+  PhotoModelOptions model;     ///< of the boxes' models. Not a user parameter
+  RecognizeOptions recognize;  ///< search for lost objects. Not a user parameter
+  int recognize_every = 5;     ///< frames between searches for a lost object
+  int memory_mb = 512;         ///< MiB, of the frames of the backward pass
 
   void ListFields(FieldList& fields);
 };

@@ -39,7 +39,7 @@ class TrackJobTest : public ::testing::Test {
   }
 
   // A static camera, from one time to another.
-  void TellCamera(double from_s, double to_s) {
+  void WriteTelemetry(double from_s, double to_s) {
     telemetry_ = (folder_ / "telemetry.csv").string();
     std::ofstream rows(*telemetry_);
     rows << "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n";
@@ -92,14 +92,14 @@ TEST_F(TrackJobTest, ErrorsNameTheProblem) {
 TEST_F(TrackJobTest, ReportsWhyThereIsNoPlace) {
   const auto why = [&] { return Track({Drawn(25)}).value().place_failures.at(0); };
   EXPECT_THAT(why(), HasSubstr("no telemetry with camera position"));
-  TellCamera(100, 101);
+  WriteTelemetry(100, 101);
   EXPECT_THAT(why(), HasSubstr("telemetry has no state from"));
-  TellCamera(0, 10);
+  WriteTelemetry(0, 10);
   EXPECT_THAT(why(), HasSubstr("do not determine its distance"));
 }
 
 TEST_F(TrackJobTest, LocatedBoxHasNoPlaceFailure) {
-  TellCamera(0, 10);
+  WriteTelemetry(0, 10);
   TrackBoxesOptions options;
   options.ground.height_m = 20;
   const TrackedBoxes tracked = Track({Drawn(25)}, options).value();
@@ -108,7 +108,7 @@ TEST_F(TrackJobTest, LocatedBoxHasNoPlaceFailure) {
 }
 
 TEST_F(TrackJobTest, GroundAboveTheCameraIsReported) {
-  TellCamera(0, 10);
+  WriteTelemetry(0, 10);
   TrackBoxesOptions options;
   options.ground.height_m = 200;
   const TrackedBoxes tracked = Track({Drawn(25)}, options).value();

@@ -31,7 +31,7 @@ struct PoseOptions {
   int min_inliers = 4;
   int max_instances = 8;
 
-  // Not parameters: the preset `thesis` and the tests set them.
+  // Not user parameters from here on: the preset `thesis` and the tests set them.
   bool refine_plane = true;  ///< use an affine map or a homography for the outline if the matches support it
   std::uint64_t seed = 1;    ///< of MLESAC: equal seeds give equal results
 

@@ -49,7 +49,7 @@ inline constexpr double kMinVisibleScale_px = 0.9;
 /// look alike.
 inline constexpr double kDependenceDecades = 4.0;
 
-/// Not parameters: the tests vary them.
+/// Not user parameters: the tests vary them.
 struct VoteOptions {
   double turn_rad = 0.5;  ///< votes for one pose, and its inliers, agree in rotation within this
   int min_votes = 4;      ///< minimum number of distinct template keypoints that vote for a pose

@@ -42,9 +42,9 @@ World MakeWorld(std::uint64_t seed, int found, const Similarity2& fit) {
   world.scene.image_width = kWidth;
   world.scene.image_height = kHeight;
   for (int i = 0; i < 3000; ++i) world.scene.keypoints.push_back(RandomKeypoint(random, kWidth, kHeight));
-  Random looks(seed + 1000);
+  Random descriptors(seed + 1000);
   for (std::size_t i = 0; i < world.scene.keypoints.size() * kDescriptorSize; ++i) {
-    world.scene.descriptors.push_back(static_cast<std::uint8_t>(looks.Below(90)));
+    world.scene.descriptors.push_back(static_cast<std::uint8_t>(descriptors.Below(90)));
   }
   for (std::uint32_t m = 0; m < 100; ++m) {
     world.model.push_back(RandomKeypoint(random, 200, 100));

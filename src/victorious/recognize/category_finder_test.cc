@@ -20,7 +20,7 @@ CategoryModel SmallModel() {
 }
 
 // The bounding box of the pixels that are much brighter or darker than the noise.
-Box BoxOfThings(const cv::Mat& grey) {
+Box BoxOfObjects(const cv::Mat& grey) {
   const cv::Rect rect = cv::boundingRect((grey < 60) | (grey > 150));
   return {static_cast<double>(rect.x), static_cast<double>(rect.y), static_cast<double>(rect.width),
           static_cast<double>(rect.height)};
@@ -42,7 +42,7 @@ TEST(CategoryFinder, FindsTheCategoryAtItsPosition) {
       EXPECT_GE(one.probability, 0.5);
       if (one.category != static_cast<std::size_t>(i % 2)) continue;
       ++right;
-      near += IntersectionOverUnion(one.box, BoxOfThings(grey)) > 0.25 ? 1 : 0;
+      near += IntersectionOverUnion(one.box, BoxOfObjects(grey)) > 0.25 ? 1 : 0;
     }
   }
   EXPECT_GE(right, kImages - 2);

@@ -199,8 +199,8 @@ Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
     (cad ? sorted.cad_files : sorted.images).push_back(row);
   }
   for (const CategoryListRow& row : sorted.images) {
-    const bool is_object = std::ranges::any_of(sorted.object_categories, [&](const std::string& thing) {
-      return IsWithin(thing, row.category) || IsWithin(row.category, thing);
+    const bool is_object = std::ranges::any_of(sorted.object_categories, [&](const std::string& object) {
+      return IsWithin(object, row.category) || IsWithin(row.category, object);
     });
     if (!is_object) sorted.background_categories.insert(row.category);
   }
@@ -248,7 +248,7 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
   std::vector<std::vector<CategoryExample>> of_image(count);
   std::vector<LabelledImage> images(by_windows ? count : 0);
   std::vector<cv::Mat> backgrounds(sorted.cad_files.empty() ? 0 : count);  // for CAD files
-  const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
+  const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = sorted.images[row];
     const cv::Mat grey = GreyFromBgr(bgr);
     VICTORIOUS_ASSIGN_OR_RETURN(const Box box, ClippedBox(listed, grey.cols, grey.rows));
@@ -264,7 +264,7 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
                                 ExamplesOf(featurizer, grey, box, listed.category, static_cast<int>(row)));
     return {};
   };
-  VICTORIOUS_RETURN_IF_ERROR(ForEachImage(folder, sorted.images, look, done));
+  VICTORIOUS_RETURN_IF_ERROR(ForEachImage(folder, sorted.images, classify, done));
 
   std::erase_if(backgrounds, [](const cv::Mat& image) { return image.empty(); });
   for (std::size_t i = 0; i < sorted.cad_files.size(); ++i) {

@@ -24,7 +24,7 @@
 
 namespace victorious {
 
-/// Not parameters: the tests vary them.
+/// Not user parameters: the tests vary them.
 struct NccOptions {
   int max_poses = 2;                 ///< rescored poses per model and frame, best first; 0: none
   int max_poses_per_frame = 12;      ///< rescored poses per frame, over all models: bounds the time

@@ -195,7 +195,7 @@ TEST(Recognizer, VotesReachViewsBetweenCoarseViews) {
   EXPECT_EQ(detections[0].view, 1U);
 }
 
-// A model with views from twelve azimuths at 40 degrees off nadir. GetTemplate diffuse light it has another texture;
+// A model with views from twelve azimuths at 40 degrees off nadir. In diffuse light it has another texture;
 // each sun above one of the azimuths gives it its own texture.
 constexpr double kOffNadir_rad = 40 * kPi / 180;
 constexpr std::size_t kAround = 12;

@@ -11,7 +11,7 @@ struct VoteSearchOptions {
   double max_tilt_rad = 0.35;
   double max_hanging_rad = 0.35;
 
-  // The rest are no parameters: the tests vary them.
+  // Not user parameters from here on: the tests vary them.
   /// Coarse views whose neighbours are matched, too: those of the highest -log10 NFA (docs/adr/0008).
   int max_refined_views = 6;
   /// Quantisation step of the sun's azimuth for relit templates. Finer is more accurate, and needs more renderings and

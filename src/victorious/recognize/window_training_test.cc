@@ -84,16 +84,16 @@ TEST_F(WindowTrainingTest, FindsSeveralSmallObjectsAndNoneInBackground) {
     const Box ring = Draw(frame, false, {230, 160 - 10 * i}, 44 + 4 * i);
     const auto finds = finder->Find(frame);
     ASSERT_TRUE(finds);
-    std::set<std::size_t> things;
+    std::set<std::size_t> objects;
     for (const FoundCategory& one : *finds) {
       const Box& truth = one.category == 0 ? cross : ring;
       if (IntersectionOverUnion(one.box, truth) > 0.25) {
-        things.insert(one.category);
+        objects.insert(one.category);
       } else {
         ++false_finds;
       }
     }
-    found += static_cast<int>(things.size());
+    found += static_cast<int>(objects.size());
   }
   EXPECT_GE(found, 2 * kFrames - 3);
   EXPECT_LE(false_finds, 3);

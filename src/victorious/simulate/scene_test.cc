@@ -53,10 +53,10 @@ TEST(Scene, ReadsEverySection) {
 
 TEST(Scene, PathsAreRelativeToTheSceneFile) {
   const testing::ScratchFolder folder;
-  std::ofstream(folder / "scene.json") << R"({"assets": "things"})";
+  std::ofstream(folder / "scene.json") << R"({"assets": "objects"})";
   const Expected<Scene> scene = ReadScene(folder / "scene.json");
   ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_EQ(scene->assets, folder / "things");
+  EXPECT_EQ(scene->assets, folder / "objects");
   EXPECT_EQ(scene->folder, folder.path());
 }
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "testing/drawn_things.h"
+#include "testing/drawn_objects.h"
 #include "testing/drawn_town.h"
 
 namespace victorious {
@@ -28,7 +28,7 @@ cv::Matx23d CvMap(const Similarity2& map) {
 class World {
  public:
   explicit World(testing::ObjectKind kind = testing::ObjectKind::kCrate)
-      : town_(testing::DrawTown({1000, 800}, 5)), thing_(testing::DrawObject(kind, 2)) {}
+      : town_(testing::DrawTown({1000, 800}, 5)), object_(testing::DrawObject(kind, 2)) {}
 
   // `ground_px` is the position in the town's image of the frame's top left corner.
   [[nodiscard]] cv::Mat Draw(const Similarity2& frame_from_object,
@@ -36,7 +36,7 @@ class World {
     const cv::Rect view(static_cast<int>(ground_px.x()), static_cast<int>(ground_px.y()), 400, 300);
     cv::Mat frame = town_(view).clone();
     cv::Mat laid;
-    cv::warpAffine(thing_.image, laid, CvMap(frame_from_object), frame.size(), cv::INTER_AREA);
+    cv::warpAffine(object_.image, laid, CvMap(frame_from_object), frame.size(), cv::INTER_AREA);
     for (int y = 0; y < frame.rows; ++y) {
       for (int x = 0; x < frame.cols; ++x) {
         const cv::Vec4b above = laid.at<cv::Vec4b>(y, x);
@@ -49,14 +49,14 @@ class World {
   }
 
   [[nodiscard]] Polygon Outline(const Similarity2& frame_from_object) const {
-    Polygon outline = thing_.outline;
+    Polygon outline = object_.outline;
     for (Eigen::Vector2d& corner : outline) corner = frame_from_object.Apply(corner);
     return outline;
   }
 
  private:
   cv::Mat town_;
-  testing::SyntheticObject thing_;
+  testing::SyntheticObject object_;
 };
 
 std::vector<TrackPoint> PointsIn(const cv::Mat& frame, const Polygon& outline, int max_points = 60) {

@@ -19,7 +19,7 @@ struct TrackOptions {
   int unconfirmed_frames = 30;   ///< the thesis's M
   int missed_frames = 5;
 
-  // Not parameters of the user.
+  // Not user parameters from here on.
   FlowOptions flow;  ///< tests reduce the pyramid's levels
   /// Start the search for the points where the object's velocity predicts them, also after a loss (thesis,
   /// section 4.4), or for a new track where the global image motion predicts them; false, in tests: at their last

@@ -8,7 +8,7 @@ namespace {
 TEST(DamageLog, HasOneLinePerKind) {
   DamageLog log;
   log.Add("a bad packet", 1.2);
-  log.Add("another thing", 2);
+  log.Add("another object", 2);
   EXPECT_EQ(log.lines().front(), "at 1.20 s: a bad packet");
   log.Add("a bad packet", 3);
   log.Add("a bad packet", 5.1);

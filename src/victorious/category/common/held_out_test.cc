@@ -12,13 +12,13 @@ Calibration CalibrateWithWindows(int images, int windows_per_image) {
   std::vector<int> targets;
   std::vector<double> scores;
   for (int image = 0; image < images; ++image) {
-    examples.push_back({.category = "thing", .image = image});
+    examples.push_back({.category = "object", .image = image});
     targets.push_back(1);
     scores.push_back(2 + 0.1 * (image % 5));
-    for (int look = 0; look < windows_per_image; ++look) {
+    for (int window = 0; window < windows_per_image; ++window) {
       examples.push_back({.category = "none", .image = images + image});
       targets.push_back(-1);
-      scores.push_back(look == 0 ? 0.1 * (image % 5) : -3.0);
+      scores.push_back(window == 0 ? 0.1 * (image % 5) : -3.0);
     }
   }
   return CalibrateHeldOut(examples, targets, Eigen::Map<const Eigen::VectorXd>(scores.data(), std::ssize(scores)));

@@ -20,7 +20,8 @@ struct VocabularyOptions {
   int words = 3000;
   bool root = true;
   int iterations = 12;
-  int samples = 60000;  ///< descriptors sampled for k-means, by seed: 20 a word; tests sample fewer. Not a parameter
+  int samples =
+      60000;  ///< descriptors sampled for k-means, by seed: 20 a word; tests sample fewer. Not a user parameter
   int words_per_keypoint = 4;  ///< nearest words that a keypoint is assigned to, 1 to 8; thesis: 1
 
   /// Without words_per_keypoint, which CategoryOptions lists outside this group.

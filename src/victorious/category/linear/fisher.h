@@ -25,10 +25,10 @@ namespace victorious {
 
 struct FisherOptions {
   int components = 128;
-  int dimensions = 48;          ///< number of principal axes of the descriptors. Not a parameter
-  bool append_position = true;  ///< append the relative position in the image to a descriptor. Not a parameter
-  int samples = 40000;          ///< features sampled for training, by seed. Not a parameter
-  int iterations = 15;          ///< iterations of expectation-maximisation. Not a parameter
+  int dimensions = 48;          ///< number of principal axes of the descriptors. Not a user parameter
+  bool append_position = true;  ///< append the relative position in the image to a descriptor. Not a user parameter
+  int samples = 40000;          ///< features sampled for training, by seed. Not a user parameter
+  int iterations = 15;          ///< iterations of expectation-maximisation. Not a user parameter
   double weight = 4.0;
 
   void ListFields(FieldList& fields);

@@ -19,7 +19,7 @@ namespace victorious {
 
 /// Distances of the two keypoints of a phrase, in cells of their descriptors (kDenseMinCell_px at the smallest scale).
 /// Nearer patches overlap by more than half (a patch has 4 cells), so that a pair repeats one word; farther pairs vary
-/// with the background. Chosen by area under ROC on Caltech-101 (docs/adr/0009-phrases-as-counts.md).
+/// with the background. Chosen by area under ROC on Caltech-101; the trial is not recorded.
 inline constexpr double kMinPhraseDistance_cells = 1.5;
 inline constexpr double kFarPhraseDistance_cells = 2.75;  ///< from here on a pair counts as far, not near
 inline constexpr double kMaxPhraseDistance_cells = 4.0;   ///< R in the thesis

@@ -26,7 +26,7 @@ inline constexpr double kShapeSharpness = 3.0;
 
 struct ShapeOptions {
   double weight = 0;
-  int dimensions = 128;  ///< number of principal axes of shapes. Not a parameter
+  int dimensions = 128;  ///< number of principal axes of shapes. Not a user parameter
 
   void ListFields(FieldList& fields);
 };

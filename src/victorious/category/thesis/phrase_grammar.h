@@ -29,7 +29,7 @@ inline constexpr std::size_t kMeasures = 4;
 
 struct GrammarOptions {
   double word_fraction = 0.05;  ///< W(z): fraction of the vocabulary, the words of highest P(w|z): 150 of the thesis's
-                                ///< 3000. Not a parameter: table3.6 and tests vary it
+                                ///< 3000. Not a user parameter: table3.6 and tests vary it
   double radius_px = 50.0;
   double kernel_cap = 10000.0;
   bool word_prior = false;

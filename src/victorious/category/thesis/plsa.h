@@ -18,9 +18,9 @@ namespace victorious {
 
 struct PlsaOptions {
   int iterations = 40;
-  int restarts = 3;           ///< random restarts; the most likely result is kept. Not a parameter
+  int restarts = 3;           ///< random restarts; the most likely result is kept. Not a user parameter
   double label_weight = 4.0;  ///< weight of the category of a training image relative to its words; 0: initialisation
-                              ///< only. Not a parameter
+                              ///< only. Not a user parameter
 
   void ListFields(FieldList& fields);
 };

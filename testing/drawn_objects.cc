@@ -1,4 +1,4 @@
-#include "testing/drawn_things.h"
+#include "testing/drawn_objects.h"
 
 #include <algorithm>
 #include <cmath>
@@ -336,14 +336,15 @@ SyntheticObject DrawObject(ObjectKind kind, std::uint64_t seed) {
   grime += 0.8 * SmoothNoise(large.size(), 9, random);
   ApplyTexture(large, grime, cv::Mat(large.size(), CV_8U, cv::Scalar(18)));
 
-  SyntheticObject thing;
+  SyntheticObject object;
   cv::Mat colour;
   cv::Mat alpha;
   cv::resize(large, colour, size, 0, 0, cv::INTER_AREA);
   cv::resize(large_alpha, alpha, size, 0, 0, cv::INTER_AREA);
-  cv::merge(std::vector<cv::Mat>{colour, alpha}, thing.image);
-  for (const cv::Point2d& corner : design.outline) thing.outline.emplace_back(corner.x + middle.x, corner.y + middle.y);
-  return thing;
+  cv::merge(std::vector<cv::Mat>{colour, alpha}, object.image);
+  for (const cv::Point2d& corner : design.outline)
+    object.outline.emplace_back(corner.x + middle.x, corner.y + middle.y);
+  return object;
 }
 
 }  // namespace victorious::testing
