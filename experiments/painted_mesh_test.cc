@@ -62,7 +62,7 @@ TEST(ProjectTexture, ReproducesTheImageFromItsViewpoint) {
   const PosedCamera camera = CameraForView({0.6, 0.9}, sphere, framing).value();
   const cv::Mat image = Patches(320, 280);
   const Mesh painted = ProjectTexture(box, image, camera).value();
-  EXPECT_GT(painted.triangles.size(), 1000U) << "cut, so that perspective bends no texture";
+  EXPECT_GT(painted.triangles.size(), 1000U) << "subdivided, so that perspective does not distort the texture";
   cv::Mat mask;
   const cv::Mat seen = Render(painted, camera, mask);
   ASSERT_GT(cv::countNonZero(mask), 10000);

@@ -68,7 +68,7 @@ TEST(SettingResult, SumsOverItsObjects) {
                                           {.movie = "m", .name = "c", .model = "jeep", .ids = 0}}};
   EXPECT_EQ(setting.Recall(), 0.75);
   EXPECT_EQ(setting.Precision(), 0.75);
-  EXPECT_EQ(setting.IdsPerObject(), 1.5) << "of those that were shown";
+  EXPECT_EQ(setting.IdsPerObject(), 1.5) << "of the visible ones";
   EXPECT_EQ(SettingResult{}.Recall(), 0);
 }
 
@@ -151,7 +151,7 @@ TEST_F(TinyFlight, SettingsWithEqualSearchShareIt) {
     }
     return count;
   };
-  EXPECT_EQ(files("indexes"), 2) << "the default's serves for what comes after the search";
+  EXPECT_EQ(files("indexes"), 2) << "the default is used after the search";
   EXPECT_EQ(files("flights"), 1);
 }
 

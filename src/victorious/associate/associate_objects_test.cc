@@ -97,7 +97,7 @@ TEST(AssociateTracklets, OneTrackletIsOneObjectAtItsPlace) {
   EXPECT_EQ(objects[0].id, 5);
   ASSERT_TRUE(objects[0].place);
   EXPECT_LT((EstimatePlace(objects[0]) - Eigen::Vector3d(3, 4, 1)).norm(), 0.3);
-  EXPECT_EQ(objects[0].place->velocity_enu->norm(), 0) << "it stands";
+  EXPECT_EQ(objects[0].place->velocity_enu->norm(), 0) << "it is static";
   EXPECT_NEAR(*objects[0].heading_rad, 1.0, 0.05) << "a quarter of the views is wrong";
   EXPECT_EQ(objects[0].rejected, "");
 }
@@ -183,7 +183,7 @@ TEST(AssociateTracklets, HeightDeviationFromOtherObjectsIsRejected) {
   EXPECT_EQ(objects[0].rejected, "");
   EXPECT_THAT(objects[1].rejected, HasSubstr("above the other objects"));
   EXPECT_EQ(ObjectsFrom({{.id = 1}, floating}, {.max_height_deviation_m = 1000})[1].rejected, "");
-  EXPECT_EQ(ObjectsFrom({floating})[0].rejected, "") << "nothing says how high the ground is";
+  EXPECT_EQ(ObjectsFrom({floating})[0].rejected, "") << "the height of the ground is unknown";
 }
 
 TEST(AssociateTracklets, PlaceBelowSeaLevelIsRejected) {
@@ -245,7 +245,8 @@ TEST(AssociateTracklets, GivenGroundConstrainsHeight) {
   EXPECT_LT(on_ground.place->le90_m, 0.5);
   EXPECT_EQ(on_ground.rejected, "");
   options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
-  EXPECT_EQ(ObjectsFrom({seen}, options)[0].place->le90_m, on_ground.place->le90_m) << "told again, it is no vaguer";
+  EXPECT_EQ(ObjectsFrom({seen}, options)[0].place->le90_m, on_ground.place->le90_m)
+      << "given again, it has the same covariance";
   // A flying object stays at the intersection of its lines of sight.
   const ObjectRecord flying = ObjectsFrom({{.id = 1, .place_enu = {0, 0, 31}}}, options)[0];
   EXPECT_NEAR(EstimatePlace(flying).z(), 31, 1);

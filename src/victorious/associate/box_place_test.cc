@@ -93,7 +93,7 @@ TEST(EstimateBoxPlaces, ObjectTypeLengthGivesRange) {
   ASSERT_TRUE(place);
   const double error_m = TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm();
   EXPECT_LT(error_m, 60);
-  EXPECT_GT(place->ce90_m, 20) << "no more is known than the length of cars";
+  EXPECT_GT(place->ce90_m, 20) << "only the length of cars is known";
 }
 
 TEST(EstimateBoxPlaces, MovingObjectIsLocatedAtEachTime) {
@@ -134,7 +134,7 @@ TEST(EstimateBoxPlaces, MovingObjectIsPlacedOnTheGround) {
     EXPECT_GT(place->ce90_m, 10);
   }
   for (const auto& place : EstimateBoxPlaces(observations, BoxMotion::kMoving, {}, {})) {
-    EXPECT_FALSE(place) << "nothing tells how far off it is";
+    EXPECT_FALSE(place) << "the range is unknown";
   }
 }
 

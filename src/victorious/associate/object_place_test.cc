@@ -84,7 +84,7 @@ TEST(ObjectPlace, TrackedObservationsAreCorrelatedWithTheirRecognition) {
   const auto on_their_own = [](std::vector<BearingObservation>& observations) {
     for (BearingObservation& observation : observations) observation.recognition_id = 0;
   };
-  EXPECT_LT(Coverage(on_their_own), 0.5) << "ten times the same error is not ten errors";
+  EXPECT_LT(Coverage(on_their_own), 0.5) << "ten observations with a common error do not average";
 }
 
 TEST(ObjectPlace, RangeErrorIsCommonEvenIfFirstObservationHasNoRange) {
@@ -150,7 +150,7 @@ TEST(ObjectPlace, ResidualCombinesLineAndRange) {
   const Eigen::Vector3d beside = 100 * along + 3 * along.unitOrthogonal();
   EXPECT_NEAR(MahalanobisDistance(observation, at(beside), 0, errors, 1), 3, 0.02);
   observation.line.range_m.reset();
-  EXPECT_NEAR(MahalanobisDistance(observation, at(108 * along), 0, errors, 1), 0, 0.01) << "the line alone goes by it";
+  EXPECT_NEAR(MahalanobisDistance(observation, at(108 * along), 0, errors, 1), 0, 0.01) << "the line alone misses it";
   EXPECT_EQ(MahalanobisDistance(observation, at(-100 * along), 0, errors, 1), std::numeric_limits<double>::infinity());
 }
 
@@ -167,7 +167,7 @@ TEST(ObjectPlace, PropagatedPlaceHasLargerCovariance) {
   EXPECT_NEAR(then.covariance_enu_m2(0, 0), 2, 1e-9);
   EXPECT_GT(then.ce90_m, 1.3 * place.ce90_m);
   place.velocity_enu = Eigen::Vector3d::Zero();
-  EXPECT_EQ(PropagatePlace(place, 4).covariance_enu_m2, place.covariance_enu_m2) << "what stands still stays";
+  EXPECT_EQ(PropagatePlace(place, 4).covariance_enu_m2, place.covariance_enu_m2) << "a static object keeps its place";
 }
 
 TEST(EstimateHeadingMode, IsTheCentreOfTheDensest40DegreesAlsoAcrossNorth) {

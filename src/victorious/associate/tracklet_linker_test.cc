@@ -188,7 +188,7 @@ TEST(TrackletLinker, StaticObjectIsPredictedByImageMotion) {
   frames[10] = {Sighting(10, first), Sighting(10, {3, 101, 50, 40})};
   EXPECT_THAT(TrackletIdsOf(LinkAll(frames, TrackletOptions{}, motions)), ElementsAre(1, 2, 1));
   EXPECT_THAT(TrackletIdsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 1, 2))
-      << "as far as is known, it stands still";
+      << "without motions it is taken as static";
 }
 
 TEST(TrackletLinker, MovingObjectIsPredictedByItsVelocity) {

@@ -64,7 +64,7 @@ std::string ErrorText(std::string_view text) {
   if (status) return "";
   EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(status.error().message.find('\n'), std::string::npos) << status.error().message;
-  EXPECT_EQ(OptionsToJsonText(options), OptionsToJsonText(untouched)) << "changed by what was refused";
+  EXPECT_EQ(OptionsToJsonText(options), OptionsToJsonText(untouched)) << "changed by the refused values";
   return status.error().message;
 }
 

@@ -19,7 +19,7 @@ TEST(ProgramId, IsContentIdOfTheExecutable) {
   const std::string bytes = ReadFile("/proc/self/exe").value();
   const fs::path copy = fs::path(::testing::TempDir()) / "program_id_test_copy";
   ASSERT_TRUE(WriteFileAtomically(copy, bytes));
-  EXPECT_EQ(ComputeProgramId(copy).value(), own) << "wherever it lies";
+  EXPECT_EQ(ComputeProgramId(copy).value(), own) << "regardless of its folder";
   ASSERT_TRUE(WriteFileAtomically(copy, bytes + "x"));
   EXPECT_NE(ComputeProgramId(copy).value(), own);
   fs::remove(copy);

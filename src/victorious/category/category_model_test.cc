@@ -190,7 +190,7 @@ TEST(CategoryModel, HierarchyHasAScorePerLevel) {
     std::vector<std::string> names;
     for (const CategoryNode& node : model->nodes) names.push_back(node.name);
     EXPECT_THAT(names, ElementsAre("noise", "pair", "pair/cross-disc", "pair/disc-cross"));
-    EXPECT_FALSE(model->nodes[1].can_be_label) << "no image was named by it";
+    EXPECT_FALSE(model->nodes[1].can_be_label) << "no image is labelled with it";
     const auto scores =
         Classify(*model, QuantiseFeatures(*model, examples[0].features), CategoryMethod::kPhrases).scores;
     EXPECT_GT(scores[1].probability, 0.5) << ToText(kCategoryScoringTexts, scoring);

@@ -104,7 +104,7 @@ TEST(Detect, SmallerResidualsRaiseNegLog10Nfa) {
     return Detect(std::span(&one, 1), kScene, {.min_score = 0})[0].neg_log10_nfa;
   };
   EXPECT_GT(neg_log10_nfa(close), neg_log10_nfa(loose) + 3);
-  EXPECT_NEAR(neg_log10_nfa(partly), neg_log10_nfa(six), 0.5) << "those far off neither help nor harm";
+  EXPECT_NEAR(neg_log10_nfa(partly), neg_log10_nfa(six), 0.5) << "distant ones have no influence";
 }
 
 // The NFA of the close matches decides, not the total number of inliers.

@@ -35,7 +35,8 @@ TEST(Ground, RayIntersectsEllipsoidalGround) {
   EXPECT_EQ(Intersect(ground, {0, 0, 110}, {100, 0, 110}).error(), GroundMiss::kAbove);
   EXPECT_EQ(Intersect(ground, {0, 0, 110}, {100, 0, 200}).error(), GroundMiss::kAbove);
   EXPECT_EQ(Intersect(ground, {0, 0, 5}, {100, 0, -50}).error(), GroundMiss::kBelow);
-  EXPECT_EQ(Intersect(ground, {0, 0, 9}, {100, 0, -50}, 3).error(), GroundMiss::kBelow) << "it never emerges";
+  EXPECT_EQ(Intersect(ground, {0, 0, 9}, {100, 0, -50}, 3).error(), GroundMiss::kBelow)
+      << "the ray never leaves the ground";
 }
 
 TEST(Ground, RayIntersectsTheNearerHill) {
@@ -94,7 +95,7 @@ TEST(Ground, UnknownGroundIsSkippedIfTheRayExitsAboveIt) {
   EXPECT_EQ(Intersect(ground_with_hole(250, 350), {0, 0, 100}, {300, 0, 0}).error(), GroundMiss::kUnknown);
   EXPECT_EQ(Intersect(ground_with_hole(250, 1e9), {0, 0, 100}, {300, 0, 0}).error(), GroundMiss::kUnknown);
   EXPECT_TRUE(Intersect(ground_with_hole(-1e9, 200), {0, 0, 100}, {300, 0, 0}))
-      << "the camera outside of what is known";
+      << "the camera outside the known ground";
 }
 
 TEST(Ground, CameraSlightlyBelowGroundUsesExitPoint) {

@@ -143,7 +143,7 @@ TEST(ModelLibrary, ErrorNamesCorruptFile) {
     ExpectError(model.error(), ErrorCode::kDataLoss, std::string(name) + ".vmodel");
   }
   EXPECT_FALSE(library.LoadAll());
-  EXPECT_TRUE(library.Load("crate")) << "the others can still be read";
+  EXPECT_TRUE(library.Load("crate")) << "the others remain readable";
   EXPECT_TRUE(library.Remove("cut"));
 }
 

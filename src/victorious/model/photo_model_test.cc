@@ -106,7 +106,7 @@ TEST(PreparePhoto, OpaqueAlphaChannelChangesNothing) {
   image.alpha = cv::Mat();
   const Photo without = Prepare(image, ObjectBox(image));
   EXPECT_EQ(opaque.outline, without.outline);
-  EXPECT_EQ(cv::norm(opaque.grey, without.grey, cv::NORM_INF), 0) << "its surroundings stay";
+  EXPECT_EQ(cv::norm(opaque.grey, without.grey, cv::NORM_INF), 0) << "its surroundings are unchanged";
 }
 
 TEST(PreparePhoto, BoxAndAlphaAreIntersected) {

@@ -58,7 +58,7 @@ TEST_F(FollowerTest, ObjectsAreRecognisedInTheirRegionsBetweenFullFrames) {
   for (int i = 0; i < kFrames; ++i) {
     for (const ObservedObject& seen : frames.seen[i]) recognised_between += i % 6 != 0 && !seen.tracked() ? 1 : 0;
   }
-  EXPECT_GT(recognised_between, 5) << "the recogniser confirms what is followed";
+  EXPECT_GT(recognised_between, 5) << "the recogniser confirms the track";
 }
 
 // A detection in a predicted region confirms the position; its score is capped by the full-frame score.
@@ -142,7 +142,7 @@ TEST_F(FollowerTest, TrackIdIsKept) {
       const auto before = last.find(*seen.track);
       if (before != last.end()) {
         ++continued;
-        EXPECT_EQ(before->second.first / 12, i / 12) << "tracks begin anew";
+        EXPECT_EQ(before->second.first / 12, i / 12) << "tracks restart";
         if (before->second.first == i - 1) {
           EXPECT_GT(IntersectionOverUnion(before->second.second, seen.detection.box), 0);
         }
@@ -171,7 +171,7 @@ TEST_F(FollowerTest, RestartDiscardsEarlierState) {
     for (std::size_t k = 0; k < seen.size(); ++k) {
       EXPECT_EQ(seen[k].detection.box, all.seen[i][k].detection.box);
       EXPECT_EQ(seen[k].tracked(), all.seen[i][k].tracked());
-      EXPECT_EQ(seen[k].track, all.seen[i][k].track) << "an index that goes on tells the same";
+      EXPECT_EQ(seen[k].track, all.seen[i][k].track) << "a resumed index gives the same";
     }
   }
 }

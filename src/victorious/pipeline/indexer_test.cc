@@ -189,7 +189,7 @@ TEST(Indexer, RedoSearchesAgainWithOtherParameters) {
   EXPECT_EQ(ObjectsOf(*store).size(), ObjectsOf(*fresh).size());
   int kept = 0;
   ASSERT_TRUE(store->VisitKeptFrames({}, [&](const KeptFrame& frame) {
-    EXPECT_EQ(frame.frame % 2, 0) << "kept by the run before";
+    EXPECT_EQ(frame.frame % 2, 0) << "kept by the previous run";
     ++kept;
     return true;
   }));
@@ -229,7 +229,7 @@ TEST(Indexer, ResumedRunEqualsUninterruptedRun) {
   int runs = 0;
   std::int64_t frames = 0;
   while (true) {
-    ASSERT_LT(++runs, 72) << "each does a frame at least";
+    ASSERT_LT(++runs, 72) << "each processes at least one frame";
     CancelToken cancel;
     HookedStore hooked(*store, [&]() -> Status {
       cancel.Cancel();
@@ -354,7 +354,7 @@ TEST(Indexer, SameContentUnderAnotherNameIsTheSameVideo) {
   EXPECT_EQ(report.frames_searched, 0);
   EXPECT_THAT(SightingsOf(*store), SizeIs(sightings));
   ASSERT_THAT(VideosOf(*store), SizeIs(1));
-  EXPECT_EQ(VideosOf(*store).at(0).name, copy) << "named as it was given last";
+  EXPECT_EQ(VideosOf(*store).at(0).name, copy) << "named as last given";
 }
 
 TEST(Indexer, FolderFrameRateIsAnOption) {
@@ -464,7 +464,7 @@ TEST(Indexer, StoreErrorsAreReturnedAndTheRunCanResume) {
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error(), (Error{ErrorCode::kNoSpace, "index.db: no space left"}));
   const std::int64_t done = store->FindSearch(1, 1).value().value().next_frame;
-  EXPECT_GT(done, 0) << "what was committed stays";
+  EXPECT_GT(done, 0) << "committed batches are kept";
   EXPECT_LT(done, 48);
 
   const IndexReport rest = Index(flight.video(), flight.Models(), *store, ManyCommits());

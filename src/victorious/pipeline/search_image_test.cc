@@ -53,7 +53,7 @@ TEST(SearchByImage, FindsTheMomentsThatShowTheQueryObject) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
   const std::vector<VideoSegment> moments = Search(PhotoOf(flight.flight(), 0), *store);
-  ASSERT_THAT(moments, SizeIs(2)) << "at the start, and when the camera comes back";
+  ASSERT_THAT(moments, SizeIs(2)) << "at the start, and when the camera returns";
   for (const VideoSegment& moment : moments) {
     EXPECT_EQ(moment.video, flight.video());
     EXPECT_NEAR(moment.time_s, static_cast<double>(moment.frame) / 2, 1e-3);

@@ -248,7 +248,7 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
   std::vector<std::vector<CategoryExample>> of_image(count);
   std::vector<LabelledImage> images(by_windows ? count : 0);
   std::vector<cv::Mat> backgrounds(sorted.cad_files.empty() ? 0 : count);  // for CAD files
-  const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
+  const auto prepare = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = sorted.images[row];
     const cv::Mat grey = GreyFromBgr(bgr);
     VICTORIOUS_ASSIGN_OR_RETURN(const Box box, ClippedBox(listed, grey.cols, grey.rows));
@@ -264,7 +264,7 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
                                 ExamplesOf(featurizer, grey, box, listed.category, static_cast<int>(row)));
     return {};
   };
-  VICTORIOUS_RETURN_IF_ERROR(ForEachImage(folder, sorted.images, classify, done));
+  VICTORIOUS_RETURN_IF_ERROR(ForEachImage(folder, sorted.images, prepare, done));
 
   std::erase_if(backgrounds, [](const cv::Mat& image) { return image.empty(); });
   for (std::size_t i = 0; i < sorted.cad_files.size(); ++i) {

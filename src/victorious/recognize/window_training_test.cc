@@ -74,7 +74,8 @@ TEST_F(WindowTrainingTest, FindsSeveralSmallObjectsAndNoneInBackground) {
   ASSERT_TRUE(model) << model.error().message;
   const auto finder = CategoryFinder::Create(*model, {});
   ASSERT_TRUE(finder) << finder.error().message;
-  EXPECT_THAT(finder->names(), ::testing::ElementsAre("cross", "ring")) << "nothing is not sought";
+  EXPECT_THAT(finder->names(), ::testing::ElementsAre("cross", "ring"))
+      << "the background category is not searched for";
   int found = 0;
   int false_finds = 0;
   constexpr int kFrames = 6;

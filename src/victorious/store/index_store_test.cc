@@ -376,14 +376,14 @@ TEST_P(IndexStoreTest, DeletingASearchRemovesOnlyItsSightings) {
   EXPECT_THAT(Sightings(), SizeIs(2));
   EXPECT_FALSE(store_->FindSearch(video_, model_)->has_value());
   Reopen();
-  EXPECT_GT(CommitOne(batch), forgotten_id) << "an id is never given twice";
+  EXPECT_GT(CommitOne(batch), forgotten_id) << "ids are not reused";
 }
 
 TEST_P(IndexStoreTest, ModelOfOtherContentReplacesTheOldOne) {
   IndexBatch batch = MakeBatch(0, 2, 0.6);
   batch.progress.push_back(ProgressTo(2, 0));
   CommitOne(batch);
-  EXPECT_EQ(PutModel("humvee", "m1").id, model_) << "the same content stays";
+  EXPECT_EQ(PutModel("humvee", "m1").id, model_) << "the content is the same";
   EXPECT_THAT(Sightings(), SizeIs(2));
 
   const ModelRecord replaced = PutModel("humvee", "m2");
@@ -459,7 +459,7 @@ TEST_P(IndexStoreTest, VisitStopsOnFalse) {
   int seen = 0;
   EXPECT_TRUE(store_->VisitSightings({}, [&](SightingRecord&&) { return ++seen < 2; }));
   EXPECT_EQ(seen, 2);
-  EXPECT_TRUE(store_->SetVideoLength(video_, 5, 2.0)) << "nothing stays locked";
+  EXPECT_TRUE(store_->SetVideoLength(video_, 5, 2.0)) << "no lock remains";
 }
 
 TEST_P(IndexStoreTest, QueriesAreAllowedDuringAVisit) {
@@ -485,7 +485,7 @@ TEST_P(IndexStoreTest, KeptFramesAreVisitedOnceInOrder) {
   batch.kept_frames.push_back({.video = video_, .frame = 90, .time_s = 90});  // without features
   ASSERT_TRUE(store_->Commit(batch));
   for (KeptFrame& kept : batch.kept_frames) kept.time_s = -1;
-  ASSERT_TRUE(store_->Commit(batch)) << "what is there stays";
+  ASSERT_TRUE(store_->Commit(batch)) << "the existing file is unchanged";
 
   EXPECT_THAT(KeptFrames(), ElementsAre(0, 30, 60, 90));
   EXPECT_THAT(KeptFrames({.from_s = 1, .to_s = 60}), ElementsAre(30, 60));

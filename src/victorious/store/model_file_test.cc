@@ -180,12 +180,12 @@ TEST(ModelFileTest, IdIsThatOfTheContent) {
   const std::string id = Parse(Encode(model))->id;
   ObjectModel other = model;
   other.id = "another";
-  EXPECT_EQ(Parse(Encode(other))->id, id) << "the id itself is no content";
+  EXPECT_EQ(Parse(Encode(other))->id, id) << "the id is not part of the content";
   other.options_json = "{}";
   other.program_version = "9.9.9";
   other.name = "blue box";
   other.views[0].source = "/elsewhere/box.png";
-  EXPECT_EQ(Parse(Encode(other))->id, id) << "nothing that is found depends on these";
+  EXPECT_EQ(Parse(Encode(other))->id, id) << "no detection depends on these";
   other = model;
   other.views[0].outline[0].x() += 1;
   EXPECT_NE(Parse(Encode(other))->id, id);

@@ -23,7 +23,7 @@ TEST(CameraTrajectory, InterpolatesPositionLinearlyAndAttitudeOnTheSphere) {
   ASSERT_TRUE(middle && middle->attitude);
   EXPECT_NEAR(DegreesFromRadians(middle->place.longitude_rad), 10.001, 1e-9);
   EXPECT_NEAR(middle->place.altitude_m, 105, 1e-9);
-  EXPECT_NEAR(WrapAngle(middle->attitude->yaw_rad), 0, 1e-9) << "the shorter way, through north";
+  EXPECT_NEAR(WrapAngle(middle->attitude->yaw_rad), 0, 1e-9) << "the smaller angle, through north";
   EXPECT_EQ(track.At(1)->time_s, 1);
 }
 

@@ -229,7 +229,7 @@ TEST(RegionTracker, NewTrackIsSearchedAtPredictedAndOldPosition) {
     passing.Start(world.Draw(before), world.Outline(before));
     const auto step = passing.Step(world.Draw(moved, {280, 200}));
     ASSERT_TRUE(step);
-    EXPECT_EQ(step->seen(), predict) << "the object stands on ground that moves by 80 px per frame";
+    EXPECT_EQ(step->seen(), predict) << "the object is static on ground that moves by 80 px per frame";
     if (predict) {
       EXPECT_GT(IntersectionOverUnion(step->box, BoundingBox(world.Outline(moved))), 0.9);
     }

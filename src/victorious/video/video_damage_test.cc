@@ -199,7 +199,7 @@ TEST(VideoDamage, HoleIsSkippedWithAWarning) {
   EXPECT_FALSE(outcome.error);
   EXPECT_GT(outcome.frames, static_cast<std::size_t>(kFrames / 2));
   EXPECT_EQ(outcome.numbers.front(), 0);
-  EXPECT_EQ(outcome.numbers.back(), kFrames - 1) << "what comes after the hole is read";
+  EXPECT_EQ(outcome.numbers.back(), kFrames - 1) << "frames after the hole are read";
   EXPECT_FALSE(outcome.warnings.empty());
 }
 

@@ -208,7 +208,7 @@ TEST(LiveVideo, SilentSourceEndsWithAWarning) {
   EXPECT_GE(CountFrames(**reader), 240);
   EXPECT_LT(SecondsSince(start), kSilent_s / 2);
   EXPECT_THAT((*reader)->warnings(), Contains(HasSubstr("the source sent nothing for 1 s")));
-  EXPECT_FALSE((*reader)->NextFrame().value()) << "the end stays the end";
+  EXPECT_FALSE((*reader)->NextFrame().value()) << "the end is reported again";
 }
 
 TEST(LiveVideo, UnresponsiveSourceTimesOut) {

@@ -31,7 +31,7 @@ void WriteNumbered(const fs::path& path, const VideoWriterOptions& options, int 
   for (int i = 0; i < frames; ++i) {
     ASSERT_TRUE((*writer)->Write(NumberedImage(i, {options.width, options.height})));
   }
-  EXPECT_FALSE(fs::exists(path)) << "nothing may stand under the name before Finish()";
+  EXPECT_FALSE(fs::exists(path)) << "no file has the name before Finish()";
   const auto finished = (*writer)->Finish();
   ASSERT_TRUE(finished) << finished.error().message;
 }

@@ -290,7 +290,7 @@ TEST_F(SqliteStoreTest, MigratesIndexOfVersion1) {
   EXPECT_FALSE(sightings->back().distance_m);
   const auto ids = store->Commit(Batch(1, 1, 0));
   ASSERT_TRUE(ids) << ids.error().message;
-  EXPECT_EQ(ids->front(), 10) << "no id is given twice";
+  EXPECT_EQ(ids->front(), 10) << "ids are unique";
   EXPECT_EQ(IntegrityCheck(path_), "ok");
 }
 
@@ -477,7 +477,7 @@ TEST_F(SqliteStoreTest, FullDiskIsReportedAndLeavesCompleteBatches) {
             0);
   EXPECT_GT(CountWholeBatches(*OpenOrDie(path_)), 20);
   EXPECT_EQ(IntegrityCheck(path_), "ok");
-  EXPECT_TRUE(CommitBatches(path_, 10'000)) << "it goes on when there is room again";
+  EXPECT_TRUE(CommitBatches(path_, 10'000)) << "it resumes when there is space again";
 }
 
 TEST_F(SqliteStoreTest, FullDiskIsReportedForANewIndex) {
@@ -491,7 +491,7 @@ TEST_F(SqliteStoreTest, FullDiskIsReportedForANewIndex) {
               0)
         << bytes;
   }
-  EXPECT_TRUE(CommitBatches(path_, 20)) << "what is left there is taken as new";
+  EXPECT_TRUE(CommitBatches(path_, 20)) << "the file left there is taken as new";
 }
 
 TEST_F(SqliteStoreTest, ReadOnlyFolderIsReadableNotWritable) {
