@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the words of identifiers in src/: names that the field has another word for must not come back
-(docs/glossary.md). Comments, texts and names of test cases are not checked.
+"""Checks the words of identifiers and of names of tests: words that the field has another word for must not come back
+(docs/glossary.md). Comments and texts are not checked.
 
 Usage: check_words.py [ROOT]
 Prints one line per finding, "path:line: identifier: remedy"; exits with 1 if there is any.
@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import Iterator, NamedTuple
 
-SOURCES = Path("src")
+SOURCES = ("src", "tests", "testing", "experiments", "bench", "assets")
 CODE_ENDINGS = (".h", ".cc", ".cu")
 
 # A word of an identifier, in lower case -> the field's word. Identifiers are split at underscores and capitals.
@@ -22,12 +22,27 @@ WORDS = {
     "sights": "bearing observations",
     "likeness": "NCC score",
     "told": "given or measured",
+    "likest": "nearest",
+    "picture": "image",
+    "pictures": "images",
+    "thing": "object",
+    "things": "objects",
     "scout": "hypothesis or coarse view",
     "scouts": "hypotheses or coarse views",
 }
 FIRST_WORDS = {"least": "min_", "most": "max_"}  # of identifiers with more than one word, `k` apart
 LAST_WORDS = {"share": "_fraction"}  # units apart
 UNITS = {"px", "m", "s", "us", "rad", "deg"}
+
+# A test is named Subject.WhatIsAsserted: a noun and a verb, not a relative clause or a riddle.
+TEST_WORDS = {
+    "alike": "equal or similar",
+    "anew": "again",
+    "tell": "give or estimate",
+    "tells": "gives or estimates",
+    "whatever": "for any",
+}
+FIRST_TEST_WORDS = {"but", "what", "where", "which", "who", "whose"}
 
 # Sequences of words with an accepted meaning.
 EXCEPTIONS = (
@@ -42,7 +57,7 @@ HIDDEN = re.compile(  # comments, raw strings, strings, characters (not the sepa
     r'//[^\n]*|/\*.*?\*/|R"(?P<mark>[^(\s]*)\(.*?\)(?P=mark)"|"(?:\\.|[^"\\\n])*"|(?<![0-9A-Fa-f])\'(?:\\.|[^\'\\\n])+\'',
     re.DOTALL,
 )
-TEST_NAME = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\([^)]*\)", re.MULTILINE)
+TEST_NAME = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\(\s*(?P<suite>\w+),\s*(?P<name>\w+)\)", re.MULTILINE)
 IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z][a-z]*|[a-z]+|\d+")
 
@@ -91,8 +106,26 @@ def blank(match: re.Match) -> str:
     return "\n" * match[0].count("\n") + " "
 
 
+def test_remedy(name: str) -> str | None:
+    """The remedy for the name of a test, if it needs one."""
+    words = words_of(name)
+    for phrase in EXCEPTIONS:
+        words = without(words, phrase)
+    if words and words[0] in FIRST_TEST_WORDS:
+        return f'"{words[0]}": name what is asserted, as a subject and a verb'
+    for word in words:
+        if remedies := WORDS.get(word) or TEST_WORDS.get(word):
+            return f'"{word}": the field says {remedies}'
+    return None
+
+
 def check_text(path: Path, text: str) -> Iterator[Finding]:
-    code = TEST_NAME.sub(blank, HIDDEN.sub(blank, text))
+    visible = HIDDEN.sub(blank, text)
+    for match in TEST_NAME.finditer(visible):
+        for name in (match["suite"], match["name"]):
+            if message := test_remedy(name):
+                yield Finding(path, visible.count("\n", 0, match.start()) + 1, f"{name}: {message}")
+    code = TEST_NAME.sub(blank, visible)
     for number, line in enumerate(code.splitlines(), start=1):
         for identifier in dict.fromkeys(IDENTIFIER.findall(line)):
             if message := remedy(identifier):
@@ -101,7 +134,7 @@ def check_text(path: Path, text: str) -> Iterator[Finding]:
 
 def check(root: Path) -> list[Finding]:
     findings = []
-    for path in sorted((root / SOURCES).rglob("*")):
+    for path in sorted(path for folder in SOURCES for path in (root / folder).rglob("*")):
         if path.suffix in CODE_ENDINGS and path.is_file():
             text = path.read_text(encoding="utf-8", errors="replace")
             findings += check_text(path.relative_to(root), text)

@@ -17,7 +17,7 @@ class CheckWordsTest(unittest.TestCase):
 
     def test_private_words_in_every_spelling(self):
         for name in ("stance", "kStance", "StanceOfBox", "stance_rad", "sight", "SightOptions", "ReadSights", "likeness",
-                     "told_frame", "ScoutViews"):  # fmt: skip
+                     "told_frame", "ScoutViews", "picture_px", "Things", "kLikest"):  # fmt: skip
             self.assertEqual(self.found(f"int {name} = 0;"), [name])
 
     def test_other_words_that_contain_them(self):
@@ -33,9 +33,15 @@ class CheckWordsTest(unittest.TestCase):
     def test_exceptions(self):
         self.assertEqual(self.found("least_squares LinearLeastSquares line_of_sight LinesOfSight kLeastSignificantBit"), [])
 
-    def test_comments_texts_and_names_of_test_cases_are_not_checked(self):
+    def test_names_of_tests(self):
+        self.assertEqual(self.found("TEST(Stance, IsTold) {}\nTEST_F(A, Sight) {}\nTYPED_TEST(A, TellsB) {}\n"),
+                         ["Stance", "IsTold", "Sight", "TellsB"])  # fmt: skip
+        self.assertEqual(self.found("TEST(Linker, WhatMovesIsFound) {}\nTEST_P(\n    Linker, ButNotHere) {}"),
+                         ["WhatMovesIsFound", "ButNotHere"])  # fmt: skip
+        self.assertEqual(self.found("TEST(A, LineOfSightMatches) {}\nTEST(A, IsSomewhat) {}\nTEST(A, MostViews) {}"), [])
+
+    def test_comments_and_texts_are_not_checked(self):
         self.assertEqual(self.found('// sight\n/* told\n*/ f("sight \\" told", \'"\');\nauto q = R"(sight")";\n'), [])
-        self.assertEqual(self.found("TEST(Stance, IsTold) {}\nTEST_F(A, Sight) {}\nTYPED_TEST(A, Sight) {}\n"), [])
         self.assertEqual(self.found("int a = 1'000'000; int sight = 2'000;"), ["sight"])
 
     def test_the_line_is_counted_through_comments_and_texts(self):

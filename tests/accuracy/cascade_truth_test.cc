@@ -41,13 +41,13 @@ struct Counts {
     return *this;
   }
   [[nodiscard]] double TrueKept() const { return static_cast<double>(true_left) / true_before; }
-  [[nodiscard]] double FalseShare() const { return left > 0 ? static_cast<double>(false_left) / left : 0; }
+  [[nodiscard]] double FalseFraction() const { return left > 0 ? static_cast<double>(false_left) / left : 0; }
 };
 
 void Print(const std::string& name, const Counts& counts) {
   fmt::print("{:<24} true kept {:>5} of {:>5} ({:6.2f} %), false {:>3} of {:>5} left ({:5.2f} %)\n", name,
              counts.true_left, counts.true_before, 100 * counts.TrueKept(), counts.false_left, counts.left,
-             100 * counts.FalseShare());
+             100 * counts.FalseFraction());
 }
 
 // The first image of the series is the template, each of `numbers` a scene.
@@ -82,7 +82,7 @@ TEST(CascadeTruth, KeepsTrueAndRejectsFalseMatchesOnPlanarScenes) {
   easy += CountPairs(Series("boat"), {2, 3, 4});
   Print("these five", easy);
   EXPECT_GE(easy.TrueKept(), 0.98);
-  EXPECT_LE(easy.FalseShare(), 0.005);
+  EXPECT_LE(easy.FalseFraction(), 0.005);
 
   // Harder views of the same series, in which the matched part of the scene is planar.
   Counts flat = easy;
@@ -91,7 +91,7 @@ TEST(CascadeTruth, KeepsTrueAndRejectsFalseMatchesOnPlanarScenes) {
   flat += CountPairs(Series("wall"), {5});
   Print("these ten", flat);
   EXPECT_GE(flat.TrueKept(), 0.98);
-  EXPECT_LE(flat.FalseShare(), 0.005);
+  EXPECT_LE(flat.FalseFraction(), 0.005);
 
   // Two scenes are not planar: a pillar stands out of the wall, and boats and a bank are in front of the plane of
   // boat's homographies. Nearly all matches there are correct, although the homography makes them false.
@@ -100,7 +100,7 @@ TEST(CascadeTruth, KeepsTrueAndRejectsFalseMatchesOnPlanarScenes) {
   all += CountPairs(Series("wall"), {3});
   Print("all twelve", all);
   EXPECT_GE(all.TrueKept(), 0.98);
-  EXPECT_LE(all.FalseShare(), 0.01);
+  EXPECT_LE(all.FalseFraction(), 0.01);
 }
 
 // Thresholds learnt from simulated images of vehicles generalise to unrelated photographs.
@@ -113,7 +113,7 @@ TEST(CascadeTruth, LearntThresholdsGeneralizeToPhotographs) {
   all += CountPairs(Series("wall"), {3, 5}, learnt);
   Print("all twelve, learnt", all);
   EXPECT_GE(all.TrueKept(), 0.98);
-  EXPECT_LE(all.FalseShare(), 0.005);
+  EXPECT_LE(all.FalseFraction(), 0.005);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ ObjectOptions Exact() {
 }
 
 // A camera flies past the origin. Tracked observations inherit the error of their recognition.
-std::vector<BearingObservation> FliesPast(std::uint64_t seed, double attitude_rad = 0) {
+std::vector<BearingObservation> SimulateFlyby(std::uint64_t seed, double attitude_rad = 0) {
   Random random(seed);
   const auto error = [&](double sigma) { return Vector2d(sigma * random.Normal(), sigma * random.Normal()); };
   const TangentPlane plane(kOrigin);
@@ -69,7 +69,7 @@ template <typename Change>
 double Coverage(const Change& change) {
   int inside = 0;
   for (int flight = 0; flight < kFlights; ++flight) {
-    std::vector<BearingObservation> observations = FliesPast(static_cast<std::uint64_t>(flight));
+    std::vector<BearingObservation> observations = SimulateFlyby(static_cast<std::uint64_t>(flight));
     change(observations);
     const auto place = EstimatePlace(observations, Exact(), 1).place;
     if (!place) continue;
@@ -95,7 +95,7 @@ TEST(ObjectPlace, RangeErrorIsCommonEvenIfFirstObservationHasNoRange) {
 }
 
 TEST(ObjectPlace, TrackedObservationsDoNotReduceCovariance) {
-  const std::vector<BearingObservation> all = FliesPast(1);
+  const std::vector<BearingObservation> all = SimulateFlyby(1);
   std::vector<BearingObservation> recognised;
   for (std::size_t i = 0; i < all.size(); i += kFollowed) recognised.push_back(all[i]);
   const auto with = EstimatePlace(all, Exact(), 1).place;
@@ -106,7 +106,7 @@ TEST(ObjectPlace, TrackedObservationsDoNotReduceCovariance) {
 
 TEST(ObjectPlace, TelemetryNoiseAveragesOutOverTrackedObservations) {
   const double attitude_rad = 5 * kSigma;
-  std::vector<BearingObservation> all = FliesPast(1, attitude_rad);
+  std::vector<BearingObservation> all = SimulateFlyby(1, attitude_rad);
   for (BearingObservation& observation : all) observation.line.range_m.reset();
   std::vector<BearingObservation> recognised;
   for (std::size_t i = 0; i < all.size(); i += kFollowed) recognised.push_back(all[i]);
@@ -129,7 +129,7 @@ TEST(ObjectPlace, DriftedObservationsHaveLessWeight) {
 }
 
 TEST(ObjectPlace, ResidualCombinesLineAndRange) {
-  BearingObservation observation = FliesPast(1, 0).front();
+  BearingObservation observation = SimulateFlyby(1, 0).front();
   LocateOptions errors;
   errors.line.position_m = 0;
   errors.common = {.position_m = 0, .height_m = 0, .heading_deg = 0, .boresight_rise_deg = 0, .range_fraction = 0};
@@ -150,7 +150,8 @@ TEST(ObjectPlace, ResidualCombinesLineAndRange) {
   const Eigen::Vector3d beside = 100 * along + 3 * along.unitOrthogonal();
   EXPECT_NEAR(MahalanobisDistance(observation, at(beside), 0, errors, 1), 3, 0.02);
   observation.line.range_m.reset();
-  EXPECT_NEAR(MahalanobisDistance(observation, at(108 * along), 0, errors, 1), 0, 0.01) << "the line alone misses it";
+  EXPECT_NEAR(MahalanobisDistance(observation, at(108 * along), 0, errors, 1), 0, 0.01)
+      << "without a range only the direction counts";
   EXPECT_EQ(MahalanobisDistance(observation, at(-100 * along), 0, errors, 1), std::numeric_limits<double>::infinity());
 }
 

@@ -18,7 +18,7 @@ cv::Mat Degraded(const DegradeOptions& options, std::uint64_t seed) {
   return image;
 }
 
-double ShareOf(const cv::Mat& image, const cv::Scalar& colour) {
+double FractionOf(const cv::Mat& image, const cv::Scalar& colour) {
   cv::Mat mask;
   cv::inRange(image, colour, colour, mask);
   return cv::countNonZero(mask) / static_cast<double>(image.total());
@@ -28,9 +28,9 @@ TEST(Degrade, DefaultIsIdentity) { EXPECT_EQ(cv::norm(Degraded({}, kSeed), Grey(
 
 TEST(Degrade, SaltAndPepperHaveTheGivenFraction) {
   const cv::Mat noisy = Degraded({.noise = 0.15}, kSeed);
-  EXPECT_NEAR(ShareOf(noisy, {255, 255, 255}), 0.075, 0.006);
-  EXPECT_NEAR(ShareOf(noisy, {0, 0, 0}), 0.075, 0.006);
-  EXPECT_NEAR(ShareOf(noisy, {120, 120, 120}), 0.85, 0.01);
+  EXPECT_NEAR(FractionOf(noisy, {255, 255, 255}), 0.075, 0.006);
+  EXPECT_NEAR(FractionOf(noisy, {0, 0, 0}), 0.075, 0.006);
+  EXPECT_NEAR(FractionOf(noisy, {120, 120, 120}), 0.85, 0.01);
 }
 
 TEST(Degrade, GaussianNoiseHasItsSigmaInEachChannel) {
@@ -48,7 +48,7 @@ TEST(Degrade, BlurPrecedesNoise) {
   image.colRange(150, 300).setTo(cv::Scalar(220, 220, 220));
   Degrade({.blur_px = 2, .noise = 0.05}, kSeed, image);
   // The edge is blurred, but the salt-and-pepper pixels on it are fully white and black.
-  EXPECT_GT(ShareOf(image, {255, 255, 255}), 0.02);
+  EXPECT_GT(FractionOf(image, {255, 255, 255}), 0.02);
   int between = 0;
   for (int row = 0; row < image.rows; ++row) {
     const int grey = image.at<cv::Vec3b>(row, 150)[0];

@@ -35,7 +35,7 @@ TEST(FisherEncoder, VectorsHaveUnitLengthAndAreDeterministic) {
 }
 
 // Features of one of two clusters, with weak noise.
-FeatureSet OfKind(bool first, std::uint64_t seed) {
+FeatureSet FeaturesOfCluster(bool first, std::uint64_t seed) {
   Random random(seed);
   FeatureSet features;
   features.image_width = features.image_height = 100;
@@ -50,16 +50,17 @@ FeatureSet OfKind(bool first, std::uint64_t seed) {
 }
 
 TEST(FisherEncoder, ClustersHaveTheirOwnComponents) {
-  const FeatureSet a = OfKind(true, 1);
-  const FeatureSet b = OfKind(false, 2);
+  const FeatureSet a = FeaturesOfCluster(true, 1);
+  const FeatureSet b = FeaturesOfCluster(false, 2);
   const std::vector<const FeatureSet*> sets = {&a, &b};
   const FisherEncoder encoder = FisherEncoder::Learn(
       sets, {.components = 2, .dimensions = 2, .append_position = false, .samples = 500, .iterations = 20}, 3);
   EXPECT_NEAR(encoder.mixture_weight(0), 0.5, 0.01);
   // The first principal axis (the last row) separates the clusters; its variance within a cluster is small.
   EXPECT_GT(std::abs(encoder.centre(1, 0) - encoder.centre(1, 1)), 10 * encoder.deviation.row(1).maxCoeff() / 3);
-  const Eigen::VectorXf one = encoder.Encode(OfKind(true, 3));
-  EXPECT_GT(one.dot(encoder.Encode(OfKind(true, 4))), one.dot(encoder.Encode(OfKind(false, 5))) + 0.3);
+  const Eigen::VectorXf one = encoder.Encode(FeaturesOfCluster(true, 3));
+  EXPECT_GT(one.dot(encoder.Encode(FeaturesOfCluster(true, 4))),
+            one.dot(encoder.Encode(FeaturesOfCluster(false, 5))) + 0.3);
 }
 
 TEST(FisherEncoder, PositionsAreUsedOnlyIfEnabled) {
