@@ -79,7 +79,7 @@ class PageTest(unittest.TestCase):
             self.assertEqual(run.returncode, 1)
             self.assertIn("must be at most", run.stderr)
 
-    def test_pivot_puts_names_across(self):
+    def test_pivot_puts_names_in_columns(self):
         rows = [{"x": 1, "name": "a", "v": 5}, {"x": 1, "name": "b", "v": 6}, {"x": 2, "name": "a", "v": 7}]
         self.assertEqual(chapter_page.pivot(rows, ["x"], "name", lambda row: row["v"], ["a", "b"]),
                          [{"x": 1, "a": 5, "b": 6}, {"x": 2, "a": 7}])

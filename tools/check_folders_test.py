@@ -33,19 +33,19 @@ class CheckFoldersTest(unittest.TestCase):
     def assert_finds(self, *expected):
         self.assertEqual([str(finding) for finding in check_folders.check(self.root)], list(expected))
 
-    def test_what_agrees_is_fine(self):
+    def test_consistent_documents_are_accepted(self):
         self.assert_finds()
 
-    def test_a_folder_without_a_row(self):
+    def test_folder_without_a_row(self):
         self.put("ARCHITECTURE.md", ARCHITECTURE.replace("| 3 | `match/` | matches |\n", ""))
         self.assert_finds("ARCHITECTURE.md:1: has no row for match/: add | 3 | `match/` | what it is |")
 
-    def test_a_row_without_a_folder(self):
+    def test_row_without_a_folder(self):
         self.put("ARCHITECTURE.md", "| 4 | [`magic/`](magic) | wands |\n" + ARCHITECTURE)
         (self.root / "magic").mkdir()
         self.assert_finds("ARCHITECTURE.md:1: lists magic/, which layers.toml does not: take the row out")
 
-    def test_a_row_with_another_level(self):
+    def test_row_with_another_level(self):
         self.put("ARCHITECTURE.md", ARCHITECTURE.replace("| 3 |", "| 2 |"))
         self.assert_finds("ARCHITECTURE.md:2: gives match/ level 2: layers.toml says 3")
 
@@ -53,33 +53,33 @@ class CheckFoldersTest(unittest.TestCase):
         self.put("ARCHITECTURE.md", ARCHITECTURE + "| 0 | `base/` | again |\n")
         self.assert_finds("ARCHITECTURE.md:5: lists base/ again, after line 1")
 
-    def test_a_folder_beside_the_sources_that_is_gone(self):
+    def test_missing_folder_beside_the_sources(self):
         (self.root / "bench/main.cc").unlink()
         (self.root / "bench").rmdir()
         self.assert_finds("ARCHITECTURE.md:4: lists bench/, which is no folder: take the row out")
 
-    def test_a_folder_without_a_readme(self):
+    def test_folder_without_a_readme(self):
         (self.root / "src/victorious/match/README.md").unlink()
         self.put("src/victorious/match/match.h", "")
         self.assert_finds(
             "src/victorious/match/README.md:1: is missing: say what goes in, what comes out, the method and its source"
         )
 
-    def test_a_readme_that_lists_what_is_gone(self):
+    def test_readme_lists_missing_files(self):
         for row, name in (("| `none.h` | none |", "none.h"), ("- `sub/none.cc`: none", "sub/none.cc"), ("- `none/`", "none/")):
             self.put("src/victorious/match/README.md", row + "\n")
             self.assert_finds(
                 f"src/victorious/match/README.md:1: lists {name}, which is not in match/: take the line out"
             )
 
-    def test_links_that_lead_nowhere(self):
+    def test_broken_links(self):
         self.put("README.md", "[a](docs/none.md#part) [b](ARCHITECTURE.md#levels) [c](#here)\n")
         self.assert_finds("README.md:1: links docs/none.md, which does not exist")
         self.put("README.md", "")
         self.put("src/victorious/match/README.md", "[a](../base/error.h) [b](../../docs/none.md)\n")
         self.assert_finds("src/victorious/match/README.md:1: links ../../docs/none.md, which does not exist")
 
-    def test_the_exit_status_says_whether_there_is_a_finding(self):
+    def test_exit_status_is_1_with_findings(self):
         output = io.StringIO()
         with contextlib.redirect_stdout(output):
             self.assertEqual(check_folders.main([str(self.root)]), 0)

@@ -39,7 +39,7 @@ class CheckLayersTest(unittest.TestCase):
         text = '#include "victorious/video/reader.h"\n#include "victorious/base/error.h"\n#include <vector>\n'
         self.assertEqual(self.findings("src/victorious/video/reader.cc", text), [])
 
-    def test_a_higher_level_is_reported_with_its_line(self):
+    def test_higher_level_is_reported_with_its_line(self):
         self.assert_one(
             "src/victorious/base/error.h:3: includes victorious/geometry/box.h (level 1) from base (level 0): "
             "only lower levels may be included",
@@ -47,7 +47,7 @@ class CheckLayersTest(unittest.TestCase):
             '// text\n\n#include "victorious/geometry/box.h"\n',
         )
 
-    def test_the_same_level_is_reported(self):
+    def test_same_level_is_reported(self):
         self.assert_one(
             "src/victorious/store/export.cc:1: includes victorious/video/reader.h (level 3) from store (level 3): "
             "only lower levels may be included",
@@ -55,7 +55,7 @@ class CheckLayersTest(unittest.TestCase):
             '#include "victorious/video/reader.h"\n',
         )
 
-    def test_a_test_may_include_folders_of_its_own_level(self):
+    def test_test_may_include_folders_of_its_own_level(self):
         text = '#include "victorious/video/reader.h"\n'
         self.assertEqual(self.findings("src/victorious/store/export_test.cc", text), [])
         self.assert_one(
@@ -65,7 +65,7 @@ class CheckLayersTest(unittest.TestCase):
             text,
         )
 
-    def test_the_product_includes_no_research_and_no_tool(self):
+    def test_product_includes_no_research_and_no_tool(self):
         for header in ("experiments/experiment.h", "assets/make/mesh.h", "bench/harness.h"):
             for path in ("src/victorious/cli/main.cc", "src/victorious/cli/main_test.cc"):
                 with self.subTest(header=header, path=path):
@@ -86,14 +86,14 @@ class CheckLayersTest(unittest.TestCase):
         found = self.findings("src/victorious/geometry/robust/a.h", '#include "victorious/video/reader.h"\n')
         self.assertIn("from geometry (level 1)", found[0])
 
-    def test_angle_brackets_and_spaces_hide_nothing(self):
+    def test_angle_brackets_and_spaces_are_parsed(self):
         found = self.findings("src/victorious/base/a.h", "#  include  <victorious/cli/main.h>\n")
         self.assertIn("includes victorious/cli/main.h (level 7) from base (level 0)", found[0])
 
-    def test_an_include_in_a_line_comment_does_not_count(self):
+    def test_include_in_a_comment_is_ignored(self):
         self.assertEqual(self.findings("src/victorious/base/a.h", '// #include "victorious/cli/main.h"\n'), [])
 
-    def test_an_unknown_folder_is_reported(self):
+    def test_unknown_folder_is_reported(self):
         self.assert_one(
             "src/victorious/cli/main.cc:1: includes victorious/magic/wand.h: layers.toml lists no folder magic",
             "src/victorious/cli/main.cc",
@@ -117,7 +117,7 @@ class CheckLayersTest(unittest.TestCase):
             self.assertEqual(len(found), 1)
             self.assertIn("name it from the root", found[0])
 
-    def test_third_party_headers_have_their_places(self):
+    def test_third_party_headers_have_their_folders(self):
         cases = (
             ("<libavformat/avformat.h>", "video/a.cc", "cli/a.cc", "FFmpeg"),
             ("<libswscale/swscale.h>", "video/a.h", "store/a.cc", "FFmpeg"),
@@ -145,7 +145,7 @@ class CheckLayersTest(unittest.TestCase):
                 self.assertIn(text, found[0])
                 (self.root / "src/victorious" / wrong).unlink()
 
-    def test_the_json_declarations_are_fine_in_headers(self):
+    def test_json_declarations_are_allowed_in_headers(self):
         self.assertEqual(self.findings("src/victorious/base/a.h", "#include <nlohmann/json_fwd.hpp>\n"), [])
 
     def test_opencvs_umbrella_header_is_refused_everywhere(self):
@@ -166,10 +166,10 @@ class CheckLayersTest(unittest.TestCase):
                 self.assertEqual(len(found), 1)
                 self.assertTrue(found[0].startswith("bench/a.cc:2: says "))
 
-    def test_a_template_of_a_temporary_name_is_no_mark(self):
+    def test_template_of_a_temporary_name_is_no_mark(self):
         self.assertEqual(self.findings("testing/data.cc", f'mkdtemp("test-{"X" * 6}");\n'), [])
 
-    def test_everything_is_reported_and_the_exit_status_says_so(self):
+    def test_every_finding_is_reported_with_exit_status_1(self):
         self.put("src/victorious/base/a.h", '#include "victorious/cli/b.h"\n#include "victorious/video/c.h"\n')
         output = io.StringIO()
         with contextlib.redirect_stdout(output):

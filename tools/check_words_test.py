@@ -20,7 +20,7 @@ class CheckWordsTest(unittest.TestCase):
                      "told_frame", "ScoutViews", "picture_px", "Things", "kLikest"):  # fmt: skip
             self.assertEqual(self.found(f"int {name} = 0;"), [name])
 
-    def test_other_words_that_contain_them(self):
+    def test_accepted_words_that_contain_them(self):
         for name in ("distance_m", "instances", "MeshInstance", "sighting", "Sightings", "shared", "kMostlyInside", "at_least"):
             self.assertEqual(self.found(f"int {name} = 0;"), [])
 
@@ -44,11 +44,11 @@ class CheckWordsTest(unittest.TestCase):
         self.assertEqual(self.found('// sight\n/* told\n*/ f("sight \\" told", \'"\');\nauto q = R"(sight")";\n'), [])
         self.assertEqual(self.found("int a = 1'000'000; int sight = 2'000;"), ["sight"])
 
-    def test_the_line_is_counted_through_comments_and_texts(self):
+    def test_lines_are_counted_through_comments_and_texts(self):
         text = '/* one\ntwo */\nauto q = R"(\n)"; int sight;\n'
         self.assertEqual([finding.line for finding in check_words.check_text(Path("a.cc"), text)], [4])
 
-    def test_the_tree_and_the_exit_status(self):
+    def test_tree_and_exit_status(self):
         with tempfile.TemporaryDirectory() as scratch:
             source = Path(scratch) / "src/a.h"
             source.parent.mkdir()

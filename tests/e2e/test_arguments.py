@@ -41,7 +41,7 @@ class ArgumentsTest(program.ProgramTest):
             with self.subTest(arguments):
                 self.refuses_unchanged(words, *arguments)
 
-    def test_flags_that_are_unknown_or_have_no_sense(self):
+    def test_unknown_and_meaningless_flags(self):
         out = self.scratch / "out.png"
         for words, arguments in (
             ("--colour", ("search", "--db", INDEX, "--colour", "red")),
@@ -101,7 +101,7 @@ class ArgumentsTest(program.ProgramTest):
             self.refuses_unchanged(words, "frame", VIDEO, "--at", at, "--out", self.scratch / "x.png")
         self.refuses_unchanged("--number", "frame", VIDEO, "--number", "-1", "--out", self.scratch / "x.png")
 
-    def test_times_as_clocks_show_them(self):
+    def test_times_with_minutes_and_hours(self):
         for at in ("1", "0:01", "0:00:01.0"):
             self.succeeds("frame", VIDEO, "--at", at, "--out", self.scratch / "frame.png")
             self.assertEqual(len(set(self.files().values())), 1, at)
@@ -125,7 +125,7 @@ class ArgumentsTest(program.ProgramTest):
         truth = program.flight() / "truth.jsonl"
         self.refuses_unchanged("nope", "evaluate", "--db", INDEX, "--truth", truth, "--video", "nope")
 
-    def test_why_nothing_is_near(self):
+    def test_empty_near_search_is_explained(self):
         done = self.succeeds("search", "--db", INDEX, "--near", "48,11,50")
         self.assertEqual(done.out, "nothing found\n")
         self.assertEqual(len(done.messages()), 1, done.err)
@@ -154,7 +154,7 @@ class ArgumentsTest(program.ProgramTest):
         self.succeeds("model", "add", "third", CRATE, CRATE, "--models", models, *box, *box)
         self.succeeds("evaluate", "--models", "crate,truck", "--db", INDEX, "--truth", program.flight() / "truth.jsonl")
 
-    def test_a_photo_that_is_not_cut_out_is_told(self):
+    def test_whole_photo_is_reported(self):
         whole = self.scratch / "whole.png"
         self.succeeds("frame", VIDEO, "--number", "0", "--out", whole)
         models = ("--models", self.scratch / "models")
@@ -180,7 +180,7 @@ class ArgumentsTest(program.ProgramTest):
         line = self.refuses(2, "", "index", VIDEO, "--models", "a\nb", "--db", self.scratch / "db", "--no\nflag")
         self.assertNotRegex(line, r"[\x00-\x1f]")
 
-    def test_experiments_are_told_by_name(self):
+    def test_unknown_experiments_are_refused_by_name(self):
         lines = self.succeeds("experiment", "list").out.splitlines()
         self.assertGreater(len(lines), 30)
         for line in lines:
@@ -190,7 +190,7 @@ class ArgumentsTest(program.ProgramTest):
         self.refuses_unchanged("--out", "experiment", names[0])
         self.assertIn(lines[0], self.succeeds("experiment", "--help").out)
 
-    def test_the_other_programs_get_their_arguments_as_given(self):
+    def test_other_programs_get_their_arguments_unchanged(self):
         self.assertIn("mlesac", self.succeeds("bench", "--help").out)
         self.assertIn("speed", self.refuses(2, "mlesac", "bench", "speed", "--json"))
         self.assertIn("--movies", self.succeeds("experiment", "--help").out)

@@ -18,7 +18,7 @@ class VideosTest(program.ProgramTest):
         self.assertEqual([path for path in self.scratch.iterdir() if path.name.startswith("index")], [])
         self.refuses(2, video, "doctor", video)
 
-    def test_a_video_that_was_replaced_is_not_drawn_on(self):
+    def test_replaced_video_is_not_drawn(self):
         video = self.write("flight.mkv", SHORT.read_bytes())
         db, sheet = self.scratch / "index.db", self.scratch / "sheet.png"
         self.succeeds("index", video, "--models", MODELS, "--db", db)
@@ -36,7 +36,7 @@ class VideosTest(program.ProgramTest):
         self.write("texts/notes.txt", "no image")
         self.refuses_video(self.scratch / "texts", "without images")
 
-    def test_a_bad_video_beside_a_good_one_is_told_and_the_good_one_indexed(self):
+    def test_bad_video_is_reported_and_the_good_one_indexed(self):
         db = self.scratch / "index.db"
         missing = self.scratch / "none.mp4"
         done = program.run("index", missing, SHORT, "--models", MODELS, "--db", db)
@@ -47,7 +47,7 @@ class VideosTest(program.ProgramTest):
         self.refuses(2, missing, "index", missing, "--models", MODELS, "--db", db)
         self.assertEqual(self.export(db, "sightings"), before)
 
-    def test_a_model_under_a_video_s_name(self):
+    def test_model_named_like_a_video(self):
         model = self.write("model.mp4", (MODELS / "crate.vmodel").read_bytes())
         self.refuses(2, model, "index", model, "--models", MODELS, "--db", self.scratch / "index.db")
         self.assertIn("a model: crate", self.succeeds("doctor", model).out)
@@ -63,13 +63,13 @@ class VideosTest(program.ProgramTest):
         mp4 = (program.flight() / "flight.mp4").read_bytes()
         self.refuses_video(self.write("cut.mp4", mp4[: len(mp4) // 2]))  # the frame index is at the end of the file
 
-    def test_a_url_that_does_not_answer(self):
+    def test_unresponsive_url(self):
         self.refuses(
             2, "http://127.0.0.1:1/video", "index", "http://127.0.0.1:1/video", "--models", MODELS,
             "--db", self.scratch / "index.db",
         )  # fmt: skip
 
-    def test_a_bad_video_does_not_keep_the_others_out(self):
+    def test_bad_video_does_not_stop_the_others(self):
         db, bad = self.scratch / "index.db", self.write("bad.mkv", "no video")
         done = program.run("index", bad, SHORT, self.scratch / "none.mkv", "--models", MODELS, "--db", db)
         self.assertEqual(done.status, 2, done.err)
@@ -91,7 +91,7 @@ class PhotosTest(program.ProgramTest):
         self.refuses(2, [photo, words], "search", "--db", INDEX, "--image", photo)
         self.assertFalse(out.exists())
 
-    def test_not_a_image(self):
+    def test_not_an_image(self):
         none, out = self.scratch / "none.png", self.scratch / "out"
         self.refuses_photo(none)
         png = CRATE.read_bytes()
@@ -235,7 +235,7 @@ class TruthTest(program.ProgramTest):
 
 
 class DataTest(program.ProgramTest):
-    def test_a_folder_of_data_that_is_not_there(self):
+    def test_missing_data_folder(self):
         none, out = self.scratch / "none", self.scratch / "out"
         self.refuses(2, ["--data", none], "experiment", "table3.2", "--data", none, "--out", out)
         self.assertFalse(out.exists())

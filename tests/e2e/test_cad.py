@@ -98,7 +98,7 @@ class CadTest(program.ProgramTest):
 
 
 class GoodTest(CadTest):
-    def test_a_textured_roof(self):
+    def test_textured_roof(self):
         self.assertEqual(self.add(self.write_roof()).messages(), [])
         shown = self.shown()
         self.assertEqual([shown["kind"], shown["views"], shown["length_m"]], ["cad", 1, 4])
@@ -155,14 +155,14 @@ class GoodTest(CadTest):
         self.assertAlmostEqual(self.shown()["length_m"], 5, 4)
 
     @unittest.skipUnless(OUTSIDE.is_dir(), "no outside models")
-    def test_an_outside_model_in_time(self):
+    def test_external_model_in_time(self):
         began = time.monotonic()
         self.succeeds("model", "add", "humvee", OUTSIDE / "humvee.glb", "--models", self.models)
         self.assertLess(time.monotonic() - began, 60)  # 30 s on two idle cores
 
 
 class DamagedInPartTest(CadTest):
-    def test_a_missing_texture(self):
+    def test_missing_texture(self):
         cad = self.write_roof(extra="usemtl gone\nv 3 0 1\nv 4 0 0\nv 3 0 -1\nf 5/1 6/2 7/3\nusemtl roof\n")
         self.write("roof.mtl", MTL + "newmtl gone\nKd 1 1 1\nmap_Kd gone.png\n")
         done = self.add(cad)
@@ -170,7 +170,7 @@ class DamagedInPartTest(CadTest):
         self.assertRegex(done.messages()[0], "^warning: .*gone.png: no such file")
         self.assertGreater(self.shown()["features"], 50)
 
-    def test_vertices_that_are_no_numbers(self):
+    def test_non_finite_vertices(self):
         extra = "v nan 0 0\nv 0 nan 1\nv 1 inf 0\nf 5/1 6/2 7/3\nf 1/1 2/2 5/3\n"
         done = self.add(self.write_roof(extra=extra))
         self.assertGreater(self.shown()["features"], 50)
@@ -184,7 +184,7 @@ class BadTest(CadTest):
         self.refuses_cad(self.write("a.ply", ply + "end_header\n0 0 0\n1 0 0\n0 1 0\n"))
         self.refuses_cad(self.write("a.glb", glb({"scene": 0, "scenes": [{"nodes": []}]})))
 
-    def test_only_vertices_that_are_no_numbers(self):
+    def test_only_non_finite_vertices(self):
         self.refuses_cad(self.write("a.obj", "v nan nan nan\nv nan 0 0\nv 0 nan 0\nf 1 2 3\n"))
 
     def test_no_texture(self):
@@ -207,7 +207,7 @@ class BadTest(CadTest):
         after = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
         self.assertLess(after / 2**20, max(4, before / 2**20))  # GiB
 
-    def test_hostile_gltf(self):
+    def test_malicious_gltf(self):
         cyclic = triangle() | {"nodes": [{"mesh": 0, "children": [1]}, {"children": [0]}]}
         chain = [{"children": [i + 1]} for i in range(200_000)] + [{"mesh": 0}]
         hostile = {

@@ -95,7 +95,7 @@ class CategoryTest(program.ProgramTest):
         words = self.classify(model, "--method", "words")
         self.assertNotEqual([row["scores"] for row in words], [row["scores"] for row in results])
 
-    def test_what_no_background_means_is_told(self):
+    def test_missing_background_is_reported(self):
         def train(rows):
             listed, params = self.write("list.csv", listing(rows)), self.write("params.json", json.dumps(SMALL))
             return self.succeeds(
@@ -108,12 +108,12 @@ class CategoryTest(program.ProgramTest):
         self.assertIn("every image is labelled as one of the categories", told[0])
         self.assertEqual(train([row.replace(",disc-cross,", ",background,") for row in TRAIN]), [])
 
-    def test_the_thesis_method(self):
+    def test_thesis_method(self):
         model = self.train(None, {"scoring": "likelihood", "words_per_keypoint": 1})
         for method in ("phrases", "words"):
             self.assertEqual(len(self.classify(model, "--method", method)), len(TEST))
 
-    def test_the_seed_decides(self):
+    def test_depends_on_the_seed(self):
         first = self.train(None, None, "--seed", "7").read_bytes()
         self.assertEqual(self.train(None, None, "--seed", "7").read_bytes(), first)
         self.assertNotEqual(self.train(None, None, "--seed", "8").read_bytes(), first)
@@ -149,7 +149,7 @@ class CategoryTest(program.ProgramTest):
         self.refuses(2, "boat", *command, self.write("boat.csv", f"image,category,mark\n{image},boat,right\n"))
         self.assertFalse(better.exists())
 
-    def test_a_cad_file_stands_for_its_kind(self):
+    def test_cad_file_represents_its_category(self):
         model = self.scratch / "model.vcat"
         jet = program.REPOSITORY / "assets" / "models" / "jet.glb"
         nothing = [f"{row.split(',')[0]},background,,,," for row in TRAIN]

@@ -76,7 +76,7 @@ class FindsTest(program.ProgramTest):
         text = self.succeeds("search", "--db", program.index()).out
         self.assertEqual(len(text.splitlines()), len(rows) + 1)
 
-    def test_search_by_image_finds_what_no_model_was_made_of(self):
+    def test_search_by_image_needs_no_model(self):
         rows = self.succeeds(
             "search", "--db", program.index(), "--image", program.flight() / "sign.png", "--json"
         ).rows()
@@ -146,7 +146,7 @@ class FindsTest(program.ProgramTest):
             self.assertTrue(0.5 <= row["time_s"] <= 2, row["time_s"])
         self.assertEqual(list(self.files()), ["sightings.jsonl"])
 
-    def test_what_was_rejected_is_listed_with_its_reason_where_asked_for(self):
+    def test_rejected_objects_are_listed_on_request(self):
         db = self.scratch / "index.db"
         # An object that is not in the flight: all of its detections are false, and weak.
         image = self.write("noise.ppm", b"P6\n96 72\n255\n" + random.Random(1).randbytes(3 * 96 * 72))
@@ -222,7 +222,7 @@ class FindsTest(program.ProgramTest):
 
 
 class IndexTest(program.ProgramTest):
-    def test_runs_again_goes_on_with_new_models_and_doubles_nothing(self):
+    def test_second_run_searches_new_models_only(self):
         models, db = self.scratch / "models", self.scratch / "index.db"
         models.mkdir()
         shutil.copy(program.models() / "truck.vmodel", models)
@@ -268,7 +268,7 @@ class IndexTest(program.ProgramTest):
         self.succeeds(*flags, "--redo")
         self.assertEqual(*(without_ids(self.export(d, "sightings")) for d in (db, program.index())))
 
-    def test_a_folder_of_images_is_a_video(self):
+    def test_folder_of_images_is_a_video(self):
         folder, db = self.scratch / "frames", self.scratch / "index.db"
         folder.mkdir()
         for number in range(3):

@@ -27,7 +27,7 @@ class DamageTest(program.ProgramTest):
         super().setUp()
         self.whole = [json.loads(line) for line in self.export(INDEX, "sightings").splitlines()]
 
-    def test_a_file_that_is_cut_off(self):
+    def test_truncated_file(self):
         content = VIDEO.read_bytes()
         sightings, warnings = self.index(self.write("cut.mkv", content[: len(content) * 6 // 10]))
         self.assertGreater(len(warnings), 0)
@@ -36,7 +36,7 @@ class DamageTest(program.ProgramTest):
         expected = [(row["frame"], row["model"], row["box"]) for row in self.whole][: len(sightings)]
         self.assertEqual([(row["frame"], row["model"], row["box"]) for row in sightings], expected)
 
-    def test_that_it_is_cut_off_is_told_of_a_time_beyond(self):
+    def test_time_beyond_a_truncated_video(self):
         content = VIDEO.read_bytes()
         cut = self.write("cut.mkv", content[: len(content) * 6 // 10])
         out = self.scratch / "out"
@@ -47,7 +47,7 @@ class DamageTest(program.ProgramTest):
         self.assertIn("decoding stopped at", self.succeeds("track", cut, *box, "0", "--out", out).err)
         self.assertIn("stopped at", self.succeeds("doctor", cut).out)
 
-    def test_a_hole_in_the_middle(self):
+    def test_hole_in_the_middle(self):
         content = bytearray(VIDEO.read_bytes())
         middle = len(content) // 2
         content[middle : middle + len(content) // 10] = b"\x5a" * (len(content) // 10)
@@ -55,7 +55,7 @@ class DamageTest(program.ProgramTest):
         self.assertGreater(len(warnings), 0)
         self.assertGreater(len(sightings), 5)
 
-    def test_a_folder_with_a_bad_image(self):
+    def test_folder_with_a_bad_image(self):
         folder = self.scratch / "frames"
         folder.mkdir()
         for number in range(4):

@@ -42,7 +42,7 @@ class DemoTest(program.ProgramTest):
         east = math.radians(told["longitude_deg"] - true["longitude_deg"]) * 6.37e6
         return math.hypot(north, east * math.cos(math.radians(true["latitude_deg"])))
 
-    def test_finds_the_object_and_repeats_nothing(self):
+    def test_finds_the_object_once(self):
         folder = self.scratch / "demo"
         arguments = (program.PROGRAM, self.write("scene.json", self.short_scene()), MODELS, folder)
         first = self.demo(*arguments)

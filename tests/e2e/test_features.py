@@ -8,7 +8,7 @@ import program
 
 
 class FeaturesTest(program.ProgramTest):
-    def test_a_line_each_with_128_numbers(self):
+    def test_one_line_per_feature_with_128_numbers(self):
         out = self.scratch / "features.txt"
         self.assertEqual(self.succeeds("features", program.flight() / "crate.png", "--out", out).out, "")
         lines = out.read_text().splitlines()
@@ -28,7 +28,7 @@ class FeaturesTest(program.ProgramTest):
             length = math.sqrt(sum(value * value for value in descriptor))
             self.assertTrue(400 < length < 600, length)  # a unit vector times 512, rounded and clipped
 
-    def test_places_follow_the_image(self):
+    def test_keypoints_move_with_the_image(self):
         """White discs on black: the centre of the first pixel is at 0.5, 0.5."""
 
         def keypoints(name, cx, cy):
@@ -48,7 +48,7 @@ class FeaturesTest(program.ProgramTest):
             self.assertAlmostEqual(blob[1], cy, delta=0.3)
             self.assertAlmostEqual(blob[2], 6 / math.sqrt(2), delta=1.2)  # a disc's scale is its radius over root 2
 
-    def test_a_image_without_features_has_none(self):
+    def test_image_without_features(self):
         out = self.scratch / "features.txt"
         self.succeeds("features", program.plain_image(self.scratch / "plain.ppm"), "--out", out)
         self.assertEqual(out.read_text(), "0 128\n")

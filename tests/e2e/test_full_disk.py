@@ -44,7 +44,7 @@ class FileLimitTest(program.ProgramTest):
                 self.assertEqual(self.refuses_beyond(1000, *arguments), set())
                 self.succeeds(*arguments)
 
-    def test_an_index_goes_on_when_there_is_room(self):
+    def test_index_resumes_when_there_is_space(self):
         size = INDEX.stat().st_size
         for limit in (30_000, size // 2):
             with self.subTest(limit):
@@ -69,7 +69,7 @@ class FileLimitTest(program.ProgramTest):
             self.assertEqual(done.returncode, 1, done.stderr)
             self.assertRegex(done.stderr, r"\Aerror: .*standard output.*\n\Z")
 
-    def test_nobody_reads_the_output(self):
+    def test_closed_output(self):
         """As in `victorious export ... | head -1`: a closed pipe is not reported as an error."""
         with subprocess.Popen(
             [program.PROGRAM, "export", "--db", INDEX, "--format", "coco"], stdout=subprocess.PIPE, stderr=subprocess.PIPE

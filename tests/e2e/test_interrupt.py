@@ -112,7 +112,7 @@ class InterruptTest(program.ProgramTest):
         self.succeeds(*self.command(self.db))
         self.assert_same(whole)
 
-    def test_others_may_read_meanwhile(self):
+    def test_concurrent_readers(self):
         with self.start() as process:
             self.wait_for_commit_after(0, process)
             while process.poll() is None:

@@ -62,7 +62,7 @@ class LocateTest(program.ProgramTest):
     def located(self, content, *flags) -> dict:
         return json.loads(self.succeeds("locate", self.write("lines.csv", content), *flags, "--json").out)
 
-    def test_a_place_with_its_error(self):
+    def test_place_with_its_error(self):
         for method in ("ml", "ransac", "prior", "least-squares"):
             place = self.located(lines(), "--method", method)
             self.assertEqual(set(place), KEYS)
@@ -89,7 +89,7 @@ class LocateTest(program.ProgramTest):
         self.assertRegex(said, r"CE90 [\d.]+ m, LE90 [\d.]+ m")
         self.assertIn("8 of 8 are inliers", said)
 
-    def test_no_place_is_a_result(self):
+    def test_missing_place_is_a_result(self):
         place = self.located(HEADER + "\n0,42,-71,100,10,-30\n")
         self.assertEqual(place["status"], "undetermined: a single line of sight needs a range")
         self.assertEqual(place["inliers"], [False])

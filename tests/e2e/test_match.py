@@ -50,11 +50,11 @@ class MatchTest(program.ProgramTest):
         self.assertEqual((truth["frame"], truth["model"]), (0, "crate"))
         self.assertAlmostEqual(similarity["scale"], 0.6, delta=0.15)  # as drawn, within the variation of zoom and thing scale
 
-    def test_a_stricter_ratio_leaves_less(self):
+    def test_stricter_ratio_keeps_fewer_matches(self):
         counts = [len(self.match(self.scene, self.template, "--ratio", r)["stages"][0]["matches"]) for r in (0.5, 0.95)]
         self.assertLess(counts[0], counts[1])
 
-    def test_nothing_in_common_is_a_result(self):
+    def test_no_match_is_a_result(self):
         plain = program.plain_image(self.scratch / "plain.ppm")
         told = self.match(plain, self.template)
         self.assertEqual([stage["name"] for stage in told["stages"]], STAGES)

@@ -121,7 +121,7 @@ class NavigateTest(program.ProgramTest):
         self.assertEqual(len(rows), len(truth))
         return sorted(apart_m(row, true) for row, true in zip(rows, truth))
 
-    def test_telemetry_is_put_right(self):
+    def test_telemetry_offset_is_corrected(self):
         done, out = navigated(is_off=True)
         self.assertEqual(done.out, "")
         rows = table(out)
@@ -145,7 +145,7 @@ class NavigateTest(program.ProgramTest):
         read = self.succeeds("telemetry", self.scratch / "camera.csv").out
         self.assertEqual(len(read.splitlines()), len(rows) + 1)
 
-    def test_telemetry_that_was_wrong_gets_a_second_pass(self):
+    def test_wrong_telemetry_causes_a_second_pass(self):
         params = self.write("once.json", '{"second_pass": false}')
         once = (
             "--landmarks", self.list_of(true_landmarks()), "--models", flight() / "models", "--params", params,
@@ -158,7 +158,7 @@ class NavigateTest(program.ProgramTest):
         ):
             self.assertEqual(said.count("16 of 16 frames"), passes, said)
 
-    def test_telemetry_of_another_video_is_told(self):
+    def test_telemetry_of_another_video_is_reported(self):
         self.assertNotIn("warning: ", navigated(is_off=False)[0].err)
         landmarks, out = self.list_of(true_landmarks()), self.scratch / "camera.csv"
         for telemetry, words in (
@@ -171,7 +171,7 @@ class NavigateTest(program.ProgramTest):
             self.assertEqual(len(warnings), 1, said)
             self.assertIn(words, warnings[0])
 
-    def test_a_wrong_landmark_does_not_pull(self):
+    def test_wrong_landmark_is_rejected(self):
         landmarks = true_landmarks()
         wrong = next(landmark for landmark in landmarks if landmark["model"] == "green")
         wrong["latitude_deg"] += 50 / METRES_PER_DEGREE
@@ -179,7 +179,7 @@ class NavigateTest(program.ProgramTest):
             errors = self.errors(self.navigate(landmarks, *flags))
             self.assertLess(errors[len(errors) // 2], 1.5, flags)
 
-    def test_an_index_gives_landmarks(self):
+    def test_index_gives_landmarks(self):
         db = self.scratch / "index.db"
         video, models = flight() / "video.mp4", flight() / "models"
         self.succeeds("index", video, "--telemetry", flight() / "telemetry.csv", "--models", models, "--db", db)
@@ -188,7 +188,7 @@ class NavigateTest(program.ProgramTest):
         errors = self.errors(table(out))
         self.assertLess(errors[len(errors) // 2], 3)
 
-    def test_nothing_seen_is_nothing_known(self):
+    def test_without_sightings_is_unknown(self):
         landmarks = true_landmarks()[:1]
         grey = program.plain_image(self.scratch / "grey.ppm")
         out = self.scratch / "camera.csv"
@@ -218,20 +218,20 @@ class BadInputTest(program.ProgramTest):
         self.refuses_with("moves", self.list_of({"speed_m_s": 12}), *hfov)
         self.refuses_with("cut.db", self.write("cut.db", "SQLite format 3\0" + "x" * 84), *hfov)
 
-    def test_a_place_that_cannot_be_written_is_told_before_the_search(self):
+    def test_unwritable_output_is_reported_before_the_search(self):
         flags = ("--models", flight() / "models", "--hfov", "20", "--out", self.scratch / "absent" / "camera.csv")
         self.refuses(2, "absent", "navigate", "missing.mp4", "--landmarks", self.list_of({}), *flags)
 
     def test_no_field_of_view(self):
         self.refuses_with("--hfov", self.list_of({}))
 
-    def test_an_unknown_model(self):
+    def test_unknown_model(self):
         self.refuses_with(["zeppelin", "model add"], self.list_of({"model": "zeppelin"}), "--hfov", "20")
 
     def test_bad_telemetry(self):
         self.refuses_with("off.csv", self.list_of({}), "--telemetry", self.write("off.csv", "no table\n"))
 
-    def test_bad_lines_among_good_ones_are_told(self):
+    def test_bad_lines_among_good_ones_are_reported(self):
         landmarks = self.list_of({}, {"altitude_m": "high"}, {"model": "zeppelin"})
         out = self.scratch / "camera.csv"
         grey = program.plain_image(self.scratch / "grey.ppm")

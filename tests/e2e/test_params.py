@@ -57,7 +57,7 @@ class ParamsTest(program.ProgramTest):
         self.refuses(2, "max_side_px = 0", "features", CRATE, "--out", out, "--params", params)
         self.assertFalse(out.exists())
 
-    def test_the_defaults_are_accepted(self):
+    def test_defaults_are_accepted(self):
         for of, command in (
             ("index", ("match", CRATE, CRATE)),
             ("model", ("model", "add", "x", CRATE, "--models", self.scratch / "models")),

@@ -61,7 +61,7 @@ class ReadOnlyTest(program.ProgramTest):
             with self.subTest(arguments[0]):
                 self.refuses_to_write(*arguments)
 
-    def test_an_index_can_be_read_and_not_written(self):
+    def test_index_is_read_only(self):
         db = self.folder / "index.db"
         db.write_bytes(INDEX.read_bytes())
         self.lock()
@@ -76,13 +76,13 @@ class ReadOnlyTest(program.ProgramTest):
             self.assertEqual(self.succeeds(*arguments, **AS_NOBODY).err, "")
         self.assertEqual(self.files(), before)
 
-    def test_a_library_can_be_read_and_not_changed(self):
+    def test_library_is_read_only(self):
         (self.folder / "crate.vmodel").write_bytes((MODELS / "crate.vmodel").read_bytes())
         self.lock()
         self.succeeds("model", "list", "--models", self.folder, **AS_NOBODY)
         self.refuses_to_write("model", "remove", "crate", "--models", self.folder)
 
-    def test_what_may_not_be_read(self):
+    def test_unreadable_files(self):
         secret = self.write("secret/photo.png", CRATE.read_bytes())
         secret.chmod(0)
         for arguments in (

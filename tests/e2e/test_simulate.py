@@ -69,7 +69,7 @@ class SimulateTest(program.ProgramTest):
         self.assertAlmostEqual(telemetry[0]["yaw_deg"], (170 + 25 + 180) % 360, places=2)
         self.assertAlmostEqual(telemetry[0]["pitch_deg"], -55, places=2)
 
-    def test_what_drives_moves_and_what_stands_does_not(self):
+    def test_driving_objects_move_and_static_ones_do_not(self):
         _, _, truth = self.simulate("flight")
         places = {
             name: {(row["latitude_deg"], row["longitude_deg"]) for row in truth if row["object"] == name}
@@ -112,7 +112,7 @@ class SimulateTest(program.ProgramTest):
             _, telemetry, _ = self.simulate(path.stem, json.dumps(scene | {"assets": str(ASSETS)}))
             self.assertEqual(len(telemetry), 1)
 
-    def test_a_model_of_one_s_own(self):
+    def test_own_model(self):
         shutil.copy(ASSETS / "models" / "jet.glb", self.scratch / "mine.glb")
         scene = with_changes(objects=[{"id": "x", "model": "glider", "file": "mine.glb", "x_m": 24, "y_m": 24}])
         _, _, truth = self.simulate("flight", scene)

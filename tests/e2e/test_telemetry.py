@@ -44,7 +44,7 @@ class TelemetryTest(program.ProgramTest):
     def rows(self, text: str) -> list[dict]:
         return list(csv.DictReader(io.StringIO(text)))
 
-    def test_table_comes_out_as_it_went_in(self):
+    def test_table_round_trips(self):
         table = self.write("a.csv", "\n".join([HEADER, *ROWS]) + "\n")
         done = self.succeeds("telemetry", table)
         self.assertEqual(done.messages(), [])
@@ -110,7 +110,7 @@ class TelemetryTest(program.ProgramTest):
                     self.assertEqual(items[number], value, number)
         self.assertGreater(compared, 30 * 100)
 
-    def test_sets_within_the_set_are_told_and_passed_over(self):
+    def test_nested_sets_are_reported_and_skipped(self):
         nested = b"\x30\x03\x01\x01\x02" + b"\x4a\x04\x05\x7f\x00\x00"  # one complete item, one with a wrong length
         file = self.write("a.klv", packet(b"\x02\x08" + (1_000_000).to_bytes(8, "big") + nested + b"\x05\x02\x71\xc2"))
         report = json.loads(self.succeeds("telemetry", file, "--json").out)
@@ -137,7 +137,7 @@ class TelemetryTest(program.ProgramTest):
         self.refuses(2, ["neither FILE"], "telemetry")
         self.refuses(2, ["no telemetry in the video or beside it"], "telemetry", "--video", video)
 
-    def test_what_is_no_telemetry(self):
+    def test_not_telemetry(self):
         self.refuses(2, ["gone.klv"], "telemetry", self.scratch / "gone.klv")
         self.refuses(2, ["empty.SRT", "empty"], "telemetry", self.write("empty.SRT", ""))
         self.refuses(2, ["a.csv", "time_s"], "telemetry", self.write("a.csv", "one,two\n1,2\n"))
@@ -145,7 +145,7 @@ class TelemetryTest(program.ProgramTest):
         self.refuses(2, ["takeoff_altitude"], "telemetry", self.write("b.csv", HEADER + "\n" + ROWS[0]), "--params",
                      self.write("p.json", '{"takeoff_altitude_m": 1e9}'))
 
-    def test_doctor_says_what_is_missing(self):
+    def test_doctor_names_missing_parts(self):
         text = self.succeeds("doctor", self.write("a.SRT", SUBTITLES)).out
         self.assertIn("DJI subtitles: 2 records, 1 camera states", text)
         self.assertIn("missing: the camera's attitude", text)
@@ -153,7 +153,7 @@ class TelemetryTest(program.ProgramTest):
         text = self.succeeds("doctor", program.flight() / "flight.mp4").out
         self.assertIn("impossible: no telemetry", text)
 
-    def test_doctor_finds_what_lies_beside_a_video(self):
+    def test_doctor_finds_files_beside_a_video(self):
         video = self.write("v.mp4", (program.flight() / "flight.mp4").read_bytes())
         self.write("v.mp4.telemetry.csv", "\n".join([HEADER, *ROWS]) + "\n")
         text = self.succeeds("doctor", video).out

@@ -73,7 +73,7 @@ class TrackTest(program.ProgramTest):
                 self.assertGreater(len(found), 0.5 * len(clear), (name, video))
         self.assertEqual(rows, self.tracked(self.video, *drawn, "--also", other), "the same again")
 
-    def test_telemetry_and_a_type_tell_a_place(self):
+    def test_telemetry_and_object_type_give_a_place(self):
         start = self.whole_frames("crate")[0]
         x, y, width, height = self.truth["crate"][start]["box"]
         inside = ("--box", f"{x + width / 4},{y + height / 4},{width / 2},{height / 2}", "--at", str(start * FRAME_S))
@@ -104,7 +104,7 @@ class TrackTest(program.ProgramTest):
             north_m = (row["latitude_deg"] - 48) * 111_200
             self.assertTrue(30 < north_m < 90, row)
 
-    def test_why_no_place_is_told(self):
+    def test_missing_place_is_explained(self):
         drawn = (self.video, *self.drawn("crate", self.whole_frames("crate")[0]), "--out", self.scratch / "out.jsonl")
         self.assertIn("no place: no telemetry with camera position", self.succeeds("track", *drawn).err)
         header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
@@ -112,7 +112,7 @@ class TrackTest(program.ProgramTest):
         told = self.succeeds("track", *drawn, "--telemetry", table).err
         self.assertIn("telemetry: nothing will get a place: it covers 1000.00 to 1001.00 s", told)
 
-    def test_an_output_that_cannot_be_written_is_told_first(self):
+    def test_unwritable_output_is_reported_first(self):
         drawn = self.drawn("crate", self.whole_frames("crate")[0])
         done = program.run("track", self.video, *drawn, "--out", self.scratch / "gone" / "out.jsonl")
         self.assertNotEqual(done.status, 0)
