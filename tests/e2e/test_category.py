@@ -44,7 +44,7 @@ def listing(rows) -> str:
 
 @functools.cache
 def trained() -> Path:
-    """The model of TRAIN with the parameters SMALL. Read-only: equal input gives an equal model (test_the_seed_decides)."""
+    """The model of TRAIN with the parameters SMALL. Read-only: equal input gives an equal model (test_depends_on_the_seed)."""
     folder = program.folder_until_exit()
     (folder / "params.json").write_text(json.dumps(SMALL))
     (folder / "train.csv").write_text(listing(TRAIN))
