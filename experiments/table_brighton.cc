@@ -187,7 +187,8 @@ void AddRow(const MarkedObject& object, const std::vector<PhotoSighting>& sighti
   for (const PhotoSighting& one : sightings) lines.push_back(one.line);
   const auto fix = Locate(lines, options);
   std::vector<Cell> row = {std::string(object.name), static_cast<double>(lines.size()),
-                           std::string(ToText(kLocateMethodTexts, way.method)), std::string(way.ground ? "told" : "-")};
+                           std::string(ToText(kLocateMethodTexts, way.method)),
+                           std::string(way.ground ? "given" : "-")};
   if (!fix || !fix->place) {
     row.insert(row.end(), {fix ? StatusText(*fix) : fix.error().message, std::string("-"), std::string("-"),
                            std::string("-"), std::string("-"), std::string("-")});

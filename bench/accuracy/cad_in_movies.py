@@ -157,9 +157,9 @@ def index(program: Program, movie: Movie, library: Path, db: Path, params: Path 
     extra = ["--params", params] if params else []
     if movie.telemetry:
         extra += ["--telemetry", movie.telemetry]
-    told = program.run("index", movie.video, "--models", library, "--db", db, *extra).stderr
+    reported = program.run("index", movie.video, "--models", library, "--db", db, *extra).stderr
     seconds = time.monotonic() - began
-    return int(re.search(r"(\d+) frames searched", told)[1]), seconds
+    return int(re.search(r"(\d+) frames searched", reported)[1]), seconds
 
 
 def tally(movie: Movie, sightings: list[dict]) -> Result:
@@ -217,8 +217,8 @@ def measure(program: Program, movie: Movie, name: str, models: Models, arguments
     counted = {"sighting_precision": total.precision(), "sighting_recall": total.recall()}
     disagreements = differences(score, counted, f"{name}: evaluate beside the counts:")
     if arguments.tool:
-        told = score_by_tool(arguments.tool, movie, program, db)
-        disagreements += differences(score, told, f"{name}: evaluate beside {arguments.tool.name}:")
+        reported = score_by_tool(arguments.tool, movie, program, db)
+        disagreements += differences(score, reported, f"{name}: evaluate beside {arguments.tool.name}:")
     for line in disagreements:
         print(line, file=sys.stderr, flush=True)
         arguments.disagreed = True

@@ -98,7 +98,7 @@ def count(program: Program, video: Path, library: Path, db: Path, params: Path |
         leftover.unlink()
     telemetry = video.parent / "telemetry.csv"
     begun = time.monotonic()
-    told = program.run("index", video, "--models", library, "--db", db,
+    reported = program.run("index", video, "--models", library, "--db", db,
                        *(["--telemetry", telemetry] if telemetry.exists() else []),
                        *(["--params", params] if params else [])).stderr  # fmt: skip
     took = time.monotonic() - begun
@@ -106,7 +106,7 @@ def count(program: Program, video: Path, library: Path, db: Path, params: Path |
     objects = [json.loads(line) for line in program("export", "--db", db, "--format", "objects").splitlines()]
     for model, found in sorted(Counter(o["model"] for o in objects).items()):
         print(f"  {video}: {found} {model}", file=sys.stderr, flush=True)
-    frames = int(re.search(r"(\d+) frames searched", told)[1])
+    frames = int(re.search(r"(\d+) frames searched", reported)[1])
     frame_rate = json.loads(program("doctor", video, "--json"))["frame_rate"]
     return Tally(frames, frames / frame_rate, len(sightings), len(objects)), took
 

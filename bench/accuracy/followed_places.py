@@ -95,8 +95,8 @@ def main() -> None:
                     )
                     scores.append(json.loads(scored.stdout))
                 means = (sum(score[key] or 0 for score in scores) / len(scores) for key in KEYS)
-                told = "  ".join(f"{key} {mean:.3f}" for key, mean in zip(KEYS, means, strict=True))
-                print(f"{movie.name:<14} {'with' if followed else 'without':<8} {told}", flush=True)
+                reported = "  ".join(f"{key} {mean:.3f}" for key, mean in zip(KEYS, means, strict=True))
+                print(f"{movie.name:<14} {'with' if followed else 'without':<8} {reported}", flush=True)
 
 
 if __name__ == "__main__":

@@ -159,10 +159,10 @@ def measure(program: Program, movie: Movie, case: str, seed: int, arguments: arg
     work.mkdir(parents=True, exist_ok=True)
     truth = read_table(movie.telemetry)
     flags = ["--hfov", truth[0]["hfov_deg"]]
-    told = None
+    given = None
     if case not in ("none", "unmoved"):
-        told = spoiled(truth, case, seed)
-        write_table(told, work / "telemetry.csv")
+        given = spoiled(truth, case, seed)
+        write_table(given, work / "telemetry.csv")
         flags = ["--telemetry", work / "telemetry.csv"]
     landmarks = arguments.landmarks
     if landmarks == "truth":
@@ -191,9 +191,9 @@ def measure(program: Program, movie: Movie, case: str, seed: int, arguments: arg
     seen = sum(int(row["landmarks"]) > 0 for row in rows)
     ms, cpu_ms = re.search(r"([\d.]+) ms a frame once landmarks are followed, ([\d.]+)", said).groups()
     before = f"{'-':>27}"
-    if told:
-        off = [math.hypot(*apart(row, true)) for row, true in zip(told, truth)]
-        off_deg = [turn_deg(row, true) for row, true in zip(told, truth)]
+    if given:
+        off = [math.hypot(*apart(row, true)) for row, true in zip(given, truth)]
+        off_deg = [turn_deg(row, true) for row, true in zip(given, truth)]
         before = f"{quantile(off, 0.5):7.2f}{quantile(off, 0.95):7.2f}{quantile(off_deg, 0.5):6.2f}{quantile(off_deg, 0.95):7.2f}"
     return (
         f"{case:<8}{seed:>5}{before} |{quantile(places, 0.5):7.2f}{quantile(places, 0.95):7.2f}"
@@ -215,7 +215,7 @@ def main() -> None:
     movie = Movie(arguments.movie)
     if not movie.telemetry:
         parser.error(f"{arguments.movie}: has no telemetry.csv, by which to tell errors")
-    print(f"{'':<13}{'told: m':>8}{'':>6}{'deg':>6}{'':>7} |{'found: m':>9}{'':>5}{'deg':>6}{'':>6} | inside")
+    print(f"{'':<13}{'given: m':>8}{'':>6}{'deg':>6}{'':>7} |{'found: m':>9}{'':>5}{'deg':>6}{'':>6} | inside")
     for case in arguments.case:
         for seed in range(1, (arguments.seeds if case not in ("none", "unmoved") else 1) + 1):
             print(measure(Program(arguments.program), movie, case, seed, arguments), flush=True)

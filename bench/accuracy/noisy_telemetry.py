@@ -74,7 +74,7 @@ def spoil(exact: Path, noisy: Path, common: list[float], draws: random.Random, p
     with exact.open(newline="") as file:
         rows = list(csv.DictReader(file))
     for row in rows:
-        north, east, up, yaw, pitch, roll = (alike + draws.gauss(0, 1) for alike in common)
+        north, east, up, yaw, pitch, roll = (shared + draws.gauss(0, 1) for shared in common)
         latitude = float(row["latitude_deg"])
         metre_deg = math.degrees(1 / EARTH_M)
         row["latitude_deg"] = latitude + north * position_m * metre_deg
@@ -129,7 +129,7 @@ def main() -> None:
     program = Program(arguments.program)
     print(f"{'flight':<20} found      false   error m: median, largest   in the ellipsoid, in CE90")
     scores = []
-    alike = latin_normals(arguments.flights, random.Random(arguments.seed))
+    shared = latin_normals(arguments.flights, random.Random(arguments.seed))
     with tempfile.TemporaryDirectory() as scratch:
         for k in range(1, arguments.flights + 1):
             name = SCENES[(k - 1) % len(SCENES)]
@@ -145,8 +145,8 @@ def main() -> None:
             scene_file.write_text(text)
             if not is_flown:  # the video is written last
                 program("simulate", scene_file, "--out", folder)
-            noisy = folder / ("told.csv" if arguments.tell else "noisy.csv")
-            spoil(folder / "telemetry.csv", noisy, alike[k - 1], random.Random(1000 * arguments.seed + k),
+            noisy = folder / ("given.csv" if arguments.tell else "noisy.csv")
+            spoil(folder / "telemetry.csv", noisy, shared[k - 1], random.Random(1000 * arguments.seed + k),
                   arguments.position_m, arguments.attitude_deg, arguments.tell)
             database = folder / f"{noisy.stem}.db"
             database.unlink(missing_ok=True)

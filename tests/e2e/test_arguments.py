@@ -158,9 +158,9 @@ class ArgumentsTest(program.ProgramTest):
         whole = self.scratch / "whole.png"
         self.succeeds("frame", VIDEO, "--number", "0", "--out", whole)
         models = ("--models", self.scratch / "models")
-        told = self.succeeds("model", "add", "whole", whole, *models).messages()
-        self.assertEqual(len(told), 1, told)
-        self.assertIn("whole.png: the whole photo is used as the object; cut it out by --box", told[0])
+        reported = self.succeeds("model", "add", "whole", whole, *models).messages()
+        self.assertEqual(len(reported), 1, reported)
+        self.assertIn("whole.png: the whole photo is used as the object; cut it out by --box", reported[0])
         self.assertEqual(self.succeeds("model", "add", "a", whole, "--box", "10,10,150,150", *models).err, "")
         self.assertEqual(self.succeeds("model", "add", "b", CRATE, *models).err, "", "cut out by its alpha channel")
 
@@ -197,9 +197,9 @@ class ArgumentsTest(program.ProgramTest):
 
     def test_help_and_version(self):
         self.assertRegex(self.succeeds("--version").out, r"^\d+\.\d+\.\d+\n$")
-        told = self.succeeds("--help").out
+        reported = self.succeeds("--help").out
         for command in ("model", "index", "export", "search", "features", "match", "evaluate", "doctor"):
-            self.assertIn(command, told)
+            self.assertIn(command, reported)
         self.assertIn("--models", self.succeeds("index", "--help").out)
 
 

@@ -103,9 +103,9 @@ class CategoryTest(program.ProgramTest):
                 "--out", self.scratch / "m.vcat",
             ).messages()  # fmt: skip
 
-        told = train(TRAIN)
-        self.assertEqual(len(told), 1, told)
-        self.assertIn("every image is labelled as one of the categories", told[0])
+        reported = train(TRAIN)
+        self.assertEqual(len(reported), 1, reported)
+        self.assertIn("every image is labelled as one of the categories", reported[0])
         self.assertEqual(train([row.replace(",disc-cross,", ",background,") for row in TRAIN]), [])
 
     def test_thesis_method(self):

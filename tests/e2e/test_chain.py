@@ -199,18 +199,18 @@ class FindsTest(program.ProgramTest):
         self.assertIn("crate", self.succeeds("doctor", program.models() / "crate.vmodel").out)
 
     def test_doctor_as_json(self):
-        def told(*arguments) -> dict:
+        def reported(*arguments) -> dict:
             return json.loads(self.succeeds("doctor", *arguments, "--json").out)
 
-        self.assertIn("opencv", told()["feature_engines"])
-        video = told(program.flight() / "flight.mkv")
+        self.assertIn("opencv", reported()["feature_engines"])
+        video = reported(program.flight() / "flight.mkv")
         self.assertEqual((video["kind"], video["frames_read"], video["read_to_end"]), ("video", program.FRAMES, True))
         self.assertEqual(video["streams"][0]["type"], "video")
         self.assertIsNone(video["telemetry"])
-        index = told(program.index())
+        index = reported(program.index())
         self.assertEqual((index["kind"], index["models"]), ("index", 2))
         self.assertEqual([row["finished"] for row in index["videos"][0]["searches"]], [True, True])
-        model = told(program.models() / "crate.vmodel")
+        model = reported(program.models() / "crate.vmodel")
         self.assertEqual((model["kind"], model["name"], model["made_from"]), ("model", "crate", "photos"))
 
         self.assertEqual(json.loads(self.succeeds("params", "--json").out)["match"]["ratio"], 0.8)

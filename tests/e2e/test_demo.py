@@ -36,10 +36,10 @@ class DemoTest(program.ProgramTest):
     def metres_off(self, demo) -> float:
         """The horizontal error of the place of the only object found."""
         (find,) = json.loads((demo / "finds.geojson").read_text())["features"]
-        told = find["properties"]
+        reported = find["properties"]
         true = json.loads((demo / "flight" / "truth.jsonl").read_text().splitlines()[-1])
-        north = math.radians(told["latitude_deg"] - true["latitude_deg"]) * 6.37e6
-        east = math.radians(told["longitude_deg"] - true["longitude_deg"]) * 6.37e6
+        north = math.radians(reported["latitude_deg"] - true["latitude_deg"]) * 6.37e6
+        east = math.radians(reported["longitude_deg"] - true["longitude_deg"]) * 6.37e6
         return math.hypot(north, east * math.cos(math.radians(true["latitude_deg"])))
 
     def test_finds_the_object_once(self):

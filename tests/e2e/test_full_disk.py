@@ -75,9 +75,9 @@ class FileLimitTest(program.ProgramTest):
             [program.PROGRAM, "export", "--db", INDEX, "--format", "coco"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
         ) as export:
             export.stdout.close()
-            told = export.stderr.read()
+            reported = export.stderr.read()
             self.assertIn(export.wait(), (0, -signal.SIGPIPE))
-        self.assertEqual(told, b"")
+        self.assertEqual(reported, b"")
 
 
 class SmallDiskTest(program.ProgramTest):

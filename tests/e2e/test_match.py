@@ -20,20 +20,20 @@ class MatchTest(program.ProgramTest):
         return json.loads(self.succeeds("match", scene, template, "--json", *flags).out)
 
     def test_stages_and_similarity(self):
-        told = self.match(self.scene, self.template)
-        self.assertEqual([stage["name"] for stage in told["stages"]], STAGES)
+        reported = self.match(self.scene, self.template)
+        self.assertEqual([stage["name"] for stage in reported["stages"]], STAGES)
         before = None
-        for stage in told["stages"]:
+        for stage in reported["stages"]:
             for match in stage["matches"]:
                 self.assertLessEqual({"scene", "template", "scale"}, set(match))
                 self.assertGreater(match["scale"], 0)
             places = {(*match["scene"], *match["template"]) for match in stage["matches"]}
             self.assertTrue(before is None or places <= before, f"{stage['name']} has what the stage before dropped")
             before = places
-        inliers = told["stages"][-1]["matches"]
+        inliers = reported["stages"][-1]["matches"]
         self.assertGreater(len(inliers), 10)
 
-        similarity = told["similarity"]
+        similarity = reported["similarity"]
         self.assertEqual(set(similarity), {"scale", "rotation_deg", "translation"})
         turn = math.radians(similarity["rotation_deg"])
         for match in inliers:
@@ -56,10 +56,10 @@ class MatchTest(program.ProgramTest):
 
     def test_no_match_is_a_result(self):
         plain = program.plain_image(self.scratch / "plain.ppm")
-        told = self.match(plain, self.template)
-        self.assertEqual([stage["name"] for stage in told["stages"]], STAGES)
-        self.assertIsNone(told["similarity"])
-        self.assertEqual([stage["matches"] for stage in told["stages"]], [[]] * 5)
+        reported = self.match(plain, self.template)
+        self.assertEqual([stage["name"] for stage in reported["stages"]], STAGES)
+        self.assertIsNone(reported["similarity"])
+        self.assertEqual([stage["matches"] for stage in reported["stages"]], [[]] * 5)
         self.assertIn("no pose", self.succeeds("match", plain, self.template).out)
 
     def test_text_and_drawing(self):

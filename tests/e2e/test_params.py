@@ -63,9 +63,9 @@ class ParamsTest(program.ProgramTest):
             ("model", ("model", "add", "x", CRATE, "--models", self.scratch / "models")),
             ("features", ("features", CRATE, "--out", self.scratch / "features.txt")),
         ):
-            told = self.succeeds("params", of, "--json").out
-            json.loads(told)
-            self.succeeds(*command, "--params", self.write(f"{of}.json", told))
+            reported = self.succeeds("params", of, "--json").out
+            json.loads(reported)
+            self.succeeds(*command, "--params", self.write(f"{of}.json", reported))
 
 
 if __name__ == "__main__":

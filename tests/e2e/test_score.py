@@ -21,22 +21,22 @@ class ScoreTest(program.ProgramTest):
         for form in ("objects", "sightings"):
             files += [f"--{form}", self.write(form, self.export(program.index(), form))]
         for flags in ([], ["--models", "crate,truck"], ["--models", "sign"]):
-            told = subprocess.run(
+            reported = subprocess.run(
                 [sys.executable, TOOL, "--truth", truth, *files, *flags, "--json"],
                 capture_output=True, text=True, check=True,
             ).stdout  # fmt: skip
             own = self.succeeds("evaluate", "--db", program.index(), "--truth", truth, *flags, "--json").out
-            self.same(json.loads(own), json.loads(told), " ".join(flags))
+            self.same(json.loads(own), json.loads(reported), " ".join(flags))
 
-    def same(self, own, told, where):
-        if isinstance(told, dict):
-            self.assertEqual(set(own), set(told), where)
-            for key, value in told.items():
+    def same(self, own, reported, where):
+        if isinstance(reported, dict):
+            self.assertEqual(set(own), set(reported), where)
+            for key, value in reported.items():
                 self.same(own[key], value, f"{where} {key}")
-        elif isinstance(told, float):
-            self.assertAlmostEqual(own, told, places=6, msg=where)
+        elif isinstance(reported, float):
+            self.assertAlmostEqual(own, reported, places=6, msg=where)
         else:
-            self.assertEqual(own, told, where)
+            self.assertEqual(own, reported, where)
 
 
 if __name__ == "__main__":

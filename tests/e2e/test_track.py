@@ -109,8 +109,8 @@ class TrackTest(program.ProgramTest):
         self.assertIn("no place: no telemetry with camera position", self.succeeds("track", *drawn).err)
         header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
         table = self.write("late.csv", f"{header}\n1000,48,11,100,0,-60,0,20\n1001,48,11,100,0,-60,0,20\n")
-        told = self.succeeds("track", *drawn, "--telemetry", table).err
-        self.assertIn("telemetry: nothing will get a place: it covers 1000.00 to 1001.00 s", told)
+        reported = self.succeeds("track", *drawn, "--telemetry", table).err
+        self.assertIn("telemetry: nothing will get a place: it covers 1000.00 to 1001.00 s", reported)
 
     def test_unwritable_output_is_reported_first(self):
         drawn = self.drawn("crate", self.whole_frames("crate")[0])

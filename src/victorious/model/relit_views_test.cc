@@ -164,30 +164,31 @@ TEST(RelitViews, AppearanceMatchesTheRendering) {
   const ViewSurface surface = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value();
   cv::Mat blurred;
   cv::GaussianBlur(surface.grey, blurred, {}, kAppearanceBlur_px);
-  const auto image = views->GetAppearance(kView, 0).value();
-  ASSERT_GT(image->points.size(), 150U);
-  const Eigen::Matrix3d turned = image->camera_from_model.toRotationMatrix();
+  const auto appearance = views->GetAppearance(kView, 0).value();
+  ASSERT_GT(appearance->points.size(), 150U);
+  const Eigen::Matrix3d turned = appearance->camera_from_model.toRotationMatrix();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   double off = 0;
-  for (const SurfaceSample& point : image->points) {
+  for (const SurfaceSample& point : appearance->points) {
     middle += point.place.cast<double>();
-    const Eigen::Vector2d at = image->centre_px + image->pixels_per_m * (turned * point.place.cast<double>()).head<2>();
+    const Eigen::Vector2d at =
+        appearance->centre_px + appearance->pixels_per_m * (turned * point.place.cast<double>()).head<2>();
     const cv::Point pixel(static_cast<int>(at.x()), static_cast<int>(at.y()));
     ASSERT_TRUE(cv::Rect({0, 0}, blurred.size()).contains(pixel));
     ASSERT_FALSE(std::isnan(surface.depth_map.depth_m.at<float>(pixel)));
     off += std::abs(point.brightness - static_cast<float>(blurred.at<std::uint8_t>(pixel)));
   }
-  const auto n = static_cast<double>(image->points.size());
+  const auto n = static_cast<double>(appearance->points.size());
   EXPECT_LT(middle.norm() / n, 1e-3);
   EXPECT_LT(off / n, 6);  // weak perspective is a pixel or two off
 
-  EXPECT_EQ(views->GetAppearance(kView, 0).value(), image);
+  EXPECT_EQ(views->GetAppearance(kView, 0).value(), appearance);
   const auto coarse = views->GetAppearance(kView, 4).value();
   const auto contrast = [](const ViewAppearance& of) {
     const auto [least, most] = std::ranges::minmax(of.points, {}, &SurfaceSample::brightness);
     return most.brightness - least.brightness;
   };
-  EXPECT_LT(contrast(*coarse), contrast(*image));
+  EXPECT_LT(contrast(*coarse), contrast(*appearance));
 }
 
 TEST(RelitViews, DamagedRenderingIsAnError) {

@@ -30,25 +30,25 @@ ViewAppearance SampleTemplatePoints(const ViewSurface& surface, double shrink) {
   const PosedCamera& camera = surface.depth_map.camera;
   const Rigid3 model_from_camera = camera.camera_from_world.Inverse();
   const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(inside) / kPoints)));
-  ViewAppearance image{.points = {}, .camera_from_model = camera.camera_from_world.rotation};
+  ViewAppearance appearance{.points = {}, .camera_from_model = camera.camera_from_world.rotation};
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (int row = 0; row < inside.rows; row += step) {
     for (int column = 0; column < inside.cols; column += step) {
       if (inside.at<std::uint8_t>(row, column) == 0) continue;
       const Eigen::Vector3d place = model_from_camera.Apply(static_cast<double>(depth_m.at<float>(row, column)) *
                                                             camera.pinhole.Unproject({column + 0.5, row + 0.5}));
-      image.points.push_back({place.cast<float>(), sum.at<float>(row, column) / weight.at<float>(row, column)});
+      appearance.points.push_back({place.cast<float>(), sum.at<float>(row, column) / weight.at<float>(row, column)});
       middle += place;
     }
   }
-  if (image.points.size() < kMinPoints) return {};
-  middle /= static_cast<double>(image.points.size());
-  for (SurfaceSample& point : image.points) point.place -= middle.cast<float>();
+  if (appearance.points.size() < kMinPoints) return {};
+  middle /= static_cast<double>(appearance.points.size());
+  for (SurfaceSample& point : appearance.points) point.place -= middle.cast<float>();
   const Eigen::Vector3d depth_map = camera.camera_from_world.Apply(middle);
-  image.centre_px = {camera.pinhole.fx * depth_map.x() / depth_map.z() + camera.pinhole.cx,
-                     camera.pinhole.fy * depth_map.y() / depth_map.z() + camera.pinhole.cy};
-  image.pixels_per_m = camera.pinhole.fx / depth_map.z();
-  return image;
+  appearance.centre_px = {camera.pinhole.fx * depth_map.x() / depth_map.z() + camera.pinhole.cx,
+                          camera.pinhole.fy * depth_map.y() / depth_map.z() + camera.pinhole.cy};
+  appearance.pixels_per_m = camera.pinhole.fx / depth_map.z();
+  return appearance;
 }
 
 }  // namespace victorious
