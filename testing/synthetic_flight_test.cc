@@ -154,7 +154,7 @@ TEST(SyntheticFlightTest, NamesAreUnique) {
   EXPECT_EQ(row->object, "crate-1");
 }
 
-TEST(DrawnObjectsTest, OutlinesEncloseOpaquePixels) {
+TEST(DrawObject, OutlinesEncloseOpaquePixels) {
   for (int kind = 0; kind < kNumObjectKinds; ++kind) {
     const SyntheticObject object = DrawObject(static_cast<ObjectKind>(kind), 1);
     ASSERT_EQ(object.image.type(), CV_8UC4);
@@ -165,7 +165,7 @@ TEST(DrawnObjectsTest, OutlinesEncloseOpaquePixels) {
   }
 }
 
-TEST(DrawnObjectsTest, SeedsGiveDistinguishableObjects) {
+TEST(DrawObject, SeedsGiveDistinguishableObjects) {
   for (int kind = 0; kind < kNumObjectKinds; ++kind) {
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
       cv::Mat a = DrawObject(static_cast<ObjectKind>(kind), seed).image;

@@ -108,7 +108,7 @@ TEST(Detectability, RefusesInvalidOptionsAndPhotoModels) {
             ErrorCode::kCancelled);
 }
 
-TEST(DrawnClutter, DependsOnlyOnSeedAndIsFullOfEdges) {
+TEST(DrawClutter, DependsOnlyOnSeedAndIsFullOfEdges) {
   const cv::Mat clutter = DrawClutter({320, 240}, 5);
   EXPECT_EQ(cv::norm(clutter, DrawClutter({320, 240}, 5), cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(clutter, DrawClutter({320, 240}, 6), cv::NORM_INF), 50);

@@ -34,7 +34,7 @@ int CountOf(const cv::Mat& sheet, const cv::Scalar& colour) {
   return cv::countNonZero(close);
 }
 
-TEST(ViewSheetTest, ShowsTheThumbnailOfEveryView) {
+TEST(DrawViewSheet, ShowsTheThumbnailOfEveryView) {
   const cv::Scalar blue(220, 60, 30);
   const auto few = DrawViewSheet(MakeModelWithViews(18, {40, 40}, blue));
   ASSERT_TRUE(few) << few.error().message;
@@ -45,7 +45,7 @@ TEST(ViewSheetTest, ShowsTheThumbnailOfEveryView) {
   EXPECT_GT(many->rows, 2 * few->rows);
 }
 
-TEST(ViewSheetTest, RefusesMissingOrDamagedThumbnails) {
+TEST(DrawViewSheet, RefusesMissingOrDamagedThumbnails) {
   ObjectModel old = MakeModelWithViews(2, {8, 8}, {});
   for (ModelView& view : old.views) view.thumbnail = {};
   const auto none = DrawViewSheet(old);
@@ -62,7 +62,7 @@ TEST(ViewSheetTest, RefusesMissingOrDamagedThumbnails) {
   EXPECT_FALSE(DrawViewSheet(MakeModelWithViews(2001, {2, 2}, {})));
 }
 
-TEST(ThumbnailTest, IsCroppedAndReducedToTheGivenSide) {
+TEST(MakeThumbnail, IsCroppedAndReducedToTheGivenSide) {
   cv::Mat image(200, 400, CV_8UC3, cv::Scalar(0, 0, 255));
   image(cv::Rect(100, 50, 160, 80)).setTo(cv::Scalar(0, 255, 0));
   const cv::Mat green = MakeThumbnail(image, {100, 50, 160, 80}, 40);

@@ -12,17 +12,18 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-MatrixXd Drawn(Random& random, Index rows, Index columns) {
+MatrixXd RandomMatrix(Random& random, Index rows, Index columns) {
   MatrixXd matrix(rows, columns);
   for (double& value : matrix.reshaped()) value = random.Normal();
   return matrix;
 }
 
-BorderedSystem DrawnSystem(std::size_t blocks, Index size, Index border) {
+BorderedSystem RandomSystem(std::size_t blocks, Index size, Index border) {
   Random random(17 + blocks);
   BorderedSystem system(blocks, size, border);
   for (std::size_t k = 0; k < blocks; ++k) {
-    const MatrixXd j = Drawn(random, 3 * size, 2 * size + border);  // couples block k, the next block and the border
+    const MatrixXd j =
+        RandomMatrix(random, 3 * size, 2 * size + border);  // couples block k, the next block and the border
     const bool last = k + 1 == blocks;
     const MatrixXd normal = j.transpose() * j;
     system.diagonal[k] += normal.topLeftCorner(size, size);
@@ -36,9 +37,9 @@ BorderedSystem DrawnSystem(std::size_t blocks, Index size, Index border) {
       system.upper[k] += normal.block(0, size, size, size);
       system.border[k + 1].push_back({0, normal.block(size, 2 * size, size, border)});
     }
-    system.rhs[k] = Drawn(random, size, 1);
+    system.rhs[k] = RandomMatrix(random, size, 1);
   }
-  system.corner_rhs = Drawn(random, border, 1);
+  system.corner_rhs = RandomMatrix(random, border, 1);
   return system;
 }
 
@@ -63,7 +64,7 @@ class BorderedSystemTest : public ::testing::TestWithParam<std::pair<int, int>> 
 
 TEST_P(BorderedSystemTest, MatchesTheDenseSolution) {
   const auto [blocks, border] = GetParam();
-  const BorderedSystem system = DrawnSystem(static_cast<std::size_t>(blocks), 4, border);
+  const BorderedSystem system = RandomSystem(static_cast<std::size_t>(blocks), 4, border);
   const MatrixXd inverse = Dense(system).inverse();
   VectorXd rhs(inverse.rows());
   for (int k = 0; k < blocks; ++k) rhs.segment(4 * k, 4) = system.rhs[static_cast<std::size_t>(k)];
@@ -91,11 +92,11 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BorderedSystemTest,
                                            std::pair(9, 5)));
 
 TEST(BorderedSystem, RefusesIndefiniteMatrices) {
-  BorderedSystem system = DrawnSystem(3, 4, 2);
+  BorderedSystem system = RandomSystem(3, 4, 2);
   system.diagonal[1].setZero();
   EXPECT_FALSE(system.Solve());
   EXPECT_FALSE(system.Invert());
-  system = DrawnSystem(3, 4, 2);
+  system = RandomSystem(3, 4, 2);
   system.corner.setZero();
   EXPECT_FALSE(system.Solve());
 }

@@ -10,14 +10,14 @@ namespace victorious {
 namespace {
 
 // Radians and metres, of very different magnitudes.
-Matrix6 Drawn() {
+Matrix6 MakeCovariance() {
   Matrix6 root;
   for (int i = 0; i < 36; ++i) root(i / 6, i % 6) = std::sin(1.0 + 7 * i * i) * (i < 18 ? 1e-4 : 1e3);
   return root * root.transpose();
 }
 
 TEST(Covariance, InverseTimesMatrixIsIdentity) {
-  const Matrix6 covariance = Drawn();
+  const Matrix6 covariance = MakeCovariance();
   const auto inverse = InvertCovariance(covariance);
   ASSERT_TRUE(inverse);
   const Vector6 sigma = covariance.diagonal().cwiseSqrt();  // normalises to the same magnitude

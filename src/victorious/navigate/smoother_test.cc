@@ -12,22 +12,22 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-Vector3d Drawn(Random& random, double sigma) {
+Vector3d RandomVector(Random& random, double sigma) {
   return sigma * Vector3d(random.Normal(), random.Normal(), random.Normal());
 }
 
-FlightState DrawnState(Random& random) {
+FlightState RandomState(Random& random) {
   FlightState state;
-  state.camera_from_enu = RotationFromVector(Drawn(random, 1));
-  state.place = Drawn(random, 50);
+  state.camera_from_enu = RotationFromVector(RandomVector(random, 1));
+  state.place = RandomVector(random, 50);
   return state;
 }
 
 TEST(Smoother, SightingJacobianMatchesFiniteDifferences) {
   Random random(3);
   for (int draw = 0; draw < 20; ++draw) {
-    const FlightState state = DrawnState(random);
-    const Rigid3 landmark{RotationFromVector(Drawn(random, 1)), Drawn(random, 50)};
+    const FlightState state = RandomState(random);
+    const Rigid3 landmark{RotationFromVector(RandomVector(random, 1)), RandomVector(random, 50)};
     const Rigid3 seen{state.camera_from_enu * landmark.rotation,
                       state.camera_from_enu * (landmark.translation - state.place)};
     const SightingJacobian jacobian = ComputeSightingJacobian(state, landmark);
@@ -52,8 +52,8 @@ TEST(Smoother, SightingJacobianMatchesFiniteDifferences) {
 // A static camera, one exact landmark, no telemetry: observed in the first and the last frame.
 TEST(Smoother, InterpolatesFramesWithoutSightings) {
   Random random(5);
-  const FlightState truth = DrawnState(random);
-  const Rigid3 landmark{RotationFromVector(Drawn(random, 1)),
+  const FlightState truth = RandomState(random);
+  const Rigid3 landmark{RotationFromVector(RandomVector(random, 1)),
                         truth.place + truth.camera_from_enu.conjugate() * Vector3d(1, 2, 90)};
   FlightInput flight;
   for (int k = 0; k < 11; ++k) flight.frames.push_back({1.0 * k, std::nullopt});
@@ -98,8 +98,8 @@ TEST(Smoother, SeparatesOffsetsFromNoise) {
   const Rigid3 seen{truth.camera_from_enu, Vector3d(1, 2, 90)};
   std::vector<SightingConstraint> constraints;
   for (std::size_t k = 0; k < 50; ++k) {
-    const Vector3d measured = place_offset + Drawn(random, 0.5);
-    const Vector3d turned = attitude_offset + Drawn(random, 0.01);
+    const Vector3d measured = place_offset + RandomVector(random, 0.5);
+    const Vector3d turned = attitude_offset + RandomVector(random, 0.01);
     flight.frames.push_back(
         {0.1 * static_cast<double>(k),
          TelemetryPose{measured,

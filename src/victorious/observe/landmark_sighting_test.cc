@@ -19,7 +19,7 @@ constexpr double kRangeM = 120;
 Rigid3 Truth() { return {RotationFromVector(Vector3d(0.9, -0.4, 0.3)), Vector3d(6, -4, kRangeM)}; }
 
 // A pose from some points, each with a noise of one pixel along each axis.
-ObjectPose Drawn(Random& random, int count) {
+ObjectPose RandomObjectPose(Random& random, int count) {
   ObjectPose object_pose{.focal_px = kFocalPx};
   for (int i = 0; i < count; ++i) {
     const Vector3d point(random.Uniform(-3, 3), random.Uniform(-1.5, 1.5), random.Uniform(-1, 1));
@@ -51,8 +51,8 @@ TEST(LandmarkSighting, InformationIsConsistentWithErrors) {
   double sum = 0;
   constexpr int kDraws = 200;
   for (int i = 0; i < kDraws; ++i) {
-    const auto sighting =
-        MakeLandmarkSighting(Drawn(random, 40), options, {.min_rotation_sigma_deg = 0, .reference_points = 0});
+    const auto sighting = MakeLandmarkSighting(RandomObjectPose(random, 40), options,
+                                               {.min_rotation_sigma_deg = 0, .reference_points = 0});
     ASSERT_TRUE(sighting);
     sum += ErrorOf(*sighting).dot(sighting->information * ErrorOf(*sighting));
   }
@@ -66,8 +66,8 @@ TEST(LandmarkSighting, SigmasHaveLowerBounds) {
   options.min_sigma_px = 0.3;
   options.min_range_fraction = 0.01;
   const double min_turn = RadiansFromDegrees(1);
-  const auto sighting =
-      MakeLandmarkSighting(Drawn(random, 4000), options, {.min_rotation_sigma_deg = 1, .reference_points = 0});
+  const auto sighting = MakeLandmarkSighting(RandomObjectPose(random, 4000), options,
+                                             {.min_rotation_sigma_deg = 1, .reference_points = 0});
   ASSERT_TRUE(sighting);
   const Matrix6 covariance = sighting->information.inverse();
   for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), min_turn * min_turn);
@@ -78,7 +78,7 @@ TEST(LandmarkSighting, SigmasHaveLowerBounds) {
 // Few points at one end of the object, and a rotation error: the errors are consistent with the covariance.
 TEST(LandmarkSighting, FewPointsAllowRotationAboutThem) {
   Random random(13);
-  ObjectPose object_pose = Drawn(random, 10);
+  ObjectPose object_pose = RandomObjectPose(random, 10);
   const Vector3d end(2.5, 0, 0);
   for (PointObservation& point : object_pose.points) point.point += end;
   const ObservationOptions observation{.view_sigma_deg = 6};

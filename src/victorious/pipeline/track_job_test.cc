@@ -22,7 +22,7 @@ class TrackJobTest : public ::testing::Test {
     videos_ = {(folder_ / "flight.mkv").string()};
   }
 
-  [[nodiscard]] UserBox Drawn(int frame) const {
+  [[nodiscard]] UserBox UserBoxAt(int frame) const {
     const testing::TruthRow row = flight_.Truth(frame).front();
     return {row.box, frame / flight_.options().fps};
   }
@@ -55,7 +55,7 @@ class TrackJobTest : public ::testing::Test {
 };
 
 TEST_F(TrackJobTest, BackwardTrackingDoesNotDependOnChunkLength) {
-  const std::vector<UserBox> boxes = {Drawn(25)};
+  const std::vector<UserBox> boxes = {UserBoxAt(25)};
   TrackBoxesOptions short_stretches;
   short_stretches.memory_mb = 1;  // a few frames
   const auto whole = Run(boxes).value();
@@ -86,11 +86,11 @@ TEST_F(TrackJobTest, ErrorsNameTheProblem) {
   EXPECT_THAT(Run({{{900, 10, 30, 30}, 0.0}}).error().message, HasSubstr("box-1"));
   EXPECT_EQ(Run({}).error().code, ErrorCode::kInvalidArgument);
   cancel_.Cancel();
-  EXPECT_EQ(Run({Drawn(0)}).error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(Run({UserBoxAt(0)}).error().code, ErrorCode::kCancelled);
 }
 
 TEST_F(TrackJobTest, ReportsWhyThereIsNoPlace) {
-  const auto why = [&] { return Track({Drawn(25)}).value().place_failures.at(0); };
+  const auto why = [&] { return Track({UserBoxAt(25)}).value().place_failures.at(0); };
   EXPECT_THAT(why(), HasSubstr("no telemetry with camera position"));
   WriteTelemetry(100, 101);
   EXPECT_THAT(why(), HasSubstr("telemetry has no state from"));
@@ -102,7 +102,7 @@ TEST_F(TrackJobTest, LocatedBoxHasNoPlaceFailure) {
   WriteTelemetry(0, 10);
   TrackBoxesOptions options;
   options.ground.height_m = 20;
-  const TrackedBoxes tracked = Track({Drawn(25)}, options).value();
+  const TrackedBoxes tracked = Track({UserBoxAt(25)}, options).value();
   EXPECT_THAT(tracked.place_failures.at(0), ::testing::IsEmpty());
   EXPECT_TRUE(tracked.sightings.back().place.has_value());
 }
@@ -111,7 +111,7 @@ TEST_F(TrackJobTest, GroundAboveTheCameraIsReported) {
   WriteTelemetry(0, 10);
   TrackBoxesOptions options;
   options.ground.height_m = 200;
-  const TrackedBoxes tracked = Track({Drawn(25)}, options).value();
+  const TrackedBoxes tracked = Track({UserBoxAt(25)}, options).value();
   EXPECT_THAT(tracked.place_failures.at(0), HasSubstr("do not meet the given ground"));
 }
 

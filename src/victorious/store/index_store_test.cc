@@ -509,7 +509,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, IndexStoreTest,
                                                    }}),
                          [](const auto& backend) { return backend.param.name; });
 
-TEST(VideosNamedTest, PrefersTheWholeNameToItsLastParts) {
+TEST(FindVideosByName, PrefersTheWholeNameToItsLastParts) {
   const std::vector<VideoRecord> videos = {{.id = 1, .name = "a.mp4"},
                                            {.id = 2, .name = "/data/flight/a.mp4"},
                                            {.id = 3, .name = "frames/"},

@@ -12,14 +12,14 @@ namespace {
 
 constexpr FisherOptions kSmall{.components = 4, .dimensions = 6, .samples = 500, .iterations = 8};
 
-FeatureSet Drawn(std::uint64_t seed) {
+FeatureSet RandomFeatures(std::uint64_t seed) {
   Random random(seed);
   return DenseFeatures(testing::DrawPair(true, random), testing::CoarseGrid());
 }
 
 FisherEncoder Learnt(const FisherOptions& options = kSmall) {
-  const FeatureSet a = Drawn(1);
-  const FeatureSet b = Drawn(2);
+  const FeatureSet a = RandomFeatures(1);
+  const FeatureSet b = RandomFeatures(2);
   const std::vector<const FeatureSet*> sets = {&a, &b};
   return FisherEncoder::Learn(sets, options, 7);
 }
@@ -27,9 +27,9 @@ FisherEncoder Learnt(const FisherOptions& options = kSmall) {
 TEST(FisherEncoder, VectorsHaveUnitLengthAndAreDeterministic) {
   const FisherEncoder encoder = Learnt();
   ASSERT_EQ(encoder.size(), 2U * 4 * (6 + 2));
-  const Eigen::VectorXf vector = encoder.Encode(Drawn(3));
+  const Eigen::VectorXf vector = encoder.Encode(RandomFeatures(3));
   EXPECT_NEAR(vector.norm(), 1, 1e-5);
-  EXPECT_EQ(vector, Learnt().Encode(Drawn(3)));
+  EXPECT_EQ(vector, Learnt().Encode(RandomFeatures(3)));
   EXPECT_NEAR(encoder.mixture_weight.sum(), 1, 1e-5);
   EXPECT_GT(encoder.deviation.minCoeff(), 0);
 }
@@ -64,12 +64,12 @@ TEST(FisherEncoder, ClustersHaveTheirOwnComponents) {
 }
 
 TEST(FisherEncoder, PositionsAreUsedOnlyIfEnabled) {
-  FeatureSet moved = Drawn(3);
+  FeatureSet moved = RandomFeatures(3);
   for (Keypoint& keypoint : moved.keypoints) keypoint.x = static_cast<float>(moved.image_width) - keypoint.x;
-  EXPECT_GT((Learnt().Encode(moved) - Learnt().Encode(Drawn(3))).norm(), 0.1);
+  EXPECT_GT((Learnt().Encode(moved) - Learnt().Encode(RandomFeatures(3))).norm(), 0.1);
   FisherOptions options = kSmall;
   options.append_position = false;
-  EXPECT_EQ(Learnt(options).Encode(moved), Learnt(options).Encode(Drawn(3)));
+  EXPECT_EQ(Learnt(options).Encode(moved), Learnt(options).Encode(RandomFeatures(3)));
 }
 
 TEST(FisherEncoder, NoFeaturesGiveEmptyVector) {
@@ -77,17 +77,17 @@ TEST(FisherEncoder, NoFeaturesGiveEmptyVector) {
   FisherOptions none = kSmall;
   none.components = 0;
   EXPECT_EQ(Learnt(none).size(), 0U);
-  EXPECT_EQ(Learnt(none).Encode(Drawn(1)).size(), 0);
+  EXPECT_EQ(Learnt(none).Encode(RandomFeatures(1)).size(), 0);
 }
 
 TEST(FisherEncoder, FewFeaturesLimitTheComponents) {
-  FeatureSet few = Drawn(1);
+  FeatureSet few = RandomFeatures(1);
   few.keypoints.resize(3);
   few.descriptors.resize(3 * kDescriptorSize);
   const FeatureSet* const set = &few;
   const FisherEncoder encoder = FisherEncoder::Learn(std::span(&set, 1), kSmall, 1);
   EXPECT_EQ(encoder.mixture_weight.size(), 3);
-  EXPECT_TRUE(encoder.Encode(Drawn(2)).allFinite());
+  EXPECT_TRUE(encoder.Encode(RandomFeatures(2)).allFinite());
 }
 
 }  // namespace
