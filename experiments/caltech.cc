@@ -6,7 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/core/utility.hpp>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
@@ -113,10 +113,8 @@ Expected<TestScores> TrainAndTest(const CaltechFeatures& features, const Categor
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(features.ExamplesOf(split.train), seeded));
   scores.train_s = SecondsSince(start);
   std::vector<QuantisedImage> images(split.test.size());
-  cv::parallel_for_({0, static_cast<int>(images.size())}, [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i)
-      images[static_cast<std::size_t>(i)] =
-          QuantiseFeatures(model, features.WholeImage(split.test[static_cast<std::size_t>(i)]));
+  oneapi::tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+    images[i] = QuantiseFeatures(model, features.WholeImage(split.test[i]));
   });
   for (std::size_t i = 0; i < images.size(); ++i) {
     const auto scoring = std::chrono::steady_clock::now();

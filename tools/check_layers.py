@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Checks project rules that the compiler does not: the include layers (layers.toml), the places where third-party
-headers may be included, the length of files, and the absence of markers of unfinished work.
+headers may be included, the one way to run in parallel (oneTBB), the length of files, and the absence of markers of
+unfinished work.
 
 Usage: check_layers.py [ROOT]
 Prints one line per finding, "path:line: problem: remedy"; exits with 1 if there is any.
@@ -19,6 +20,13 @@ LONGEST_FILE = 600  # lines
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"(?P<quoted>[^"]+)"|<(?P<angled>[^>]+)>)')
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX)\b|\bnot (?:yet )?implemented\b", re.IGNORECASE)
+# Threads of one's own, and other libraries' parallel loops. std::thread::hardware_concurrency() starts none.
+OTHER_PARALLEL = re.compile(
+    r"\bcv::parallel_for_|\bcv::ParallelLoopBody|\bstd::(?:jthread\b|thread\b(?!::hardware_concurrency)|async\b)"
+    r"|\bstd::execution::par|\bpthread_create\b|#\s*pragma\s+omp\b"
+)
+PARALLEL_FOLDERS = (SOURCES.as_posix(), "experiments", "assets/make", "bench")
+MAY_START_THREADS = ()  # files of these folders with a thread of their own, each with the reason; none so far
 PROJECT_ROOTS = ("victorious/", "experiments/", "assets/make/", "testing/", "tests/", "bench/", "hwy/")
 
 
@@ -125,6 +133,17 @@ def check_text(path: Path, text: str) -> Iterator[Finding]:
             yield Finding(path, number, f'says "{match[0]}": finish it, or open an issue and say what holds today')
 
 
+def check_parallel(path: Path, text: str) -> Iterator[Finding]:
+    """Parallel work runs on oneTBB's workers, so that nested loops share the cores. Tests may start threads."""
+    if path.name.endswith("_test.cc") or path.as_posix() in MAY_START_THREADS:
+        return
+    if not any(path.is_relative_to(folder) for folder in PARALLEL_FOLDERS):
+        return
+    for number, line in enumerate(text.splitlines(), start=1):
+        if match := OTHER_PARALLEL.search(line.split("//")[0]):
+            yield Finding(path, number, f"uses {match[0]}: run in parallel by oneTBB, or list the file in MAY_START_THREADS")
+
+
 def code_files(root: Path) -> Iterator[Path]:
     for folder in CODE_FOLDERS:
         for path in sorted((root / folder).rglob("*")):
@@ -138,6 +157,7 @@ def check(root: Path) -> list[Finding]:
     for path in code_files(root):
         text = (root / path).read_text(encoding="utf-8", errors="replace")
         findings += check_includes(path, text, levels)
+        findings += check_parallel(path, text)
         findings += check_text(path, text)
     return findings
 

@@ -178,6 +178,17 @@ class CheckLayersTest(unittest.TestCase):
         self.put("src/victorious/base/a.h", "")
         self.assertEqual(check_layers.main([str(self.root)]), 0)
 
+    def test_parallel_work_runs_on_onetbb_alone(self):
+        remedy = "run in parallel by oneTBB, or list the file in MAY_START_THREADS"
+        for code in ("cv::parallel_for_", "std::jthread", "std::thread", "std::async", "pthread_create", "#pragma omp"):
+            for path in ("src/victorious/mesh/bake.cc", "experiments/table.cc", "bench/bench_frame.cc"):
+                with self.subTest(code=code, path=path):
+                    self.assertEqual(self.findings(path, f"\n{code} x;\n"), [f"{path}:2: uses {code}: {remedy}"])
+                    (self.root / path).unlink()
+        fine = "n = std::thread::hardware_concurrency();  // no std::thread\noneapi::tbb::parallel_for(0, n, f);\n"
+        self.assertEqual(self.findings("src/victorious/mesh/bake.cc", fine), [])
+        self.assertEqual(self.findings("src/victorious/mesh/bake_test.cc", "std::thread x;\n"), [])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
 #include "assets/make/unwrap.h"
@@ -83,11 +84,9 @@ void BakePart(const Part& part, int index, const Unwrap& unwrap, const std::vect
 /// Calls `visit(x, y, part)` for each covered texel, rows in parallel.
 template <typename Visit>
 void ForEachTexel(const Bake& bake, const Visit& visit) {
-  cv::parallel_for_({0, bake.part.rows}, [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y) {
-      for (int x = 0; x < bake.part.cols; ++x) {
-        if (const int part = bake.part.at<short>(y, x); part >= 0) visit(x, y, part);
-      }
+  oneapi::tbb::parallel_for(0, bake.part.rows, [&](int y) {
+    for (int x = 0; x < bake.part.cols; ++x) {
+      if (const int part = bake.part.at<short>(y, x); part >= 0) visit(x, y, part);
     }
   });
 }

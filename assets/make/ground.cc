@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
 namespace victorious::assets {
@@ -180,20 +181,18 @@ Ground::Ground(float side_m, int side_px, const Material& base, std::uint64_t se
 void Ground::Lay(const Material& material, const std::vector<cv::Point2d>& outline) {
   cv::Mat mask(image_.size(), CV_8U, cv::Scalar(0));
   Pencil(mask, {0, 0}, 0, texels_per_m_).Fill(outline, Colour{255});
-  cv::parallel_for_({0, image_.rows}, [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y) {
-      for (int x = 0; x < image_.cols; ++x) {
-        const int share = mask.at<std::uint8_t>(y, x);
-        if (share == 0) continue;
-        // Four samples per texel, for antialiasing.
-        Bgr sum(0, 0, 0);
-        for (const auto& [dx, dy] : {std::pair{0.25F, 0.25F}, {0.75F, 0.25F}, {0.25F, 0.75F}, {0.75F, 0.75F}}) {
-          const float scale = 1 / static_cast<float>(texels_per_m_);
-          sum += material((static_cast<float>(x) + dx) * scale, (static_cast<float>(y) + dy) * scale, side_m_) * 0.25F;
-        }
-        cv::Vec3b& pixel = image_.at<cv::Vec3b>(y, x);
-        pixel = cv::Vec3b(Mix(Bgr(pixel), sum, static_cast<float>(share) / 255));
+  oneapi::tbb::parallel_for(0, image_.rows, [&](int y) {
+    for (int x = 0; x < image_.cols; ++x) {
+      const int share = mask.at<std::uint8_t>(y, x);
+      if (share == 0) continue;
+      // Four samples per texel, for antialiasing.
+      Bgr sum(0, 0, 0);
+      for (const auto& [dx, dy] : {std::pair{0.25F, 0.25F}, {0.75F, 0.25F}, {0.25F, 0.75F}, {0.75F, 0.75F}}) {
+        const float scale = 1 / static_cast<float>(texels_per_m_);
+        sum += material((static_cast<float>(x) + dx) * scale, (static_cast<float>(y) + dy) * scale, side_m_) * 0.25F;
       }
+      cv::Vec3b& pixel = image_.at<cv::Vec3b>(y, x);
+      pixel = cv::Vec3b(Mix(Bgr(pixel), sum, static_cast<float>(share) / 255));
     }
   });
 }

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <exception>
 #include <mutex>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <oneapi/tbb/parallel_for.h>
 #include <opencv2/core.hpp>
 
 #include "victorious/base/random.h"
@@ -125,42 +124,22 @@ namespace {
 // rethrows exceptions.
 Status ParallelFor(std::size_t count, const std::function<Status(std::size_t)>& work,
                    const std::function<void(std::size_t)>& done = {}) {
-  std::atomic<std::size_t> next = 0;
-  std::atomic<bool> failed = false;
-  std::mutex mutex;
+  std::mutex mutex;  // guards what follows
   std::size_t finished = 0;
-  std::size_t first_failure = count;
+  std::atomic<std::size_t> first_failure = count;  // also read without the mutex
   Status status;
-  std::exception_ptr thrown;
-  const auto take = [&] {
-    while (!failed) {  // work in progress is completed after a failure: it may fail at a lower index
-      const std::size_t i = next++;
-      if (i >= count) return;
-      Status one;
-      try {
-        one = work(i);
-      } catch (...) {  // OpenCV's exceptions, or std::bad_alloc
-        const std::scoped_lock lock(mutex);
-        thrown = std::current_exception();
-        failed = true;
-        return;
-      }
-      const std::scoped_lock lock(mutex);
-      if (one) {
-        ++finished;
-        if (done) done(finished);
-      } else if (i < first_failure) {
-        first_failure = i;
-        status = one;
-        failed = true;
-      }
+  oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    if (i > first_failure) return;  // lower indices still run: one of them may fail, too
+    Status one = work(i);
+    const std::scoped_lock lock(mutex);
+    if (one) {
+      ++finished;
+      if (done) done(finished);
+    } else if (i < first_failure) {
+      first_failure = i;
+      status = std::move(one);
     }
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(take);
-  take();
-  threads.clear();
-  if (thrown) std::rethrow_exception(thrown);
+  });
   return status;
 }
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/core/utility.hpp>
+#include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/random.h"
@@ -131,26 +131,23 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& feat
     if (!images[i].box) backgrounds.push_back(i);
   std::vector<CategoryExample> examples(samples.size());
   std::vector<Status> statuses(samples.size());
-  cv::parallel_for_({0, static_cast<int>(samples.size())}, [&](const cv::Range& range) {
-    for (auto c = static_cast<std::size_t>(range.start); c < static_cast<std::size_t>(range.end); ++c) {
-      const WindowSample& cut = samples[c];
-      Random random(MixSeed(cut.image, c));
-      const cv::Mat& beyond = images[backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))]].grey;
-      cv::Mat seen =
-          CropWindow(images[cut.image].grey, cut.window, featurizer.options().windows.side_px, beyond, random);
-      if (cut.mirrored) cv::flip(seen, seen, 1);
-      Expected<FeatureSet> features = featurizer.Extract(seen);
-      if (!features) {
-        statuses[c] = std::unexpected(std::move(features).error());
-        continue;
-      }
-      examples[c] = {.category = cut.category,
-                     .features = *std::move(features),
-                     .image = static_cast<int>(cut.image),
-                     .used_for_training = true,
-                     .used_for_calibration = cut.used_for_calibration,
-                     .mirrored = cut.mirrored};
+  oneapi::tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t c) {
+    const WindowSample& cut = samples[c];
+    Random random(MixSeed(cut.image, c));
+    const cv::Mat& beyond = images[backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))]].grey;
+    cv::Mat seen = CropWindow(images[cut.image].grey, cut.window, featurizer.options().windows.side_px, beyond, random);
+    if (cut.mirrored) cv::flip(seen, seen, 1);
+    Expected<FeatureSet> features = featurizer.Extract(seen);
+    if (!features) {
+      statuses[c] = std::unexpected(std::move(features).error());
+      return;
     }
+    examples[c] = {.category = cut.category,
+                   .features = *std::move(features),
+                   .image = static_cast<int>(cut.image),
+                   .used_for_training = true,
+                   .used_for_calibration = cut.used_for_calibration,
+                   .mirrored = cut.mirrored};
   });
   for (const Status& status : statuses) VICTORIOUS_RETURN_IF_ERROR(status);
   return examples;
@@ -167,19 +164,17 @@ std::vector<WindowSample> MineHardNegatives(const CategoryModel& model, std::spa
     if (std::ranges::any_of(images, shows)) object_nodes.push_back(n);
   }
   std::vector<std::vector<WindowSample>> of_image(images.size());
-  cv::parallel_for_({0, static_cast<int>(images.size())}, [&](const cv::Range& range) {
-    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i) {
-      const LabelledImage& image = images[i];
-      const std::vector<ScoredWindow> windows =
-          ClassifyWindows(model, image.grey, options.features.dense, options.features.windows, object_nodes);
-      const Box about = image.box ? WindowAroundObject(*image.box, options.features, nullptr) : Box{};
-      for (const ScoredWindow& window : windows) {
-        if (image.box && IsCentredOnObject(window.box, about)) continue;
-        if (of_image[i].size() == static_cast<std::size_t>(options.examples.hard_negatives)) break;
-        const auto same = [&](const WindowSample& cut) { return IsSameObject(cut.window, window.box); };
-        if (std::ranges::none_of(of_image[i], same))
-          of_image[i].push_back({i, window.box, image.box ? background : image.category, false, !image.box});
-      }
+  oneapi::tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+    const LabelledImage& image = images[i];
+    const std::vector<ScoredWindow> windows =
+        ClassifyWindows(model, image.grey, options.features.dense, options.features.windows, object_nodes);
+    const Box about = image.box ? WindowAroundObject(*image.box, options.features, nullptr) : Box{};
+    for (const ScoredWindow& window : windows) {
+      if (image.box && IsCentredOnObject(window.box, about)) continue;
+      if (of_image[i].size() == static_cast<std::size_t>(options.examples.hard_negatives)) break;
+      const auto same = [&](const WindowSample& cut) { return IsSameObject(cut.window, window.box); };
+      if (std::ranges::none_of(of_image[i], same))
+        of_image[i].push_back({i, window.box, image.box ? background : image.category, false, !image.box});
     }
   });
   std::vector<WindowSample> samples;

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include <opencv2/core/utility.hpp>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
@@ -28,13 +28,11 @@ std::vector<Neighbour> Nearest(std::span<const std::uint8_t> rows, const kernels
   const std::size_t count = rows.size() / kDescriptorSize;
   std::vector<Neighbour> out(count * k);
   const std::size_t blocks = (count + kBlock - 1) / kBlock;
-  cv::parallel_for_({0, static_cast<int>(blocks)}, [&](const cv::Range& range) {
-    for (int block = range.start; block < range.end; ++block) {
-      const std::size_t first = static_cast<std::size_t>(block) * kBlock;
-      const std::size_t size = std::min(kBlock, count - first);
-      const auto queries = kernels::PackQueries(rows.subspan(first * kDescriptorSize, size * kDescriptorSize));
-      kernels::FindNearestK(queries, set, k, std::span(out).subspan(first * k, size * k));
-    }
+  oneapi::tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
+    const std::size_t first = block * kBlock;
+    const std::size_t size = std::min(kBlock, count - first);
+    const auto queries = kernels::PackQueries(rows.subspan(first * kDescriptorSize, size * kDescriptorSize));
+    kernels::FindNearestK(queries, set, k, std::span(out).subspan(first * k, size * k));
   });
   return out;
 }

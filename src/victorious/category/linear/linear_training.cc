@@ -7,7 +7,8 @@
 #include <string>
 #include <utility>
 
-#include <opencv2/core/utility.hpp>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/category/common/held_out.h"
 #include "victorious/category/linear/ridge.h"
@@ -29,9 +30,8 @@ void ClusterWords(const Vocabulary& vocabulary, VocabularyOptions options, int w
 std::vector<QuantisedImage> QuantiseExamples(std::span<const CategoryExample> examples, const LinearModel& model,
                                              const Vocabulary& vocabulary, int words_per_keypoint) {
   std::vector<QuantisedImage> images(examples.size());
-  cv::parallel_for_({0, static_cast<int>(examples.size())}, [&](const cv::Range& range) {
-    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
-      images[i] = QuantiseForLinear(model, examples[i].features, vocabulary, words_per_keypoint);
+  oneapi::tbb::parallel_for(std::size_t{0}, examples.size(), [&](std::size_t i) {
+    images[i] = QuantiseForLinear(model, examples[i].features, vocabulary, words_per_keypoint);
   });
   return images;
 }
@@ -50,15 +50,12 @@ TrainingData ComputeTrainingData(const LinearModel& model, std::span<const Quant
       .phrases = std::vector<SparseVector>(images.size()),
       .fisher = {static_cast<Eigen::Index>(model.fisher.size()), static_cast<Eigen::Index>(images.size())},
       .shapes = {static_cast<Eigen::Index>(model.shape.size()), static_cast<Eigen::Index>(images.size())}};
-  cv::parallel_for_({0, static_cast<int>(images.size())}, [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      const auto phrases = FindPhrases(images[at], model.cluster_of_word, model.word_clusters);
-      training_data.words[at] = Hellinger(CountWords(images[at], model.cluster_of_word.size()));
-      training_data.phrases[at] = Hellinger(CountPhrases(phrases, model.word_clusters));
-      training_data.fisher.col(i) = images[at].fisher;
-      training_data.shapes.col(i) = images[at].shape;
-    }
+  oneapi::tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+    const auto phrases = FindPhrases(images[i], model.cluster_of_word, model.word_clusters);
+    training_data.words[i] = Hellinger(CountWords(images[i], model.cluster_of_word.size()));
+    training_data.phrases[i] = Hellinger(CountPhrases(phrases, model.word_clusters));
+    training_data.fisher.col(static_cast<Eigen::Index>(i)) = images[i].fisher;
+    training_data.shapes.col(static_cast<Eigen::Index>(i)) = images[i].shape;
   });
   return training_data;
 }
@@ -68,9 +65,10 @@ TrainingData ComputeTrainingData(const LinearModel& model, std::span<const Quant
 Eigen::MatrixXd KernelMatrix(std::span<const SparseVector> vectors, std::size_t size) {
   const auto count = static_cast<Eigen::Index>(vectors.size());
   Eigen::MatrixXd kernel(count, count);
-  cv::parallel_for_({0, static_cast<int>(count)}, [&](const cv::Range& range) {
+  const oneapi::tbb::blocked_range<Eigen::Index> rows(0, count);
+  oneapi::tbb::parallel_for(rows, [&](const oneapi::tbb::blocked_range<Eigen::Index>& range) {
     std::vector<float> dense(size);
-    for (Eigen::Index i = range.start; i < range.end; ++i) {
+    for (Eigen::Index i = range.begin(); i < range.end(); ++i) {
       const SparseVector& own = vectors[static_cast<std::size_t>(i)];
       for (const auto& [index, value] : own) dense[index] = value;
       for (Eigen::Index j = 0; j <= i; ++j) {

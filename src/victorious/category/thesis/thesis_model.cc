@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/core/utility.hpp>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/category/common/held_out.h"
 
@@ -109,26 +109,24 @@ ThesisFit TrainThesis(std::span<const CategoryExample> examples, std::vector<Cat
   const auto node_count = static_cast<Eigen::Index>(nodes.size());
   Eigen::MatrixXd by_words = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(examples.size()), node_count);
   Eigen::MatrixXd by_phrases = by_words;
-  cv::parallel_for_({0, kFolds}, [&](const cv::Range& range) {
-    for (int fold = range.start; fold < range.end; ++fold) {
-      Indices training;
-      for (std::size_t i = 0; i < examples.size(); ++i)
-        if (fold_of(i) != fold && examples[i].used_for_training) training.push_back(i);
-      std::vector<const FeatureSet*> sets;
-      for (const std::size_t i : training) sets.push_back(&examples[i].features);
-      if (std::ranges::all_of(sets, [](const FeatureSet* set) { return set->size() == 0; })) continue;
-      const Vocabulary fold_vocabulary = Vocabulary::Learn(sets, words, seed);
-      const ThesisModel model = FitSubset(setup, training, fold_vocabulary);
-      for (std::size_t i = 0; i < examples.size(); ++i) {
-        if (fold_of(i) != fold || !examples[i].used_for_calibration) continue;
-        const QuantisedImage image = QuantiseFeatures(examples[i].features, fold_vocabulary, words.words_per_keypoint);
-        const auto score = [&](CategoryMethod method) {
-          const std::vector<double> scores = ThesisScores(model, nodes, options, image, method);
-          return Eigen::RowVectorXd(Eigen::Map<const Eigen::RowVectorXd>(scores.data(), node_count));
-        };
-        by_words.row(static_cast<Eigen::Index>(i)) = score(CategoryMethod::kWords);
-        by_phrases.row(static_cast<Eigen::Index>(i)) = score(CategoryMethod::kPhrases);
-      }
+  oneapi::tbb::parallel_for(0, kFolds, [&](int fold) {
+    Indices training;
+    for (std::size_t i = 0; i < examples.size(); ++i)
+      if (fold_of(i) != fold && examples[i].used_for_training) training.push_back(i);
+    std::vector<const FeatureSet*> sets;
+    for (const std::size_t i : training) sets.push_back(&examples[i].features);
+    if (std::ranges::all_of(sets, [](const FeatureSet* set) { return set->size() == 0; })) return;
+    const Vocabulary fold_vocabulary = Vocabulary::Learn(sets, words, seed);
+    const ThesisModel model = FitSubset(setup, training, fold_vocabulary);
+    for (std::size_t i = 0; i < examples.size(); ++i) {
+      if (fold_of(i) != fold || !examples[i].used_for_calibration) continue;
+      const QuantisedImage image = QuantiseFeatures(examples[i].features, fold_vocabulary, words.words_per_keypoint);
+      const auto score = [&](CategoryMethod method) {
+        const std::vector<double> scores = ThesisScores(model, nodes, options, image, method);
+        return Eigen::RowVectorXd(Eigen::Map<const Eigen::RowVectorXd>(scores.data(), node_count));
+      };
+      by_words.row(static_cast<Eigen::Index>(i)) = score(CategoryMethod::kWords);
+      by_phrases.row(static_cast<Eigen::Index>(i)) = score(CategoryMethod::kPhrases);
     }
   });
 
