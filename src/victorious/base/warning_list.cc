@@ -1,5 +1,6 @@
 #include "victorious/base/warning_list.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,10 @@ void WarningList::Add(std::string line) {
   } else {
     ++omitted_;
   }
+}
+
+void WarningList::AddOnce(std::string line) {
+  if (std::ranges::find(lines_, line) == lines_.end()) Add(std::move(line));
 }
 
 void WarningList::Append(std::string_view prefix, const WarningList& other) {

@@ -15,6 +15,9 @@ class WarningList {
 
   void Add(std::string line);
 
+  /// As Add, but a line that is already kept is neither added nor counted again. Beyond kMaxLines, repeats are counted.
+  void AddOnce(std::string line);
+
   /// Adds all warnings of another list, each line after `prefix`.
   void Append(std::string_view prefix, const WarningList& other);
 

@@ -29,5 +29,16 @@ TEST(WarningList, AppendAddsTheCounts) {
   EXPECT_EQ(lines.back(), "and 4 more warnings of this kind");
 }
 
+TEST(WarningList, AddOnceKeepsOneOfEqualLinesAndCountsBeyondTheLimit) {
+  WarningList list;
+  list.AddOnce("bad packet");
+  list.AddOnce("bad packet");
+  EXPECT_EQ(list.Lines(), std::vector<std::string>{"bad packet"});
+  for (std::size_t i = 0; i < WarningList::kMaxLines + 2; ++i) list.AddOnce("packet " + std::to_string(i));
+  list.AddOnce("bad packet");
+  ASSERT_EQ(list.Lines().size(), WarningList::kMaxLines + 1);
+  EXPECT_EQ(list.Lines().back(), "and 3 more warnings of this kind");
+}
+
 }  // namespace
 }  // namespace victorious

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "victorious/base/warning_list.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/geolocate/lines_csv.h"
@@ -95,11 +96,9 @@ std::string ToText(const GeoFix& fix) {
 }
 
 void WarnAboutRows(const std::vector<std::string>& problems) {
-  constexpr std::size_t kMaxWarnings = 20;
-  for (std::size_t i = 0; i < std::min(kMaxWarnings, problems.size()); ++i) {
-    spdlog::warn("{}: row ignored", OneLine(problems[i]));
-  }
-  if (problems.size() > kMaxWarnings) spdlog::warn("{} more rows ignored", problems.size() - kMaxWarnings);
+  WarningList ignored;
+  for (const std::string& problem : problems) ignored.Add(OneLine(problem) + ": row ignored");
+  for (const std::string& line : ignored.Lines()) spdlog::warn("{}", line);
 }
 
 // Expands the inlier flags from the lines that were read to all rows of the file; rows that were not read are outliers.

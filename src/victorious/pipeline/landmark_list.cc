@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/warning_list.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/listed_object.h"
@@ -111,33 +112,11 @@ Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOption
   return landmark;
 }
 
-// Collects warnings about skipped entries: the first 20, then the number of the others.
-class SkipWarnings {
- public:
-  explicit SkipWarnings(std::vector<std::string>& warnings) : warnings_(warnings) {}
-
-  void Add(std::string warning) {
-    constexpr std::size_t kMaxWarnings = 20;
-    if (warnings_.size() < kMaxWarnings) {
-      warnings_.push_back(std::move(warning));
-    } else {
-      ++more_;
-    }
-  }
-  void AddSummary() {
-    if (more_ > 0) warnings_.push_back(fmt::format("and {} more are skipped", more_));
-  }
-
- private:
-  std::vector<std::string>& warnings_;
-  std::size_t more_ = 0;
-};
-
 Expected<LandmarkList> ReadIndexLandmarks(IndexStore& store, const LandmarkListOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, {}));
   LandmarkList list;
-  SkipWarnings skipped(list.warnings);
+  WarningList skipped;
   for (const ListedObject& listed : objects) {
     const ObjectRecord& object = listed.object;
     if (listed.is_category) continue;  // categories are not recognised by a model
@@ -152,7 +131,7 @@ Expected<LandmarkList> ReadIndexLandmarks(IndexStore& store, const LandmarkListO
                               .heading_rad = object.heading_rad,
                               .sigma_heading_rad = RadiansFromDegrees(options.heading_deg)});
   }
-  skipped.AddSummary();
+  list.warnings = skipped.Lines();
   if (list.landmarks.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "no static object with a place: index a video with telemetry first");
   }
@@ -163,7 +142,7 @@ Expected<LandmarkList> ReadIndexLandmarks(IndexStore& store, const LandmarkListO
 
 Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListOptions& options) {
   LandmarkList list;
-  SkipWarnings skipped(list.warnings);
+  WarningList skipped;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
@@ -176,7 +155,7 @@ Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListO
       skipped.Add(fmt::format("line {} is skipped: {}", number, landmark.error().message));
     }
   }
-  skipped.AddSummary();
+  list.warnings = skipped.Lines();
   if (!list.landmarks.empty()) return list;
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("neither an index nor a list of landmarks (JSON Lines){}",

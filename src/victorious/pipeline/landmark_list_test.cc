@@ -77,7 +77,7 @@ TEST(LandmarkList, WarnsOfTheFirstSkippedRows) {
   EXPECT_EQ(list.landmarks.size(), 1);
   ASSERT_EQ(list.warnings.size(), 21);
   EXPECT_TRUE(list.warnings.front().starts_with("line 2 is skipped: ")) << list.warnings.front();
-  EXPECT_EQ(list.warnings.back(), "and 980 more are skipped");
+  EXPECT_EQ(list.warnings.back(), "and 980 more warnings of this kind");
 }
 
 TEST(LandmarkList, DistinguishesIndexFromList) {

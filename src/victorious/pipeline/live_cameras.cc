@@ -1,6 +1,6 @@
 #include "victorious/pipeline/live_cameras.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "victorious/telemetry/camera_track.h"
 
@@ -22,13 +22,8 @@ Status LiveCameraTrack::Add(std::vector<DataPacket> packets, double now_s) {
 }
 
 Status LiveCameraTrack::Decode(const std::vector<DataPacket>& packets, int stream) {
-  constexpr std::size_t kMaxWarnings = 20;
   VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, TelemetryFromPackets(packets, options_));
-  for (const std::string& warning : telemetry.warnings) {
-    if (warnings_.size() < kMaxWarnings && std::ranges::find(warnings_, warning) == warnings_.end()) {
-      warnings_.push_back(warning);
-    }
-  }
+  for (const std::string& warning : telemetry.warnings) warnings_.AddOnce(warning);
   if (telemetry.states.empty()) return {};
   stream_ = stream;
   AppendStates(telemetry.states);
@@ -49,11 +44,12 @@ std::optional<CameraState> LiveCameraTrack::At(double time_s) const {
 }
 
 std::vector<std::string> LiveCameraTrack::Warnings() const {
-  if (stream_) return warnings_;
-  std::vector<std::string> all = warnings_;
-  all.emplace_back(
-      "the live source carries no telemetry with camera position, attitude and field of view: objects get no place");
-  return all;
+  std::vector<std::string> lines = warnings_.Lines();
+  if (!stream_) {
+    lines.emplace_back(
+        "the live source carries no telemetry with camera position, attitude and field of view: objects get no place");
+  }
+  return lines;
 }
 
 }  // namespace victorious

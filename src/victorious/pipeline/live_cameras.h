@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/base/warning_list.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/data_packet.h"
@@ -40,7 +41,7 @@ class LiveCameraTrack final : public PacketReceiver {
   /// Interpolated state, as CameraTrajectory::At.
   [[nodiscard]] std::optional<CameraState> At(double time_s) const;
 
-  /// Warnings, one line each.
+  /// Warnings, one line each: the first ones, and the number of the others.
   [[nodiscard]] std::vector<std::string> Warnings() const;
 
  private:
@@ -52,7 +53,7 @@ class LiveCameraTrack final : public PacketReceiver {
   double decoded_s_ = 0;                            // time of the newest frame at the last decoding
   std::optional<int> stream_;                       // the stream with camera states
   std::vector<CameraState> states_;                 // by ascending time
-  std::vector<std::string> warnings_;
+  WarningList warnings_;
 };
 
 }  // namespace victorious
