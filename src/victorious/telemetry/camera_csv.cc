@@ -17,18 +17,13 @@
 #include "victorious/base/warning_list.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/utc_text.h"
+#include "victorious/types/vertical_datum.h"
 
 namespace victorious {
 namespace {
 
 constexpr std::array<std::string_view, 4> kPlaceColumns = {"time_s", "latitude_deg", "longitude_deg", "altitude_m"};
 constexpr std::array<std::string_view, 5> kDistortionColumns = {"k1", "k2", "p1", "p2", "k3"};
-constexpr auto kDatumTexts = std::to_array<EnumText<VerticalDatum>>({{VerticalDatum::kEllipsoid, "ellipsoid"},
-                                                                     {VerticalDatum::kEgm96, "egm96"},
-                                                                     {VerticalDatum::kEgm2008, "egm2008"},
-                                                                     {VerticalDatum::kTakeoff, "takeoff"},
-                                                                     {VerticalDatum::kUnknown, "unknown"}});
-
 using Columns = std::map<std::string, std::size_t, std::less<>>;
 
 // The cells of one row, by column name.
@@ -229,8 +224,8 @@ std::string FormatCameraCsv(std::span<const CameraState> states, std::span<const
   return text;
 }
 
-std::string_view Name(VerticalDatum datum) { return ToText(kDatumTexts, datum); }
+std::string_view Name(VerticalDatum datum) { return ToText(kVerticalDatumTexts, datum); }
 
-std::optional<VerticalDatum> ParseVerticalDatum(std::string_view name) { return FromText(kDatumTexts, name); }
+std::optional<VerticalDatum> ParseVerticalDatum(std::string_view name) { return FromText(kVerticalDatumTexts, name); }
 
 }  // namespace victorious

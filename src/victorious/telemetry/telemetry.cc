@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "victorious/base/enum_text.h"
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
@@ -20,6 +19,7 @@
 #include "victorious/telemetry/klv_camera.h"
 #include "victorious/telemetry/klv_packets.h"
 #include "victorious/telemetry/vertical_datum.h"
+#include "victorious/types/vertical_datum.h"
 
 namespace victorious {
 namespace {
@@ -27,12 +27,7 @@ namespace {
 constexpr double kSecondsPerMicrosecond = 1e-6;
 
 // The texts of TelemetryOptions::vertical_datum.
-constexpr auto kDatumChoices =
-    std::to_array<EnumText<std::optional<VerticalDatum>>>({{std::nullopt, "as_given"},
-                                                           {VerticalDatum::kEllipsoid, "ellipsoid"},
-                                                           {VerticalDatum::kEgm96, "egm96"},
-                                                           {VerticalDatum::kEgm2008, "egm2008"},
-                                                           {VerticalDatum::kTakeoff, "takeoff"}});
+constexpr auto kDatumTexts = DatumOverrideTexts<VerticalDatum::kTakeoff>();
 
 // Median angle between the optical axis and the recorded frame centre above which an angle does not follow the
 // standard. Consistent systems have fractions of a degree; an angle with the wrong sign or zero gives tens of degrees.
@@ -297,7 +292,7 @@ void TelemetryOptions::ListFields(FieldList& fields) {
               .max = 3600,
               .unit = "s",
               .reason = "maximum interval between states to interpolate: an aircraft may turn within seconds"});
-  fields.Add("vertical_datum", vertical_datum, kDatumChoices,
+  fields.Add("vertical_datum", vertical_datum, kDatumTexts,
              {.reason = "vertical datum of the heights; as_given: that of the format or the table"});
   fields.Add("geoid_grid", geoid_grid,
              {.reason = "a .gtx geoid grid, for heights above mean sea level; empty: PROJ's EGM96 grid, if installed"});

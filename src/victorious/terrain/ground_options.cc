@@ -1,20 +1,13 @@
-#include <array>
-#include <optional>
-
 #include <fmt/format.h>
 
-#include "victorious/base/enum_text.h"
 #include "victorious/terrain/terrain.h"
+#include "victorious/types/vertical_datum.h"
 
 namespace victorious {
 namespace {
 
-// The texts of GroundOptions::vertical_datum.
-constexpr auto kDatumChoices =
-    std::to_array<EnumText<std::optional<VerticalDatum>>>({{std::nullopt, "given"},
-                                                           {VerticalDatum::kEllipsoid, "ellipsoid"},
-                                                           {VerticalDatum::kEgm96, "egm96"},
-                                                           {VerticalDatum::kEgm2008, "egm2008"}});
+// The texts of GroundOptions::vertical_datum. No terrain refers to a take-off.
+constexpr auto kDatumTexts = DatumOverrideTexts<VerticalDatum::kEgm2008>();
 
 }  // namespace
 
@@ -23,8 +16,8 @@ void GroundOptions::ListFields(FieldList& fields) {
       "height_m", height_m,
       {.min = -9999, .max = 1e5, .unit = "m", .reason = "height of flat ground above the ellipsoid; -9999: not given"});
   fields.Add("terrain", terrain, {.reason = "a GeoTIFF of heights; empty: no terrain"});
-  fields.Add("vertical_datum", vertical_datum, kDatumChoices,
-             {.reason = "vertical datum of the terrain's heights; given: as given in the file"});
+  fields.Add("vertical_datum", vertical_datum, kDatumTexts,
+             {.reason = "vertical datum of the terrain's heights; as_given: that of the file"});
   fields.Add("geoid_grid", geoid_grid,
              {.reason = "a .gtx grid of the geoid that the terrain's heights refer to; empty: PROJ's grid of EGM96"});
 }

@@ -7,17 +7,9 @@
 
 #include "victorious/geometry/attitude.h"
 #include "victorious/geometry/geodesy.h"
+#include "victorious/types/vertical_datum.h"
 
 namespace victorious {
-
-/// The zero of heights.
-enum class VerticalDatum {
-  kEllipsoid,  ///< the WGS 84 ellipsoid
-  kEgm96,      ///< mean sea level of the geoid EGM96
-  kEgm2008,    ///< mean sea level of the geoid EGM2008
-  kTakeoff,    ///< the aircraft's take-off point
-  kUnknown,    ///< no height is given; the altitude is undefined
-};
 
 struct CameraState {
   double time_s = 0;    ///< seconds since the video's first frame
