@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "testing/chi_squared.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/observe/box_bearing.h"
@@ -16,7 +17,6 @@ using Eigen::Vector3d;
 
 const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 const cv::Size kImage(640, 480);
-constexpr double kChiSquared90Of3 = 6.2513886;
 
 struct Flight {
   std::uint64_t seed = 1;
@@ -78,7 +78,7 @@ TEST(EstimateBoxPlaces, StaticObjectLiesInsideErrorEllipsoid) {
     const auto places = EstimateBoxPlaces(Fly(flight, nullptr, kBoxCentreFraction), BoxMotion::kUnknown, {}, Exact());
     ASSERT_TRUE(places.front() && places.back());
     const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(places.back()->point);
-    inside += error.dot(places.back()->covariance_enu_m2.inverse() * error) < kChiSquared90Of3 ? 1 : 0;
+    inside += error.dot(places.back()->covariance_enu_m2.inverse() * error) < testing::kChiSquared90Of3 ? 1 : 0;
     EXPECT_LT(places.back()->ce90_m, 5);
     EXPECT_EQ(places.front()->point, places.back()->point);
   }

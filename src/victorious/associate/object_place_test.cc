@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "testing/chi_squared.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 
@@ -19,7 +20,6 @@ constexpr int kGroups = 12;    // number of recognitions
 constexpr int kFollowed = 10;  // frames from one recognition to the next
 constexpr int kFlights = 200;
 constexpr double kSigma = 1e-3;  // of a recognised observation's angles, rad; relative, of its range
-constexpr double kChiSquared90Of3 = 6.2513886;
 
 // No errors except those that a test sets.
 ObjectOptions Exact() {
@@ -74,7 +74,7 @@ double Coverage(const Change& change) {
     const auto place = EstimatePlace(observations, Exact(), 1).place;
     if (!place) continue;
     const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(place->point);
-    inside += error.dot(place->covariance_enu_m2.inverse() * error) < kChiSquared90Of3 ? 1 : 0;
+    inside += error.dot(place->covariance_enu_m2.inverse() * error) < testing::kChiSquared90Of3 ? 1 : 0;
   }
   return static_cast<double>(inside) / kFlights;
 }

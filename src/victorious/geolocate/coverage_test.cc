@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "testing/chi_squared.h"
 #include "testing/drawn_ground.h"
 #include "testing/drawn_lines.h"
 #include "victorious/base/random.h"
@@ -21,7 +22,6 @@ using testing::SyntheticLines;
 using testing::SyntheticLinesOptions;
 
 constexpr int kFlights = 200;
-constexpr double kChiSquared90Of3 = 6.2513886;
 constexpr double kChiSquared90Of2 = 4.6051702;
 
 // Circular arcs, near and far, low and high.
@@ -87,7 +87,7 @@ void Measure(LocateOptions options, const CoverageCase& test_case) {
     const Eigen::Vector2d flat = off.head<2>();
     const Eigen::Matrix2d flat_covariance = place.covariance_enu_m2.topLeftCorner<2, 2>();
     constexpr double kOne = 1.0 / kFlights;
-    coverage.ellipsoid += off.dot(place.covariance_enu_m2.ldlt().solve(off)) <= kChiSquared90Of3 ? kOne : 0;
+    coverage.ellipsoid += off.dot(place.covariance_enu_m2.ldlt().solve(off)) <= testing::kChiSquared90Of3 ? kOne : 0;
     coverage.ellipse += flat.dot(flat_covariance.ldlt().solve(flat)) <= kChiSquared90Of2 ? kOne : 0;
     coverage.circle += flat.norm() <= place.ce90_m ? kOne : 0;
     coverage.height += std::abs(off.z()) <= place.le90_m ? kOne : 0;
@@ -122,7 +122,7 @@ TEST(Coverage, RangesOnShortArcsAreNotBiased) {
     const Eigen::Vector3d off = plane.EnuFromGeodetic(drawn.object);
     const Eigen::Vector3d along = -plane.EnuFromGeodetic(drawn.lines.front().camera).normalized();
     along_sigmas -= along.dot(off) / std::sqrt(along.dot(fix->place->covariance_enu_m2 * along)) / kShortFlights;
-    inside += off.dot(fix->place->covariance_enu_m2.ldlt().solve(off)) <= kChiSquared90Of3 ? 1 : 0;
+    inside += off.dot(fix->place->covariance_enu_m2.ldlt().solve(off)) <= testing::kChiSquared90Of3 ? 1 : 0;
   }
   EXPECT_NEAR(along_sigmas, 0, 0.3);
   EXPECT_GE(inside, 75);

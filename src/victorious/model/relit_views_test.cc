@@ -11,35 +11,14 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "testing/cad_tools.h"
+#include "testing/waffle.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/view_surface.h"
 
 namespace victorious {
 namespace {
 
-// An untextured box with a raised square grid on it: shading alone gives features.
-Mesh Waffle() {
-  Mesh mesh = testing::Box({-2, -2, -0.5F}, {2, 2, 0});
-  for (int x = -2; x <= 2; ++x) {
-    for (int y = -2; y <= 2; ++y) {
-      const Eigen::Vector3f at(0.8F * static_cast<float>(x), 0.8F * static_cast<float>(y), 0);
-      testing::Append(testing::Box(at, at + Eigen::Vector3f(0.3F, 0.3F, 0.3F)), mesh);
-    }
-  }
-  return mesh;
-}
-
-const ObjectModel& WaffleModel() {
-  static const ObjectModel model = [] {
-    CadModelOptions options;
-    options.sphere = {.step_deg = 30, .max_off_nadir_deg = 60};
-    auto made = MakeCadModel("waffle", Waffle(), "waffle.glb", options);
-    EXPECT_TRUE(made) << made.error().message;
-    return made.value_or(ObjectModel{});
-  }();
-  return model;
-}
+using testing::WaffleModel;
 
 TEST(ViewSurface, RoundTrips) {
   const ViewSurface first = DecodeSurface(WaffleModel().views[3].surface, "waffle").value();

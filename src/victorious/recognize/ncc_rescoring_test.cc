@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "testing/flat_view_source.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 
@@ -31,34 +32,7 @@ cv::Mat Patches(const cv::Size& size, double breadth_px, std::uint64_t seed) {
   return grey;
 }
 
-// A flat square seen from the nadir, one pixel per metre.
-class FlatSquareSource : public RelitTemplateSource {
- public:
-  explicit FlatSquareSource(const cv::Mat& grey) {
-    auto image = std::make_shared<ViewAppearance>();
-    image->centre_px = {grey.cols / 2.0, grey.rows / 2.0};
-    for (int row = 4; row < grey.rows; row += 5) {
-      for (int column = 4; column < grey.cols; column += 5) {
-        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - image->centre_px;
-        image->points.push_back(
-            {Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(), static_cast<float>(grey.at<std::uint8_t>(row, column))});
-      }
-    }
-    image_ = std::move(image);
-  }
-  [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
-      const RelitTemplateKey& /*wanted*/) const override {
-    return std::make_shared<const RelitTemplate>();
-  }
-  void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
-  [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
-                                                                              int /*half_octaves*/) const override {
-    return image_;
-  }
-
- private:
-  std::shared_ptr<const ViewAppearance> image_;
-};
+testing::FlatViewSource SurfaceSamplesOf(const cv::Mat& grey) { return {grey, 4, 5}; }
 
 constexpr double kTurn_rad = 0.7;
 const Eigen::Vector2d kMiddle(400, 200);
@@ -90,7 +64,7 @@ std::optional<double> ZScore(const cv::Mat& grey, const RelitTemplateSource& ima
 
 TEST(NccScore, SeparatesTruePoseFromOtherPoses) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
-  const FlatSquareSource views(object);
+  const testing::FlatViewSource views = SurfaceSamplesOf(object);
   for (const double contrast : {1.0, 0.3}) {
     const cv::Mat scene = SceneWith(object, contrast);
     // The initial pose has a small error, as that of a vote search.
@@ -107,7 +81,7 @@ TEST(NccScore, SeparatesTruePoseFromOtherPoses) {
 
 TEST(NccScore, InvertedContrastScoresNegative) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
-  const auto sigmas = ZScore(SceneWith(255 - object, 1), FlatSquareSource(object), PoseAt(kMiddle, kTurn_rad));
+  const auto sigmas = ZScore(SceneWith(255 - object, 1), SurfaceSamplesOf(object), PoseAt(kMiddle, kTurn_rad));
   ASSERT_TRUE(sigmas);
   EXPECT_LT(*sigmas, 0);
 }
@@ -115,7 +89,7 @@ TEST(NccScore, InvertedContrastScoresNegative) {
 // The null distribution: z-scores of false poses have zero mean and unit variance, also at the frame's edge, where
 // fewer samples are compared.
 TEST(NccScore, FalsePosesAreStandardNormal) {
-  const FlatSquareSource views(Patches({kSidePx, kSidePx}, 6, 1));
+  const testing::FlatViewSource views = SurfaceSamplesOf(Patches({kSidePx, kSidePx}, 6, 1));
   const cv::Mat scene = Patches({640, 480}, 6, 11);
   for (const auto& [left, right] : {std::pair(60.0, 580.0), std::pair(2.0, 8.0)}) {
     Random random(3);
@@ -138,17 +112,17 @@ TEST(NccScore, FalsePosesAreStandardNormal) {
 TEST(NccScore, IsUnknownWithoutSamples) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
-  EXPECT_FALSE(ZScore(scene, FlatSquareSource(object), PoseAt({-30, 200}, 0)));  // hardly in the frame
-  EXPECT_FALSE(ZScore(scene, FlatSquareSource(cv::Mat()), PoseAt(kMiddle, 0)));  // no surface samples
+  EXPECT_FALSE(ZScore(scene, SurfaceSamplesOf(object), PoseAt({-30, 200}, 0)));  // hardly in the frame
+  EXPECT_FALSE(ZScore(scene, SurfaceSamplesOf(cv::Mat()), PoseAt(kMiddle, 0)));  // no surface samples
   EXPECT_FALSE(
-      ZScore(scene(cv::Rect(370, 170, 60, 60)), FlatSquareSource(object), PoseAt({30, 30}, 0)));  // no null samples
+      ZScore(scene(cv::Rect(370, 170, 60, 60)), SurfaceSamplesOf(object), PoseAt({30, 30}, 0)));  // no null samples
 }
 
 TEST(NccScore, IsDeterministic) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
-  EXPECT_EQ(ZScore(scene, FlatSquareSource(object), PoseAt({300, 300}, 1)),
-            ZScore(scene, FlatSquareSource(object), PoseAt({300, 300}, 1)));
+  EXPECT_EQ(ZScore(scene, SurfaceSamplesOf(object), PoseAt({300, 300}, 1)),
+            ZScore(scene, SurfaceSamplesOf(object), PoseAt({300, 300}, 1)));
 }
 
 }  // namespace
