@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "testing/flat_view_source.h"
+#include "testing/painted_views.h"
 #include "victorious/base/random.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
@@ -16,56 +18,14 @@
 namespace victorious {
 namespace {
 
-// A random image full of corners, different for each seed.
-cv::Mat Texture(int width, int height, std::uint64_t seed) {
-  Random random(seed);
-  cv::Mat image(height, width, CV_8UC1, cv::Scalar(random.Below(256)));
-  for (int i = 0; i < width * height / 250; ++i) {
-    const cv::Rect patch(static_cast<int>(random.Below(static_cast<std::uint32_t>(width))),
-                         static_cast<int>(random.Below(static_cast<std::uint32_t>(height))),
-                         3 + static_cast<int>(random.Below(22)), 3 + static_cast<int>(random.Below(22)));
-    cv::rectangle(image, patch, cv::Scalar(random.Below(256)), cv::FILLED);
-  }
-  cv::GaussianBlur(image, image, cv::Size(), 1.0);
-  return image;
-}
-
-FeatureSet FeaturesOf(const cv::Mat& image) { return MakeFeatureExtractor({}).value()->Extract(image).value(); }
-
-ObjectModel ModelOf(const std::string& name, const cv::Mat& image) {
-  const auto storage = std::make_shared<FeatureSet>(FeaturesOf(image));
-  ObjectModel model;
-  model.name = name;
-  model.engine = "opencv";
-  model.features = storage->View();
-  model.storage = storage;
-  model.views.push_back(
-      {.source = name,
-       .width = image.cols,
-       .height = image.rows,
-       .first_feature = 0,
-       .feature_count = storage->size(),
-       .outline = BoxCorners({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}),
-       .angles = {}});
-  return model;
-}
-
-// Pastes `object` into `scene` by a similarity.
-Similarity2 Paste(const cv::Mat& object, double scale, double rotation_rad, const Eigen::Vector2d& centre,
-                  cv::Mat& scene) {
-  Similarity2 fit{scale, rotation_rad, Eigen::Vector2d::Zero()};
-  fit.translation = centre - fit.Linear() * Eigen::Vector2d(object.cols / 2.0, object.rows / 2.0);
-  const Eigen::Matrix2d a = fit.Linear();
-  // cv::warpAffine puts pixel centres at integers.
-  const Eigen::Vector2d t = fit.translation + a * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
-  const cv::Matx23d matrix(a(0, 0), a(0, 1), t.x(), a(1, 0), a(1, 1), t.y());
-  cv::Mat warped;
-  cv::Mat mask;
-  cv::warpAffine(object, warped, matrix, scene.size(), cv::INTER_AREA);
-  cv::warpAffine(cv::Mat(object.size(), CV_8UC1, cv::Scalar(255)), mask, matrix, scene.size(), cv::INTER_NEAREST);
-  warped.copyTo(scene, mask);
-  return fit;
-}
+using testing::FeaturesOf;
+using testing::kAround;
+using testing::kOffNadir_rad;
+using testing::ModelFromAround;
+using testing::ModelOf;
+using testing::Painted;
+using testing::Paste;
+using testing::Texture;
 
 Recognizer MakeRecognizer(std::vector<ObjectModel> models) {
   return Recognizer::Create(std::move(models), "opencv", {}).value();
@@ -195,58 +155,6 @@ TEST(Recognizer, VotesReachViewsBetweenCoarseViews) {
   EXPECT_EQ(detections[0].view, 1U);
 }
 
-// A model with views from twelve azimuths at 40 degrees off nadir. In diffuse light it has another texture;
-// each sun above one of the azimuths gives it its own texture.
-constexpr double kOffNadir_rad = 40 * kPi / 180;
-constexpr std::size_t kAround = 12;
-
-ObjectModel PlainFromAround() {
-  ObjectModel model = ModelOf("crate", Texture(120, 90, 99));
-  model.kind = ModelKind::kCad;
-  const ModelView view = model.views[0];
-  model.views.clear();
-  for (std::size_t i = 0; i < kAround; ++i) {
-    model.views.push_back(view);
-    model.views.back().angles = ViewAngles{2 * kPi * static_cast<double>(i) / kAround, kOffNadir_rad};
-    model.views.back().neighbours = {static_cast<std::uint32_t>((i + 1) % kAround)};
-  }
-  return model;
-}
-
-class Painted : public RelitTemplateSource {
- public:
-  Painted() {
-    for (std::size_t i = 0; i < kAround * kAround; ++i) {
-      auto relit = std::make_shared<RelitTemplate>();
-      relit->features = FeaturesOf(PaintOf(i / kAround, i % kAround));
-      relit_templates_.push_back(std::move(relit));
-    }
-  }
-  static cv::Mat PaintOf(std::size_t sun_view, std::size_t view) {
-    return Texture(120, 90, 1000 + kAround * sun_view + view);
-  }
-
-  [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
-      const RelitTemplateKey& wanted) const override {
-    (wanted.half_resolution ? coarse_ : sharp_).insert(wanted.view);
-    return relit_templates_[kAround * wanted.sun_view + wanted.view];
-  }
-  void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
-  [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
-                                                                              int /*half_octaves*/) const override {
-    return std::make_shared<const ViewAppearance>();
-  }
-
-  // The views queried under a sun, at half and at full resolution.
-  [[nodiscard]] const std::set<std::size_t>& coarse() const { return coarse_; }
-  [[nodiscard]] const std::set<std::size_t>& sharp() const { return sharp_; }
-
- private:
-  std::vector<std::shared_ptr<const RelitTemplate>> relit_templates_;
-  mutable std::set<std::size_t> coarse_;
-  mutable std::set<std::size_t> sharp_;
-};
-
 TEST(Recognizer, EstimatesSunFromRelitTemplates) {
   constexpr std::size_t kView = 2;
   constexpr std::size_t kSunView = 3;
@@ -254,7 +162,7 @@ TEST(Recognizer, EstimatesSunFromRelitTemplates) {
   Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
   const FeatureSet features = FeaturesOf(scene);
   const Recognizer recognizer =
-      Recognizer::Create({PlainFromAround()}, "opencv", {}, {std::make_shared<const Painted>()}).value();
+      Recognizer::Create({ModelFromAround()}, "opencv", {}, {std::make_shared<const Painted>()}).value();
   ASSERT_TRUE(recognizer.HasRelitTemplates());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
 
@@ -284,7 +192,7 @@ TEST(Recognizer, SunIsRelativeToTheLineOfSight) {
   options.search.max_tilt_rad = 0.6;  // the scene does not model the lean of the object there
   options.search.sun_step_rad = 0.1;  // much finer than the suns of this test
   const Recognizer recognizer =
-      Recognizer::Create({PlainFromAround()}, "opencv", options, {std::make_shared<const Painted>()}).value();
+      Recognizer::Create({ModelFromAround()}, "opencv", options, {std::make_shared<const Painted>()}).value();
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 1.1, 640, 480);
   const double relative_azimuth_rad = vertical.AzimuthAt(at);
   ASSERT_GT(relative_azimuth_rad, 0.5);
@@ -309,7 +217,7 @@ TEST(Recognizer, RelitCoarseViewsHaveHalfResolution) {
   const auto painted = std::make_shared<const Painted>();
   RecognizeOptions options;
   options.search.max_refined_views = 1;
-  const Recognizer recognizer = Recognizer::Create({PlainFromAround()}, "opencv", options, {painted}).value();
+  const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, "opencv", options, {painted}).value();
   const std::vector<Detection> found =
       recognizer.Recognize(FeaturesOf(scene), {.vertical = vertical, .relative_sun = sun}).value();
   ASSERT_EQ(found.size(), 1U);
@@ -319,36 +227,12 @@ TEST(Recognizer, RelitCoarseViewsHaveHalfResolution) {
   EXPECT_EQ(painted->sharp(), (std::set<std::size_t>{kView, kView + 1}));
 }
 
-// A crate with surface samples.
-class SquareAppearanceSource : public RelitTemplateSource {
- public:
-  explicit SquareAppearanceSource(const cv::Mat& grey) {
-    cv::Mat blurred;
-    cv::GaussianBlur(grey, blurred, {}, kAppearanceBlur_px);
-    auto image = std::make_shared<ViewAppearance>();
-    image->centre_px = {grey.cols / 2.0, grey.rows / 2.0};
-    for (int row = 3; row < grey.rows; row += 6) {
-      for (int column = 3; column < grey.cols; column += 6) {
-        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - image->centre_px;
-        image->points.push_back({Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(),
-                                 static_cast<float>(blurred.at<std::uint8_t>(row, column))});
-      }
-    }
-    image_ = std::move(image);
-  }
-  [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
-      const RelitTemplateKey& /*wanted*/) const override {
-    return std::make_shared<const RelitTemplate>();
-  }
-  void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
-  [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
-                                                                              int /*half_octaves*/) const override {
-    return image_;
-  }
-
- private:
-  std::shared_ptr<const ViewAppearance> image_;
-};
+// The surface samples of a flat object.
+std::shared_ptr<const RelitTemplateSource> SurfaceSamplesOf(const cv::Mat& grey) {
+  cv::Mat blurred;
+  cv::GaussianBlur(grey, blurred, {}, kAppearanceBlur_px);
+  return std::make_shared<const testing::FlatViewSource>(blurred, 3, 6);
+}
 
 TEST(Recognizer, NccScoreDecidesUncertainDetections) {
   const cv::Mat crate = Texture(120, 90, 1);
@@ -356,9 +240,8 @@ TEST(Recognizer, NccScoreDecidesUncertainDetections) {
   Paste(crate, 1.0, 0.5, {300, 220}, scene);
   const FeatureSet features = FeaturesOf(scene);
   const auto neg_log10_nfa = [&](const RecognizeOptions& options, const cv::Mat& grey) -> std::optional<double> {
-    const Recognizer recognizer = Recognizer::Create({ModelOf("crate", crate)}, "opencv", options,
-                                                     {std::make_shared<const SquareAppearanceSource>(crate)})
-                                      .value();
+    const Recognizer recognizer =
+        Recognizer::Create({ModelOf("crate", crate)}, "opencv", options, {SurfaceSamplesOf(crate)}).value();
     const std::vector<Detection> found = recognizer.Recognize(features, {}, grey).value();
     if (found.empty()) return std::nullopt;
     EXPECT_DOUBLE_EQ(found[0].score, ComputeScore(found[0].neg_log10_nfa));
@@ -418,6 +301,76 @@ TEST(Recognizer, RefusesModelsOfAnotherEngine) {
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(result.error().message.find("crate"), std::string::npos);
+}
+
+// What each parameter changes.
+
+// Only the vote search sets a fit's own -log10 NFA.
+TEST(RecognizeParameter, MethodAutoIsVotesForCadModelsAndTheGrammarForPhotos) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(crate, 1.0, 0.5, {150, 120}, scene);
+  const FeatureSet features = FeaturesOf(scene);
+  const auto is_found_by_votes = [&](ModelKind kind, SearchMethod method) {
+    ObjectModel model = ModelOf("crate", crate);
+    model.kind = kind;
+    RecognizeOptions options;
+    options.method = method;
+    const Recognizer recognizer = Recognizer::Create({model}, "opencv", options).value();
+    return recognizer.Recognize(features).value().at(0).fit.neg_log10_nfa.has_value();
+  };
+  EXPECT_FALSE(is_found_by_votes(ModelKind::kPhotos, SearchMethod::kAuto));
+  EXPECT_TRUE(is_found_by_votes(ModelKind::kCad, SearchMethod::kAuto));
+  EXPECT_TRUE(is_found_by_votes(ModelKind::kPhotos, SearchMethod::kVotes));
+  EXPECT_FALSE(is_found_by_votes(ModelKind::kCad, SearchMethod::kGrammar));
+}
+
+// Two instances: with one ranked match, a template keypoint is an inlier of one of them only.
+TEST(RecognizeParameter, NearestIsTheNumberOfRankedMatchesOfATemplateKeypoint) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(crate, 1.0, 0, {150, 120}, scene);
+  Paste(crate, 1.0, 0, {450, 330}, scene);
+  const FeatureSet features = FeaturesOf(scene);
+  const ObjectModel model = ModelOf("crate", crate);
+  const auto count_inliers = [&](int nearest) {
+    RecognizeOptions options = ByVotes();
+    options.search.nearest = nearest;
+    const Recognizer recognizer = Recognizer::Create({model}, "opencv", options).value();
+    std::size_t inliers = 0;
+    for (const Detection& found : recognizer.Recognize(features).value()) inliers += found.fit.inliers.size();
+    return inliers;
+  };
+  EXPECT_LE(count_inliers(1), model.features.size());
+  EXPECT_GT(count_inliers(4), model.features.size());
+}
+
+// The number of detections of an object that is seen from 60 degrees off nadir, turned in the image.
+std::size_t CountTurned(double turn_rad, const FrameConditions& conditions, const RecognizeOptions& options) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(crate, 1.0, turn_rad, {320, 240}, scene);
+  ObjectModel model = ModelOf("crate", crate);
+  model.kind = ModelKind::kCad;
+  model.views[0].angles = ViewAngles{0, kPi / 3};
+  return Recognizer::Create({model}, "opencv", options).value().Recognize(FeaturesOf(scene), conditions).value().size();
+}
+
+TEST(RecognizeParameter, MaxTiltIsThatOfTheObjectsUpAxisWhereTheAttitudeIsKnown) {
+  const FrameConditions known{.vertical = MakeVertical({0, kPi / 3 - kPi / 2, 0}, 0.3, 640, 480), .relative_sun = {}};
+  RecognizeOptions options;
+  EXPECT_EQ(CountTurned(0, known, options), 1U);
+  EXPECT_EQ(CountTurned(0.8, known, options), 0U);  // a tilt of 2 asin(sin(60 degrees) sin(0.4)) = 0.69
+  options.search.max_tilt_rad = 0.75;
+  EXPECT_EQ(CountTurned(0.8, known, options), 1U);
+  EXPECT_EQ(CountTurned(0.8, {}, {}), 1U) << "with unknown attitude the camera may be tilted";
+}
+
+TEST(RecognizeParameter, MaxHangingIsTheAngleBelowTheHorizontalWhereTheAttitudeIsUnknown) {
+  RecognizeOptions options;
+  EXPECT_EQ(CountTurned(kPi, {}, options), 0U) << "upside down";
+  options.search.max_hanging_rad = kPi / 2;
+  EXPECT_EQ(CountTurned(kPi, {}, options), 1U);
 }
 
 }  // namespace
