@@ -2,6 +2,7 @@
 
 import json
 import math
+import random
 import unittest
 
 import program
@@ -63,6 +64,28 @@ class FeaturesTest(program.ProgramTest):
             "features", program.flight() / "crate.png", "--out", out, "--engine", engine, "--params", few
         )
         self.assertLess(int(out.read_text().split(" ")[0]), by_default / 2)
+
+    def count(self, picture, **parameters) -> int:
+        """The number of features of a picture under these parameters."""
+        params = self.write("params.json", json.dumps(parameters))
+        out = self.scratch / "features.txt"
+        self.succeeds("features", picture, "--out", out, "--params", params)
+        return int(out.read_text().split(" ")[0])
+
+    def test_a_lower_edge_threshold_drops_keypoints_on_edges(self):
+        crate = program.flight() / "crate.png"
+        all_of_them, off_edges = (self.count(crate, edge_threshold=threshold) for threshold in (1000, 2))
+        self.assertLess(off_edges, 0.7 * all_of_them)
+
+    def test_the_impulse_fraction_decides_whether_noise_is_removed(self):
+        draw = random.Random(1)
+        rows = bytearray(b"\x80" * (160 * 120))
+        for place in draw.sample(range(len(rows)), len(rows) // 20):
+            rows[place] = draw.choice((0, 255))
+        noisy = self.write("noisy.pgm", b"P5\n160 120\n255\n" + rows)
+        never, removed = (self.count(noisy, contrast_threshold=0.005, impulse_fraction=share) for share in (1, 0.015))
+        self.assertGreater(never, 50)
+        self.assertLess(removed, never / 5)
 
 
 if __name__ == "__main__":

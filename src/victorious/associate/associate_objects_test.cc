@@ -343,5 +343,33 @@ TEST(UpdateObjects, UnreadableSearchOptionsAreDataLoss) {
   EXPECT_THAT(status.error().message, ::testing::AllOf(HasSubstr("a.mp4"), HasSubstr("jeep"), HasSubstr("every")));
 }
 
+TEST(ObjectParameter, MergeGateOfZeroMergesNone) {
+  const std::vector<SimulatedTracklet> twice = {{.id = 1, .frames = 20}, {.id = 2, .first_frame = 70, .frames = 20}};
+  EXPECT_EQ(ObjectsFrom(twice, {.merge_gate_sigma = 3.5}).size(), 1U);
+  EXPECT_EQ(ObjectsFrom(twice, {.merge_gate_sigma = 0}).size(), 2U);
+}
+
+TEST(ObjectParameter, PlacesFurtherApartThanTheMaxMergeDistanceStayTwo) {
+  const std::vector<SimulatedTracklet> apart = {
+      {.id = 1, .place_enu = {-5, 0, 1}, .frames = 20},
+      {.id = 2, .place_enu = {5, 0, 1}, .first_frame = 30, .frames = 20},
+  };
+  EXPECT_EQ(ObjectsFrom(apart, {.merge_gate_sigma = 100, .max_merge_distance_m = 9}).size(), 2U);
+  EXPECT_EQ(ObjectsFrom(apart, {.merge_gate_sigma = 100, .max_merge_distance_m = 11}).size(), 1U);
+}
+
+// Three lines in ten are wrong.
+TEST(ObjectParameter, MinInlierFractionIsThatOfTheLines) {
+  ObservedTracklet tracklet = RunOf({.id = 1, .frames = 30});
+  for (std::size_t i = 0; i < tracklet.observations.size(); ++i) {
+    if (i % 10 < 3) tracklet.observations[i].line.azimuth_rad += i % 2 == 0 ? 0.5 : -0.5;
+  }
+  const auto rejected = [&](double min_inlier_fraction) {
+    return AssociateTracklets({tracklet}, 100, {.min_inlier_fraction = min_inlier_fraction})[0].rejected;
+  };
+  EXPECT_EQ(rejected(0.6), "");
+  EXPECT_THAT(rejected(0.8), HasSubstr("do not intersect"));
+}
+
 }  // namespace
 }  // namespace victorious

@@ -141,5 +141,20 @@ TEST(Detect, WeakOrInvisibleCandidatesAreNoDetections) {
   EXPECT_TRUE(Detect({}, kScene, {}).empty());
 }
 
+TEST(Detect, MinScoreIsTheScoreThatADetectionNeeds) {
+  const Candidate weak = CandidateAt(100, 100, 4);
+  EXPECT_TRUE(Detect(std::span(&weak, 1), kScene, {}).empty());
+  const std::vector<Detection> found = Detect(std::span(&weak, 1), kScene, {.min_score = 0});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(Detect(std::span(&weak, 1), kScene, {.min_score = found[0].score - 1e-6}).size(), 1U);
+  EXPECT_TRUE(Detect(std::span(&weak, 1), kScene, {.min_score = found[0].score + 1e-6}).empty());
+}
+
+TEST(Detect, MinSideIsThatOfTheBoxInTheFrame) {
+  const Candidate candidate = CandidateAt(100, 100, 12);  // 60 x 40 px
+  EXPECT_EQ(Detect(std::span(&candidate, 1), kScene, {.min_side_px = 39}).size(), 1U);
+  EXPECT_TRUE(Detect(std::span(&candidate, 1), kScene, {.min_side_px = 41}).empty());
+}
+
 }  // namespace
 }  // namespace victorious

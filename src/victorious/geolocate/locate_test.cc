@@ -327,5 +327,100 @@ TEST(Locate, RefusesInvalidLines) {
   EXPECT_FALSE(Locate(drawn.lines, {.distance_prior_allowance = 0.5}));
 }
 
+// What each parameter changes.
+
+TEST(LocateParameter, IdentityRadiusIsTheDistanceFromTheLineThatAnInlierMayHave) {
+  SyntheticLines drawn = SimulateLinesOfSight({});
+  drawn.lines[50].azimuth_rad += 8 / 300.0;  // passes the object at 8 m
+  LocateOptions options;
+  options.line = {.position_m = 0.1, .angle_deg = 0.01};
+  options.common = {0.01, 0.01, 0.01, 0.01, 0.01, 0.01};
+  options.identity_radius_m = 2;
+  EXPECT_FALSE(LocateOrFail(drawn.lines, options).inliers[50]);
+  options.identity_radius_m = 12;
+  EXPECT_TRUE(LocateOrFail(drawn.lines, options).inliers[50]);
+}
+
+TEST(LocateParameter, DistancePriorAllowanceIsTheFactorThatARangeMayBeOffBy) {
+  SyntheticLines drawn = SimulateLinesOfSight({.noise_deg = 0.05, .range_fraction = 0.01});
+  drawn.lines[70].range_m = *drawn.lines[70].range_m * 1.8;
+  LocateOptions options{.method = LocateMethod::kPrior};
+  options.line.range_fraction = 0.01;
+  options.common.range_fraction = 0;
+  options.distance_prior_allowance = 1.5;
+  EXPECT_FALSE(LocateOrFail(drawn.lines, options).inliers[70]);
+  options.distance_prior_allowance = 2;
+  EXPECT_TRUE(LocateOrFail(drawn.lines, options).inliers[70]);
+}
+
+// One line is four sigmas off.
+TEST(LocateParameter, GateIsTheResidualInSigmasThatAnInlierMayHave) {
+  SyntheticLines drawn = SimulateLinesOfSight({});
+  drawn.lines[50].elevation_rad += RadiansFromDegrees(4);
+  LocateOptions options{.identity_radius_m = 0.01};
+  options.line = {.position_m = 1e-3, .angle_deg = 1};
+  options.gate_sigma = 3;
+  EXPECT_FALSE(LocateOrFail(drawn.lines, options).inliers[50]);
+  options.gate_sigma = 5;
+  EXPECT_TRUE(LocateOrFail(drawn.lines, options).inliers[50]);
+}
+
+// A third of the lines is four sigmas too high, within the gate: the lower Huber's threshold, the less they weigh.
+TEST(LocateParameter, RobustSigmaBoundsTheWeightOfLargeResiduals) {
+  SyntheticLines drawn = SimulateLinesOfSight({});
+  for (std::size_t i = 0; i < drawn.lines.size(); i += 3) drawn.lines[i].elevation_rad += RadiansFromDegrees(4);
+  LocateOptions options{.gate_sigma = 20};
+  options.line = {.position_m = 1e-3, .angle_deg = 1};
+  options.robust_sigma = 20;
+  const double least_squares_m = PlaceError(LocateOrFail(drawn.lines, options), drawn.object);
+  options.robust_sigma = 0.5;
+  EXPECT_LT(PlaceError(LocateOrFail(drawn.lines, options), drawn.object), 0.5 * least_squares_m);
+}
+
+// A single line that meets the ground under the angle of elevation: what it is off by shows in its place.
+class GroundedLine : public ::testing::Test {
+ protected:
+  GroundedLine() {
+    options_.ground = std::make_shared<FlatGround>(drawn_.object.altitude_m);
+    options_.line = {.position_m = 1e-3, .angle_deg = 1e-3};
+    options_.common = {0, 0, 0, 0, 0, 0};
+    options_.ground_sigma_m = 1e-3;
+  }
+  Geolocation Place() { return LocateOrFail(drawn_.lines, options_).place.value(); }
+
+  static constexpr double kDistance_m = 300;  // horizontal
+  static constexpr double kHeight_m = 200;
+  static constexpr double kLe90Sigmas = 1.645;
+  SyntheticLines drawn_ = SimulateLinesOfSight({.count = 1, .distance_m = kDistance_m, .height_m = kHeight_m});
+  LocateOptions options_{.method = LocateMethod::kGround};
+};
+
+TEST_F(GroundedLine, GroundSigmaIsTheSigmaOfTheHeight) {
+  options_.ground_sigma_m = 4;
+  EXPECT_NEAR(Place().le90_m, 4 * kLe90Sigmas, 0.1);
+}
+
+TEST_F(GroundedLine, AngleIsTheSigmaOfALineThatGivesNone) {
+  options_.line.angle_deg = 1;
+  const double narrow_m = Place().ce90_m;
+  EXPECT_GT(narrow_m, kLe90Sigmas * kDistance_m * RadiansFromDegrees(1)) << "across and along the line";
+  options_.line.angle_deg = 2;
+  EXPECT_NEAR(Place().ce90_m / narrow_m, 2, 0.01);
+  drawn_.lines[0].sigma_rad = RadiansFromDegrees(1);
+  EXPECT_NEAR(Place().ce90_m / narrow_m, 1, 0.01) << "the line's own sigma takes precedence";
+}
+
+TEST_F(GroundedLine, CommonErrorsAreThoseOfThePlace) {
+  options_.common.position_m = 3;
+  constexpr double kCe90Sigmas = 2.146;  // of a circular normal distribution
+  EXPECT_NEAR(Place().ce90_m, 3 * kCe90Sigmas, 0.1);
+  options_.common.position_m = 0;
+  options_.common.height_m = 4;  // moves the intersection with the ground along the line's azimuth
+  EXPECT_NEAR(Place().ce90_m, kLe90Sigmas * 4 * kDistance_m / kHeight_m, 0.2);
+  options_.common.height_m = 0;
+  options_.common.heading_deg = 1;  // moves it across
+  EXPECT_NEAR(Place().ce90_m, kLe90Sigmas * kDistance_m * RadiansFromDegrees(1), 0.2);
+}
+
 }  // namespace
 }  // namespace victorious

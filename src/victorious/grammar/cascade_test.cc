@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -190,6 +191,68 @@ TEST(Cascade, EmptyAndSingleMatchesGiveNoMatches) {
   World world = MakeWorld(1, 0, {1.0, 0.0, {0, 0}}, 0.0, 1);
   EXPECT_TRUE(FilterByGrammar(world.scene, world.model, world.matches, {}).third.empty());
   EXPECT_TRUE(FilterByGrammar(world.scene, world.model, {}, {}).third.empty());
+}
+
+// What each parameter changes, on six matches of one object without noise.
+class CascadeParameter : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kMatches = 6;
+
+  [[nodiscard]] std::size_t CountKept(const CascadeOptions& options) const {
+    return FilterByGrammar(world_.scene, world_.model, world_.matches, options).third.size();
+  }
+
+  World world_ = MakeWorld(kMatches, 0, {1.0, 0.3, {200, 200}}, 0.0, 11);
+};
+
+TEST_F(CascadeParameter, RadiusLimitsTheVoters) {
+  EXPECT_EQ(CountKept({.radius_px = 200}), kMatches);
+  EXPECT_EQ(CountKept({.radius_px = 1}), 0U) << "no other match is within R";
+}
+
+TEST_F(CascadeParameter, ScaleDistortionBoundsTheRatioOfScales) {
+  world_.scene[0].scale_px *= 1.3F;
+  EXPECT_EQ(CountKept({.radius_px = 200, .scale_distortion = 1.35}), kMatches);
+  EXPECT_EQ(CountKept({.radius_px = 200, .scale_distortion = 1.25}), kMatches - 1);
+}
+
+TEST_F(CascadeParameter, DistanceDistortionBoundsTheRatioOfScaleToDistance) {
+  for (Keypoint& keypoint : world_.scene) keypoint.scale_px *= 1.3F;  // the ratios of two scales stay
+  EXPECT_EQ(CountKept({.radius_px = 200, .distance_distortion = 1.35}), kMatches);
+  EXPECT_EQ(CountKept({.radius_px = 200, .distance_distortion = 1.25}), 0U);
+}
+
+TEST_F(CascadeParameter, OrientationDistortionBoundsTheDifferenceOfOrientations) {
+  world_.scene[0].orientation_rad = static_cast<float>(WrapAngle(world_.scene[0].orientation_rad + 1.0));
+  EXPECT_EQ(CountKept({.radius_px = 200, .orientation_distortion_rad = 1.1}), kMatches);
+  EXPECT_EQ(CountKept({.radius_px = 200, .orientation_distortion_rad = 0.9}), kMatches - 1);
+}
+
+TEST_F(CascadeParameter, LineDistortionBoundsTheAngleToTheConnectingLine) {
+  for (Keypoint& keypoint : world_.scene) {  // the differences of two orientations stay
+    keypoint.orientation_rad = static_cast<float>(WrapAngle(keypoint.orientation_rad + 0.5));
+  }
+  EXPECT_EQ(CountKept({.radius_px = 200, .line_distortion_rad = 0.6}), kMatches);
+  EXPECT_EQ(CountKept({.radius_px = 200, .line_distortion_rad = 0.4}), 0U);
+}
+
+// Two groups of three that contradict each other in all measures: two of five possible votes for each match.
+TEST_F(CascadeParameter, EachApprovalIsTheFractionOfVotesThatItsStageNeeds) {
+  for (std::size_t i = 0; i < kMatches / 2; ++i) {
+    world_.scene[i].scale_px *= 4;
+    world_.scene[i].orientation_rad = static_cast<float>(WrapAngle(world_.scene[i].orientation_rad + 2.0));
+  }
+  const CascadeOptions wide{.radius_px = 200, .distance_distortion = 100, .line_distortion_rad = 3.15};
+  for (const auto& [filter, approval] : {std::pair{CascadeFilter::kFirst, &CascadeOptions::first_approval},
+                                         std::pair{CascadeFilter::kSecond, &CascadeOptions::second_approval},
+                                         std::pair{CascadeFilter::kThird, &CascadeOptions::third_approval}}) {
+    CascadeOptions options = wide;
+    options.filter = filter;
+    options.*approval = 0.39;
+    EXPECT_EQ(CountKept(options), kMatches) << ToText(kCascadeFilterTexts, filter);
+    options.*approval = 0.41;
+    EXPECT_EQ(CountKept(options), 0U) << ToText(kCascadeFilterTexts, filter);
+  }
 }
 
 }  // namespace

@@ -130,5 +130,23 @@ TEST(SimilarityPose, IsDeterministicBySeed) {
   EXPECT_EQ(world.Poses()[0].scene_from_template_plane, world.Poses()[0].scene_from_template_plane);
 }
 
+TEST(SimilarityPose, MinInliersIsTheNumberOfDistinctTemplateKeypointsThatAPoseNeeds) {
+  const World world = Planar(Similarity2{0.8, 0.4, {60, 50}}.Matrix(), 6, 0, 3);
+  EXPECT_EQ(world.Poses({.min_inliers = 6}).size(), 1U);
+  EXPECT_TRUE(world.Poses({.min_inliers = 7}).empty());
+}
+
+TEST(SimilarityPose, MaxInstancesEndsTheSearchForMore) {
+  World world = Planar(Similarity2{0.6, 0.4, {60, 50}}.Matrix(), 30, 0.7, 1);
+  const World second = Planar(Similarity2{0.8, -2.0, {420, 300}}.Matrix(), 20, 0.7, 2);
+  for (std::size_t i = 0; i < second.scene.size(); ++i) {
+    world.Add({second.model[i].x, second.model[i].y}, {second.scene[i].x, second.scene[i].y});
+  }
+  EXPECT_EQ(world.Poses({.max_instances = 2}).size(), 2U);
+  const std::vector<PlanarFit> one = world.Poses({.max_instances = 1});
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_NEAR(one[0].scene_from_template.scale, 0.6, 0.02) << "the instance with more matches";
+}
+
 }  // namespace
 }  // namespace victorious

@@ -1,5 +1,7 @@
 #include "victorious/recognize/category_finder.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -84,6 +86,19 @@ TEST(CategoryFinder, RefusesModelsWithoutCategories) {
   ASSERT_FALSE(finder);
   EXPECT_EQ(finder.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(finder.error().message, HasSubstr("cross-disc,disc-cross"));
+}
+
+TEST(CategoryFinder, MinProbabilityIsTheProbabilityThatASightingNeeds) {
+  Random random(9);
+  const cv::Mat grey = testing::DrawPair(true, random);
+  const auto find = [&](double min_probability) {
+    return CategoryFinder::Create(SmallModel(), {.min_probability = min_probability}).value().Find(grey).value();
+  };
+  const std::vector<FoundCategory> all = find(0);
+  ASSERT_FALSE(all.empty());
+  const double highest = std::ranges::max(all, {}, &FoundCategory::probability).probability;
+  EXPECT_EQ(find(highest - 1e-6).size(), 1U);
+  EXPECT_TRUE(find(highest + 1e-6).empty());
 }
 
 }  // namespace

@@ -7,7 +7,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "testing/data.h"
+#include "testing/geoid_grid.h"
 #include "testing/klv_tools.h"
+#include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -215,6 +218,35 @@ TEST(Telemetry, TextReportNamesMissingFields) {
   EXPECT_THAT(lines, Contains(HasSubstr("field of view")));
   EXPECT_THAT(lines, Contains(HasSubstr("above the ellipsoid")));
   EXPECT_THAT(DescribeTelemetry(*ParseTelemetry(CameraPacket(1), {})), Contains(HasSubstr("geolocation: all")));
+}
+
+TEST(Telemetry, TimeOffsetShiftsTheTimes) {
+  const auto telemetry = ParseTelemetry(std::string(kHeader) + "3,42,-71,1,\n", {.time_offset_s = -1.25});
+  ASSERT_TRUE(telemetry);
+  EXPECT_EQ(telemetry->states[0].time_s, 1.75);
+}
+
+TEST(Telemetry, MaxGapIsTheLongestIntervalWithoutAWarning) {
+  const std::string table = std::string(kHeader) + "0,42,-71,1,\n3,42,-71,1,\n";
+  EXPECT_THAT(ParseTelemetry(table, {.max_gap_s = 2.9})->warnings, Contains(HasSubstr("1 gaps of more than 2.9 s")));
+  EXPECT_THAT(ParseTelemetry(table, {.max_gap_s = 3.1})->warnings, Not(Contains(HasSubstr("gaps"))));
+}
+
+TEST(Telemetry, TheGivenFieldOfViewOverridesThatOfTheTelemetry) {
+  const auto given = ParseTelemetry(CameraPacket(0), {.hfov_deg = 33});
+  ASSERT_TRUE(given);
+  EXPECT_NEAR(*given->states[0].hfov_rad, RadiansFromDegrees(33), 1e-12);
+  EXPECT_NE(*ParseTelemetry(CameraPacket(0), {})->states[0].hfov_rad, *given->states[0].hfov_rad);
+}
+
+TEST(Telemetry, HeightsAboveTheSeaAreConvertedByTheGivenGeoidGrid) {
+  const testing::ScratchFolder folder;
+  const std::string grid = (folder.path() / "grid.gtx").string();
+  ASSERT_TRUE(WriteFileAtomically(grid, testing::ConstantGeoidGrid(-27.5F)));
+  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,30,egm2008\n", {.geoid_grid = grid});
+  ASSERT_TRUE(telemetry) << telemetry.error().message;
+  EXPECT_EQ(telemetry->states[0].datum, VerticalDatum::kEllipsoid);
+  EXPECT_NEAR(telemetry->states[0].place.altitude_m, 2.5, 1e-6);
 }
 
 }  // namespace

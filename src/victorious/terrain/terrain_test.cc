@@ -16,6 +16,8 @@
 #include <ogr_srs_api.h>
 
 #include "testing/data.h"
+#include "testing/geoid_grid.h"
+#include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/geoid.h"
 
@@ -194,6 +196,20 @@ TEST(MakeGround, AcceptsAtMostOneSource) {
   EXPECT_EQ((*MakeGround({.height_m = 12}))->HeightAt({}), 12);
   EXPECT_THAT(MakeGround({.height_m = 12, .terrain = "a.tif"}).error().message, HasSubstr("twice"));
   EXPECT_FALSE(MakeGround({.vertical_datum = VerticalDatum::kTakeoff}));
+}
+
+TEST_F(TerrainTest, TheGivenGeoidGridConvertsTheHeights) {
+  const std::string grid = (folder_ / "grid.gtx").string();
+  ASSERT_TRUE(WriteFileAtomically(grid, testing::ConstantGeoidGrid(-27.5F)));
+  const auto ground = Read({}, {.vertical_datum = VerticalDatum::kEgm2008, .geoid_grid = grid});
+  EXPECT_NEAR(*ground->HeightAt(AtUtm(500021, 4599959)), 100 - 27.5, 1e-3);
+}
+
+TEST_F(TerrainTest, TheGroundIsThatOfTheGivenTerrain) {
+  const auto ground =
+      MakeGround({.terrain = Write(folder_ / "a.tif", {}).string(), .vertical_datum = VerticalDatum::kEllipsoid});
+  ASSERT_TRUE(ground) << ground.error().message;
+  EXPECT_NEAR(*(*ground)->HeightAt(AtUtm(500021, 4599959)), 100, 1e-3);
 }
 
 }  // namespace

@@ -309,5 +309,25 @@ TEST(RegionTracker, RefusesOptionsOutOfRange) {
   EXPECT_EQ(RegionTracker::Create({.dilation_factor = 0.5}).error().code, ErrorCode::kInvalidArgument);
 }
 
+// An image of another town covers the object from one frame to the next.
+TEST(RegionTracker, MissedFramesIsTheNumberOfFramesWithoutABoxThatATrackSurvives) {
+  const World world;
+  const cv::Mat cover = testing::DrawTown({160, 140}, 77);
+  const auto frames_until_inactive = [&](int missed_frames) {
+    Follower follower({.missed_frames = missed_frames});
+    follower.Start(world.Draw(At(150, 100)), world.Outline(At(150, 100)));
+    cv::Mat covered = world.Draw(At(150, 100));
+    cover.copyTo(covered(cv::Rect(100, 60, cover.cols, cover.rows)));
+    for (int i = 1; i <= 20; ++i) {
+      const std::optional<TrackStep> step = follower.Step(covered);
+      if (!step || step->state == TrackState::kInactive) return i;
+      EXPECT_FALSE(step->seen()) << i;
+    }
+    return 0;
+  };
+  EXPECT_EQ(frames_until_inactive(0), 1);
+  EXPECT_EQ(frames_until_inactive(4), 5);
+}
+
 }  // namespace
 }  // namespace victorious
