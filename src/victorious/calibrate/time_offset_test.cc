@@ -1,11 +1,17 @@
 #include "victorious/calibrate/time_offset.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
+#include "testing/data.h"
+#include "testing/drawn_town.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/solvers/similarity.h"
@@ -155,6 +161,44 @@ TEST(EstimateTimeOffset, MissingFieldOfViewOrMotionsGiveNoOffset) {
   const TimeOffset none = EstimateTimeOffset({.motions = {}, .image = kImage}, Recorded(Swerving, 0), {});
   EXPECT_EQ(none.status, TimeOffsetStatus::kFewPairs);
   EXPECT_THAT(DescribeStatus(none), HasSubstr("0 pairs"));
+}
+
+// A camera that moves by whole pixels over a drawn town, with salt-and-pepper noise on a tenth of the pixels.
+TEST(TimeOffset, ImpulseFractionDecidesWhetherFramesAreCleanedBeforeTheirMotionIsMeasured) {
+  const testing::ScratchFolder folder;
+  const cv::Mat town = testing::DrawTown({330, 260}, 3);
+  constexpr int kPictures = 6;
+  constexpr int kStep_px = 3;
+  Random random(1);
+  for (int i = 0; i < kPictures; ++i) {
+    cv::Mat frame = town(cv::Rect(kStep_px * i, 0, 300, 240)).clone();
+    for (auto& pixel : cv::Mat_<cv::Vec3b>(frame)) {
+      const double draw = random.Uniform();
+      if (draw < 0.1) pixel = draw < 0.05 ? cv::Vec3b::all(0) : cv::Vec3b::all(255);
+    }
+    ASSERT_TRUE(cv::imwrite((folder / ("frame" + std::to_string(i) + ".png")).string(), frame));
+  }
+  const auto mean_error_px = [&](double impulse_fraction) {
+    TimedTelemetryOptions parameters;
+    const auto json = nlohmann::json{{"features.impulse_fraction", impulse_fraction}};
+    EXPECT_TRUE(SetFromJson(json, CollectFields(parameters)));
+    const auto seen =
+        MeasureMotions(folder.path().string(), parameters.offset, parameters.impulse_fraction, CancelToken());
+    EXPECT_TRUE(seen) << seen.error().message;
+    double sum_px = 0;
+    for (int i = 0; i + 1 < kPictures; ++i) {
+      const double from_s = 0.1 * i;  // of a folder, ten frames per second
+      const auto pair = std::ranges::find_if(
+          seen->motions, [&](const ImageMotion& motion) { return std::abs(motion.from_s - from_s) < 1e-6; });
+      const Vector2d middle(150, 120);
+      sum_px += pair == seen->motions.end() ? kStep_px  // not measured
+                                            : (pair->to_from.Apply(middle) - middle + Vector2d(kStep_px, 0)).norm();
+    }
+    return sum_px / (kPictures - 1);
+  };
+  const double cleaned_px = mean_error_px(0.015);
+  EXPECT_LT(cleaned_px, 0.2);
+  EXPECT_GT(mean_error_px(1), 2 * cleaned_px) << "1: never cleaned";
 }
 
 }  // namespace
