@@ -220,16 +220,19 @@ TEST(Indexer, SearchesEveryNthFrame) {
 
 // Interrupted after each first commit until the end is reached.
 TEST(Indexer, ResumedRunEqualsUninterruptedRun) {
-  const DrawnFlight flight(ShortFlight(72));
+  constexpr int kFrames = 66;  // two commits by the number of kept frames, and the end
+  const DrawnFlight flight(ShortFlight(kFrames));
+  RunSetup run = ManyCommits();
+  run.options.follow.restart_interval_frames = 8;  // a run that goes on tracks at most seven frames again
   const auto whole = flight.Store("whole.db");
-  Index(flight.video(), flight.Models(), *whole, ManyCommits());
+  Index(flight.video(), flight.Models(), *whole, run);
 
   const auto store = flight.Store("cut.db");
-  const Indexer indexer = Indexer::Create(flight.Models(), ManyCommits().options).value();
+  const Indexer indexer = Indexer::Create(flight.Models(), run.options).value();
   int runs = 0;
   std::int64_t frames = 0;
   while (true) {
-    ASSERT_LT(++runs, 72) << "each processes at least one frame";
+    ASSERT_LT(++runs, kFrames) << "each does a frame at least";
     CancelToken cancel;
     HookedStore hooked(*store, [&]() -> Status {
       cancel.Cancel();
@@ -244,7 +247,7 @@ TEST(Indexer, ResumedRunEqualsUninterruptedRun) {
     EXPECT_THAT(report.error().message, AllOf(HasSubstr(flight.video()), HasSubstr("run again")));
     const std::int64_t next = store->FindSearch(1, 1).value().value().next_frame;
     EXPECT_GT(next, frames);
-    EXPECT_LE(next, 72);  // the last commit may be the cancelled one: its objects are not computed yet
+    EXPECT_LE(next, kFrames);  // the last commit may be the cancelled one: its objects are not computed yet
     frames = 0;
   }
   EXPECT_GE(runs, 3);
