@@ -233,10 +233,14 @@ TEST(Telemetry, MaxGapIsTheLongestIntervalWithoutAWarning) {
 }
 
 TEST(Telemetry, TheGivenFieldOfViewOverridesThatOfTheTelemetry) {
-  const auto given = ParseTelemetry(CameraPacket(0), {.hfov_deg = 33});
-  ASSERT_TRUE(given);
-  EXPECT_NEAR(*given->states[0].hfov_rad, RadiansFromDegrees(33), 1e-12);
-  EXPECT_NE(*ParseTelemetry(CameraPacket(0), {})->states[0].hfov_rad, *given->states[0].hfov_rad);
+  const std::string packet = CameraPacket(5'000'000);
+  const auto given = ParseTelemetry(packet, {.hfov_deg = 33});
+  const auto own = ParseTelemetry(packet, {});
+  ASSERT_TRUE(given && own);
+  ASSERT_EQ(given->states.size(), 1U);
+  EXPECT_NEAR(given->states[0].hfov_rad.value(), RadiansFromDegrees(33), 1e-12);
+  ASSERT_EQ(own->states.size(), 1U);
+  EXPECT_NE(own->states[0].hfov_rad, given->states[0].hfov_rad);
 }
 
 TEST(Telemetry, HeightsAboveTheSeaAreConvertedByTheGivenGeoidGrid) {
