@@ -167,10 +167,10 @@ TEST(EstimateTimeOffset, MissingFieldOfViewOrMotionsGiveNoOffset) {
 TEST(TimeOffset, ImpulseFractionDecidesWhetherFramesAreCleanedBeforeTheirMotionIsMeasured) {
   const testing::ScratchFolder folder;
   const cv::Mat town = testing::DrawTown({330, 260}, 3);
-  constexpr int kPictures = 6;
+  constexpr int kImages = 6;
   constexpr int kStep_px = 3;
   Random random(1);
-  for (int i = 0; i < kPictures; ++i) {
+  for (int i = 0; i < kImages; ++i) {
     cv::Mat frame = town(cv::Rect(kStep_px * i, 0, 300, 240)).clone();
     for (auto& pixel : cv::Mat_<cv::Vec3b>(frame)) {
       const double draw = random.Uniform();
@@ -186,7 +186,7 @@ TEST(TimeOffset, ImpulseFractionDecidesWhetherFramesAreCleanedBeforeTheirMotionI
         MeasureMotions(folder.path().string(), parameters.offset, parameters.impulse_fraction, CancelToken());
     EXPECT_TRUE(seen) << seen.error().message;
     double sum_px = 0;
-    for (int i = 0; i + 1 < kPictures; ++i) {
+    for (int i = 0; i + 1 < kImages; ++i) {
       const double from_s = 0.1 * i;  // of a folder, ten frames per second
       const auto pair = std::ranges::find_if(
           seen->motions, [&](const ImageMotion& motion) { return std::abs(motion.from_s - from_s) < 1e-6; });
@@ -194,7 +194,7 @@ TEST(TimeOffset, ImpulseFractionDecidesWhetherFramesAreCleanedBeforeTheirMotionI
       sum_px += pair == seen->motions.end() ? kStep_px  // not measured
                                             : (pair->to_from.Apply(middle) - middle + Vector2d(kStep_px, 0)).norm();
     }
-    return sum_px / (kPictures - 1);
+    return sum_px / (kImages - 1);
   };
   const double cleaned_px = mean_error_px(0.015);
   EXPECT_LT(cleaned_px, 0.2);

@@ -81,7 +81,7 @@ TEST(ExamplesOfAnImage, SurroundingsDecideWhatTheWholeImageIsUsedFor) {
   const std::vector<CategoryExample> none = ExamplesWith(CoarseFeatures(Surroundings::kNone));
   ASSERT_THAT(none, SizeIs(1));
   EXPECT_TRUE(none[0].used_for_training && none[0].used_for_calibration);
-  EXPECT_EQ(none[0].picture, 7);
+  EXPECT_EQ(none[0].image, 7);
   EXPECT_EQ(none[0].features.image_width, 60);
   EXPECT_EQ(none[0].features.image_height, 50);
 

@@ -1,4 +1,4 @@
-#include "victorious/calibrate/sun_survey.h"
+#include "victorious/calibrate/sun_direction.h"
 
 #include <cmath>
 #include <cstdint>
@@ -91,7 +91,7 @@ CameraTrajectory Cameras(std::optional<std::int64_t> utc_us = std::nullopt) {
   return {std::move(states), 2};
 }
 
-class SunSurveyTest : public ::testing::Test {
+class EstimateSunDirectionTest : public ::testing::Test {
  protected:
   static const Recognizer& RelightingRecognizer() {
     static const Recognizer recognizer =
@@ -107,12 +107,12 @@ class SunSurveyTest : public ::testing::Test {
                                 cancel_, [&](const std::string& warning) { warnings_.push_back(warning); });
   }
 
-  DaylightOptions options_;
+  SunDirectionOptions options_;
   CancelToken cancel_;
   std::vector<std::string> warnings_;
 };
 
-TEST_F(SunSurveyTest, FindsTheSunThatTheFramesAgreeOnAndReadsNoFurther) {
+TEST_F(EstimateSunDirectionTest, FindsTheSunThatTheFramesAgreeOnAndReadsNoFurther) {
   SceneReader reader(SunlitScene());
   const std::optional<Sun> sun = Estimate(reader).value();
   ASSERT_TRUE(sun);
@@ -122,7 +122,7 @@ TEST_F(SunSurveyTest, FindsTheSunThatTheFramesAgreeOnAndReadsNoFurther) {
   EXPECT_THAT(warnings_, IsEmpty());
 }
 
-TEST_F(SunSurveyTest, SunOffSearchesForNone) {
+TEST_F(EstimateSunDirectionTest, SunOffSearchesForNone) {
   options_.sun = SunSearch::kOff;
   SceneReader reader(SunlitScene());
   EXPECT_FALSE(Estimate(reader).value());
@@ -130,7 +130,7 @@ TEST_F(SunSurveyTest, SunOffSearchesForNone) {
   EXPECT_EQ(reader.next, 0);
 }
 
-TEST_F(SunSurveyTest, AClockGivesTheSunByTheEphemerisWithoutReading) {
+TEST_F(EstimateSunDirectionTest, AClockGivesTheSunByTheEphemerisWithoutReading) {
   SceneReader reader(SunlitScene());
   const CameraTrajectory cameras = Cameras(kNoon_us);
   const std::optional<Sun> sun = Estimate(reader, cameras).value();
@@ -142,7 +142,7 @@ TEST_F(SunSurveyTest, AClockGivesTheSunByTheEphemerisWithoutReading) {
   EXPECT_EQ(reader.next, 0);
 }
 
-TEST_F(SunSurveyTest, ThereIsNoneWithoutTheObjectOrAttitudeAndOfALiveSource) {
+TEST_F(EstimateSunDirectionTest, ThereIsNoneWithoutTheObjectOrAttitudeAndOfALiveSource) {
   SceneReader empty(testing::Texture(640, 480, 5));
   EXPECT_FALSE(Estimate(empty).value());
   EXPECT_EQ(empty.next, kFrames) << "every sample is tried";
@@ -155,7 +155,7 @@ TEST_F(SunSurveyTest, ThereIsNoneWithoutTheObjectOrAttitudeAndOfALiveSource) {
   EXPECT_THAT(warnings_, IsEmpty());
 }
 
-TEST_F(SunSurveyTest, FramesWithoutFeaturesAreSkippedWithAWarning) {
+TEST_F(EstimateSunDirectionTest, FramesWithoutFeaturesAreSkippedWithAWarning) {
   SceneReader reader(SunlitScene());
   const std::optional<Sun> sun = Estimate(reader, Cameras(), /*last_failure=*/4).value();
   ASSERT_TRUE(sun);
@@ -163,7 +163,7 @@ TEST_F(SunSurveyTest, FramesWithoutFeaturesAreSkippedWithAWarning) {
   EXPECT_THAT(warnings_, ElementsAre("the sun's direction: 2 of 6 sampled frames are skipped: out of memory"));
 }
 
-TEST_F(SunSurveyTest, AReadErrorEndsTheSamplingWithAWarning) {
+TEST_F(EstimateSunDirectionTest, AReadErrorEndsTheSamplingWithAWarning) {
   SceneReader reader(SunlitScene());
   reader.broken_at = 6;
   const std::optional<Sun> sun = Estimate(reader).value();
@@ -172,7 +172,7 @@ TEST_F(SunSurveyTest, AReadErrorEndsTheSamplingWithAWarning) {
   EXPECT_THAT(warnings_, ElementsAre("the sun's direction is estimated from the frames before an error: broken"));
 }
 
-TEST_F(SunSurveyTest, CancellationIsAnError) {
+TEST_F(EstimateSunDirectionTest, CancellationIsAnError) {
   SceneReader reader(SunlitScene());
   cancel_.Cancel();
   const auto sun = Estimate(reader);
