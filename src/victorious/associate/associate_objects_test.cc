@@ -360,7 +360,7 @@ TEST(ObjectParameter, PlacesFurtherApartThanTheMaxMergeDistanceStayTwo) {
 
 // Three lines in ten are wrong.
 TEST(ObjectParameter, MinInlierFractionIsThatOfTheLines) {
-  ObservedTracklet tracklet = RunOf({.id = 1, .frames = 30});
+  ObservedTracklet tracklet = SimulateTracklet({.id = 1, .frames = 30});
   for (std::size_t i = 0; i < tracklet.observations.size(); ++i) {
     if (i % 10 < 3) tracklet.observations[i].line.azimuth_rad += i % 2 == 0 ? 0.5 : -0.5;
   }
