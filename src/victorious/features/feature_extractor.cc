@@ -1,7 +1,7 @@
 #include "victorious/features/feature_extractor.h"
 
-#include "victorious/base/check.h"
 #include "victorious/features/opencv_sift.h"
+#include "victorious/features/sift.h"
 
 namespace victorious {
 
@@ -41,11 +41,11 @@ FeatureOptions LowContrastFeatureOptions() {
   return options;
 }
 
-std::vector<std::string> FeatureEngines() { return {"opencv"}; }
+std::vector<std::string> FeatureEngines() { return {"opencv", "sift"}; }
 
 Expected<std::unique_ptr<const FeatureExtractor>> MakeFeatureExtractor(const FeatureOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  VICTORIOUS_CHECK(options.engine == "opencv");
+  if (options.engine == "sift") return MakeSift(options);
   return MakeOpenCvSift(options);
 }
 

@@ -38,11 +38,16 @@ cv::Mat Clutter(int width, int height, std::uint64_t seed) {
   return image;
 }
 
-std::unique_ptr<const FeatureExtractor> Extractor(const FeatureOptions& options = {}) {
-  return MakeFeatureExtractor(options).value();
-}
+// Runs for every engine.
+class EveryEngine : public ::testing::TestWithParam<std::string> {
+ protected:
+  static std::unique_ptr<const FeatureExtractor> Extractor(FeatureOptions options = {}) {
+    options.engine = GetParam();
+    return MakeFeatureExtractor(options).value();
+  }
+};
 
-TEST(FeatureExtractor, LocatesBlobAtItsCentre) {
+TEST_P(EveryEngine, LocatesBlobAtItsCentre) {
   for (const double offset : {0.0, 0.25, 0.5, 0.8}) {
     for (const double sigma : {2.5, 4.0, 8.0}) {
       const double x = 64 + offset;
@@ -56,7 +61,7 @@ TEST(FeatureExtractor, LocatesBlobAtItsCentre) {
   }
 }
 
-TEST(FeatureExtractor, ScaleIsProportionalToBlobSize) {
+TEST_P(EveryEngine, ScaleIsProportionalToBlobSize) {
   for (const double sigma : {3.0, 6.0, 9.0}) {
     const FeatureSet features = Extractor()->Extract(Blob(160, 80, 80, sigma)).value();
     ASSERT_GT(features.size(), 0U);
@@ -65,7 +70,7 @@ TEST(FeatureExtractor, ScaleIsProportionalToBlobSize) {
   }
 }
 
-TEST(FeatureExtractor, OrientationRotatesWithTheImage) {
+TEST_P(EveryEngine, OrientationRotatesWithTheImage) {
   const cv::Mat image = Clutter(200, 200, 3);
   cv::Mat turned;  // clockwise on the screen: +x goes to +y
   cv::rotate(image, turned, cv::ROTATE_90_CLOCKWISE);
@@ -85,7 +90,7 @@ TEST(FeatureExtractor, OrientationRotatesWithTheImage) {
   EXPECT_GT(agreeing, compared * 2 / 3);  // the rest are keypoints of several orientations
 }
 
-TEST(FeatureExtractor, LargeImagesAreDownscaled) {
+TEST_P(EveryEngine, LargeImagesAreDownscaled) {
   FeatureOptions options;
   options.max_side_px = 128;
   const FeatureSet features = Extractor(options)->Extract(Blob(256, 150.5, 100.25, 12)).value();
@@ -95,14 +100,14 @@ TEST(FeatureExtractor, LargeImagesAreDownscaled) {
   EXPECT_EQ(features.image_width, 256);
 }
 
-TEST(FeatureExtractor, TinyAndEmptyImagesHaveNoFeatures) {
+TEST_P(EveryEngine, TinyAndEmptyImagesHaveNoFeatures) {
   EXPECT_EQ(Extractor()->Extract(cv::Mat()).value().size(), 0U);
   for (int side = 1; side < 20; ++side) {
     EXPECT_TRUE(Extractor()->Extract(cv::Mat(side, side + 1, CV_8UC1, cv::Scalar(9))).has_value()) << side;
   }
 }
 
-TEST(FeatureExtractor, ImagesTooThinAfterDownscalingHaveNoFeatures) {
+TEST_P(EveryEngine, ImagesTooThinAfterDownscalingHaveNoFeatures) {
   for (const cv::Size size : {cv::Size(40000, 9), cv::Size(9, 40000), cv::Size(20000, 40), cv::Size(20000, 77)}) {
     const auto features = Extractor()->Extract(cv::Mat(size, CV_8UC1, cv::Scalar(9)));
     ASSERT_TRUE(features) << size << ": " << features.error().message;
@@ -110,6 +115,19 @@ TEST(FeatureExtractor, ImagesTooThinAfterDownscalingHaveNoFeatures) {
     EXPECT_EQ(features->image_width, size.width);
   }
 }
+
+TEST_P(EveryEngine, BoundsTheNumberOfKeypoints) {
+  const cv::Mat image = Clutter(200, 200, 5);
+  const std::size_t all = Extractor()->Extract(image).value().size();
+  FeatureOptions options;
+  options.max_features = static_cast<int>(all / 2);
+  const FeatureSet strongest = Extractor(options)->Extract(image).value();
+  EXPECT_NEAR(static_cast<double>(strongest.size()), static_cast<double>(all / 2), 3);  // ties may be kept
+  EXPECT_EQ(strongest.descriptors.size(), strongest.size() * kDescriptorSize);
+}
+
+INSTANTIATE_TEST_SUITE_P(Engines, EveryEngine, ::testing::ValuesIn(FeatureEngines()),
+                         [](const auto& test) { return test.param; });
 
 TEST(FeatureExtractor, RefusesOptionsOutOfRange) {
   FeatureOptions options;
