@@ -80,6 +80,8 @@ std::span<const Experiment> Experiments() {
                  &RunTableWindows},
       Experiment{"table-cad", "CAD models as training examples of a category, against a few photos", &RunTableCad},
       Experiment{"figure-calibration", "Calibration of detection scores", &RunFigureCalibration},
+      Experiment{"table-features", "Feature engines: repeatability and correct matches at equal counts",
+                 &RunTableFeatures},
       Experiment{"table-object-pose", "Errors of view and distance, by what is known of the camera",
                  &RunTableObjectPose},
       Experiment{"table-cheyenne", "Places from a real flight's stares, against the recorded frame centres",

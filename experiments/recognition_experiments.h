@@ -7,6 +7,7 @@ namespace victorious {
 
 Expected<Report> RunFigure318(const ExperimentSettings& settings);
 Expected<Report> RunFigureCalibration(const ExperimentSettings& settings);
+Expected<Report> RunTableFeatures(const ExperimentSettings& settings);
 Expected<Report> RunTableObjectPose(const ExperimentSettings& settings);
 
 }  // namespace victorious
