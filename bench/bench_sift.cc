@@ -1,3 +1,9 @@
+#include <string>
+#include <vector>
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/features2d.hpp>
 
 #include "bench/benchmarks.h"
@@ -5,21 +11,64 @@
 #include "victorious/features/feature_extractor.h"
 
 namespace victorious::bench {
+namespace {
+
+// The same settings for both: those of a search for CAD models. cv::SIFT does not look for impulses, nor do we here.
+FeatureOptions SharedOptions() {
+  FeatureOptions options = LowContrastFeatureOptions();
+  options.engine = "sift";
+  options.impulse_fraction = 1;
+  return options;
+}
+
+Result CompareEngines(const std::string& name, const cv::Mat& frame, int threads, const Settings& settings) {
+  const FeatureOptions options = SharedOptions();
+  const auto extractor = MakeFeatureExtractor(options).value();
+  oneapi::tbb::task_arena arena(threads);
+  const auto run = [&] {
+    return arena.execute([&] { return static_cast<double>(extractor->Extract(frame).value().size()); });
+  };
+  const auto run_opencv = [&] {
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    cv::SIFT::create(0, kOctaveLayers, options.contrast_threshold, options.edge_threshold, kFirstLayerSigma_px, CV_8U)
+        ->detectAndCompute(frame, cv::noArray(), keypoints, descriptors);
+    return static_cast<double>(keypoints.size());
+  };
+  const int threads_before = cv::getNumThreads();
+  cv::setNumThreads(threads);
+  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(threads));
+  Result result = Compare(name, {"victorious", run}, {{"opencv", run_opencv}}, settings.effort());
+  result.figures = {{"keypoints", run()}, {"opencv_keypoints", run_opencv()}, {"threads", threads}};
+  cv::setNumThreads(threads_before);
+  return result;
+}
+
+// A frame of the synthetic town sharper than those of the other benchmarks.
+cv::Mat SharpFrame(int width, int height) {
+  testing::FlightOptions options;
+  options.seed = 8;
+  options.objects = 4;
+  options.width = width;
+  options.height = height;
+  options.blur_px = 0.8;
+  options.noise = 1;
+  return GreyFrame(testing::SyntheticFlight(options));
+}
+
+}  // namespace
 
 std::vector<Result> BenchSift(const Settings& settings) {
-  const cv::Mat frame = GreyFrame(MakeSyntheticFlight());
-  const auto extractor = MakeFeatureExtractor({}).value();
-  const Implementation ours = {"victorious",
-                               [&] { return static_cast<double>(extractor->Extract(frame).value().size()); }};
-  const Implementation opencv = {"opencv", [&] {
-                                   std::vector<cv::KeyPoint> keypoints;
-                                   cv::Mat descriptors;
-                                   cv::SIFT::create()->detectAndCompute(frame, cv::noArray(), keypoints, descriptors);
-                                   return static_cast<double>(keypoints.size());
-                                 }};
-  Result result = Compare("sift", ours, {opencv}, settings.effort());
-  result.figures = {{"keypoints", ours.run()}};
-  return {result};
+  std::vector<Result> results;
+  const cv::Mat vga = SharpFrame(640, 480);
+  results.push_back(CompareEngines("sift_vga", vga, 1, settings));
+  results.push_back(CompareEngines("sift_vga_2_threads", vga, 2, settings));
+  if (settings.quick) return results;
+  const cv::Mat full_hd = SharpFrame(1920, 1080);
+  results.push_back(CompareEngines("sift_1080p", full_hd, 1, settings));
+  results.push_back(CompareEngines("sift_1080p_2_threads", full_hd, 2, settings));
+  return results;
 }
 
 }  // namespace victorious::bench

@@ -14,7 +14,8 @@ struct Settings {
   [[nodiscard]] Effort effort() const { return quick ? Effort::Quick() : Effort{}; }
 };
 
-/// Feature extraction of a frame of 640 x 480 px; peer: cv::SIFT called directly.
+/// Feature extraction by the engine `sift` from frames of 640 x 480 and 1920 x 1080 px, on one and on two threads;
+/// peer: cv::SIFT with the same settings and threads.
 std::vector<Result> BenchSift(const Settings& settings);
 
 /// Matching of a frame against 4 models x 253 views of about 100 features; peer: cv::BFMatcher, view by view. Also a
