@@ -40,12 +40,11 @@ void FillMargins(std::int16_t* line, int width, int reach, Index index) {
   }
 }
 
-// Elements from row to row of a level: an odd number of cache lines, so that the rows of a window do not compete for
-// the same few places of the cache.
+// Elements from row to row of a level: room for what kernels write beyond a row, which is two vectors if it is doubled;
+// and an odd number of cache lines, so that the rows of a window do not compete for the same few places of the cache.
 std::size_t LevelStride(int width) {
   static_assert(kernels::kRowMultiple * sizeof(std::int16_t) == 64);
-  const std::size_t padded = kernels::PaddedWidth(static_cast<std::size_t>(width));
-  return padded / kernels::kRowMultiple % 2 == 0 ? padded + kernels::kRowMultiple : padded;
+  return 2 * kernels::PaddedWidth(static_cast<std::size_t>(width + 1) / 2) + kernels::kRowMultiple;
 }
 
 }  // namespace
@@ -230,7 +229,6 @@ void ScaleSpace::Build(const cv::Mat& grey, double min_difference) {
       extrema_.insert(extrema_.end(), lines.found.begin(), lines.found.end());
     }
   }
-  std::ranges::sort(extrema_, {}, &GridExtremum::Order);
 }
 
 }  // namespace victorious

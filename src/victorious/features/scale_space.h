@@ -53,7 +53,7 @@ class ScaleSpace {
   void Build(const cv::Mat& grey, double min_difference);
 
   [[nodiscard]] const std::vector<OctaveLevels>& octaves() const { return octaves_; }
-  /// In their order.
+  /// In an order that depends on the number of threads.
   [[nodiscard]] const std::vector<GridExtremum>& extrema() const { return extrema_; }
 
  private:
