@@ -8,10 +8,19 @@ import unittest
 import program
 
 
+ENGINES = ("opencv", "sift")
+
+
 class FeaturesTest(program.ProgramTest):
     def test_one_line_per_feature_with_128_numbers(self):
+        for engine in ENGINES:
+            with self.subTest(engine=engine):
+                self.check_lines(engine)
+
+    def check_lines(self, engine):
         out = self.scratch / "features.txt"
-        self.assertEqual(self.succeeds("features", program.flight() / "crate.png", "--out", out).out, "")
+        image = program.flight() / "crate.png"
+        self.assertEqual(self.succeeds("features", image, "--out", out, "--engine", engine).out, "")
         lines = out.read_text().splitlines()
         count, size = lines[0].split(" ")
         self.assertEqual(size, "128")
@@ -32,17 +41,18 @@ class FeaturesTest(program.ProgramTest):
     def test_keypoints_move_with_the_image(self):
         """White discs on black: the centre of the first pixel is at 0.5, 0.5."""
 
-        def keypoints(name, cx, cy):
+        def keypoints(name, cx, cy, engine):
             rows = bytes(
                 255 if math.hypot(x + 0.5 - cx, y + 0.5 - cy) < 6 else 0 for y in range(100) for x in range(120)
             )
             image = self.write(name + ".pgm", b"P5\n120 100\n255\n" + rows)
             out = self.scratch / (name + ".txt")
-            self.succeeds("features", image, "--out", out)
+            self.succeeds("features", image, "--out", out, "--engine", engine)
             return [tuple(map(float, line.split(" ")[:4])) for line in out.read_text().splitlines()[1:]]
 
-        for cx, cy in ((40.0, 30.0), (80.0, 70.0), (40.5, 30.5)):
-            found = keypoints("disc", cx, cy)
+        places = ((40.0, 30.0), (80.0, 70.0), (40.5, 30.5))
+        for cx, cy, engine in ((*place, engine) for place in places for engine in ENGINES):
+            found = keypoints("disc", cx, cy, engine)
             self.assertGreater(len(found), 0)
             blob = max(found, key=lambda keypoint: keypoint[2])
             self.assertAlmostEqual(blob[0], cx, delta=0.3)
@@ -65,11 +75,11 @@ class FeaturesTest(program.ProgramTest):
         )
         self.assertLess(int(out.read_text().split(" ")[0]), by_default / 2)
 
-    def count(self, picture, **parameters) -> int:
-        """The number of features of a picture under these parameters."""
+    def count(self, image, **parameters) -> int:
+        """The number of features of a image under these parameters."""
         params = self.write("params.json", json.dumps(parameters))
         out = self.scratch / "features.txt"
-        self.succeeds("features", picture, "--out", out, "--params", params)
+        self.succeeds("features", image, "--out", out, "--params", params)
         return int(out.read_text().split(" ")[0])
 
     def test_a_lower_edge_threshold_drops_keypoints_on_edges(self):
