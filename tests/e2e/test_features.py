@@ -76,7 +76,7 @@ class FeaturesTest(program.ProgramTest):
         self.assertLess(int(out.read_text().split(" ")[0]), by_default / 2)
 
     def count(self, image, **parameters) -> int:
-        """The number of features of a image under these parameters."""
+        """The number of features of an image under these parameters."""
         params = self.write("params.json", json.dumps(parameters))
         out = self.scratch / "features.txt"
         self.succeeds("features", image, "--out", out, "--params", params)
