@@ -64,9 +64,9 @@ TEST(RelitViews, FeaturesDependOnTheSun) {
   EXPECT_NE(east->features.descriptors, west->features.descriptors);
   EXPECT_EQ(relit->GetTemplate({7, kView}).value(), east);
   for (const Point3& point : east->points_in_model) {
-    EXPECT_LE(std::abs(point.x), 2.05F);
-    EXPECT_LE(std::abs(point.y), 2.05F);
-    EXPECT_LE(point.z, 0.35F);
+    EXPECT_LE(std::abs(point.x), 2.15F);  // the extent of the waffle, and the error of a keypoint's place
+    EXPECT_LE(std::abs(point.y), 1.65F);
+    EXPECT_LE(point.z, 0.55F);
   }
 }
 
