@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/base/stage_time.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/video/frame_loop.h"
 
@@ -92,6 +93,7 @@ struct SampledFrame {
 };
 
 Expected<std::optional<SunDirectionEstimate>> EstimateSunFromFrame(const SunDirectionInput& input, const Frame& frame) {
+  const StageScope scope(Stage::kSun);
   const std::optional<CameraState> camera = input.cameras.At(frame.time_s);
   if (!camera || !camera->attitude || !camera->hfov_rad) return std::nullopt;
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, input.extractor.Extract(frame.image));

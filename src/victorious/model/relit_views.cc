@@ -16,6 +16,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/base/stage_time.h"
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/template_features.h"
@@ -111,6 +112,7 @@ class RelitViews : public RelitTemplateSource {
 
   void MakeIfUnclaimed(const RelitTemplateKey& wanted, Slot& slot) const {
     if (slot.claimed.exchange(true)) return;
+    const StageScope scope(Stage::kRelitTemplates);
     try {
       slot.result = Make(wanted);
     } catch (const std::exception& error) {  // of OpenCV, or out of memory: the waiting threads must be released, too

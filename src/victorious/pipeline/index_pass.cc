@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "victorious/associate/tracklet_linker.h"
+#include "victorious/base/stage_time.h"
 #include "victorious/calibrate/sun_direction.h"
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
@@ -139,6 +140,11 @@ SightingRecord ToSighting(const IndexPass& pass, const FrameTask& work, const Fo
           .observation = object_pose ? MakeBearingObservation(*object_pose, known) : std::nullopt};
 }
 
+Expected<FeatureSet> ExtractFeatures(const IndexPass& pass, const Frame& frame) {
+  const StageScope scope(Stage::kFeatures);
+  return pass.extractor.Extract(frame.image);
+}
+
 // Features, recognition and categories of full frames. Parallel.
 Status Search(const IndexPass& pass, FrameTask& work) {
   if (!work.whole) return {};
@@ -147,7 +153,7 @@ Status Search(const IndexPass& pass, FrameTask& work) {
     std::erase_if(work.categories, [&](const FoundCategory& one) { return !pass.category_ids[one.category]; });
   }
   if (pass.recognizer.models().empty() && !work.keep) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(work.features, pass.extractor.Extract(work.frame.image));
+  VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass, work.frame));
   VICTORIOUS_ASSIGN_OR_RETURN(
       work.detections,
       pass.recognizer.Recognize(work.features, MakeFrameConditions(work.camera, work.frame.image.size(), pass.sun),
@@ -157,6 +163,7 @@ Status Search(const IndexPass& pass, FrameTask& work) {
 
 // Makes sightings of detections, through the follower if there is one. Serial, in the order of frames.
 Status Follow(const IndexPass& pass, std::optional<Follower>& follower, ImageMotionEstimator& motion, FrameTask& work) {
+  const StageScope scope(Stage::kTracking);
   work.now_from_before = motion.Step(work.frame.image);
   if (work.motion_only) return {};
   if (!follower) {
@@ -217,6 +224,7 @@ class ResultWriter {
   }
 
   Status Add(FrameTask& work) {
+    const StageScope scope(Stage::kStore);
     linker_.Step(work.frame.index, work.now_from_before);
     if (work.already_stored) return {};
     report_.frames_searched += work.whole ? 1 : 0;
@@ -236,6 +244,7 @@ class ResultWriter {
   }
 
   Status Commit(bool finished) {
+    const StageScope scope(Stage::kStore);
     for (const SearchRecord& search : pass_.searches) {
       SearchRecord record = search;
       record.next_frame = next_frame_;

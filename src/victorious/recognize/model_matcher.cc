@@ -7,6 +7,7 @@
 #include <ranges>
 #include <utility>
 
+#include "victorious/base/stage_time.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/geometry/polygon.h"
@@ -67,6 +68,7 @@ Expected<std::vector<ScoredVariant>> ModelMatcher::EvaluateScored(std::span<cons
 }
 
 void ModelMatcher::Pool(int max_count) {
+  const StageScope scope(Stage::kPoses);
   std::vector<std::size_t> order(matched_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   // Half resolution is left out: the good ones have been matched at full resolution, too.
@@ -93,15 +95,21 @@ Expected<double> ModelMatcher::Evaluate(const TemplateVariant& variant) {
         matched.relit, relit_templates_->GetTemplate({*variant.sun_view, variant.view, variant.half_resolution}));
   }
   const FeatureView features = FeaturesOf(matched);
-  matched.matches = scene_.ranked_matcher().Match(kernels::PackQueries(features.descriptors), options_.nearest);
+  matched.matches = Match(features);
   matched.neg_log10_nfa = Vote(variant, features.keypoints, SurfacePointsOf(matched), matched.matches);
   matched_.push_back(std::move(matched));
   return matched_.back().neg_log10_nfa;
 }
 
+std::vector<RankedMatch> ModelMatcher::Match(const FeatureView& features) const {
+  const StageScope scope(Stage::kMatching);
+  return scene_.ranked_matcher().Match(kernels::PackQueries(features.descriptors), options_.nearest);
+}
+
 // Adds the poses of a template's keypoints to the candidates; returns their highest -log10 NFA.
 double ModelMatcher::Vote(const TemplateVariant& variant, std::span<const Keypoint> keypoints,
                           std::span<const Point3> points, std::span<const RankedMatch> matches) {
+  const StageScope scope(Stage::kPoses);
   const ModelView& view = model_.views[variant.view];
   std::optional<UprightPrior> upright;
   if (view.angles) {

@@ -77,6 +77,7 @@ class ModelMatcher {
   };
 
   Expected<double> Evaluate(const TemplateVariant& variant);
+  [[nodiscard]] std::vector<RankedMatch> Match(const FeatureView& features) const;
   double Vote(const TemplateVariant& variant, std::span<const Keypoint> keypoints, std::span<const Point3> points,
               std::span<const RankedMatch> matches);
   [[nodiscard]] bool HasSunOfItsCell(const TemplateVariant& variant, const PlanarFit& fit) const;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/check.h"
+#include "victorious/base/stage_time.h"
 
 namespace victorious {
 
@@ -16,6 +17,12 @@ SceneSize MakeSceneSize(const FeatureSet& scene) {
   return {.width_px = static_cast<double>(scene.image_width),
           .height_px = static_cast<double>(scene.image_height),
           .searched_px2 = scene.SearchedBox().Area()};
+}
+
+std::vector<Detection> DetectIn(const FeatureSet& scene, std::span<const Candidate> candidates,
+                                const DetectOptions& options) {
+  const StageScope scope(Stage::kDetection);
+  return Detect(candidates, MakeSceneSize(scene), options);
 }
 
 }  // namespace
@@ -58,6 +65,7 @@ Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& 
 // Rescores the uncertain detections by NCC, in the given order, within the limits per model and per frame; erases those
 // below the minimum score.
 Status Recognizer::RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& detections) const {
+  const StageScope scope(Stage::kNcc);
   const NccOptions& options = options_.ncc;
   cv::Mat scene;
   std::map<std::size_t, int> rescores;  // rescored detections by model index
@@ -96,7 +104,7 @@ Expected<std::vector<Detection>> Recognizer::Recognize(const FeatureSet& feature
   DetectOptions detect = options_.detect;
   const bool rescores = !grey.empty() && options_.ncc.max_poses > 0 && HasRelitTemplates();
   if (rescores) detect.min_score = std::min(detect.min_score, ComputeScore(options_.ncc.min_neg_log10_nfa));
-  std::vector<Detection> detections = Detect(candidates, MakeSceneSize(features), detect);
+  std::vector<Detection> detections = DetectIn(features, candidates, detect);
   if (rescores) VICTORIOUS_RETURN_IF_ERROR(RescoreByNcc(grey, detections));
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
     return a.score != b.score ? a.score > b.score : a.model_index < b.model_index;
@@ -111,7 +119,7 @@ Expected<std::vector<Detection>> Recognizer::RecognizeViews(const FeatureSet& fe
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Candidate> candidates,
                               searchers_[model]->SearchViews(scene, conditions, views));
   for (Candidate& candidate : candidates) candidate.model_index = model;
-  return Detect(candidates, MakeSceneSize(features), options_.detect);
+  return DetectIn(features, candidates, options_.detect);
 }
 
 bool Recognizer::HasRelitTemplates() const {

@@ -9,6 +9,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include "victorious/base/progress.h"
+#include "victorious/base/stage_time.h"
 
 namespace victorious {
 namespace {
@@ -42,6 +43,7 @@ class HeldFrames {
     if (!status_ || ended_) return std::nullopt;
     if (stopped_) return End(FrameLoopEnd::kStopped);
     if (cancel_.IsCancelled()) return End(FrameLoopEnd::kCancelled);
+    const StageScope scope(Stage::kReading);
     Expected<std::optional<Frame>> frame = reader_.NextFrame();
     if (!frame) {
       status_ = std::unexpected(std::move(frame).error());
