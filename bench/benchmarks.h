@@ -2,14 +2,17 @@
 // implementations (peers).
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "bench/harness.h"
+#include "victorious/base/error.h"
 
 namespace victorious::bench {
 
 struct Settings {
-  bool quick = false;  ///< small input, timed once: a smoke test
+  bool quick = false;           ///< small input, timed once: a smoke test
+  std::filesystem::path cache;  ///< folder of the models and flights that `index` makes; created if it does not exist
 
   [[nodiscard]] Effort effort() const { return quick ? Effort::Quick() : Effort{}; }
 };
@@ -32,6 +35,11 @@ std::vector<Result> BenchMlesac(const Settings& settings);
 
 /// Feature extraction and recognition of a frame on one core: against 2 photos, and against 4 models x 253 views.
 std::vector<Result> BenchFrame(const Settings& settings);
+
+/// Whole frames of movies, searched and tracked as `victorious index` does it, for 4 and 25 CAD models (with the
+/// project's own: 4 and 14), on one core; processor time of each stage and of the start of the video. Peer: cv::SIFT on
+/// those frames. Errors: kNotFound without models, those of the index.
+Expected<std::vector<Result>> BenchIndex(const Settings& settings);
 
 /// The search by image in one hour of video with one kept frame per second, on all cores.
 std::vector<Result> BenchSearch(const Settings& settings);

@@ -1,8 +1,9 @@
-// victorious-bench [NAME] [--json] [--quick]: measures the speed of each stage and of whole frames against peers.
-// `victorious bench` starts it. Stages run on one core (sift also on two), the search by image on all cores.
+// victorious-bench [NAME] [--json] [--quick] [--cache DIR]: measures the speed of each stage and of whole frames
+// against peers. `victorious bench` starts it. Stages run on one core, the search by image on all cores.
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,13 +21,21 @@ namespace {
 
 struct Benchmark {
   std::string_view name;
-  std::vector<Result> (*run)(const Settings&);
+  Expected<std::vector<Result>> (*run)(const Settings&);
 };
 
-constexpr std::array kBenchmarks = {Benchmark{"sift", &BenchSift},       Benchmark{"match", &BenchMatch},
-                                    Benchmark{"cascade", &BenchCascade}, Benchmark{"mlesac", &BenchMlesac},
-                                    Benchmark{"frame", &BenchFrame},     Benchmark{"search", &BenchSearch},
-                                    Benchmark{"locate", &BenchLocate},   Benchmark{"track", &BenchTrack}};
+// A benchmark of generated input, which cannot fail.
+template <std::vector<Result> (*Run)(const Settings&)>
+Expected<std::vector<Result>> Generated(const Settings& settings) {
+  return Run(settings);
+}
+
+constexpr std::array kBenchmarks = {
+    Benchmark{"sift", &Generated<&BenchSift>},       Benchmark{"match", &Generated<&BenchMatch>},
+    Benchmark{"cascade", &Generated<&BenchCascade>}, Benchmark{"mlesac", &Generated<&BenchMlesac>},
+    Benchmark{"frame", &Generated<&BenchFrame>},     Benchmark{"index", &BenchIndex},
+    Benchmark{"search", &Generated<&BenchSearch>},   Benchmark{"locate", &Generated<&BenchLocate>},
+    Benchmark{"track", &Generated<&BenchTrack>}};
 
 struct Arguments {
   std::string name;  ///< empty: all
@@ -44,7 +53,9 @@ std::string Names() {
 
 Expected<Arguments> Parse(int argc, char** argv) {
   Arguments arguments;
-  for (const std::string_view word : std::vector<std::string_view>(argv + 1, argv + argc)) {
+  arguments.settings.cache = std::filesystem::temp_directory_path() / "victorious-bench";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
     const bool known = std::ranges::any_of(kBenchmarks, [&](const Benchmark& one) { return one.name == word; });
     if (word == "--help" || word == "-h") {
       arguments.help = true;
@@ -52,11 +63,13 @@ Expected<Arguments> Parse(int argc, char** argv) {
       arguments.json = true;
     } else if (word == "--quick") {
       arguments.settings.quick = true;
+    } else if (word == "--cache" && i + 1 < argc) {
+      arguments.settings.cache = argv[++i];
     } else if (known && arguments.name.empty()) {
       arguments.name = word;
     } else {
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: give at most one benchmark ({}), --json, --quick", word, Names()));
+                  fmt::format("{}: give at most one benchmark ({}), --json, --quick, --cache DIR", word, Names()));
     }
   }
   return arguments;
@@ -71,23 +84,26 @@ std::string Help() {
   return fmt::format(
       "Measures the speed of each stage against reference implementations.\n"
       "Usage: victorious bench [NAME] [OPTIONS]\n\n"
-      "  NAME        One of {} (default: all)\n"
-      "  -h,--help   Print this help message and exit\n"
-      "  --json      Print JSON\n"
-      "  --quick     Few repetitions, to check that it runs\n",
+      "  NAME         One of {} (default: all)\n"
+      "  -h,--help    Print this help message and exit\n"
+      "  --json       Print JSON\n"
+      "  --quick      Few repetitions, to check that it runs\n"
+      "  --cache DIR  Folder of the models and flights that index makes (default: victorious-bench in the folder of "
+      "temporary files)\n",
       Names());
 }
 
-void Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   std::vector<Result> results;
   for (const Benchmark& benchmark : kBenchmarks) {
     if (!arguments.name.empty() && benchmark.name != arguments.name) continue;
-    const std::vector<Result> some = benchmark.run(arguments.settings);
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Result> some, benchmark.run(arguments.settings));
     if (!arguments.json) Print(ToText(some));
     results.insert(results.end(), some.begin(), some.end());
   }
   if (arguments.json) Print(ToJson(results).dump(1) + "\n");
+  return {};
 }
 
 }  // namespace
@@ -103,5 +119,8 @@ int main(int argc, char** argv) {
     victorious::bench::Print(victorious::bench::Help());
     return 0;
   }
-  victorious::bench::Run(*arguments);
+  if (const victorious::Status done = victorious::bench::Run(*arguments); !done) {
+    fmt::print(stderr, "error: {}\n", done.error().message);
+    return victorious::ExitStatus(done.error().code);
+  }
 }
