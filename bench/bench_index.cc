@@ -19,7 +19,7 @@
 #include "bench/index_input.h"
 #include "testing/data.h"
 #include "victorious/base/stage_time.h"
-#include "victorious/calibrate/sun_survey.h"
+#include "victorious/calibrate/sun_direction.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/index_pass.h"
 #include "victorious/store/index_store.h"
@@ -149,7 +149,7 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
   std::optional<Sun> sun;
   if (cameras.trajectory() != nullptr) {
     VICTORIOUS_ASSIGN_OR_RETURN(
-        sun, EstimateSunDirection({*cameras.trajectory(), recognizer, *extractor, options.daylight}, *whole,
+        sun, EstimateSunDirection({*cameras.trajectory(), recognizer, *extractor, options.sun_direction}, *whole,
                                   CancelToken(), ignore));
   }
   const std::array<double, kStageCount> start_s = StageTimes();
@@ -172,6 +172,7 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
   MeasureStages(false);
 
   const std::vector<double> times_ms = clip->FrameTimesMs();
+  if (times_ms.empty()) return Fail(ErrorCode::kDataLoss, fmt::format("{}: no frame can be decoded", video));
   const auto count = static_cast<double>(times_ms.size());
   const double mean_ms = std::accumulate(times_ms.begin(), times_ms.end(), 0.0) / count;
   Result result{.name = fmt::format("index_{}_{}x{}", movie.name, models.size(), models.front().views.size()),

@@ -32,6 +32,7 @@ enum class Stage {
 inline constexpr std::array<std::string_view, 10> kStageNames = {
     "reading", "sun", "features", "matching", "poses", "relit_templates", "detection", "ncc", "tracking", "store"};
 inline constexpr std::size_t kStageCount = kStageNames.size();
+static_assert(kStageCount == static_cast<std::size_t>(Stage::kStore) + 1);
 
 /// Starts the measurement of all threads at zero, or ends it. Not while scopes are open.
 void MeasureStages(bool on);

@@ -24,6 +24,10 @@ namespace {
 constexpr double kCellSigmas = 3;           // side of a descriptor's cell, in sigmas of the keypoint (Lowe 2004)
 constexpr double kCandidateFraction = 0.5;  // of the contrast threshold, which the refined extremum has to reach
 constexpr std::size_t kGrain = 32;          // keypoints per task
+// Memory that is kept for the next images: that of so many images of so many pixels, some 70 bytes a pixel. Larger ones
+// give it back.
+constexpr std::size_t kMaxKept = 4;
+constexpr std::size_t kMaxKeptPixels = 2U << 20U;
 
 // A keypoint of one orientation: the refined extremum and the bin.
 struct Oriented {
@@ -66,7 +70,7 @@ class Sift final : public FeatureExtractor {
     Orient(*workspace);
     KeepStrongest(*workspace);
     Describe(*workspace, features);
-    Return(std::move(workspace));
+    if (searched.total() <= kMaxKeptPixels) Return(std::move(workspace));
     ScaleKeypoints(searched.size(), grey.size(), features);
     return features;
   }
@@ -82,7 +86,7 @@ class Sift final : public FeatureExtractor {
 
   void Return(std::unique_ptr<Workspace> workspace) const {
     const std::scoped_lock lock(mutex_);
-    free_.push_back(std::move(workspace));
+    if (free_.size() < kMaxKept) free_.push_back(std::move(workspace));
   }
 
   void Detect(const cv::Mat& grey, Workspace& work) const {
@@ -163,7 +167,7 @@ class Sift final : public FeatureExtractor {
   FeatureOptions options_;
   OrientationWindows windows_;
   mutable std::mutex mutex_;
-  mutable std::vector<std::unique_ptr<Workspace>> free_;  // one for each image that was ever searched at a time
+  mutable std::vector<std::unique_ptr<Workspace>> free_;
 };
 
 }  // namespace

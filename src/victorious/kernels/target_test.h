@@ -17,7 +17,6 @@ class TargetTest : public ::testing::TestWithParam<std::int64_t> {
   void SetUp() override { Choose(GetParam()); }
   void TearDown() override { Choose(0); }  // Highway's own choice
 
- private:
   static void Choose(std::int64_t target) {
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().DeInit();  // the next call dispatches again
