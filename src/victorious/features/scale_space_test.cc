@@ -51,6 +51,24 @@ TEST(ScaleSpace, LevelsAreGaussiansOfTheDoubledImage) {
   }
 }
 
+// Rounding may lift white from octave to octave; the sum of two pixels must fit into 16 bits (kernels/blur.h).
+TEST(ScaleSpace, WhiteAndBlackStayInRange) {
+  for (const int grey : {0, 255}) {
+    ScaleSpace space;
+    space.Build(cv::Mat(1024, 40, CV_8UC1, cv::Scalar(grey)), 1);
+    space.Build(cv::Mat(1024, 1024, CV_8UC1, cv::Scalar(grey)), 1);
+    int largest = 0;
+    for (const auto& octave : space.octaves()) {
+      for (const kernels::LevelView& level : octave) {
+        for (int y = 0; y < level.height; ++y) {
+          for (int x = 0; x < level.width; ++x) largest = std::max(largest, std::abs(int{level.Row(y)[x]}));
+        }
+      }
+    }
+    EXPECT_LE(largest, kernels::kLevelOffset + 63) << grey;
+  }
+}
+
 int Mirror(int i, int count) {
   while (i < 0 || i >= count) i = i < 0 ? -i : 2 * (count - 1) - i;
   return i;
