@@ -220,7 +220,7 @@ TEST(Indexer, SearchesEveryNthFrame) {
 
 // Interrupted after each first commit until the end is reached.
 TEST(Indexer, ResumedRunEqualsUninterruptedRun) {
-  constexpr int kFrames = 66;  // two commits by the number of kept frames, and the end
+  constexpr int kFrames = 80;  // two commits, each after 32 kept frames and those in flight, and the end
   const DrawnFlight flight(ShortFlight(kFrames));
   RunSetup run = ManyCommits();
   run.options.follow.restart_interval_frames = 8;  // a run that goes on tracks at most seven frames again
