@@ -25,7 +25,8 @@ BlurTaps MakeBlurTaps(double sigma_px);
 
 /// One row of a vertical pass. With MulRound(a, b) = (a b + 2^14) >> 15:
 ///   out[x] = (MulRound(rows[r][x], taps[0]) + sum_k MulRound(rows[r - k][x] + rows[r + k][x], taps[k]) + 1) >> 1
-/// @param rows  2 * radius + 1 rows, each |pixel| <= kLevelOffset + 63, so that two fit into 16 bits, and readable to PaddedWidth(width)
+/// @param rows  2 * radius + 1 rows, each |pixel| <= kLevelOffset + 63, so that two fit into 16 bits, and readable to
+/// PaddedWidth(width)
 /// @param out   written up to PaddedWidth(width)
 void BlurColumns(const std::int16_t* const* rows, const BlurTaps& kernel, std::size_t width, std::int16_t* out);
 void BlurColumnsRef(const std::int16_t* const* rows, const BlurTaps& kernel, std::size_t width, std::int16_t* out);
