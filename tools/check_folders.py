@@ -10,7 +10,10 @@ import re
 import sys
 import tomllib
 from pathlib import Path
-from typing import Iterator, NamedTuple
+from typing import Iterator
+
+import findings
+from findings import Finding
 
 SOURCES = Path("src/victorious")
 ARCHITECTURE = Path("ARCHITECTURE.md")
@@ -19,15 +22,6 @@ LEVEL_ROW = re.compile(r"^\| *(\d+) *\| *\[?`([a-z_]+)/`")  # | 3 | `match/` | .
 FOLDER_ROW = re.compile(r"^\| *\[?`([A-Za-z_./-]+/)`")  # | `bench/` | ...
 FILE_ROW = re.compile(r"^(?:\||-) *\[?`([A-Za-z0-9_/]+(?:\.h|\.cc|/))`")  # | `locate.h` | ... and - `locate.h`: ...
 LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)(?:#[^)]*)?\)")
-
-
-class Finding(NamedTuple):
-    path: Path
-    line: int  # from 1
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.path.as_posix()}:{self.line}: {self.message}"
 
 
 def numbered(root: Path, path: Path) -> Iterator[tuple[int, str]]:
@@ -90,10 +84,7 @@ def check(root: Path) -> list[Finding]:
 
 
 def main(arguments: list[str]) -> int:
-    findings = check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent)
-    for finding in findings:
-        print(finding)
-    return 1 if findings else 0
+    return findings.run(check, arguments)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,9 @@ import tomllib
 from pathlib import Path
 from typing import Iterator, NamedTuple
 
+import findings
+from findings import Finding
+
 SOURCES = Path("src/victorious")
 CODE_FOLDERS = ("src", "experiments", "assets/make", "testing", "tests", "bench", "examples")
 CODE_ENDINGS = (".h", ".cc", ".cu")
@@ -50,15 +53,6 @@ THIRD_PARTY = (
     ThirdParty(re.compile(r"(experiments|assets/make|bench)/"), re.compile(r"$^"), "the product includes no research and no tool"),
     ThirdParty(re.compile(r"testing/"), re.compile(r".*_test\.(cc|h)$"), "only tests may include testing/"),
 )
-
-
-class Finding(NamedTuple):
-    path: Path
-    line: int  # from 1
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.path.as_posix()}:{self.line}: {self.message}"
 
 
 class Include(NamedTuple):
@@ -163,11 +157,7 @@ def check(root: Path) -> list[Finding]:
 
 
 def main(arguments: list[str]) -> int:
-    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
-    findings = check(root)
-    for finding in findings:
-        print(finding)
-    return 1 if findings else 0
+    return findings.run(check, arguments)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,9 @@ import sys
 from pathlib import Path
 from typing import Iterator, NamedTuple
 
+import findings
+from findings import Finding
+
 PAGE = Path("docs/parameters.md")
 SECTION = "## Of `index`"  # the heading begins with it
 SOURCES = Path("src/victorious")
@@ -39,15 +42,6 @@ OWNERS = {
     "objects.locate": "geolocate",
     "ground": "terrain",
 }
-
-
-class Finding(NamedTuple):
-    path: Path
-    line: int  # from 1
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.path.as_posix()}:{self.line}: {self.message}"
 
 
 class Parameter(NamedTuple):
@@ -110,11 +104,7 @@ def check(root: Path) -> list[Finding]:
 
 
 def main(arguments: list[str]) -> int:
-    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
-    findings = check(root)
-    for finding in findings:
-        print(finding)
-    return 1 if findings else 0
+    return findings.run(check, arguments)
 
 
 if __name__ == "__main__":

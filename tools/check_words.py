@@ -9,7 +9,10 @@ Prints one line per finding, "path:line: identifier: remedy"; exits with 1 if th
 import re
 import sys
 from pathlib import Path
-from typing import Iterator, NamedTuple
+from typing import Iterator
+
+import findings
+from findings import Finding
 
 SOURCES = ("src", "tests", "testing", "experiments", "bench", "assets")
 CODE_ENDINGS = (".h", ".cc", ".cu")
@@ -60,15 +63,6 @@ HIDDEN = re.compile(  # comments, raw strings, strings, characters (not the sepa
 TEST_NAME = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\(\s*(?P<suite>\w+),\s*(?P<name>\w+)\)", re.MULTILINE)
 IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z][a-z]*|[a-z]+|\d+")
-
-
-class Finding(NamedTuple):
-    path: Path
-    line: int  # from 1
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.path.as_posix()}:{self.line}: {self.message}"
 
 
 def words_of(identifier: str) -> list[str]:
@@ -142,10 +136,7 @@ def check(root: Path) -> list[Finding]:
 
 
 def main(arguments: list[str]) -> int:
-    findings = check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent)
-    for finding in findings:
-        print(finding)
-    return 1 if findings else 0
+    return findings.run(check, arguments)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,21 @@
+"""What the checks of this folder share: a finding, and the program about a check."""
+
+from pathlib import Path
+from typing import Callable, Iterable, NamedTuple
+
+
+class Finding(NamedTuple):
+    path: Path
+    line: int  # from 1
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.path.as_posix()}:{self.line}: {self.message}"
+
+
+def run(check: Callable[[Path], Iterable[Finding]], arguments: list[str]) -> int:
+    """Prints the findings in the tree at arguments[0], by default this repository; the exit status is 1 if there is any."""
+    findings = list(check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent))
+    for finding in findings:
+        print(finding)
+    return 1 if findings else 0
