@@ -1,5 +1,5 @@
 // victorious-bench [NAME] [--json] [--quick] [--cache DIR]: measures the speed of each stage and of whole frames
-// against peers. `victorious bench` starts it. Stages run on one core, the search by image on all cores.
+// against peers. `victorious bench` starts it. Stages run on one core (sift also on two), the search by image on all.
 #include <algorithm>
 #include <array>
 #include <cstdio>

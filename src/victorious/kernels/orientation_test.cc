@@ -9,24 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "victorious/base/random.h"
+#include "victorious/kernels/level_test.h"
 #include "victorious/kernels/target_test.h"
 
 namespace victorious::kernels {
 namespace {
 
 using Histogram = std::array<std::int32_t, kOrientationBins>;
-
-struct Level {
-  std::vector<std::int16_t> pixels;
-  LevelView view;
-
-  Level(int width, int height) {
-    const std::size_t stride = PaddedWidth(static_cast<std::size_t>(width));
-    pixels.resize(stride * static_cast<std::size_t>(height + 1) + kRowMultiple);
-    view = {pixels.data(), static_cast<std::ptrdiff_t>(stride), width, height};
-  }
-  std::int16_t& At(int x, int y) { return pixels[static_cast<std::size_t>(y * view.stride + x)]; }
-};
 
 TEST(Orientation, WindowIsAGaussian) {
   const OrientationWindow window = MakeOrientationWindow(4);

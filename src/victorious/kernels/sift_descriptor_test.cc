@@ -8,24 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "victorious/base/random.h"
+#include "victorious/kernels/level_test.h"
 #include "victorious/kernels/target_test.h"
 
 namespace victorious::kernels {
 namespace {
 
 using Descriptor = std::array<std::uint8_t, kDescriptorElements>;
-
-struct Level {
-  std::vector<std::int16_t> pixels;
-  LevelView view;
-
-  Level(int width, int height) {
-    const std::size_t stride = PaddedWidth(static_cast<std::size_t>(width));
-    pixels.resize(stride * static_cast<std::size_t>(height + 1) + kRowMultiple);
-    view = {pixels.data(), static_cast<std::ptrdiff_t>(stride), width, height};
-  }
-  std::int16_t& At(int x, int y) { return pixels[static_cast<std::size_t>(y * view.stride + x)]; }
-};
 
 // A sum of waves of random directions, about as smooth as a level.
 Level Waves(int width, int height, std::uint64_t seed) {
