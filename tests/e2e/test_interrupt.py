@@ -5,8 +5,10 @@ import random
 import signal
 import sqlite3
 import subprocess
+import tempfile
 import time
 import unittest
+from pathlib import Path
 
 import program
 
@@ -31,19 +33,32 @@ def contents(path):
         ]
 
 
+def command(db):
+    # Every frame is kept, so that a commit happens every 32 frames.
+    params = db.parent / "params.json"
+    params.write_text('{"keep.interval_s": 0}')
+    return ["index", VIDEO, "--models", program.models(), "--db", db, "--params", params, "--threads", "2"]
+
+
 class InterruptTest(program.ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        """Makes the index of a run without a stop, and measures its duration."""
+        folder = tempfile.TemporaryDirectory(prefix="victorious-e2e-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.whole = Path(folder.name) / "whole.db"
+        begin = time.monotonic()
+        done = program.run(*command(cls.whole))
+        assert done.status == 0, done.err
+        cls.duration_s = time.monotonic() - begin
+
     def setUp(self):
         super().setUp()
         self.db = self.scratch / "index.db"
-        # If every frame is kept, a commit happens every 32 frames.
-        self.params = self.write("params.json", '{"keep.interval_s": 0}')
-
-    def command(self, db):
-        return ["index", VIDEO, "--models", program.models(), "--db", db, "--params", self.params, "--threads", "2"]
 
     def start(self):
         return subprocess.Popen(
-            [program.PROGRAM, *map(str, self.command(self.db))], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            [program.PROGRAM, *map(str, command(self.db))], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
 
     def next_frame(self):
@@ -57,21 +72,14 @@ class InterruptTest(program.ProgramTest):
         while process.poll() is None and self.next_frame() <= frame:
             time.sleep(0.01)
 
-    def uninterrupted(self):
-        whole = self.scratch / "whole.db"
-        begin = time.monotonic()
-        self.succeeds(*self.command(whole))
-        return whole, time.monotonic() - begin
-
-    def assert_same(self, whole):
+    def assert_same_as_whole(self):
         for form in ("objects", "sightings", "mot", "coco"):
-            self.assertEqual(self.export(self.db, form), self.export(whole, form), form)
-        self.assertEqual(contents(self.db), contents(whole))
+            self.assertEqual(self.export(self.db, form), self.export(self.whole, form), form)
+        self.assertEqual(contents(self.db), contents(self.whole))
 
     def test_killed_at_any_moment(self):
-        whole, duration_s = self.uninterrupted()
         moments = random.Random(SEED)
-        kills = [moments.uniform(0, 0.5 * duration_s) for _ in range(5)]
+        kills = [moments.uniform(0, 0.5 * self.duration_s) for _ in range(5)]
         for delay_s in sorted(kills):  # the first during opening, the last after a commit
             with self.start() as process:
                 with contextlib.suppress(subprocess.TimeoutExpired):
@@ -81,9 +89,9 @@ class InterruptTest(program.ProgramTest):
         with self.start() as process:
             self.wait_for_commit_after(self.next_frame(), process)
             process.kill()
-        self.succeeds(*self.command(self.db))
-        self.assert_same(whole)
-        self.assertIn("0 frames searched", self.succeeds(*self.command(self.db)).err)
+        self.succeeds(*command(self.db))
+        self.assert_same_as_whole()
+        self.assertIn("0 frames searched", self.succeeds(*command(self.db)).err)
         self.assertEqual(sorted(path.name for path in self.scratch.glob("index*")), ["index.db"])
 
     def export_while_unfinished(self):
@@ -94,7 +102,6 @@ class InterruptTest(program.ProgramTest):
             self.assertRegex(done.err, "No such file|empty")
 
     def test_stopped_by_the_user(self):
-        whole, _ = self.uninterrupted()
         for stop in (signal.SIGINT, signal.SIGTERM):
             done = self.next_frame()
             with self.start() as process:
@@ -109,8 +116,8 @@ class InterruptTest(program.ProgramTest):
             self.assertRegex(outcome.messages()[0], r"error: .*flight.mkv: stopped at frame \d+; run again to resume")
             self.assertEqual([path.name for path in self.scratch.glob("index*")], ["index.db"])
             self.assertGreater(self.next_frame(), done)
-        self.succeeds(*self.command(self.db))
-        self.assert_same(whole)
+        self.succeeds(*command(self.db))
+        self.assert_same_as_whole()
 
     def test_concurrent_readers(self):
         with self.start() as process:
