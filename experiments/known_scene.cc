@@ -32,20 +32,21 @@ ImageDegradation DegradationOf(const Scene& scene) {
           .jpeg_quality = kQuality};
 }
 
-SceneRenderer::SceneRenderer(std::string name, Scene scene, Stage stage, Renderer& renderer)
-    : name_(std::move(name)), scene_(std::move(scene)), stage_(std::move(stage)), renderer_(&renderer) {}
+SceneRenderer::SceneRenderer(std::string name, Scene scene, PlacedScene placed, Renderer& renderer)
+    : name_(std::move(name)), scene_(std::move(scene)), placed_(std::move(placed)), renderer_(&renderer) {}
 
 Expected<SceneRenderer> SceneRenderer::Load(const std::filesystem::path& scene_file, Renderer& renderer,
                                             const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(Scene scene, ReadScene(scene_file));
-  VICTORIOUS_ASSIGN_OR_RETURN(Stage stage, Stage::Build(scene, renderer, cancel, [](const std::string&) {}));
-  return SceneRenderer(scene_file.stem().string(), std::move(scene), std::move(stage), renderer);
+  VICTORIOUS_ASSIGN_OR_RETURN(PlacedScene placed,
+                              PlacedScene::Build(scene, renderer, cancel, [](const std::string&) {}));
+  return SceneRenderer(scene_file.stem().string(), std::move(scene), std::move(placed), renderer);
 }
 
 Expected<AnnotatedImage> SceneRenderer::Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const {
   Scene clean = scene;
   clean.video.blur_px = clean.video.grain = clean.video.noise = 0;
-  Flight flight(clean, *renderer_, stage_);
+  Flight flight(clean, *renderer_, placed_);
   VICTORIOUS_ASSIGN_OR_RETURN(RenderedFrame drawn, flight.Draw(frame));
   const GeodeticPoint origin{RadiansFromDegrees(scene.origin.latitude_deg),
                              RadiansFromDegrees(scene.origin.longitude_deg), scene.origin.altitude_m};
@@ -93,19 +94,19 @@ class MovieMeshes {
   MovieMeshes(std::filesystem::path folder, Renderer& renderer) : folder_(std::move(folder)), renderer_(renderer) {}
 
   /// Null for a model without a file.
-  Expected<const StagedMesh*> Find(const std::string& kind) {
+  Expected<const UploadedMesh*> Find(const std::string& kind) {
     if (const auto known = meshes_.find(kind); known != meshes_.end()) return &known->second;
     const std::filesystem::path file = folder_ / (kind + ".glb");
     if (!std::filesystem::exists(file)) return nullptr;
     VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(file));
     VICTORIOUS_ASSIGN_OR_RETURN(const MeshId id, renderer_.Upload(loaded.mesh));
-    return &meshes_.emplace(kind, StagedMesh{id, BoundingBox(loaded.mesh)}).first->second;
+    return &meshes_.emplace(kind, UploadedMesh{id, BoundingBox(loaded.mesh)}).first->second;
   }
 
  private:
   std::filesystem::path folder_;
   Renderer& renderer_;
-  std::map<std::string, StagedMesh> meshes_;
+  std::map<std::string, UploadedMesh> meshes_;
 };
 
 }  // namespace
@@ -135,7 +136,7 @@ Expected<std::vector<AnnotatedImage>> ReadLabelledMovie(const std::filesystem::p
     std::vector<MeshInstance> instances;
     for (const TruthRow& row : truth) {
       if (row.frame != frame.index || !row.place || !row.heading_rad || !row.view) continue;
-      VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh* const mesh, meshes.Find(row.model));
+      VICTORIOUS_ASSIGN_OR_RETURN(const UploadedMesh* const mesh, meshes.Find(row.model));
       if (mesh == nullptr) continue;
       const Rigid3 camera_from_model = CameraFromModel(row, mesh->box, earth, camera_from_enu);
       instances.push_back({mesh->id, camera_from_model});

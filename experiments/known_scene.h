@@ -18,8 +18,8 @@
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/image/degrade.h"
 #include "victorious/render/renderer.h"
+#include "victorious/simulate/placed_scene.h"
 #include "victorious/simulate/scene.h"
-#include "victorious/simulate/stage.h"
 
 namespace victorious {
 
@@ -50,7 +50,7 @@ struct AnnotatedImage {
 /// Renders single frames of a scene file, also with a changed camera, sun or video.
 class SceneRenderer {
  public:
-  /// Loads the scene and its meshes. `renderer` must outlive the result. Errors: those of ReadScene and Stage::Build.
+  /// Loads the scene and its meshes. `renderer` must outlive the result. Errors: those of ReadScene and PlacedScene::Build.
   static Expected<SceneRenderer> Load(const std::filesystem::path& scene_file, Renderer& renderer,
                                       const CancelToken& cancel);
 
@@ -64,11 +64,11 @@ class SceneRenderer {
   Expected<AnnotatedImage> Draw(int frame) const { return Draw(scene_, frame, DegradationOf(scene_)); }
 
  private:
-  SceneRenderer(std::string name, Scene scene, Stage stage, Renderer& renderer);
+  SceneRenderer(std::string name, Scene scene, PlacedScene placed, Renderer& renderer);
 
   std::string name_;
   Scene scene_;
-  Stage stage_;
+  PlacedScene placed_;
   Renderer* renderer_;
 };
 

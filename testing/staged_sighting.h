@@ -27,7 +27,7 @@ inline CameraState LookingDown(double pitch_deg, double yaw_deg) {
 }
 
 // A model with one view whose points have a centre off the origin, and what a camera sees of it.
-struct Staged {
+struct StagedSighting {
   ObjectModel model;
   std::shared_ptr<FeatureSet> features = std::make_shared<FeatureSet>();
   std::shared_ptr<std::vector<Point3>> points = std::make_shared<std::vector<Point3>>();
@@ -37,9 +37,9 @@ struct Staged {
 
 // The object is upright at `object_enu` from the camera, its front towards `heading_deg`, seen through `lens`; the
 // matched view is a few degrees off.
-inline Staged Stage(const CameraState& camera, const Eigen::Vector3d& object_enu, double heading_deg,
-                    const LensDistortion& lens) {
-  Staged staged;
+inline StagedSighting StageSighting(const CameraState& camera, const Eigen::Vector3d& object_enu, double heading_deg,
+                                    const LensDistortion& lens) {
+  StagedSighting staged;
   const Eigen::Vector3d middle(0.5, 0, 1);
   const Eigen::Quaterniond camera_from_enu = CameraFromEnu(*camera.attitude);
   // Front along the heading, left a quarter turn counter-clockwise of it.

@@ -20,7 +20,9 @@ ARCHITECTURE = Path("ARCHITECTURE.md")
 
 LEVEL_ROW = re.compile(r"^\| *(\d+) *\| *\[?`([a-z_]+)/`")  # | 3 | `match/` | ...
 FOLDER_ROW = re.compile(r"^\| *\[?`([A-Za-z_./-]+/)`")  # | `bench/` | ...
-FILE_ROW = re.compile(r"^(?:\||-) *\[?`([A-Za-z0-9_/]+(?:\.h|\.cc|/))`")  # | `locate.h` | ... and - `locate.h`: ...
+FILE_ROW = re.compile(r"^(?:\| *\[?`[^|]*|- *\[?`[^`]*`)")  # | `klv.h`, `klv_packets.h` | ... and - `locate.h`: ...
+FILE = re.compile(r"`([A-Za-z0-9_/]+(?:\.h|\.cc|/))`")
+INCLUDE = re.compile(r'^#include "victorious/([a-z_]+)/([a-z0-9_/]+\.h)"', re.MULTILINE)
 LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)(?:#[^)]*)?\)")
 
 
@@ -57,16 +59,39 @@ def check_top_folders(root: Path) -> Iterator[Finding]:
             yield Finding(ARCHITECTURE, line, f"lists {match[1]}, which is no folder: take the row out")
 
 
+def interfaces(root: Path) -> dict[str, set[str]]:
+    """The headers of each source folder that other folders include, by folder."""
+    headers: dict[str, set[str]] = {}
+    for path in sorted((root / SOURCES).rglob("*.h")) + sorted((root / SOURCES).rglob("*.cc")):
+        includer = path.relative_to(root / SOURCES).parts[0]
+        for folder, header in INCLUDE.findall(path.read_text(encoding="utf-8")):
+            if folder != includer:
+                headers.setdefault(folder, set()).add(header)
+    return headers
+
+
 def check_readmes(root: Path) -> Iterator[Finding]:
-    """Every source folder has a README.md; the files and folders that it lists exist."""
+    """Every source folder has a README.md. The files and folders that it lists exist; if it lists headers in a table, then
+    all that other folders include."""
+    included = interfaces(root)
     for folder in sorted(path for path in (root / SOURCES).iterdir() if path.is_dir()):
         readme = SOURCES / folder.name / "README.md"
         if not (root / readme).is_file():
             yield Finding(readme, 1, "is missing: say what goes in, what comes out, the method and its source")
+        last_row, listed = 0, []
         for line, text in numbered(root, readme):
-            match = FILE_ROW.match(text)
-            if match and not (folder / match[1]).exists():
-                yield Finding(readme, line, f"lists {match[1]}, which is not in {folder.name}/: take the line out")
+            row = FILE_ROW.match(text)
+            files = FILE.findall(row[0]) if row else []
+            for file in files:
+                if not (folder / file).exists():
+                    yield Finding(readme, line, f"lists {file}, which is not in {folder.name}/: take the line out")
+            if files and text.startswith("|"):
+                last_row = line
+                listed += files
+        if any(file.endswith(".h") for file in listed):
+            for header in sorted(included.get(folder.name, set())):
+                if not any(header == file or (file.endswith("/") and header.startswith(file)) for file in listed):
+                    yield Finding(readme, last_row, f"lists headers, but not {header}, which other folders include")
 
 
 def check_links(root: Path) -> Iterator[Finding]:

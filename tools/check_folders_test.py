@@ -72,6 +72,13 @@ class CheckFoldersTest(unittest.TestCase):
                 f"src/victorious/match/README.md:1: lists {name}, which is not in match/: take the line out"
             )
 
+    def test_readme_with_a_table_lists_all_headers_that_other_folders_include(self):
+        self.put("src/victorious/base/file.h", "")
+        self.put("src/victorious/match/match.cc", '#include "victorious/base/file.h"\n')
+        self.assert_finds("src/victorious/base/README.md:1: lists headers, but not file.h, which other folders include")
+        self.put("src/victorious/base/README.md", "| `error.h`, `file.h` | errors; files |\n- `text/`: texts\n")
+        self.assert_finds()
+
     def test_broken_links(self):
         self.put("README.md", "[a](docs/none.md#part) [b](ARCHITECTURE.md#levels) [c](#here)\n")
         self.assert_finds("README.md:1: links docs/none.md, which does not exist")

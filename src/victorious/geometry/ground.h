@@ -90,8 +90,7 @@ enum class GroundMiss {
 /// The first intersection of a ray with the ground from above. A stretch of unknown ground between the camera and known
 /// ground counts as passed if the ray leaves it above the ground.
 /// @param from, along  in the tangent plane; `along` is a unit vector
-/// @param slack_m      maximum depth below the ground at which the ray may start, to allow for height errors; the ray
-/// must
+/// @param slack_m      maximum depth below the ground at which the ray may start, to allow for height errors: it must
 ///                     then emerge from the ground first
 std::expected<GroundPatch, GroundMiss> IntersectGround(const Ground& ground, const TangentPlane& plane,
                                                        const Eigen::Vector3d& from, const Eigen::Vector3d& along,

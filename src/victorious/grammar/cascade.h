@@ -79,7 +79,7 @@ struct CascadeResult {
 /// they are not independent. Two matches at one position in the template are possible voters that never agree.
 /// With CascadeRadius::kScale each match has its own R: its scale change times the template's radius, the largest
 /// distance of a template keypoint from the centroid of all; a match votes for every match within whose R it lies.
-/// @param scene, model  the keypoints of the scene and of the template that the matches index
+/// @param scene, template_keypoints  the keypoints of the scene and of the template that the matches index
 /// Cost: linear in the number of pairs within R (the largest R), by a grid of cells of side R.
 CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,
                               const MatchSet& matches, const CascadeOptions& options);

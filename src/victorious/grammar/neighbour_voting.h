@@ -19,7 +19,7 @@ struct NeighbourVotingOptions {
 
 /// The neighbours are taken among all keypoints, matched or not, without the match's own keypoint; a second keypoint at
 /// the same position with another orientation counts as a neighbour.
-/// @param scene, model  the keypoints of the scene and of the template that the matches index
+/// @param scene, template_keypoints  the keypoints of the scene and of the template that the matches index
 /// @return the matches with enough support, in the input order
 /// Cost: matched keypoints x all keypoints of their image.
 MatchSet FilterByNeighbours(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,

@@ -22,9 +22,9 @@ namespace victorious {
 /// Finds the wrong landmarks.
 /// @param sightings             ordered by frame
 /// @param landmark_by_sighting  one per sighting: index of its landmark, or std::nullopt
-/// @return one per landmark: true if it is wrong Cost: per landmark, smoothing the flight while it is in view and some
-/// seconds before and after, and one pass over all sightings; in the case of a tie, smoothing the whole flight without
-/// each of the tied landmarks.
+/// Cost: per landmark, smoothing the flight while it is in view and some seconds before and after, and one pass over
+/// all sightings; in the case of a tie, smoothing the whole flight without each of the tied landmarks.
+/// @return one per landmark: true if it is wrong
 std::vector<bool> FindContradictions(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                                      std::span<const LandmarkSighting> sightings,
                                      std::span<const std::optional<std::size_t>> landmark_by_sighting,

@@ -2,10 +2,9 @@
 // known places, with telemetry that drifts or without telemetry. Called by pipeline/navigate_job.cc.
 //
 // Iterates between data association and smoothing:
-//   landmarks, sightings -> initial association (agreement.h, contradiction.h) -> maximum-likelihood flight
-//   (smoother.h)
-//   -> association by a gate on each sighting's innovation -> ... until the association is stable -> states with
-//   covariance
+//   landmarks, sightings -> initial association (agreement.h, contradiction.h)
+//   -> maximum-likelihood flight (smoother.h) -> association by a gate on each sighting's innovation
+//   -> ... until the association is stable -> states with covariance
 //
 // The inverse of geolocate/, where the camera is known and the object's place is estimated.
 #pragma once

@@ -19,7 +19,7 @@ namespace victorious {
 /// @param camera  at the time of the frame
 std::optional<BearingObservation> MakeBearingObservation(const ObjectPose& object_pose, const CameraState& camera);
 
-/// Returns the `recognition` id of a tracklet's next observation: that of the previous observation if the sighting is
+/// Returns the `recognition_id` of a tracklet's next observation: that of the previous observation if the sighting is
 /// tracked and there is one, else a new id. Observations with the same id have a common error.
 /// @param before        previous observation of the tracklet, or null
 /// @param recognitions  counter of ids; incremented for a new id

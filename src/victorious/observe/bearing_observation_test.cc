@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-std::optional<BearingObservation> ObserveStaged(const Staged& staged, const CameraState& camera) {
+std::optional<BearingObservation> ObserveStaged(const StagedSighting& staged, const CameraState& camera) {
   const auto object_pose =
       EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
   return object_pose ? MakeBearingObservation(*object_pose, camera) : std::nullopt;
@@ -33,7 +33,7 @@ TEST(BearingObservation, MatchesBearingRangeAndHeadingOfAKnownObject) {
   const Eigen::Vector3d object_enu(40, 55, -100);
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
-    const Staged staged = Stage(camera, object_enu, heading_deg, {});
+    const StagedSighting staged = StageSighting(camera, object_enu, heading_deg, {});
     const auto observation = ObserveStaged(staged, camera);
     ExpectObservation(observation, object_enu, heading_deg);
     EXPECT_EQ(observation->line.camera, camera.place);
@@ -45,13 +45,13 @@ TEST(BearingObservation, LensDistortionIsRemoved) {
   const Eigen::Vector3d object_enu(47, 60, -100);
   CameraState camera = LookingDown(-55, 38);
   camera.distortion = LensDistortion{-2.5, 8, 0.01, -0.02, 0};
-  const Staged staged = Stage(camera, object_enu, 140, *camera.distortion);
+  const StagedSighting staged = StageSighting(camera, object_enu, 140, *camera.distortion);
   ExpectObservation(ObserveStaged(staged, camera), object_enu, 140);
 }
 
 TEST(BearingObservation, IncompleteCameraStateGivesNone) {
   CameraState camera = LookingDown(-55, 38);
-  const Staged staged = Stage(camera, {40, 55, -100}, 10, {});
+  const StagedSighting staged = StageSighting(camera, {40, 55, -100}, 10, {});
   camera.hfov_rad.reset();
   EXPECT_FALSE(ObserveStaged(staged, camera));
 }

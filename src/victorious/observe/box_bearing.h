@@ -4,7 +4,7 @@
 // a focal length f (px) and the longer box side s (px).
 //
 // The offset of the box centre from the object centre is the same in all frames of a video. All bearings of one video
-// therefore share one `recognition` id and have a fully correlated error (types/bearing_observation.h): more frames do
+// therefore share one `recognition_id` and have a fully correlated error (types/bearing_observation.h): more frames do
 // not shrink the covariance of the place below this common error.
 #pragma once
 

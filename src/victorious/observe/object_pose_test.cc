@@ -27,7 +27,7 @@ double ViewErrorDeg(const ObjectPose& object_pose, const Eigen::Vector3d& truth)
 }
 
 // Noise of keypoint positions.
-void Blur(Staged& staged, double sigma_px, std::uint64_t seed) {
+void Blur(StagedSighting& staged, double sigma_px, std::uint64_t seed) {
   Random random(seed);
   for (Keypoint& keypoint : staged.scene.keypoints) {
     keypoint.x += static_cast<float>(sigma_px * random.Normal());
@@ -35,14 +35,14 @@ void Blur(Staged& staged, double sigma_px, std::uint64_t seed) {
   }
 }
 
-std::optional<ObjectPose> EstimateStagedPose(const Staged& staged, const CameraState& camera) {
+std::optional<ObjectPose> EstimateStagedPose(const StagedSighting& staged, const CameraState& camera) {
   return EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
 }
 
 TEST(ObjectPose, InterpolatesBetweenViews) {
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
-    const Staged staged = Stage(camera, kPlaceEnu, heading_deg, {});
+    const StagedSighting staged = StageSighting(camera, kPlaceEnu, heading_deg, {});
     const auto object_pose = EstimateStagedPose(staged, camera);
     ASSERT_TRUE(object_pose);
     EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(heading_deg)), 0.7) << "the view that matched is 4 degrees off";
@@ -52,7 +52,7 @@ TEST(ObjectPose, InterpolatesBetweenViews) {
 
 TEST(ObjectPose, ViewAndInPlaneRotationGiveTheRotation) {
   const CameraState camera = LookingDown(-55, 38);
-  const auto object_pose = EstimateStagedPose(Stage(camera, kPlaceEnu, 200, {}), camera);
+  const auto object_pose = EstimateStagedPose(StageSighting(camera, kPlaceEnu, 200, {}), camera);
   ASSERT_TRUE(object_pose);
   const Rigid3& stands = *object_pose->camera_from_object;
   const Eigen::Quaterniond turned =
@@ -64,7 +64,7 @@ TEST(ObjectPose, ViewAndInPlaneRotationGiveTheRotation) {
 
 TEST(ObjectPose, NeedsOnlyTheFieldOfView) {
   const CameraState camera = LookingDown(-55, 38);
-  const Staged staged = Stage(camera, kPlaceEnu, 75, {});
+  const StagedSighting staged = StageSighting(camera, kPlaceEnu, 75, {});
   const auto object_pose = EstimateStagedPose(staged, CameraState{.hfov_rad = camera.hfov_rad});
   ASSERT_TRUE(object_pose);
   EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 1.5);
@@ -72,7 +72,7 @@ TEST(ObjectPose, NeedsOnlyTheFieldOfView) {
 }
 
 TEST(ObjectPose, MissingFieldOfViewGivesNoRange) {
-  const Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
+  const StagedSighting staged = StageSighting(LookingDown(-55, 38), kPlaceEnu, 75, {});
   const auto object_pose = EstimateStagedPose(staged, CameraState{});
   ASSERT_TRUE(object_pose);
   EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 3);
@@ -82,7 +82,7 @@ TEST(ObjectPose, MissingFieldOfViewGivesNoRange) {
 TEST(ObjectPose, IsRobustToFalseMatches) {
   const CameraState camera = LookingDown(-55, 38);
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    Staged staged = Stage(camera, kPlaceEnu, 75, {});
+    StagedSighting staged = StageSighting(camera, kPlaceEnu, 75, {});
     Blur(staged, 0.5, seed);
     for (std::size_t i = 0; i < staged.scene.keypoints.size(); i += 3) {
       staged.scene.keypoints[i].x += 9;
@@ -101,7 +101,7 @@ TEST(ObjectPose, CovarianceIsConsistent) {
   int view_inside = 0;
   int distance_inside = 0;
   for (std::uint64_t seed = 0; seed < kDraws; ++seed) {
-    Staged staged = Stage(camera, kPlaceEnu, 300, {});
+    StagedSighting staged = StageSighting(camera, kPlaceEnu, 300, {});
     Blur(staged, 1, 50 + seed);
     const auto object_pose = EstimateStagedPose(staged, camera);
     ASSERT_TRUE(object_pose);
@@ -129,7 +129,7 @@ TEST(ObjectPose, TrackingDriftGrowsWithFrames) {
 }
 
 TEST(ObjectPose, ModelWithoutPointsHasNoPose) {
-  Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
+  StagedSighting staged = StageSighting(LookingDown(-55, 38), kPlaceEnu, 75, {});
   for (FitInlier& inlier : staged.detection.fit.inliers) inlier.point_in_model.reset();
   EXPECT_FALSE(EstimateStagedPose(staged, LookingDown(-55, 38)));
   EXPECT_FALSE(EstimateStagedPose(staged, CameraState{}));

@@ -86,11 +86,10 @@ Expected<std::shared_ptr<const Recognizer>> MakeBoxRecognizer(const Frame& frame
 
 class TrackPass {
  public:
-  /// @param extractor        outlives the pass
-  /// @param recognize_every  frames between two searches for lost targets
-  /// @param impulse_fraction    impulse noise fraction of the frames (RemoveImpulses) if ground points are to be
-  /// tracked;
-  ///                         std::nullopt to track none
+  /// @param extractor         outlives the pass
+  /// @param recognize_every   frames between two searches for lost targets
+  /// @param impulse_fraction  of the frames (RemoveImpulses), if ground points are to be tracked; std::nullopt to track
+  ///                          none
   TrackPass(BoxTracker tracker, const FeatureExtractor& extractor, int recognize_every,
             std::optional<double> impulse_fraction)
       : tracker_(std::move(tracker)),

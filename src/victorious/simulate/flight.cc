@@ -30,17 +30,16 @@ Light MakeLight(const Scene& scene) {
 
 }  // namespace
 
-Flight::Flight(const Scene& scene, Renderer& renderer, const Stage& stage)
-    : scene_(scene), renderer_(renderer), stage_(stage), light_(MakeLight(scene)) {}
+Flight::Flight(const Scene& scene, Renderer& renderer, const PlacedScene& placed)
+    : scene_(scene), renderer_(renderer), placed_(placed), light_(MakeLight(scene)) {}
 
 // The objects come first: instance i < objects.size() is object i.
-std::vector<MeshInstance> Flight::Instances(const std::vector<StagedInstance>& objects,
-                                            const PosedCamera& camera) const {
+std::vector<MeshInstance> Flight::Instances(const std::vector<PlacedMesh>& objects, const PosedCamera& camera) const {
   std::vector<MeshInstance> instances(objects.size());
-  std::ranges::transform(objects, instances.begin(), [](const StagedInstance& object) {
+  std::ranges::transform(objects, instances.begin(), [](const PlacedMesh& object) {
     return MeshInstance{.mesh = object.mesh.id, .world_from_mesh = object.town_from_mesh};
   });
-  const std::vector<MeshInstance> town = stage_.FindVisibleTownInstances(camera, light_.to_sun_in_world);
+  const std::vector<MeshInstance> town = placed_.FindVisibleTownInstances(camera, light_.to_sun_in_world);
   instances.insert(instances.end(), town.begin(), town.end());
   return instances;
 }
@@ -52,7 +51,7 @@ Expected<RenderedFrame> Flight::Draw(int frame) {
   const double fraction = video.frames > 1 ? static_cast<double>(frame) / (video.frames - 1) : 0.0;
   drawn.camera = {MakePinhole(video),
                   CameraFromTown(scene_.camera, fraction, drawn.time_s, MixSeed(scene_.seed, kShakeSeed))};
-  drawn.objects = stage_.ObjectsAt(drawn.time_s);
+  drawn.objects = placed_.ObjectsAt(drawn.time_s);
   VICTORIOUS_ASSIGN_OR_RETURN(drawn.view, renderer_.Render(Instances(drawn.objects, drawn.camera), drawn.camera, light_,
                                                            {.supersampling = video.supersampling}));
   drawn.bgr = drawn.view.bgr.clone();

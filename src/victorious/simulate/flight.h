@@ -10,24 +10,24 @@
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/geodesy.h"
 #include "victorious/render/renderer.h"
+#include "victorious/simulate/placed_scene.h"
 #include "victorious/simulate/scene.h"
-#include "victorious/simulate/stage.h"
 
 namespace victorious {
 
 /// One rendered frame of a flight.
 struct RenderedFrame {
   double time_s = 0;
-  PosedCamera camera;                   ///< its world frame is the town frame
-  std::vector<StagedInstance> objects;  ///< the scene's objects in its order, at their poses at `time_s`
-  RenderedView view;                    ///< before degradation; instance i < objects.size() is object i
-  cv::Mat bgr;                          ///< CV_8UC3, after degradation (degrade.h)
+  PosedCamera camera;               ///< its world frame is the town frame
+  std::vector<PlacedMesh> objects;  ///< the scene's objects in its order, at their poses at `time_s`
+  RenderedView view;                ///< before degradation; instance i < objects.size() is object i
+  cv::Mat bgr;                      ///< CV_8UC3, after degradation (degrade.h)
 };
 
 class Flight {
  public:
-  /// `stage` is built from `scene` on `renderer`. All three must outlive this object.
-  Flight(const Scene& scene, Renderer& renderer, const Stage& stage);
+  /// `placed` is built from `scene` on `renderer`. All three must outlive this object.
+  Flight(const Scene& scene, Renderer& renderer, const PlacedScene& placed);
 
   /// Renders and degrades one frame.
   /// @param frame  from 0 to scene.video.frames - 1
@@ -35,12 +35,12 @@ class Flight {
   Expected<RenderedFrame> Draw(int frame);
 
  private:
-  [[nodiscard]] std::vector<MeshInstance> Instances(const std::vector<StagedInstance>& objects,
+  [[nodiscard]] std::vector<MeshInstance> Instances(const std::vector<PlacedMesh>& objects,
                                                     const PosedCamera& camera) const;
 
   const Scene& scene_;
   Renderer& renderer_;
-  const Stage& stage_;
+  const PlacedScene& placed_;
   Light light_;
 };
 

@@ -10,7 +10,7 @@
 #include "victorious/base/progress.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/simulate/flight.h"
-#include "victorious/simulate/stage.h"
+#include "victorious/simulate/placed_scene.h"
 #include "victorious/simulate/telemetry.h"
 #include "victorious/simulate/truth.h"
 #include "victorious/telemetry/camera_csv.h"
@@ -57,14 +57,14 @@ Expected<FrameText> MakeFrameText(const Scene& scene, const RenderedFrame& drawn
 Status Simulate(const Scene& scene, const fs::path& out, const SimulateOptions& options, const CancelToken& cancel,
                 const std::function<void(const std::string&)>& warn) {
   VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = options.software}));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Stage stage, Stage::Build(scene, renderer, cancel, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const PlacedScene placed, PlacedScene::Build(scene, renderer, cancel, warn));
   VICTORIOUS_RETURN_IF_ERROR(MakeFolder(out));
   const SceneVideo& video = scene.video;
   VICTORIOUS_ASSIGN_OR_RETURN(
       const auto writer,
       VideoWriter::Create(out / "video.mp4",
                           {.width = video.width, .height = video.height, .fps = video.fps, .crf = video.crf}));
-  Flight flight(scene, renderer, stage);
+  Flight flight(scene, renderer, placed);
   std::vector<CameraState> cameras;
   std::string truth;
   Progress progress("simulating " + out.string(), video.frames, "frames");

@@ -1,6 +1,6 @@
 // Simulates a flight over a scene: video, telemetry and ground truth. Implements `victorious simulate`.
 //
-//   scene -> Stage (placed meshes) -> each frame: camera -> image, truth, telemetry -> degradation -> encoder
+//   scene -> PlacedScene -> each frame: camera -> image, truth, telemetry -> degradation -> encoder
 #pragma once
 
 #include <filesystem>

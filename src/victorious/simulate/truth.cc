@@ -50,7 +50,7 @@ std::vector<VisiblePixels> CountPixels(const cv::Mat& instances, std::size_t obj
 
 // The bounding rectangle of the object's projected box in the image plane, px, clipped to the maximum field of view.
 // The whole clipped plane if the box extends behind the camera.
-Eigen::AlignedBox2d ProjectedExtent(const StagedInstance& object, const PosedCamera& camera) {
+Eigen::AlignedBox2d ProjectedExtent(const PlacedMesh& object, const PosedCamera& camera) {
   const PinholeCamera& pinhole = camera.pinhole;
   const double widest = std::tan(RadiansFromDegrees(kMaxAngleFromAxisDeg));
   const Vector2d centre(pinhole.cx, pinhole.cy);
@@ -82,7 +82,7 @@ PosedCamera MakeCanvas(const Eigen::AlignedBox2d& part, const PosedCamera& camer
 
 // The number of pixels of the object rendered alone, neither occluded nor cropped. Large images are rendered at a
 // smaller scale and the count is rescaled.
-Expected<double> CountUnoccludedPixels(const StagedInstance& object, PosedCamera camera, Renderer& renderer) {
+Expected<double> CountUnoccludedPixels(const PlacedMesh& object, PosedCamera camera, Renderer& renderer) {
   const double largest = ProjectedExtent(object, camera).sizes().maxCoeff();
   const double shrink = std::min(1.0, (kMaxCanvasPx - 2) / largest);
   for (double* value : {&camera.pinhole.fx, &camera.pinhole.fy, &camera.pinhole.cx, &camera.pinhole.cy}) {
@@ -105,7 +105,7 @@ Eigen::Quaterniond EnuFromTown(double town_heading_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(-town_heading_rad, Vector3d::UnitZ()));
 }
 
-Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const StagedInstance> objects, const cv::Mat& instances,
+Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const PlacedMesh> objects, const cv::Mat& instances,
                                                 const PosedCamera& camera, const TangentPlane& earth,
                                                 double town_heading_rad, Renderer& renderer) {
   const std::vector<VisiblePixels> seen = CountPixels(instances, objects.size());
@@ -114,7 +114,7 @@ Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const StagedInstance> 
   std::vector<ObjectTruth> rows;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (seen[i].count == 0) continue;
-    const StagedInstance& object = objects[i];
+    const PlacedMesh& object = objects[i];
     VICTORIOUS_ASSIGN_OR_RETURN(const double alone, CountUnoccludedPixels(object, camera, renderer));
     const Vector3d centre_in_town = object.town_from_mesh.Apply(object.mesh.box.center());
     const Vector3d centre_in_enu = enu_from_town * centre_in_town;

@@ -15,8 +15,8 @@
 #include "victorious/geometry/geodesy.h"
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/render/renderer.h"
+#include "victorious/simulate/placed_scene.h"
 #include "victorious/simulate/scene.h"
-#include "victorious/simulate/stage.h"
 
 namespace victorious {
 
@@ -32,12 +32,12 @@ struct ObjectTruth {
 };
 
 /// The truth of all objects with at least one visible pixel, in the scene's order.
-/// @param objects           of Stage::ObjectsAt()
+/// @param objects           of PlacedScene::ObjectsAt()
 /// @param instances         RenderedView::instances of the frame; instance i < objects.size() is object i
 /// @param earth             tangent plane at the origin of the town
 /// @param town_heading_rad  heading of the town's y axis at the origin, clockwise from north
 /// Errors: those of Render.
-Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const StagedInstance> objects, const cv::Mat& instances,
+Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const PlacedMesh> objects, const cv::Mat& instances,
                                                 const PosedCamera& camera, const TangentPlane& earth,
                                                 double town_heading_rad, Renderer& renderer);
 

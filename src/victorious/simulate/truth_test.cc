@@ -31,17 +31,17 @@ PosedCamera FromAbove() {
 class Truth : public ::testing::Test {
  protected:
   // A box 4 m long, 2 m wide and 1 m high, its front to the east of the town.
-  StagedInstance BoxAt(const Vector3d& place, double height_m = 1) {
+  PlacedMesh BoxAt(const Vector3d& place, double height_m = 1) {
     const Mesh mesh = testing::Box({-2, -1, 0}, {2, 1, static_cast<float>(height_m)});
     const Expected<MeshId> id = renderer->Upload(mesh);
     EXPECT_TRUE(id);
     return {{*id, BoundingBox(mesh)}, {Eigen::Quaterniond::Identity(), place}};
   }
 
-  std::vector<ObjectTruth> TruthOfBoxes(const std::vector<StagedInstance>& boxes, std::size_t objects,
+  std::vector<ObjectTruth> TruthOfBoxes(const std::vector<PlacedMesh>& boxes, std::size_t objects,
                                         const PosedCamera& camera = FromAbove()) {
     std::vector<MeshInstance> instances(boxes.size());
-    std::ranges::transform(boxes, instances.begin(), [](const StagedInstance& box) {
+    std::ranges::transform(boxes, instances.begin(), [](const PlacedMesh& box) {
       return MeshInstance{.mesh = box.mesh.id, .world_from_mesh = box.town_from_mesh};
     });
     const Expected<RenderedView> view = renderer->Render(instances, camera);
@@ -67,7 +67,7 @@ TEST_F(Truth, SingleObjectHasBoxPlaceHeadingAndView) {
 }
 
 TEST_F(Truth, HalfOccludedObjectIsHalfVisible) {
-  const std::vector<StagedInstance> boxes = {BoxAt({0, 0, 0}), BoxAt({2, 0, 2})};
+  const std::vector<PlacedMesh> boxes = {BoxAt({0, 0, 0}), BoxAt({2, 0, 2})};
   const auto truth = TruthOfBoxes(boxes, 1);
   ASSERT_EQ(truth.size(), 1U);
   EXPECT_NEAR(truth[0].visible, 0.5, 0.05);

@@ -1,4 +1,4 @@
-#include "victorious/simulate/stage.h"
+#include "victorious/simulate/placed_scene.h"
 
 #include <algorithm>
 #include <array>
@@ -45,22 +45,22 @@ Mesh MakeGroundSquare(const cv::Mat& bgr, double side_m) {
 }
 
 // The pose of a mesh in the town. The front of the model frame is x; headings in the town are clockwise from y.
-Rigid3 TownFromMesh(const StagedMesh& mesh, const GroundPose& pose, double bottom_m) {
+Rigid3 TownFromMesh(const UploadedMesh& mesh, const GroundPose& pose, double bottom_m) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(kPi / 2 - pose.heading_rad, Vector3d::UnitZ()));
   const Vector3d foot(mesh.box.center().x(), mesh.box.center().y(), mesh.box.min().z());
   return {turn, Vector3d(pose.place_m.x(), pose.place_m.y(), bottom_m) - turn * foot};
 }
 
 // Maximum and minimum z in the town frame. All instances are upright: the up axes of mesh and town are parallel.
-double TopHeight(const StagedInstance& instance) {
+double TopHeight(const PlacedMesh& instance) {
   return instance.town_from_mesh.translation.z() + instance.mesh.box.max().z();
 }
-double BottomHeight(const StagedInstance& instance) {
+double BottomHeight(const PlacedMesh& instance) {
   return instance.town_from_mesh.translation.z() + instance.mesh.box.min().z();
 }
 
 // Adds the zones that the town must keep free: the object's position, or its path sampled over the flight.
-void AddClearZones(const SceneObject& object, const StagedMesh& mesh, double last_s, std::vector<ClearZone>& clear) {
+void AddClearZones(const SceneObject& object, const UploadedMesh& mesh, double last_s, std::vector<ClearZone>& clear) {
   const double radius_m = mesh.box.sizes().head<2>().norm() / 2;
   const double length_m = mesh.box.sizes().x();
   constexpr double kMinStepS = 0.01;
@@ -73,12 +73,12 @@ void AddClearZones(const SceneObject& object, const StagedMesh& mesh, double las
 
 }  // namespace
 
-class Stage::Loader {
+class PlacedScene::Loader {
  public:
   Loader(Renderer& renderer, const CancelToken& cancel, const std::function<void(const std::string&)>& warn)
       : renderer_(renderer), cancel_(cancel), warn_(warn) {}
 
-  Expected<StagedMesh> Load(const fs::path& file) {
+  Expected<UploadedMesh> Load(const fs::path& file) {
     if (const auto known = meshes_.find(file); known != meshes_.end()) return known->second;
     if (cancel_.IsCancelled()) return Fail(ErrorCode::kCancelled, "stopped while loading the scene");
     VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(file));
@@ -86,7 +86,7 @@ class Stage::Loader {
     return Upload(file, loaded.mesh);
   }
 
-  Expected<StagedMesh> LoadGround(const fs::path& path, double side_m) {
+  Expected<UploadedMesh> LoadGround(const fs::path& path, double side_m) {
     const fs::path key = fmt::format("{} {}", path.string(), side_m);
     if (const auto known = meshes_.find(key); known != meshes_.end()) return known->second;
     VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(path));
@@ -94,23 +94,23 @@ class Stage::Loader {
   }
 
  private:
-  Expected<StagedMesh> Upload(const fs::path& key, const Mesh& mesh) {
+  Expected<UploadedMesh> Upload(const fs::path& key, const Mesh& mesh) {
     VICTORIOUS_ASSIGN_OR_RETURN(const MeshId id, renderer_.Upload(mesh));
-    return meshes_.emplace(key, StagedMesh{id, BoundingBox(mesh)}).first->second;
+    return meshes_.emplace(key, UploadedMesh{id, BoundingBox(mesh)}).first->second;
   }
 
   Renderer& renderer_;
   const CancelToken& cancel_;
   const std::function<void(const std::string&)>& warn_;
-  std::map<fs::path, StagedMesh> meshes_;
+  std::map<fs::path, UploadedMesh> meshes_;
 };
 
-Status Stage::PlaceObjects(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear) {
+Status PlacedScene::PlaceObjects(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear) {
   const double last_s = (scene.video.frames - 1) / scene.video.fps;
   for (const SceneObject& object : scene.objects) {
     const fs::path file =
         object.file.empty() ? scene.assets / "models" / (object.model + ".glb") : scene.folder / object.file;
-    VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, loader.Load(file));
+    VICTORIOUS_ASSIGN_OR_RETURN(const UploadedMesh mesh, loader.Load(file));
     AddClearZones(object, mesh, last_s, clear);
     objects_.push_back(object);
     object_meshes_.push_back(mesh);
@@ -118,9 +118,9 @@ Status Stage::PlaceObjects(const Scene& scene, Loader& loader, std::vector<Clear
   return {};
 }
 
-Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear) {
+Status PlacedScene::PlacePieces(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear) {
   for (const ScenePiece& piece : scene.pieces) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, loader.Load(scene.assets / (piece.asset + ".glb")));
+    VICTORIOUS_ASSIGN_OR_RETURN(const UploadedMesh mesh, loader.Load(scene.assets / (piece.asset + ".glb")));
     const GroundPose pose{{piece.x_m, piece.y_m}, RadiansFromDegrees(piece.heading_deg)};
     clear.push_back({pose.place_m, mesh.box.sizes().head<2>().norm() / 2});
     town_.push_back({mesh, TownFromMesh(mesh, pose, piece.z_m)});
@@ -128,15 +128,15 @@ Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<ClearZ
   return {};
 }
 
-Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<ClearZone>& clear) {
+Status PlacedScene::PlaceTown(const Scene& scene, Loader& loader, const std::vector<ClearZone>& clear) {
   const std::vector<Placement> placements = LayOutTown(scene.town);
-  std::vector<StagedMesh> meshes;
+  std::vector<UploadedMesh> meshes;
   std::vector<Vector2d> sizes_m;
   for (const Placement& placement : placements) {
     const std::string file = (scene.assets / placement.asset).string();
-    VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, placement.side_m > 0
-                                                           ? loader.LoadGround(file + ".jpg", placement.side_m)
-                                                           : loader.Load(file + ".glb"));
+    VICTORIOUS_ASSIGN_OR_RETURN(const UploadedMesh mesh, placement.side_m > 0
+                                                             ? loader.LoadGround(file + ".jpg", placement.side_m)
+                                                             : loader.Load(file + ".glb"));
     meshes.push_back(mesh);
     sizes_m.emplace_back(mesh.box.sizes().head<2>());
   }
@@ -149,25 +149,24 @@ Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<Cl
   return {};
 }
 
-Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
-                             const std::function<void(const std::string&)>& warn) {
-  Stage stage;
+Expected<PlacedScene> PlacedScene::Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
+                                         const std::function<void(const std::string&)>& warn) {
+  PlacedScene placed;
   Loader loader(renderer, cancel, warn);
   std::vector<ClearZone> clear;
-  VICTORIOUS_RETURN_IF_ERROR(stage.PlaceObjects(scene, loader, clear));
-  VICTORIOUS_RETURN_IF_ERROR(stage.PlacePieces(scene, loader, clear));
-  VICTORIOUS_RETURN_IF_ERROR(stage.PlaceTown(scene, loader, clear));
+  VICTORIOUS_RETURN_IF_ERROR(placed.PlaceObjects(scene, loader, clear));
+  VICTORIOUS_RETURN_IF_ERROR(placed.PlacePieces(scene, loader, clear));
+  VICTORIOUS_RETURN_IF_ERROR(placed.PlaceTown(scene, loader, clear));
   // Draws from top to bottom: high instances occlude lower ones, and occluded fragments fail the depth test early.
-  std::ranges::stable_sort(stage.town_, std::greater(), TopHeight);
-  for (const StagedInstance& instance : stage.town_)
-    stage.lowest_m_ = std::min(stage.lowest_m_, BottomHeight(instance));
-  return stage;
+  std::ranges::stable_sort(placed.town_, std::greater(), TopHeight);
+  for (const PlacedMesh& instance : placed.town_) placed.lowest_m_ = std::min(placed.lowest_m_, BottomHeight(instance));
+  return placed;
 }
 
-std::vector<StagedInstance> Stage::ObjectsAt(double time_s) const {
-  std::vector<StagedInstance> instances;
+std::vector<PlacedMesh> PlacedScene::ObjectsAt(double time_s) const {
+  std::vector<PlacedMesh> instances;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const StagedMesh& mesh = object_meshes_[i];
+    const UploadedMesh& mesh = object_meshes_[i];
     const GroundPose pose = ComputeGroundPose(objects_[i], mesh.box.sizes().x(), time_s);
     instances.push_back({mesh, TownFromMesh(mesh, pose, objects_[i].z_m)});
   }
@@ -208,11 +207,11 @@ class Frustum {
 
 }  // namespace
 
-std::vector<MeshInstance> Stage::FindVisibleTownInstances(const PosedCamera& camera,
-                                                          const Vector3d& to_sun_in_town) const {
+std::vector<MeshInstance> PlacedScene::FindVisibleTownInstances(const PosedCamera& camera,
+                                                                const Vector3d& to_sun_in_town) const {
   const Frustum frustum(camera);
   std::vector<MeshInstance> seen;
-  for (const StagedInstance& instance : town_) {
+  for (const PlacedMesh& instance : town_) {
     const Eigen::AlignedBox3d& box = instance.mesh.box;
     const double radius_m = box.diagonal().norm() / 2;
     const Vector3d centre = instance.town_from_mesh.Apply(box.center());

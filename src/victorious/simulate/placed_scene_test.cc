@@ -1,4 +1,4 @@
-#include "victorious/simulate/stage.h"
+#include "victorious/simulate/placed_scene.h"
 
 #include <cmath>
 #include <filesystem>
@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 // A white town of one square that contains only the pieces of the scene; `town/block` is 40 m high and 8 m square.
-class StageTest : public ::testing::Test {
+class PlacedSceneTest : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(assets / "town/ground");
@@ -52,10 +52,10 @@ class StageTest : public ::testing::Test {
         .sky = 0.2, .sun = 1.5, .to_sun_in_world = {-std::cos(elevation), 0, std::sin(elevation)}, .shadows = true};
     Expected<Renderer> renderer = Renderer::Create({.software = true});
     EXPECT_TRUE(renderer);
-    const auto stage = Stage::Build(scene, *renderer, CancelToken(), [](const std::string&) {});
-    EXPECT_TRUE(stage) << stage.error().message;
+    const auto placed = PlacedScene::Build(scene, *renderer, CancelToken(), [](const std::string&) {});
+    EXPECT_TRUE(placed) << placed.error().message;
     const auto view =
-        renderer->Render(stage->FindVisibleTownInstances(camera, light.to_sun_in_world), camera, light, {});
+        renderer->Render(placed->FindVisibleTownInstances(camera, light.to_sun_in_world), camera, light, {});
     EXPECT_TRUE(view) << view.error().message;
     return view->bgr;
   }
@@ -63,7 +63,7 @@ class StageTest : public ::testing::Test {
   testing::ScratchFolder assets;
 };
 
-TEST_F(StageTest, ShadowsOfObjectsOutsideTheViewAreRendered) {
+TEST_F(PlacedSceneTest, ShadowsOfObjectsOutsideTheViewAreRendered) {
   const cv::Mat without = RenderImage({});
   // A block 40 m high casts a shadow 149 m long.
   for (const double distance_m : {40.0, 90.0, 130.0}) {

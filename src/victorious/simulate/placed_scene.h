@@ -18,27 +18,27 @@
 namespace victorious {
 
 /// A mesh uploaded to the renderer.
-struct StagedMesh {
+struct UploadedMesh {
   MeshId id = {};
   Eigen::AlignedBox3d box;  ///< in the model frame (mesh.h)
 };
 
 /// A mesh placed in the town.
-struct StagedInstance {
-  StagedMesh mesh;
+struct PlacedMesh {
+  UploadedMesh mesh;
   Rigid3 town_from_mesh;
 };
 
-class Stage {
+class PlacedScene {
  public:
   /// Loads and places everything. `warn` gets one line for each damaged part of a CAD file. `renderer` must outlive the
-  /// stage.
+  /// result.
   /// Errors: those of LoadMesh, with the file's name; kCancelled.
-  static Expected<Stage> Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
-                               const std::function<void(const std::string&)>& warn);
+  static Expected<PlacedScene> Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
+                                     const std::function<void(const std::string&)>& warn);
 
   /// The scene's objects in its order, at their poses at a time.
-  [[nodiscard]] std::vector<StagedInstance> ObjectsAt(double time_s) const;
+  [[nodiscard]] std::vector<PlacedMesh> ObjectsAt(double time_s) const;
 
   /// Frustum culling: the instances of the town that are visible to the camera, or whose shadow may be.
   /// @param to_sun_in_town  unit vector, above the horizon
@@ -53,8 +53,8 @@ class Stage {
   Status PlaceTown(const Scene& scene, Loader& loader, const std::vector<ClearZone>& clear);
 
   std::vector<SceneObject> objects_;
-  std::vector<StagedMesh> object_meshes_;  ///< of objects_
-  std::vector<StagedInstance> town_;
+  std::vector<UploadedMesh> object_meshes_;  ///< of objects_
+  std::vector<PlacedMesh> town_;
   double lowest_m_ = 0;  ///< minimum z of all instances of the town and of the ground
 };
 
