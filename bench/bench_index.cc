@@ -134,10 +134,7 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
   const std::string video = (movie.folder / "video.mp4").string();
   const auto ignore = [](const std::string&) {};
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
-  std::vector<std::shared_ptr<const RelitTemplateSource>> relit;
-  for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(relit.emplace_back(), MakeRelitViews(model));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto relit, MakeRelitViews(models));
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(models, options.features.engine, options.recognize, relit));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto whole, VideoReader::Open(video, {.threads = 1}));

@@ -31,9 +31,7 @@ Expected<MovieWithTruth> LoadMovieWithTruth(const std::string& name, const fs::p
   std::erase_if(movie.truth, [&](const TruthRow& row) {
     return std::ranges::find(movie.models, row.model, &ObjectModel::name) == movie.models.end();
   });
-  for (const ObjectModel& model : movie.models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(movie.relit_templates.emplace_back(), MakeRelitViews(model));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(movie.relit_templates, MakeRelitViews(movie.models));
   return movie;
 }
 

@@ -34,10 +34,7 @@ Expected<SearchContext> Prepare(const MovieSearch& search, const ExperimentSetti
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TruthRow> truth, ReadTruth(search.movie / "truth.jsonl"));
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models,
                               LoadTruthModels(truth, settings.data / "models", settings));
-  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
-  for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates.emplace_back(), MakeRelitViews(model));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto relit_templates, MakeRelitViews(models));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, Recognizer::Create(std::move(models), options.features.engine,
                                                                         options.recognize, relit_templates));

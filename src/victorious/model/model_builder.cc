@@ -17,11 +17,12 @@ namespace {
 constexpr float kDescriptorReach = 4.5F;
 
 // The fraction of a square that is object, from the integral image of the mask.
-double ObjectFraction(const cv::Mat& integral, float x, float y, float reach) {
-  const int x0 = std::clamp(static_cast<int>(std::floor(x - reach)), 0, integral.cols - 1);
-  const int y0 = std::clamp(static_cast<int>(std::floor(y - reach)), 0, integral.rows - 1);
-  const int x1 = std::clamp(static_cast<int>(std::ceil(x + reach)), 0, integral.cols - 1);
-  const int y1 = std::clamp(static_cast<int>(std::ceil(y + reach)), 0, integral.rows - 1);
+// @param origin  of the mask, px
+double ObjectFraction(const cv::Mat& integral, const cv::Point& origin, float x, float y, float reach) {
+  const int x0 = std::clamp(static_cast<int>(std::floor(x - reach)) - origin.x, 0, integral.cols - 1);
+  const int y0 = std::clamp(static_cast<int>(std::floor(y - reach)) - origin.y, 0, integral.rows - 1);
+  const int x1 = std::clamp(static_cast<int>(std::ceil(x + reach)) - origin.x, 0, integral.cols - 1);
+  const int y1 = std::clamp(static_cast<int>(std::ceil(y + reach)) - origin.y, 0, integral.rows - 1);
   const int inside =
       integral.at<int>(y1, x1) - integral.at<int>(y0, x1) - integral.at<int>(y1, x0) + integral.at<int>(y0, x0);
   const double area = 4.0 * reach * reach;
@@ -32,23 +33,24 @@ double ObjectFraction(const cv::Mat& integral, float x, float y, float reach) {
 class ObjectKeypointFilter {
  public:
   ObjectKeypointFilter(const ObjectImage& image, double min_fraction)
-      : bounds_(BoundingBox(image.outline)), mask_(image.mask), min_fraction_(min_fraction) {
+      : bounds_(BoundingBox(image.outline)), mask_(image.mask), origin_(image.origin), min_fraction_(min_fraction) {
     if (!mask_.empty() && min_fraction > 0) cv::integral((mask_ != 0) / 255, integral_, CV_32S);
   }
 
   [[nodiscard]] bool operator()(const Keypoint& keypoint) const {
     if (!bounds_.Contains(keypoint.x, keypoint.y)) return false;
     if (mask_.empty()) return true;
-    const int column = std::min(static_cast<int>(keypoint.x), mask_.cols - 1);
-    const int row = std::min(static_cast<int>(keypoint.y), mask_.rows - 1);
+    const int column = std::clamp(static_cast<int>(keypoint.x) - origin_.x, 0, mask_.cols - 1);
+    const int row = std::clamp(static_cast<int>(keypoint.y) - origin_.y, 0, mask_.rows - 1);
     if (mask_.at<std::uint8_t>(row, column) == 0) return false;
-    return integral_.empty() ||
-           ObjectFraction(integral_, keypoint.x, keypoint.y, kDescriptorReach * keypoint.scale_px) >= min_fraction_;
+    return integral_.empty() || ObjectFraction(integral_, origin_, keypoint.x, keypoint.y,
+                                               kDescriptorReach * keypoint.scale_px) >= min_fraction_;
   }
 
  private:
   Box bounds_;
   cv::Mat mask_;
+  cv::Point origin_;
   double min_fraction_;
   cv::Mat integral_;
 };
@@ -56,7 +58,7 @@ class ObjectKeypointFilter {
 // A crop around the object with a margin; beyond the image the border pixels are replicated.
 struct PaddedCrop {
   cv::Mat grey;
-  int x = 0;  // position of the crop's left upper corner in the image
+  int x = 0;  // position of the crop's left upper corner in the pixels of the outline
   int y = 0;
 };
 
@@ -66,9 +68,9 @@ PaddedCrop CropWithMargin(const ObjectImage& image, int margin) {
   const int y0 = static_cast<int>(std::floor(bounds.y)) - margin;
   const int x1 = static_cast<int>(std::ceil(bounds.x + bounds.width)) + margin;
   const int y1 = static_cast<int>(std::ceil(bounds.y + bounds.height)) + margin;
-  const cv::Rect inside = cv::Rect(x0, y0, x1 - x0, y1 - y0) & cv::Rect({0, 0}, image.grey.size());
+  const cv::Rect inside = cv::Rect(x0, y0, x1 - x0, y1 - y0) & cv::Rect(image.origin, image.grey.size());
   PaddedCrop result{.grey = {}, .x = x0, .y = y0};
-  cv::copyMakeBorder(image.grey(inside), result.grey, inside.y - y0, y1 - inside.br().y, inside.x - x0,
+  cv::copyMakeBorder(image.grey(inside - image.origin), result.grey, inside.y - y0, y1 - inside.br().y, inside.x - x0,
                      x1 - inside.br().x, cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
   return result;
 }
@@ -88,6 +90,8 @@ Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& image, const Featu
   FeatureSet kept;
   kept.image_width = image.grey.cols;
   kept.image_height = image.grey.rows;
+  kept.keypoints.reserve(all.size());
+  kept.descriptors.reserve(all.descriptors.size());
   const ObjectKeypointFilter on_object(image, options.min_mask_fraction);
   for (std::size_t i = 0; i < all.size(); ++i) {
     Keypoint keypoint = all.keypoints[i];

@@ -23,6 +23,7 @@ struct ObjectImage {
   cv::Mat mask;        ///< CV_8UC1, 0 outside the object; empty: the whole of `outline` is object
   Polygon outline;     ///< of the object, px; the centre of the first pixel is at 0.5
   cv::Mat thumbnail;   ///< CV_8UC3, MakeThumbnail() of the colour image
+  cv::Point origin;    ///< of `grey` and `mask` in the pixels of `outline`, if they are a part of a larger image
 };
 
 struct ObjectFeatureOptions {
@@ -33,7 +34,8 @@ struct ObjectFeatureOptions {
 /// Appends one feature to `to`: `keypoint` with the descriptor of feature `i` of `from`.
 void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t i, FeatureSet& to);
 
-/// Extracts the features that lie on the object. Keypoints are in pixels of `image`. Errors: those of the extractor.
+/// Extracts the features that lie on the object. Keypoints are in the pixels of the outline. Errors: those of the
+/// extractor.
 Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& image, const FeatureExtractor& extractor,
                                            const ObjectFeatureOptions& options);
 

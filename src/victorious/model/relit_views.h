@@ -3,20 +3,26 @@
 // known before, and all of them together would be many times the size of the model.
 #pragma once
 
-#include <cstddef>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/model/relit_view_cache.h"
 #include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
 
 /// Null for a model without stored renderings: one from photos.
-/// @param max_kept  capacity of the cache, in templates of about 60 kB each. The least recently used ones are evicted
-///                  and made again on demand.
+/// @param cache  may be shared with other models: one budget for all; templates of about 10 kB (half resolution) and
+///               30 kB are made again when they have been evicted
 /// Error: kInvalidArgument, the model has options that this version does not know.
-Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(const ObjectModel& model,
-                                                                    std::size_t max_kept = 1000);
+Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(
+    const ObjectModel& model, std::shared_ptr<RelitViewCache> cache = std::make_shared<RelitViewCache>());
+
+/// The relit views of all models of a search, one entry per model, within one budget of RelitViewCache.
+/// Errors: those of one model.
+Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(std::span<const ObjectModel> models);
 
 }  // namespace victorious

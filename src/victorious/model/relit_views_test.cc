@@ -37,6 +37,28 @@ TEST(ViewSurface, RoundTrips) {
       1e-12);
 }
 
+TEST(ViewSurface, PartHasTheObjectAndABorderOfBackground) {
+  const std::span<const std::byte> bytes = WaffleModel().views[3].surface;
+  const ViewSurface whole = DecodeSurface(bytes, "waffle").value();
+  const SurfacePart part = DecodeSurfacePart(bytes, "waffle").value();
+  EXPECT_EQ(part.rendering_px, whole.grey.size());
+  EXPECT_EQ(part.origin.x % 2, 0);
+  EXPECT_EQ(part.origin.y % 2, 0);
+  const cv::Rect place(part.origin, part.surface.grey.size());
+  ASSERT_EQ(place & cv::Rect({0, 0}, part.rendering_px), place);
+  EXPECT_LT(place.area(), whole.grey.size().area());
+  EXPECT_EQ(cv::norm(part.surface.grey, whole.grey(place), cv::NORM_INF), 0);
+  cv::Mat object = part.surface.depth_map.depth_m == part.surface.depth_map.depth_m;
+  const cv::Mat same = part.surface.depth_map.depth_m == whole.depth_map.depth_m(place);
+  EXPECT_EQ(cv::countNonZero(same), cv::countNonZero(object));
+  EXPECT_EQ(cv::countNonZero(object), cv::countNonZero(whole.depth_map.depth_m == whole.depth_map.depth_m));
+  object(cv::Rect(2, 2, place.width - 4, place.height - 4)).setTo(0);
+  EXPECT_EQ(cv::countNonZero(object), 0);
+  const PinholeCamera& pinhole = part.surface.depth_map.camera.pinhole;
+  EXPECT_EQ(pinhole.cx + part.origin.x, whole.depth_map.camera.pinhole.cx);
+  EXPECT_EQ(pinhole.cy + part.origin.y, whole.depth_map.camera.pinhole.cy);
+}
+
 TEST(ViewSurface, DamagedSurfaceIsAnError) {
   const std::span<const std::byte> sound = WaffleModel().views[3].surface;
   for (const std::size_t kept : {std::size_t{0}, std::size_t{50}, std::size_t{120}, sound.size() / 2}) {
@@ -97,16 +119,18 @@ TEST(RelitViews, CoarseTemplateHasTheSamePixelFrame) {
   }
 }
 
-// An evicted template is made again identically; the most recently used one is not evicted.
-TEST(RelitViews, CacheSizeIsLimited) {
-  const auto relit = MakeRelitViews(WaffleModel(), 4).value();
+// An evicted template is made again identically; within the budget it is kept.
+TEST(RelitViews, BudgetIsSharedByModels) {
+  const auto cache = std::make_shared<RelitViewCache>(3'000'000);
+  const auto relit = MakeRelitViews(WaffleModel(), cache).value();
+  const auto other = MakeRelitViews(WaffleModel(), cache).value();
   const auto first = relit->GetTemplate({7, 1}).value();
-  for (std::size_t view = 2; view < 5; ++view) static_cast<void>(relit->GetTemplate({7, view}).value());
   EXPECT_EQ(relit->GetTemplate({7, 1}).value(), first);
-  const auto fifth = relit->GetTemplate({7, 5}).value();  // one too many: of 2, 3, 4, 1, 5 the older ones go
-  EXPECT_EQ(relit->GetTemplate({7, 5}).value(), fifth);
-  EXPECT_EQ(relit->GetTemplate({7, 1}).value(), first);
-  for (std::size_t view = 2; view < 6; ++view) static_cast<void>(relit->GetTemplate({7, view}).value());
+  EXPECT_GT(cache->size_bytes(), first->features.descriptors.size());
+  for (std::size_t view = 0; view < WaffleModel().views.size(); ++view) {
+    static_cast<void>(other->GetTemplate({7, view}).value());
+    EXPECT_LE(cache->size_bytes(), 3'000'000U);
+  }
   const auto again = relit->GetTemplate({7, 1}).value();
   EXPECT_NE(again, first);
   EXPECT_EQ(again->features.descriptors, first->features.descriptors);

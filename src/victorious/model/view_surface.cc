@@ -29,6 +29,7 @@ struct Header {
 static_assert(sizeof(Header) == 120);
 
 constexpr int kMaxSidePx = 4096;
+constexpr int kPartBorderPx = 2;   // of a SurfacePart: one pixel at half resolution
 constexpr double kDepths = 65534;  // quantisation steps between nearest_m and farthest_m
 
 bool IsValid(const Header& header, const cv::Mat& image) {
@@ -43,6 +44,57 @@ bool IsValid(const Header& header, const cv::Mat& image) {
          header.left >= 0 && header.top >= 0 && header.left <= header.width - image.cols &&
          header.top <= header.height - image.rows && header.background >= 0 && header.background <= 255;
 }
+
+// The bytes of a surface, decoded. The image has the channels grey level, high and low byte of the depth's code.
+struct StoredSurface {
+  Header header;
+  cv::Mat image;
+};
+
+Expected<StoredSurface> ReadStored(std::span<const std::byte> bytes, const std::string& name) {
+  const auto damaged = [&] {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: damaged: make the model again", name));
+  };
+  Header header;
+  if (bytes.size() < sizeof(header)) return damaged();
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  const Expected<Image> image = DecodeImage(bytes.subspan(sizeof(header)), name);
+  if (!image || !IsValid(header, image->bgr)) return damaged();
+  return StoredSurface{header, image->bgr};
+}
+
+// The surface of a part of the rendering that contains the stored image. @param part  px of the rendering
+ViewSurface Unpack(const StoredSurface& stored, const cv::Rect& part) {
+  const Header& header = stored.header;
+  ViewSurface surface;
+  surface.depth_map.camera = {
+      .pinhole = {.fx = header.fx,
+                  .fy = header.fx,
+                  .cx = header.cx - part.x,
+                  .cy = header.cy - part.y,
+                  .width = part.width,
+                  .height = part.height},
+      .camera_from_world = {Eigen::Quaterniond(header.qw, header.qx, header.qy, header.qz).normalized(),
+                            {header.tx, header.ty, header.tz}}};
+  constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
+  surface.grey = cv::Mat(part.size(), CV_8UC1, cv::Scalar(header.background));
+  surface.depth_map.depth_m = cv::Mat(part.size(), CV_32FC1, cv::Scalar(kNoDepth));
+  const double m_per_step = (header.farthest_m - header.nearest_m) / kDepths;
+  const cv::Point at(header.left - part.x, header.top - part.y);
+  for (int row = 0; row < stored.image.rows; ++row) {
+    const auto* const pixels = stored.image.ptr<cv::Vec3b>(row);
+    std::uint8_t* const grey = surface.grey.ptr<std::uint8_t>(at.y + row) + at.x;
+    float* const depth_m = surface.depth_map.depth_m.ptr<float>(at.y + row) + at.x;
+    for (int column = 0; column < stored.image.cols; ++column) {
+      const int depth = pixels[column][1] << 8 | pixels[column][2];
+      grey[column] = pixels[column][0];
+      depth_m[column] = depth == 0 ? kNoDepth : static_cast<float>(header.nearest_m + (depth - 1) * m_per_step);
+    }
+  }
+  return surface;
+}
+
+int RoundDownToEven(int value) { return value & ~1; }
 
 }  // namespace
 
@@ -93,39 +145,20 @@ Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface) {
 }
 
 Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std::string& name) {
-  const auto damaged = [&] {
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: damaged: make the model again", name));
-  };
-  Header header;
-  if (bytes.size() < sizeof(header)) return damaged();
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  const Expected<Image> image = DecodeImage(bytes.subspan(sizeof(header)), name);
-  if (!image || !IsValid(header, image->bgr)) return damaged();
-  ViewSurface surface;
-  surface.depth_map.camera = {
-      .pinhole = {.fx = header.fx,
-                  .fy = header.fx,
-                  .cx = header.cx,
-                  .cy = header.cy,
-                  .width = header.width,
-                  .height = header.height},
-      .camera_from_world = {Eigen::Quaterniond(header.qw, header.qx, header.qy, header.qz).normalized(),
-                            {header.tx, header.ty, header.tz}}};
-  surface.grey = cv::Mat(header.height, header.width, CV_8UC1, cv::Scalar(header.background));
-  surface.depth_map.depth_m =
-      cv::Mat(header.height, header.width, CV_32FC1, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
-  const double m_per_step = (header.farthest_m - header.nearest_m) / kDepths;
-  for (int row = 0; row < image->bgr.rows; ++row) {
-    for (int column = 0; column < image->bgr.cols; ++column) {
-      const auto& pixel = image->bgr.at<cv::Vec3b>(row, column);
-      const int depth = pixel[1] << 8 | pixel[2];
-      surface.grey.at<std::uint8_t>(header.top + row, header.left + column) = pixel[0];
-      if (depth == 0) continue;
-      surface.depth_map.depth_m.at<float>(header.top + row, header.left + column) =
-          static_cast<float>(header.nearest_m + (depth - 1) * m_per_step);
-    }
-  }
-  return surface;
+  VICTORIOUS_ASSIGN_OR_RETURN(const StoredSurface stored, ReadStored(bytes, name));
+  return Unpack(stored, {0, 0, stored.header.width, stored.header.height});
+}
+
+Expected<SurfacePart> DecodeSurfacePart(std::span<const std::byte> bytes, const std::string& name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const StoredSurface stored, ReadStored(bytes, name));
+  const Header& header = stored.header;
+  const int left = RoundDownToEven(header.left - kPartBorderPx);
+  const int top = RoundDownToEven(header.top - kPartBorderPx);
+  const int right = RoundDownToEven(header.left + stored.image.cols + kPartBorderPx + 1);
+  const int bottom = RoundDownToEven(header.top + stored.image.rows + kPartBorderPx + 1);
+  return SurfacePart{.surface = Unpack(stored, {left, top, right - left, bottom - top}),
+                     .origin = {left, top},
+                     .rendering_px = {header.width, header.height}};
 }
 
 }  // namespace victorious

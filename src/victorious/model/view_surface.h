@@ -26,4 +26,16 @@ Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface);
 /// The inverse of EncodeSurface(). Error: kDataLoss, damaged bytes; the message starts with `name`.
 Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std::string& name);
 
+/// The part of a rendering that shows the object: a fraction of its pixels.
+struct SurfacePart {
+  ViewSurface surface;    ///< of the part, with 2 px or more of background on each side; the camera's principal point
+                          ///< is relative to the part
+  cv::Point origin;       ///< of the part in the rendering, px; even, so that the rendering at half resolution has the
+                          ///< part at half resolution; may be negative
+  cv::Size rendering_px;  ///< size of the rendering
+};
+
+/// As DecodeSurface(), without the background.
+Expected<SurfacePart> DecodeSurfacePart(std::span<const std::byte> bytes, const std::string& name);
+
 }  // namespace victorious

@@ -250,12 +250,11 @@ Expected<Recognizer> Indexer::MakeRecognizer(const PlannedPass& plan, const Inde
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
   for (const std::size_t target : plan.targets) {
     if (target >= models_.size()) continue;  // a category
-    const ObjectModel& model = models.emplace_back(models_[target]);
-    if (job.relit_templates.empty()) {
-      VICTORIOUS_ASSIGN_OR_RETURN(relit_templates.emplace_back(), MakeRelitViews(model));
-    } else {
-      relit_templates.push_back(job.relit_templates[target]);
-    }
+    models.push_back(models_[target]);
+    if (!job.relit_templates.empty()) relit_templates.push_back(job.relit_templates[target]);
+  }
+  if (job.relit_templates.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models));
   }
   return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, relit_templates);
 }

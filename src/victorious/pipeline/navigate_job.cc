@@ -276,11 +276,7 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
       if (list.landmarks[i].model == models[m].name) landmarks_by_model[m].push_back(i);
     }
   }
-  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
-  for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const RelitTemplateSource> views, MakeRelitViews(model));
-    relit_templates.push_back(std::move(views));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto relit_templates, MakeRelitViews(models));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Recognizer recognizer,
       Recognizer::Create(std::move(models), options.features.engine, options.recognize, relit_templates));

@@ -1,0 +1,70 @@
+// The memory of relit views (relit_views.h): one budget for the relit templates, surface samples and decoded renderings
+// of all models of a search. What is evicted is made again on demand.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace victorious {
+
+/// Thread-safe.
+class RelitViewCache {
+ public:
+  enum class Kind : std::uint8_t { kRendering, kTemplate, kHalfTemplate, kAppearance };
+
+  struct Key {
+    std::uint32_t model;  ///< of AddModel()
+    Kind kind;
+    std::size_t view;
+    std::size_t light;  ///< what else the item depends on: sun view, or half octaves
+
+    auto operator<=>(const Key&) const = default;
+  };
+
+  static constexpr std::size_t kDefaultMaxBytes = 200'000'000;
+
+  /// @param max_bytes  of the sizes that SetSize() tells
+  explicit RelitViewCache(std::size_t max_bytes = kDefaultMaxBytes) : max_bytes_(max_bytes) {}
+
+  /// A number for the keys of one model.
+  [[nodiscard]] std::uint32_t AddModel();
+
+  /// The item of a key, default-constructed if there is none. Each Kind has one type of item.
+  template <typename Item>
+  [[nodiscard]] std::shared_ptr<Item> FindOrAdd(const Key& key) {
+    const std::scoped_lock lock(mutex_);
+    Entry& entry = entries_[key];
+    if (!entry.item) entry.item = std::make_shared<Item>();
+    entry.last_use = ++uses_;
+    return std::static_pointer_cast<Item>(entry.item);
+  }
+
+  /// Tells the size of an item, and evicts the least recently used items if all are too large together. An item whose
+  /// size is unknown stays; users of an evicted item keep it.
+  void SetSize(const Key& key, std::size_t bytes);
+
+  /// Bytes of all items.
+  [[nodiscard]] std::size_t size_bytes() const;
+
+ private:
+  struct Entry {
+    std::shared_ptr<void> item;
+    std::size_t bytes = 0;
+    std::uint64_t last_use = 0;
+  };
+
+  void EvictOldest();
+
+  const std::size_t max_bytes_;
+  mutable std::mutex mutex_;
+  std::map<Key, Entry> entries_;
+  std::size_t size_bytes_ = 0;
+  std::uint64_t uses_ = 0;
+  std::uint32_t models_ = 0;
+};
+
+}  // namespace victorious
