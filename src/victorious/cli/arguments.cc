@@ -134,6 +134,30 @@ void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg) {
       ->type_name("DEG");
 }
 
+void AddCamera(CLI::App& app, CameraArguments& camera) {
+  CLI::Option* pitch =
+      app.add_option("--pitch", camera.pitch_deg,
+                     "Elevation of the optical axis in degrees, -90 straight down, if the telemetry has no gimbal "
+                     "angles; without --yaw the camera looks in the direction of flight")
+          ->check(CLI::Range(-90.0, 90.0))
+          ->type_name("DEG");
+  app.add_flag("--nadir", camera.nadir, "The same as --pitch -90")->excludes(pitch);
+  app.add_option("--yaw", camera.yaw_deg, "Direction of the optical axis in degrees clockwise from north")
+      ->check(CLI::Range(-360.0, 360.0))
+      ->type_name("DEG");
+  app.add_option("--takeoff", camera.takeoff_m, "Height of the take-off above the ellipsoid, in metres")
+      ->check(CLI::Range(-1e3, 9e3))
+      ->type_name("METRES");
+}
+
+void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) {
+  constexpr double kNadir_deg = -90;
+  if (arguments.pitch_deg) options.camera_pitch_deg = arguments.pitch_deg;
+  if (arguments.nadir) options.camera_pitch_deg = kNadir_deg;
+  options.camera_yaw_deg = arguments.yaw_deg;
+  if (arguments.takeoff_m) options.takeoff_altitude_m = *arguments.takeoff_m;
+}
+
 void AddGround(CLI::App& app, GroundArguments& ground) {
   app.add_option("--ground", ground.height_m, "Height of flat ground above the ellipsoid, in metres")
       ->check(CLI::Range(-1e3, 1e5))

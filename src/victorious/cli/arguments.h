@@ -16,6 +16,7 @@
 #include "victorious/geometry/box.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/store/index_store.h"
+#include "victorious/telemetry/telemetry.h"
 #include "victorious/terrain/terrain.h"
 
 namespace victorious::cli {
@@ -26,6 +27,14 @@ struct GroundArguments {
   std::string terrain;
   std::string vertical_datum;
   std::string geoid_grid;
+};
+
+/// The values of --pitch, --yaw, --nadir and --takeoff; an empty member was not given.
+struct CameraArguments {
+  std::optional<double> pitch_deg;
+  std::optional<double> yaw_deg;
+  std::optional<double> takeoff_m;
+  bool nadir = false;
 };
 
 /// Parses "x,y,w,h" in pixels. Error: kInvalidArgument for any other text or a box without area.
@@ -46,6 +55,13 @@ void AddParams(CLI::App& app, std::string& params, std::string_view lists);
 
 /// Adds the option --hfov.
 void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg);
+
+/// Adds the options --pitch, --yaw, --nadir and --takeoff: what telemetry without gimbal angles or absolute heights
+/// lacks.
+void AddCamera(CLI::App& app, CameraArguments& camera);
+
+/// Copies the values that were given to `options`.
+void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options);
 
 /// Adds the options --ground, --terrain, --terrain-datum and --geoid. Options that are not given leave `ground`
 /// unchanged.

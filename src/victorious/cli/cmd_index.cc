@@ -29,6 +29,7 @@ struct Arguments {
   std::optional<std::string> telemetry;
   std::optional<int> every;
   std::optional<double> hfov_deg;
+  CameraArguments camera;
   GroundArguments ground;
   bool redo = false;
   int threads = 0;
@@ -66,6 +67,7 @@ Status Run(const Arguments& arguments) {
   if (arguments.every) options.every = *arguments.every;
   VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"every", "--every"}}));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
+  ApplyCamera(arguments.camera, options.telemetry);
   ApplyGround(arguments.ground, options.ground);
   std::vector<ObjectModel> models;
   if (!arguments.models.empty()) {
@@ -130,6 +132,7 @@ Action SetUpIndex(CLI::App& app) {
                  "Search every N-th frame completely; in between, only regions around tracked objects")
       ->type_name("N");
   AddFieldOfView(app, arguments->hfov_deg);
+  AddCamera(app, arguments->camera);
   AddGround(app, arguments->ground);
   app.add_flag("--redo", arguments->redo,
                "Delete the results of these models and categories in these videos, and search again");

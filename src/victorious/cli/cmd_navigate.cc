@@ -26,6 +26,7 @@ struct Arguments {
   std::string params;
   std::optional<std::string> telemetry;
   std::optional<double> hfov_deg;
+  CameraArguments camera;
 };
 
 // Logs the estimated telemetry error of the middle frame among those with landmarks. Warns if it exceeds 10 times
@@ -80,6 +81,7 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
+  ApplyCamera(arguments.camera, options.telemetry);
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
   if (models.empty()) {
     return Fail(ErrorCode::kNotFound,
@@ -113,6 +115,7 @@ Action SetUpNavigate(CLI::App& app) {
                  "Prior camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
       ->type_name("FILE");
   AddFieldOfView(app, arguments->hfov_deg);
+  AddCamera(app, arguments->camera);
   AddParams(app, arguments->params, "navigate");
   return [=] { return Run(*arguments); };
 }

@@ -23,6 +23,8 @@ struct Arguments {
   std::string video;
   std::string out;
   std::string params;
+  std::optional<double> hfov_deg;
+  CameraArguments camera;
   bool estimate_offset = false;
   bool json = false;
 };
@@ -76,6 +78,8 @@ Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& para
 Status Run(const Arguments& arguments) {
   TimedTelemetryOptions parameters;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, parameters));
+  if (arguments.hfov_deg) parameters.telemetry.hfov_deg = *arguments.hfov_deg;
+  ApplyCamera(arguments.camera, parameters.telemetry);
   if (arguments.file.empty() && arguments.video.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "neither FILE nor --video given: name the source of the telemetry");
   }
@@ -102,6 +106,8 @@ Action SetUpTelemetry(CLI::App& app) {
                "Estimate the offset between the telemetry clock and the video clock from image motion; --out writes "
                "the corrected table");
   app.add_option("--out", arguments->out, "Output file (default: standard output)")->type_name("FILE");
+  AddFieldOfView(app, arguments->hfov_deg);
+  AddCamera(app, arguments->camera);
   app.add_option("--params", arguments->params, "Parameters as JSON (`victorious params telemetry`)")
       ->type_name("FILE");
   app.add_flag("--json", arguments->json, "Print every decoded item, checksum and time stamp as JSON");

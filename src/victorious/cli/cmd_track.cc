@@ -29,6 +29,7 @@ struct Arguments {
   std::vector<std::string> also;
   std::string telemetry;
   std::optional<double> hfov_deg;
+  CameraArguments camera;
   GroundArguments ground;
   std::string params;
   std::string out;
@@ -110,6 +111,7 @@ Status Run(const Arguments& arguments) {
   TrackBoxesOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
+  ApplyCamera(arguments.camera, options.telemetry);
   ApplyGround(arguments.ground, options.ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   if (arguments.boxes.size() != arguments.at_s.size()) {
@@ -166,6 +168,7 @@ Action SetUpTrack(CLI::App& app) {
                  "Camera states, to geolocate the objects (default: telemetry in the video or beside it)")
       ->type_name("FILE");
   AddFieldOfView(app, arguments->hfov_deg);
+  AddCamera(app, arguments->camera);
   AddGround(app, arguments->ground);
   app.add_option("--also", arguments->also, "Further videos to search for the objects");
   app.add_option("--params", arguments->params, "Parameters (`victorious params track`)")->type_name("FILE");

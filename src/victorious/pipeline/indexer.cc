@@ -17,6 +17,7 @@
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/index_pass.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -197,6 +198,10 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*video.reader, job.video, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, job.telemetry, options_.telemetry,
                                                                 "nothing will get a place", warn));
+  if (options_.objects.ground && video.cameras.HasStates()) {
+    const auto underground = DescribeUnderground(video.cameras.trajectory()->states(), *options_.objects.ground);
+    if (underground) warn("telemetry: " + *underground);
+  }
   video.cameras.SetFallbackFieldOfView(GivenFieldOfView(options_.telemetry));
   if (!info.live) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.DeleteOtherContent(job.video, content_id));

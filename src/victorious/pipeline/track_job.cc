@@ -11,6 +11,7 @@
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/reverse_frame_reader.h"
 #include "victorious/pipeline/track_pass.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/track/box_tracker.h"
 #include "victorious/video/frame_loop.h"
 #include "victorious/video/video_reader.h"
@@ -206,6 +207,11 @@ Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(TrackedVideos opened, OpenVideos(videos, telemetry, options.telemetry, warn));
+  for (std::size_t video = 0; ground && video < videos.size(); ++video) {
+    if (!opened.cameras[video].HasStates()) continue;
+    const auto underground = DescribeUnderground(opened.cameras[video].trajectory()->states(), *ground);
+    if (underground) warn(fmt::format("{}: telemetry: {}", videos[video], *underground));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.model.features));
   const TrackContext context{videos, boxes, options, *extractor, cancel, warn};
   const bool with_telemetry = opened.cameras[0].HasStates();

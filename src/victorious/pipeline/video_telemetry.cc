@@ -4,10 +4,12 @@
 #include <fstream>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/median.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -117,6 +119,21 @@ std::optional<std::string> DescribeMismatch(std::span<const CameraState> states,
   if (last_s >= 0 && !(duration_s && first_s > *duration_s)) return std::nullopt;
   return fmt::format("it covers {:.2f} to {:.2f} s, but the video 0 to {}: it may belong to another video", first_s,
                      last_s, duration_s ? fmt::format("{:.2f} s", *duration_s) : "its end");
+}
+
+std::optional<std::string> DescribeUnderground(std::span<const CameraState> states, const Ground& ground) {
+  std::vector<double> above_m;
+  for (const CameraState& state : states) {
+    const auto ground_m = ground.HeightAt(state.place);
+    if (state.datum == VerticalDatum::kEllipsoid && ground_m) above_m.push_back(state.place.altitude_m - *ground_m);
+  }
+  if (above_m.empty()) return std::nullopt;
+  const double median_m = Median(std::move(above_m));
+  if (median_m >= 0) return std::nullopt;
+  return fmt::format(
+      "the heights put the camera {:.0f} m under the ground (median): they have another vertical datum "
+      "(telemetry.vertical_datum), or the ground has",
+      -median_m);
 }
 
 std::optional<fs::path> FindTelemetryFile(const std::string& video) {

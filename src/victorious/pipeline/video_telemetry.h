@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "victorious/base/error.h"
+#include "victorious/geometry/ground.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/video/video_reader.h"
@@ -42,6 +43,10 @@ Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const
 /// @param duration_s  of the video, if known
 [[nodiscard]] std::optional<std::string> DescribeMismatch(std::span<const CameraState> states,
                                                           std::optional<double> duration_s);
+
+/// Explains that the heights of most camera states are below the ground; std::nullopt if they are not, or if heights or
+/// ground are unknown.
+[[nodiscard]] std::optional<std::string> DescribeUnderground(std::span<const CameraState> states, const Ground& ground);
 
 /// The telemetry file beside a video: of `flight.mp4` the first that exists of `flight.SRT`, `flight.srt`,
 /// `flight.mp4.telemetry.csv`, `flight.telemetry.csv`.

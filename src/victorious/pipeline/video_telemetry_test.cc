@@ -22,6 +22,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Optional;
 
 Telemetry MustRead(const std::filesystem::path& path) {
   auto telemetry = ReadTelemetry(path.string(), {});
@@ -251,6 +252,19 @@ TEST(VideoTelemetry, ReportsWhyItIsUnusable) {
   known.time_s = 3;
   known.hfov_rad.reset();
   EXPECT_THAT(DescribeMismatch(std::vector{known}, 6).value_or(""), HasSubstr("field of view"));
+}
+
+TEST(DescribeUnderground, HeightsBelowTheGroundAreReported) {
+  const FlatGround ground(500);
+  std::vector<CameraState> states(3);
+  for (CameraState& state : states) state.place = {0.8, 0.2, 600};
+  EXPECT_FALSE(DescribeUnderground(states, ground));
+  states[0].place.altitude_m = 80;
+  EXPECT_FALSE(DescribeUnderground(states, ground)) << "one state of three";
+  states[1].place.altitude_m = 100;
+  EXPECT_THAT(DescribeUnderground(states, ground), Optional(HasSubstr("400 m under the ground")));
+  for (CameraState& state : states) state.datum = VerticalDatum::kTakeoff;
+  EXPECT_FALSE(DescribeUnderground(states, ground)) << "the heights are unknown";
 }
 
 }  // namespace

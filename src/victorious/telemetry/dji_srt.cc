@@ -176,23 +176,37 @@ std::optional<Attitude> ReadAttitude(std::string_view text) {
   return AttitudeFrom(NumberAfter(text, "gb_yaw"), NumberAfter(text, "gb_pitch"), NumberAfter(text, "gb_roll"));
 }
 
-double DigitalZoom(std::string_view text) {
+// "dzoom" and a "dzoom_ratio" in ten-thousandths are not in the focal length. A plain ratio, "dzoom_ratio: 4.00",
+// stands beside a focal length in millimetres with decimals, which contains it: 643.30 is the 162 mm lens of a Mavic 3T
+// zoomed four times.
+double DigitalZoom(std::string_view text, bool focal_has_decimals) {
   constexpr double kParts = 10'000;
-  const auto parts = NumberAfter(text, "dzoom_ratio");
-  const double zoom = NumberAfter(text, "dzoom").value_or(parts.value_or(kParts) / kParts);
+  constexpr double kMinParts = 1000;  // a ratio of this many is none of zoom
+  const double ratio = NumberAfter(text, "dzoom_ratio").value_or(1);
+  const bool in_parts = ratio >= kMinParts;
+  const double zoom = NumberAfter(text, "dzoom").value_or(in_parts ? ratio / kParts : (focal_has_decimals ? 1 : ratio));
   return zoom >= 1 ? zoom : 1;
 }
 
-// From the 35 mm equivalent focal length (same diagonal as 36 x 24 mm), for an image of 16:9. Some aircraft write
-// tenths of millimetres.
+// Whether the number after "word:" has a decimal point.
+bool HasDecimals(std::string_view text, std::string_view word) {
+  const std::string_view rest = FindAfterWord(text, word).value_or("");
+  const std::size_t start = std::min(rest.find_first_of("0123456789"), rest.size());
+  const std::size_t end = std::min(rest.find_first_not_of("0123456789", start), rest.size());
+  return rest.substr(end).starts_with('.');
+}
+
+// From the 35 mm equivalent focal length (same diagonal as 36 x 24 mm), for an image of 16:9. Some aircraft write whole
+// tenths of millimetres: 280 is 28 mm. A number with decimals is in millimetres.
 std::optional<double> ReadFieldOfView(std::string_view text) {
   constexpr double kDiagonalMm = 43.267;
   constexpr double kWidthOverDiagonal = 0.8716;
   constexpr double kMaxFocal_mm = 200;
   auto focal_mm = NumberAfter(text, "focal_len");
   if (!focal_mm || !(*focal_mm > 0)) return std::nullopt;
-  if (*focal_mm > kMaxFocal_mm) *focal_mm /= 10;
-  *focal_mm *= DigitalZoom(text);
+  const bool has_decimals = HasDecimals(text, "focal_len");
+  if (*focal_mm > kMaxFocal_mm && !has_decimals) *focal_mm /= 10;
+  *focal_mm *= DigitalZoom(text, has_decimals);
   return 2 * std::atan(kDiagonalMm * kWidthOverDiagonal / (2 * *focal_mm));
 }
 
@@ -288,6 +302,13 @@ std::optional<CameraState> CameraFromDjiText(std::string_view text) {
   return state;
 }
 
+std::optional<double> TakeoffAltitudeFromDjiText(std::string_view text) {
+  const auto above_sea = QuantityAfter(text, "abs_alt");
+  const auto above_takeoff = QuantityAfter(text, "rel_alt");
+  if (!above_sea || !above_takeoff) return std::nullopt;
+  return above_sea->Metres() - above_takeoff->Metres();
+}
+
 bool LooksLikeDjiSrt(std::string_view text) {
   constexpr std::size_t kHeadSize = 4096;
   const std::string_view head = StripByteOrderMark(text).substr(0, kHeadSize);
@@ -316,6 +337,7 @@ DjiSubtitles ParseDjiSrt(std::string_view text) {
   for (const Cue& cue : SplitCues(text)) {
     ++subtitles.cues;
     auto state = CameraFromDjiText(cue.text);
+    if (const auto takeoff_m = TakeoffAltitudeFromDjiText(cue.text)) subtitles.takeoff_m.push_back(*takeoff_m);
     const auto time_s = CueTime(cue, first_utc_us);
     if (!state || !time_s) {
       ++(state ? without_time : without_place);

@@ -17,10 +17,15 @@ namespace victorious {
 /// @return std::nullopt for a text without a position, or with the position 0, 0, which means "no fix"
 [[nodiscard]] std::optional<CameraState> CameraFromDjiText(std::string_view text);
 
+/// The height of the take-off above the sea that a text implies, metres: its height above the sea less that above the
+/// take-off; std::nullopt if it lacks one of them.
+[[nodiscard]] std::optional<double> TakeoffAltitudeFromDjiText(std::string_view text);
+
 struct DjiSubtitles {
   std::vector<CameraState> states;    ///< with the times of their cues
   std::vector<std::string> warnings;  ///< truncated cues, cues without a time, …
   int cues = 0;                       ///< number of texts, with or without a position
+  std::vector<double> takeoff_m;      ///< the heights of the take-off that texts imply
 };
 
 /// Adds a warning for the cues without a position, and one for those without a time.

@@ -50,6 +50,18 @@ TEST(DjiSrt, FieldOfViewFromTheFocalLength) {
   EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len: 24.00] [dzoom: 2.00]")->hfov_rad), 42.9, 0.1);
 }
 
+// A tele camera with digital zoom writes millimetres that contain the zoom; older aircraft write whole tenths.
+TEST(DjiSrt, FocalLengthsAboveTwoHundredAreTenthsOnlyIfWhole) {
+  const std::string place = "[latitude: 49.1] [longitude: 14.6] [rel_alt: 1] ";
+  const auto hfov_deg = [&](const std::string& text) {
+    return DegreesFromRadians(*CameraFromDjiText(place + text)->hfov_rad);
+  };
+  EXPECT_NEAR(hfov_deg("[dzoom_ratio: 4.00] [focal_len: 643.30]"), 3.36, 0.01);
+  EXPECT_NEAR(hfov_deg("[focal_len: 162.00] [dzoom_ratio: 1.00]"), 13.3, 0.1);
+  EXPECT_NEAR(hfov_deg("[focal_len : 280] [dzoom_ratio: 10000, delta:0]"), 67.9, 0.1);
+  EXPECT_NEAR(hfov_deg("[focal_len : 280] [dzoom_ratio: 20000, delta:0]"), 37.2, 0.1);
+}
+
 TEST(DjiSrt, MissingPlaceIsUnknown) {
   for (const char* text : {"", "GPS(N/A,N/A,3) BAROMETER:0.0", "[latitude: 0.000] [longitude: 0.000] [rel_alt: 0.4]",
                            "[latitude: 91] [longitude: 10]", "GPS(", "GPS(1,2", "[latitude: nan] [longitude: 1]",

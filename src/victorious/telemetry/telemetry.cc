@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -16,8 +15,10 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/dji_srt.h"
+#include "victorious/telemetry/given_attitude.h"
 #include "victorious/telemetry/klv_camera.h"
 #include "victorious/telemetry/klv_packets.h"
+#include "victorious/telemetry/klv_streams.h"
 #include "victorious/telemetry/vertical_datum.h"
 #include "victorious/types/vertical_datum.h"
 
@@ -38,23 +39,19 @@ constexpr double kMaxFrameCentreError_rad = RadiansFromDegrees(2);
 constexpr double kMaxSpeed_m_s = 1000;
 constexpr double kMinJump_m = 10;
 
-bool HasBadChecksum(const KlvPacket& packet) { return packet.checksum && !packet.checksum->IsValid(); }
+// A take-off this far below the sea is taken for an error of the height: the dry land that people fly from is below -30
+// m in a few basins only.
+constexpr double kLowestTakeoff_m = -30;
 
-// The stream with the most packets of a known standard. Streams are not merged: each is a camera of its own.
-std::optional<int> MainStream(const std::vector<KlvPacket>& packets) {
-  std::map<int, int> counts;
-  for (const KlvPacket& packet : packets) counts[packet.stream] += packet.standard == KlvStandard::kOther ? 0 : 1;
-  const auto most = std::ranges::max_element(counts, {}, &std::pair<const int, int>::second);
-  return most == counts.end() ? std::nullopt : std::optional(most->first);
-}
+bool HasBadChecksum(const KlvPacket& packet) { return packet.checksum && !packet.checksum->IsValid(); }
 
 // The offset from the packets' own clock to the video's, s: the median difference of the packets that have both times;
 // if none has, such that the first packet is at time 0. std::nullopt if no packet has its own time.
-std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets, int stream) {
+std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets) {
   std::vector<double> offsets;
   std::optional<std::int64_t> first_us;
   for (const KlvPacket& packet : packets) {
-    if (packet.stream != stream || HasBadChecksum(packet)) continue;
+    if (HasBadChecksum(packet)) continue;
     const auto own_us = PrecisionTime(packet);
     if (!own_us) continue;
     if (!first_us) first_us = own_us;
@@ -68,12 +65,12 @@ std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets, int str
 // Adds the states of one stream's packets. The container's time takes precedence over the packet's own. Of several
 // packets with the same container time the first has that time; the others are later by their own clock.
 // @return the number of states without any time
-int AddKlvStates(const std::vector<KlvPacket>& packets, int stream, Telemetry& telemetry) {
+int AddKlvStates(const std::vector<KlvPacket>& packets, Telemetry& telemetry) {
   int untimed = 0;
-  const auto offset_s = ClockOffset(packets, stream);
+  const auto offset_s = ClockOffset(packets);
   const KlvPacket* first_at_time = nullptr;
   for (const KlvPacket& packet : packets) {
-    if (packet.stream != stream || HasBadChecksum(packet)) continue;
+    if (HasBadChecksum(packet)) continue;
     if (packet.time_s && !(first_at_time != nullptr && first_at_time->time_s == packet.time_s)) first_at_time = &packet;
     auto state = CameraFromKlv(packet);
     if (!state) continue;
@@ -125,10 +122,11 @@ void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::s
   if (errors_rad.empty()) return;
   const double median_rad = Median(std::move(errors_rad));
   if (median_rad <= kMaxFrameCentreError_rad) return;
-  warnings.push_back(fmt::format(
-      "optical axis and recorded frame centre disagree, {:.1f} degrees in the median: an angle does not follow "
-      "the standard, and positions will be wrong",
-      DegreesFromRadians(median_rad)));
+  warnings.push_back(
+      fmt::format("the sensor angles point {:.1f} degrees (median) away from the recorded frame centre: an angle does "
+                  "not follow the "
+                  "standard, and positions will be wrong",
+                  DegreesFromRadians(median_rad)));
 }
 
 void WarnOfNoCamera(Telemetry& telemetry) {
@@ -197,6 +195,7 @@ Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options)
     if (options.hfov_deg > 0) state.hfov_rad = RadiansFromDegrees(options.hfov_deg);
   }
   KeepIncreasingTimes(telemetry);
+  CompleteAttitudes(telemetry.states, options, telemetry.warnings);
   WarnOfJumps(telemetry, options.max_gap_s);
   VICTORIOUS_RETURN_IF_ERROR(ConvertToEllipsoid(telemetry.states, options, telemetry.warnings));
   return telemetry;
@@ -219,20 +218,18 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
   telemetry.warnings = decoded.warnings.Lines();
   telemetry.packets = std::move(decoded.packets);
   telemetry.records = static_cast<int>(telemetry.packets.size());
-  const auto stream = MainStream(telemetry.packets);
-  bool has_camera = false;
-  if (stream) {
-    const bool others = std::ranges::any_of(telemetry.packets, [&](const KlvPacket& packet) {
-      return packet.stream != *stream && packet.standard != KlvStandard::kOther;
-    });
-    if (others) telemetry.warnings.push_back(fmt::format("several KLV streams: stream {} is used", *stream));
-    const int untimed = AddKlvStates(telemetry.packets, *stream, telemetry);
-    if (untimed > 0) {
-      telemetry.warnings.push_back(fmt::format(
-          "{} KLV packets have a camera state but no time, neither their own (item 2) nor the video's", untimed));
-    }
-    has_camera = untimed > 0 || !telemetry.states.empty();
+  const CameraStream camera = SelectCameraStream(telemetry.packets, options.max_gap_s);
+  if (camera.has_others) {
+    telemetry.warnings.push_back(fmt::format(
+        "several KLV streams: stream {} is used{}", camera.stream,
+        camera.completed_by.empty() ? "" : fmt::format(", completed by {}", fmt::join(camera.completed_by, ", "))));
   }
+  const int untimed = AddKlvStates(camera.packets, telemetry);
+  if (untimed > 0) {
+    telemetry.warnings.push_back(fmt::format(
+        "{} KLV packets have a camera state but no time, neither their own (item 2) nor the video's", untimed));
+  }
+  const bool has_camera = untimed > 0 || !telemetry.states.empty();
   const auto known = std::ranges::find_if(
       telemetry.packets, [](const KlvPacket& packet) { return packet.standard != KlvStandard::kOther; });
   telemetry.format = known == telemetry.packets.end() ? TelemetryFormat::kOtherKlv : FormatOf(known->standard);
@@ -255,6 +252,19 @@ Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& opti
     telemetry.warnings.emplace_back(
         "the field of view is estimated from the focal length, for an uncropped image of 16:9");
   }
+  const auto has_attitude = [](const CameraState& state) { return state.attitude.has_value(); };
+  if (!options.camera_pitch_deg && !telemetry.states.empty() && std::ranges::none_of(telemetry.states, has_attitude)) {
+    telemetry.warnings.emplace_back("the subtitles have no gimbal angles: give --nadir, or --pitch and --yaw");
+  }
+  if (!subtitles.takeoff_m.empty()) {
+    const double takeoff_m = Median(std::move(subtitles.takeoff_m));
+    if (takeoff_m < kLowestTakeoff_m) {
+      telemetry.warnings.push_back(fmt::format(
+          "the heights above the sea (abs_alt) put the take-off {:.0f} m below it, and the camera under the ground: "
+          "give --takeoff, the height of the take-off above the ellipsoid",
+          -takeoff_m));
+    }
+  }
   return Finish(std::move(telemetry), options);
 }
 
@@ -268,6 +278,7 @@ DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets) {
     ++subtitles.cues;
     const std::string_view text(reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size());
     auto state = CameraFromDjiText(text);
+    if (const auto takeoff_m = TakeoffAltitudeFromDjiText(text)) subtitles.takeoff_m.push_back(*takeoff_m);
     if (!state || !packet.time_s) {
       ++(state ? without_time : without_place);
       continue;

@@ -30,6 +30,11 @@ struct TelemetryOptions {
   std::string geoid_grid;
   double takeoff_altitude_m = kUnknownHeight;
   double hfov_deg = 0;
+  /// The attitude of states that have none (given_attitude.h), of footage without gimbal angles: elevation of the
+  /// optical axis, -90 straight down, and yaw clockwise from north; without a yaw, the course over ground. Not user
+  /// parameters: they describe one video, as its telemetry file does.
+  std::optional<double> camera_pitch_deg;
+  std::optional<double> camera_yaw_deg;
 
   void ListFields(FieldList& fields);
 };

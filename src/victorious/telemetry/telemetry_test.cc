@@ -55,6 +55,69 @@ TEST(Telemetry, StreamsAreNotMixed) {
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("stream 2")));
 }
 
+std::string PlatformPacket(std::uint64_t time_us) {
+  return St0601Packet({{2, BigEndian(time_us, 8)}, {5, BigEndian(0, 2)}});
+}
+
+// The latitude is item 13: a fraction of 90 degrees in 32 bits.
+std::string PositionPacket(double latitude_deg) {
+  const auto latitude = static_cast<std::int32_t>(latitude_deg / 90 * 2147483647);
+  return St0601Packet({{13, BigEndian(static_cast<std::uint32_t>(latitude), 4)},
+                       {14, BigEndian(static_cast<std::uint32_t>(-847062994), 4)},
+                       {75, BigEndian(6257, 2)}});
+}
+
+std::string PointingPacket() {
+  return St0601Packet({{5, BigEndian(16384, 2)},
+                       {18, BigEndian(1073741824, 4)},
+                       {19, BigEndian(static_cast<std::uint32_t>(-536870912), 4)},
+                       {90, BigEndian(0, 4)},
+                       {91, BigEndian(0, 4)}});
+}
+
+TEST(Telemetry, TheStreamThatHasACameraIsUsed) {
+  const std::vector packets = {Packet(1, 0.0, PlatformPacket(0)), Packet(1, 0.1, PlatformPacket(0)),
+                               Packet(2, 0.1, CameraPacket(0)), Packet(1, 0.2, PlatformPacket(0))};
+  const auto telemetry = TelemetryFromPackets(packets, {});
+  ASSERT_TRUE(telemetry);
+  ASSERT_EQ(telemetry->states.size(), 1U);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("stream 2 is used")));
+}
+
+TEST(Telemetry, StreamsCompleteEachOther) {
+  const std::vector packets = {Packet(1, 0.0, PositionPacket(40)), Packet(2, 0.0, PointingPacket()),
+                               Packet(2, 0.25, PointingPacket()), Packet(1, 1.0, PositionPacket(41)),
+                               Packet(2, 1.0, PointingPacket())};
+  const auto telemetry = TelemetryFromPackets(packets, {});
+  ASSERT_TRUE(telemetry);
+  ASSERT_EQ(telemetry->states.size(), 3U);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("stream 2 is used, completed by 1")));
+  EXPECT_NEAR(DegreesFromRadians(telemetry->states[1].place.latitude_rad), 40.25, 1e-6) << "interpolated";
+  EXPECT_NEAR(DegreesFromRadians(telemetry->states[1].attitude->pitch_rad), -45, 1e-3);
+}
+
+TEST(Telemetry, APacketTooFarInTimeCompletesNothing) {
+  const std::vector packets = {Packet(1, 0.0, PositionPacket(40)), Packet(2, 0.0, PointingPacket()),
+                               Packet(2, 10.0, PointingPacket())};
+  EXPECT_EQ(TelemetryFromPackets(packets, {})->states.size(), 1U);
+}
+
+TEST(Telemetry, AnotherCameraCompletesNothing) {
+  std::string without_field_of_view = St0601Packet({{5, BigEndian(16384, 2)},
+                                                    {13, BigEndian(1002159035, 4)},
+                                                    {14, BigEndian(static_cast<std::uint32_t>(-847062994), 4)},
+                                                    {18, BigEndian(0, 4)},
+                                                    {19, BigEndian(static_cast<std::uint32_t>(-536870912), 4)},
+                                                    {75, BigEndian(6257, 2)},
+                                                    {90, BigEndian(0, 4)},
+                                                    {91, BigEndian(0, 4)}});
+  const std::vector packets = {Packet(1, 0.0, CameraPacket(0)), Packet(2, 0.0, without_field_of_view),
+                               Packet(2, 0.1, without_field_of_view)};
+  const auto telemetry = TelemetryFromPackets(packets, {});
+  ASSERT_EQ(telemetry->states.size(), 2U);
+  EXPECT_FALSE(telemetry->states[0].hfov_rad);
+}
+
 TEST(Telemetry, RepeatedOrDecreasingTimesAreSkipped) {
   const auto telemetry =
       ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,42,-71,1,\n1,42,-71,1,\n0.5,42,-71,1,\n2,42,-71,1,\n", {});
@@ -177,7 +240,8 @@ TEST(Telemetry, InconsistentPointingIsReported) {
                             BigEndian(static_cast<std::uint32_t>(-847062994), 4) + "\x4E\x02" + BigEndian(2964, 2);
   const auto noticed = ParseTelemetry(std::string(kSt0601LabelBytes) + BerLength(lying.size()) + lying, {});
   ASSERT_TRUE(noticed);
-  EXPECT_THAT(noticed->warnings, Contains(HasSubstr("disagree, 93")));
+  EXPECT_THAT(noticed->warnings,
+              Contains(HasSubstr("point 93.0 degrees (median) away from the recorded frame centre")));
 }
 
 TEST(Telemetry, MissingCameraFieldsAreNamed) {
@@ -224,6 +288,58 @@ TEST(Telemetry, TimeOffsetShiftsTheTimes) {
   const auto telemetry = ParseTelemetry(std::string(kHeader) + "3,42,-71,1,\n", {.time_offset_s = -1.25});
   ASSERT_TRUE(telemetry);
   EXPECT_EQ(telemetry->states[0].time_s, 1.75);
+}
+
+std::string Srt(const std::string& first, const std::string& second) {
+  return "1\n00:00:00,000 --> 00:00:01,000\n" + first + "\n\n2\n00:00:01,000 --> 00:00:02,000\n" + second + "\n\n";
+}
+
+TEST(Telemetry, SubtitlesWithoutGimbalAnglesTakeTheGivenOnes) {
+  // The second position is 11 m farther east.
+  const std::string srt =
+      Srt("[latitude: 48.0] [longitude: 11.0] [rel_alt: 50]", "[latitude: 48.0] [longitude: 11.00015] [rel_alt: 50]");
+  const auto without = ParseTelemetry(srt, {});
+  EXPECT_THAT(without->warnings, Contains(HasSubstr("give --nadir, or --pitch and --yaw")));
+  EXPECT_FALSE(without->states[0].attitude);
+
+  TelemetryOptions options;
+  options.camera_pitch_deg = -60;
+  options.camera_yaw_deg = 20;
+  const auto given = ParseTelemetry(srt, options);
+  EXPECT_THAT(given->warnings, Not(Contains(HasSubstr("gimbal"))));
+  EXPECT_NEAR(DegreesFromRadians(given->states[0].attitude->pitch_rad), -60, 1e-9);
+  EXPECT_NEAR(DegreesFromRadians(given->states[0].attitude->yaw_rad), 20, 1e-9);
+
+  options.camera_yaw_deg.reset();
+  const auto by_course = ParseTelemetry(srt, options);
+  ASSERT_TRUE(by_course->states[1].attitude) << "the last state has the last course";
+  EXPECT_NEAR(DegreesFromRadians(by_course->states[1].attitude->yaw_rad), 90, 0.1);
+  EXPECT_GT(by_course->states[0].sigma_attitude_rad, given->states[0].sigma_attitude_rad);
+}
+
+TEST(Telemetry, AHoveringCameraHasNoCourse) {
+  const std::string here = "[latitude: 48.0] [longitude: 11.0] [rel_alt: 50]";
+  TelemetryOptions options;
+  options.camera_pitch_deg = -90;
+  EXPECT_THAT(ParseTelemetry(Srt(here, here), options)->warnings, Contains(HasSubstr("give --yaw")));
+}
+
+TEST(Telemetry, GimbalAnglesOfTheTelemetryTakePrecedence) {
+  const std::string text =
+      "[latitude: 49.1] [longitude: 14.6] [rel_alt: 54.8] [gb_yaw: 40 gb_pitch: -12.5 gb_roll: 0.0]";
+  TelemetryOptions options;
+  options.camera_pitch_deg = -90;
+  options.camera_yaw_deg = 0;
+  EXPECT_NEAR(DegreesFromRadians(ParseTelemetry(Srt(text, text), options)->states[0].attitude->pitch_rad), -12.5, 1e-6);
+}
+
+TEST(Telemetry, HeightsThatPutTheTakeOffBelowTheSeaAreReported) {
+  const auto warnings = [](const std::string& heights) {
+    const std::string text = "[latitude: 49.1] [longitude: 14.6] [" + heights + "]";
+    return ParseTelemetry(Srt(text, text), {})->warnings;
+  };
+  EXPECT_THAT(warnings("rel_alt: 90.0 abs_alt: 12.0"), Contains(HasSubstr("78 m below")));
+  EXPECT_THAT(warnings("rel_alt: 90.0 abs_alt: 85.0"), Not(Contains(HasSubstr("below"))));
 }
 
 TEST(Telemetry, MaxGapIsTheLongestIntervalWithoutAWarning) {

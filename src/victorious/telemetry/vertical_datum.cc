@@ -68,8 +68,8 @@ Status ConvertToEllipsoid(std::vector<CameraState>& states, const TelemetryOptio
   if (!HasDatum(states, VerticalDatum::kTakeoff)) return {};
   if (options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight) {
     warnings.emplace_back(
-        "heights are above the take-off and are not converted: its height is unknown; give its height above the "
-        "ellipsoid");
+        "heights are above the take-off, whose height is unknown: set telemetry.takeoff_altitude_m to its height above "
+        "the ellipsoid");
     return {};
   }
   for (CameraState& state : states) {

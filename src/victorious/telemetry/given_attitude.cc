@@ -1,0 +1,50 @@
+#include "victorious/telemetry/given_attitude.h"
+
+#include <cmath>
+#include <optional>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+constexpr double kGivenSigma_rad = RadiansFromDegrees(2);
+constexpr double kCourseSigma_rad = RadiansFromDegrees(10);
+
+// The course is taken over a way this long, several times the error of a GPS receiver from fix to fix.
+constexpr double kMinWay_m = 2;
+
+// Direction from state i to the next one that is kMinWay_m away, clockwise from north; std::nullopt if there is none.
+std::optional<double> CourseFrom(const std::vector<CameraState>& states, std::size_t i) {
+  const TangentPlane plane(states[i].place);
+  for (std::size_t k = i + 1; k < states.size(); ++k) {
+    const Eigen::Vector3d way = plane.EnuFromGeodetic(states[k].place);
+    if (way.head<2>().norm() >= kMinWay_m) return std::atan2(way.x(), way.y());
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void CompleteAttitudes(std::vector<CameraState>& states, const TelemetryOptions& options,
+                       std::vector<std::string>& warnings) {
+  if (!options.camera_pitch_deg) return;
+  std::optional<double> yaw_rad;
+  if (options.camera_yaw_deg) yaw_rad = RadiansFromDegrees(*options.camera_yaw_deg);
+  bool incomplete = false;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (states[i].attitude) continue;
+    if (!options.camera_yaw_deg) {
+      if (const auto course_rad = CourseFrom(states, i)) yaw_rad = course_rad;  // near the end: the last course
+    }
+    if (!yaw_rad) {
+      incomplete = true;
+      continue;
+    }
+    states[i].attitude = Attitude{*yaw_rad, RadiansFromDegrees(*options.camera_pitch_deg), 0};
+    states[i].sigma_attitude_rad = options.camera_yaw_deg ? kGivenSigma_rad : kCourseSigma_rad;
+  }
+  if (incomplete) warnings.emplace_back("the camera does not move, so its course gives no yaw: give --yaw");
+}
+
+}  // namespace victorious
