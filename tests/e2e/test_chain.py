@@ -158,6 +158,10 @@ class FindsTest(program.ProgramTest):
         video = program.flight() / "flight.mkv"
         self.succeeds("index", video, "--models", self.scratch / "models", "--db", db, "--params", params)
         self.assertEqual(self.succeeds("search", "--db", db, "--json").out, "")
+        for command in (("search",), ("export", "--format", "objects"), ("export", "--format", "geojson")):
+            said = self.succeeds(*command, "--db", db).err
+            self.assertRegex(said, r"\d+ objects? rejected \(--rejected lists them\); the best, noise with score [\d.]+ in "
+                                   r"\d+ frames?: not significant")  # fmt: skip
         self.assertIn("(rejected: not significant: as strong a false detection", self.succeeds("search", "--db", db, "--rejected").out)
         rows = self.succeeds("search", "--db", db, "--rejected", "--json").rows()
         self.assertGreater(len(rows), 0)
@@ -171,6 +175,27 @@ class FindsTest(program.ProgramTest):
         self.refuses(2, "no object in the index passes the filter", "sheet", "--db", db, "--out", sheet)
         self.succeeds("sheet", "--db", db, "--out", sheet, "--rejected")
         self.assertTrue(sheet.exists())
+
+    def test_telemetry_of_another_flight_costs_the_place_only(self):
+        header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
+        rows = [f"{i / 10},{48 + i * i % 7 / 1000},11,{100 + 40 * (i % 3)},{i * 97 % 360},{-20 - i * 31 % 60},0,30"
+                for i in range(2 * program.FRAMES)]  # fmt: skip
+        other = self.write("other.csv", "\n".join([header, *rows]) + "\n")
+        db = self.scratch / "index.db"
+        video = program.flight() / "flight.mkv"
+        said = self.succeeds("index", video, "--models", program.models(), "--db", db, "--telemetry", other).err
+        self.assertIn("it may belong to another flight", said)
+        listed = self.succeeds("search", "--db", db, "--json").rows()
+        self.assertLessEqual({"crate", "truck"}, {row["model"] for row in listed})
+        for row in listed:
+            self.assertIsNone(row["latitude_deg"], row)
+            self.assertIn("lines of sight do not intersect", row["place_rejected"])
+        self.assertIn("(no place: its lines of sight do not intersect", self.succeeds("search", "--db", db).out)
+        self.assertNotEqual(self.export(db, "sightings"), "")
+        for form in ("geojson", "kml", "gpkg"):
+            done = self.succeeds("export", "--db", db, "--format", form, "--out", self.scratch / form)
+            self.assertIn("no place", done.err)
+            self.assertIn("do not intersect", done.err)
 
     def test_evaluate(self):
         truth = program.flight() / "truth.jsonl"

@@ -218,7 +218,9 @@ double LogOdds(double score) {
 // ten has one.
 constexpr double kMaxFalseAlarms = 0.1;
 
-bool IsInsignificant(const ObjectHypothesis& hypothesis, std::int64_t frames_searched, const ObjectOptions& options) {
+// @param placed  false: the object has no place, and the test rests on recognition alone
+bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
+                     const ObjectOptions& options) {
   double log_odds = 0;
   double recognised = 0;
   double frames = 0;
@@ -230,7 +232,7 @@ bool IsInsignificant(const ObjectHypothesis& hypothesis, std::int64_t frames_sea
     }
   }
   if (recognised > 0) log_odds /= recognised;
-  if (hypothesis.estimate.place) frames = std::max(1.0, frames * hypothesis.estimate.consistent_fraction);
+  if (placed) frames = std::max(1.0, frames * hypothesis.estimate.consistent_fraction);
   const double false_alarms_at_even_odds = options.false_alarm_rate * static_cast<double>(frames_searched);
   return std::exp(log_odds) * frames * kMaxFalseAlarms < false_alarms_at_even_odds;
 }
@@ -247,7 +249,10 @@ bool IsBelowLowestGround(const Geolocation& place) {
 // Fewer lines of sight than this are not rejected for not intersecting: two always have a nearest point.
 constexpr std::size_t kMinObservations = 3;
 
-std::string RejectionReason(const ObjectPlace& estimate, std::size_t observations, const ObjectOptions& options) {
+// The reason why an estimated place is wrong; empty if nothing contradicts it. Wrong telemetry is as good an
+// explanation as a false detection: the place is rejected, and the object stands or falls by its significance without
+// one.
+std::string PlaceRejectionReason(const ObjectPlace& estimate, std::size_t observations, const ObjectOptions& options) {
   if (estimate.place && IsBelowLowestGround(*estimate.place)) {
     return fmt::format("{:.0f} m below the sea, below any ground", -estimate.place->point.altitude_m);
   }
@@ -261,7 +266,14 @@ std::string RejectionReason(const ObjectPlace& estimate, std::size_t observation
   return {};
 }
 
-// Rejects an object whose height follows from its size only and is far from the median height.
+// The heading rests on the same telemetry as the place.
+void RejectPlace(std::string reason, ObjectRecord& object) {
+  object.place_rejected = std::move(reason);
+  object.place.reset();
+  object.heading_rad.reset();
+}
+
+// Rejects the place of an object whose height follows from its size only and is far from the median height.
 void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& heights, const ObjectOptions& options,
                     ObjectRecord& object) {
   if (hypothesis.estimate.size_ratio || !object.place || !object.rejected.empty() ||
@@ -271,8 +283,9 @@ void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& 
   if (!median_m) return;
   const double above_m = object.place->point.altitude_m - *median_m;
   if (std::abs(above_m) < options.max_height_deviation_m) return;
-  object.rejected = fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
-                                above_m > 0 ? "above" : "below");
+  RejectPlace(fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
+                          above_m > 0 ? "above" : "below"),
+              object);
 }
 
 // Rejects the less-observed of two CAD objects in the same pixels: one would occlude the other.
@@ -334,16 +347,15 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
   HeightStatistics heights;
   for (ObjectHypothesis& hypothesis : hypotheses) {
     hypothesis.estimate = EstimatePlace(hypothesis, options, 1);
-    ObjectRecord object{
-        .id = hypothesis.tracklets[0]->record.id,
-        .model = hypothesis.tracklets[0]->record.model,
-        .place = hypothesis.estimate.place,
-        .heading_rad = hypothesis.estimate.heading_rad,
-        .rejected = RejectionReason(hypothesis.estimate, CollectObservations(hypothesis).size(), options)};
+    ObjectRecord object{.id = hypothesis.tracklets[0]->record.id,
+                        .model = hypothesis.tracklets[0]->record.model,
+                        .place = hypothesis.estimate.place,
+                        .heading_rad = hypothesis.estimate.heading_rad};
     for (const ObservedTracklet* tracklet : hypothesis.tracklets) object.tracklets.push_back(tracklet->record.id);
-    if (hypothesis.tracklets[0]->is_category) {
-      if (!std::exchange(object.rejected, {}).empty()) object.place.reset();
-    } else if (object.rejected.empty() && IsInsignificant(hypothesis, frames_searched, options)) {
+    std::string reason = PlaceRejectionReason(hypothesis.estimate, CollectObservations(hypothesis).size(), options);
+    if (!reason.empty()) RejectPlace(std::move(reason), object);
+    if (!hypothesis.tracklets[0]->is_category &&
+        IsInsignificant(hypothesis, object.place.has_value(), frames_searched, options)) {
       object.rejected =
           fmt::format("not significant: as strong a false detection is expected by chance in {} frames of one model",
                       frames_searched);

@@ -1,7 +1,11 @@
 // Data association: tracklets -> objects. An object has one identity over all its tracklets, one place, and a reason if
 // it is rejected.
 //
-//   tracklets -> their places -> agglomerative merging, per model, nearest pair first -> rejection of false alarms
+//   tracklets -> their places -> agglomerative merging, per model, nearest pair first -> rejection of wrong places
+//             -> rejection of false alarms
+//
+// A place is rejected if its lines of sight do not intersect, or if its height or the object's size contradicts it: by
+// wrong telemetry, or because the object moves otherwise than modelled. The object is then one without a place.
 //
 // Two tracklets that share a frame are two objects. Two others are merged if
 // - the Mahalanobis distance of their places, both propagated to the time midway between them, passes
@@ -38,7 +42,7 @@ struct ObservedTracklet {
 };
 
 /// Associates tracklets to objects. Deterministic and independent of the order of `tracklets`. Returns the objects by
-/// id; sets id, model, tracklets, place, heading and the reason of rejection.
+/// id; sets id, model, tracklets, place, heading and the reasons of rejection.
 /// @param frames_searched  number of full-frame searches, summed over videos and models: the number of tests of the a
 ///                         contrario decision. The more tests, the more significant an object must be
 std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,

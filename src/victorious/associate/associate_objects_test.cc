@@ -171,23 +171,45 @@ TEST(AssociateTracklets, ResultDoesNotDependOnTrackletOrder) {
   for (std::size_t i = 0; i < objects.size(); ++i) EXPECT_EQ(again[i].place->point, objects[i].place->point);
 }
 
-TEST(AssociateTracklets, ApparentSizeAboveMaxRatioIsRejected) {
-  const auto objects = ObjectsFrom({{.id = 1, .too_large = 5}});
-  EXPECT_THAT(objects[0].rejected, HasSubstr("5.0 times too large"));
-  EXPECT_EQ(ObjectsFrom({{.id = 1, .too_large = 5}}, {.max_size_ratio = 6})[0].rejected, "");
+// The object is found without a place: it has no heading either, because that is from the same telemetry.
+void ExpectPlaceRejected(const ObjectRecord& object, const std::string& reason) {
+  EXPECT_EQ(object.rejected, "");
+  EXPECT_THAT(object.place_rejected, HasSubstr(reason));
+  EXPECT_FALSE(object.place);
+  EXPECT_FALSE(object.heading_rad);
 }
 
-TEST(AssociateTracklets, HeightDeviationFromOtherObjectsIsRejected) {
+void ExpectPlaced(const ObjectRecord& object) {
+  EXPECT_EQ(object.rejected, "");
+  EXPECT_EQ(object.place_rejected, "");
+  EXPECT_TRUE(object.place);
+}
+
+TEST(AssociateTracklets, ApparentSizeAboveMaxRatioCostsThePlace) {
+  ExpectPlaceRejected(ObjectsFrom({{.id = 1, .too_large = 5}})[0], "5.0 times too large");
+  ExpectPlaced(ObjectsFrom({{.id = 1, .too_large = 5}}, {.max_size_ratio = 6})[0]);
+}
+
+// Without its place, the object is as significant as without telemetry: 30 frames, not those that agree in place.
+TEST(AssociateTracklets, WithoutAPlaceTheObjectIsJudgedByRecognition) {
+  const SimulatedTracklet clear{.id = 1, .score = 0.9, .too_large = 5};
+  ExpectPlaceRejected(ObjectsFrom({clear}, {}, 1000)[0], "too large");
+  const ObjectRecord faint = ObjectsFrom({{.id = 1, .score = 0.5, .too_large = 5}}, {}, 1000)[0];
+  EXPECT_THAT(faint.rejected, HasSubstr("not significant"));
+  EXPECT_FALSE(faint.place);
+}
+
+TEST(AssociateTracklets, HeightDeviationFromOtherObjectsCostsThePlace) {
   const SimulatedTracklet floating{.id = 2, .model = 2, .first_frame = 10, .frames = 1, .too_large = 3};
   const auto objects = ObjectsFrom({{.id = 1}, floating});
   EXPECT_EQ(objects[0].rejected, "");
-  EXPECT_THAT(objects[1].rejected, HasSubstr("above the other objects"));
-  EXPECT_EQ(ObjectsFrom({{.id = 1}, floating}, {.max_height_deviation_m = 1000})[1].rejected, "");
-  EXPECT_EQ(ObjectsFrom({floating})[0].rejected, "") << "the height of the ground is unknown";
+  ExpectPlaceRejected(objects[1], "above the other objects");
+  ExpectPlaced(ObjectsFrom({{.id = 1}, floating}, {.max_height_deviation_m = 1000})[1]);
+  ExpectPlaced(ObjectsFrom({floating})[0]);  // the height of the ground is unknown
 }
 
 TEST(AssociateTracklets, PlaceBelowSeaLevelIsRejected) {
-  EXPECT_THAT(ObjectsFrom({{.id = 1, .place_enu = {0, 900, -1500}}})[0].rejected, HasSubstr("below the sea"));
+  ExpectPlaceRejected(ObjectsFrom({{.id = 1, .place_enu = {0, 900, -1500}}})[0], "below the sea");
 }
 
 // In 100,000 searched frames 1600 false detections of even odds are expected, so that odds of 16,000 to 1 are required.
@@ -253,8 +275,8 @@ TEST(AssociateTracklets, GivenGroundConstrainsHeight) {
   EXPECT_EQ(flying.rejected, "");
 }
 
-TEST(AssociateTracklets, NonIntersectingLinesOfSightAreRejected) {
-  EXPECT_THAT(ObjectsFrom({{.id = 1, .noise_rad = 0.2}})[0].rejected, HasSubstr("do not intersect"));
+TEST(AssociateTracklets, NonIntersectingLinesOfSightCostThePlace) {
+  ExpectPlaceRejected(ObjectsFrom({{.id = 1, .noise_rad = 0.2}})[0], "do not intersect");
 }
 
 TEST(AssociateTracklets, OfCoincidentObjectsTheLessObservedIsRejected) {
@@ -321,6 +343,7 @@ TEST(AssociateTracklets, CategoryWithNonIntersectingLinesHasNoPlace) {
   for (BearingObservation& observation : tracklet.observations) observation.line.sigma_rad = 1e-4;
   const auto objects = AssociateTracklets({tracklet}, 0, {});
   EXPECT_EQ(objects[0].rejected, "");
+  EXPECT_THAT(objects[0].place_rejected, HasSubstr("do not intersect"));
   EXPECT_FALSE(objects[0].place);
 }
 
@@ -365,7 +388,7 @@ TEST(ObjectParameter, MinInlierFractionIsThatOfTheLines) {
     if (i % 10 < 3) tracklet.observations[i].line.azimuth_rad += i % 2 == 0 ? 0.5 : -0.5;
   }
   const auto rejected = [&](double min_inlier_fraction) {
-    return AssociateTracklets({tracklet}, 100, {.min_inlier_fraction = min_inlier_fraction})[0].rejected;
+    return AssociateTracklets({tracklet}, 100, {.min_inlier_fraction = min_inlier_fraction})[0].place_rejected;
   };
   EXPECT_EQ(rejected(0.6), "");
   EXPECT_THAT(rejected(0.8), HasSubstr("do not intersect"));

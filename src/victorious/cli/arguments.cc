@@ -299,4 +299,47 @@ Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& sto
                      matching.size());
 }
 
+namespace {
+
+// "1 object", "2 objects"
+std::string CountText(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> found, store.Objects(filter));
+  if (!found.empty()) return "";
+  VICTORIOUS_ASSIGN_OR_RETURN(std::string none_near, ExplainNoObjectNear(filter, store));
+  if (!none_near.empty()) return none_near;
+  SightingFilter with_rejected = filter;
+  with_rejected.include_rejected = true;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> rejected, store.Objects(with_rejected));
+  if (rejected.empty()) return "no sighting in the index matches: the search saw none of the models in the videos";
+  const ObjectRecord& best = *std::ranges::max_element(
+      rejected, {}, [](const ObjectRecord& object) { return std::pair(object.score, object.frames); });
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
+  const auto model = std::ranges::find(models, best.model, &ModelRecord::id);
+  return fmt::format("{} rejected (--rejected lists them); the best, {} with score {:.3f} in {}: {}",
+                     CountText(rejected.size(), "object"), model == models.end() ? "" : model->name, best.score,
+                     CountText(static_cast<std::size_t>(best.frames), "frame"), best.rejected);
+}
+
+Expected<std::string> ExplainUnplaced(const SightingFilter& filter, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
+  std::size_t unplaced = 0;
+  std::string reason;
+  for (const ObjectRecord& object : objects) {
+    if (object.place) continue;
+    ++unplaced;
+    if (reason.empty()) reason = object.place_rejected;
+  }
+  if (unplaced == 0) return "";
+  return fmt::format("{} of {} no place and {} left out{}", unplaced,
+                     CountText(objects.size(), "object") + (unplaced == 1 ? " has" : " have"),
+                     unplaced == 1 ? "is" : "are",
+                     reason.empty() ? ": the telemetry gives none" : fmt::format("; the first: {}", reason));
+}
+
 }  // namespace victorious::cli

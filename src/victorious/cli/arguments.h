@@ -123,4 +123,12 @@ struct FilterArguments {
 /// not set.
 Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store);
 
+/// A message for the user that explains why no object matches the filter: nothing near, all rejected (how many, and why
+/// the best one), or nothing seen. Empty if an object matches.
+Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store);
+
+/// A message for the user that says how many of the matching objects have no place, which a map leaves out, and why;
+/// empty if all have one.
+Expected<std::string> ExplainUnplaced(const SightingFilter& filter, IndexStore& store);
+
 }  // namespace victorious::cli

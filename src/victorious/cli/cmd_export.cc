@@ -11,6 +11,14 @@
 #include "victorious/store/export.h"
 
 namespace victorious::cli {
+namespace {
+
+// Maps hold only objects with a place.
+bool IsMap(ExportFormat format) {
+  return format == ExportFormat::kGeoJson || format == ExportFormat::kKml || format == ExportFormat::kGpkg;
+}
+
+}  // namespace
 
 Action SetUpExport(CLI::App& app) {
   struct Arguments {
@@ -35,8 +43,12 @@ Action SetUpExport(CLI::App& app) {
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string no_object_reason, ExplainNoObjectNear(filter, *store));
-    if (!no_object_reason.empty()) spdlog::info(no_object_reason);
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
+    if (!nothing.empty()) spdlog::info("nothing to export: {}", OneLine(nothing));
+    if (IsMap(format)) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, *store));
+      if (!unplaced.empty()) spdlog::info("{}", OneLine(unplaced));
+    }
     std::ostringstream text;
     VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     return WriteOutput(arguments->out, text.view());

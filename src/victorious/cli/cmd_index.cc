@@ -1,4 +1,5 @@
 // victorious index VIDEO... --models DIR --categories FILE --db FILE
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -49,6 +50,19 @@ Status CheckAnyOpens(const std::vector<std::string>& videos) {
     failure = CombineErrors(failure, opened.error());
   }
   if (failure) return std::unexpected(*std::move(failure));
+  return {};
+}
+
+// Warns of objects whose place was rejected: their telemetry may be of another flight.
+Status WarnOfRejectedPlaces(IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects({}));
+  const auto rejected = [](const ObjectRecord& object) { return !object.place_rejected.empty(); };
+  const auto first = std::ranges::find_if(objects, rejected);
+  if (first == objects.end()) return {};
+  spdlog::warn(
+      "{} of {} objects in the index have no place, although there is telemetry (the first: {}): it may belong "
+      "to another flight or have a wrong clock; `victorious search` lists the reasons",
+      std::ranges::count_if(objects, rejected), objects.size(), first->place_rejected);
   return {};
 }
 
@@ -111,7 +125,7 @@ Status Run(const Arguments& arguments) {
                  is_indexed ? " (already indexed)" : "");
   }
   if (failure) return std::unexpected(*std::move(failure));
-  return {};
+  return WarnOfRejectedPlaces(*store);
 }
 
 }  // namespace

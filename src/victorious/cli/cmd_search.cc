@@ -42,15 +42,20 @@ std::string PlaceText(const ObjectRecord& object) {
                      DegreesFromRadians(object.place->point.longitude_rad), object.place->ce90_m);
 }
 
+// Why the object, or its place, is rejected; empty if neither is.
+std::string ReasonText(const ObjectRecord& object) {
+  if (!object.rejected.empty()) return fmt::format("  (rejected: {})", object.rejected);
+  return object.place_rejected.empty() ? "" : fmt::format("  (no place: {})", object.place_rejected);
+}
+
 std::string ObjectLine(const ListedObject& listed) {
   const ObjectRecord& object = listed.object;
   const std::optional<double> speed_m_s = ComputeSpeed(object);
-  return fmt::format("{:>4}  {:<16} {:>6.3f} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}{}\n", listed.rank,
-                     listed.model, object.score, object.frames, TimeText(object.first_time_s),
-                     TimeText(object.last_time_s), object.id, PlaceText(object),
-                     object.heading_rad ? fmt::format("{:.0f}", DegreesFromRadians(*object.heading_rad)) : "-",
-                     speed_m_s ? fmt::format("{:.1f}", *speed_m_s) : "-", fmt::join(listed.videos, ", "),
-                     object.rejected.empty() ? "" : fmt::format("  (rejected: {})", object.rejected));
+  return fmt::format(
+      "{:>4}  {:<16} {:>6.3f} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}{}\n", listed.rank, listed.model,
+      object.score, object.frames, TimeText(object.first_time_s), TimeText(object.last_time_s), object.id,
+      PlaceText(object), object.heading_rad ? fmt::format("{:.0f}", DegreesFromRadians(*object.heading_rad)) : "-",
+      speed_m_s ? fmt::format("{:.1f}", *speed_m_s) : "-", fmt::join(listed.videos, ", "), ReasonText(object));
 }
 
 Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
@@ -68,8 +73,8 @@ Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, co
     for (const ListedObject& object : objects) text += ObjectLine(object);
   }
   if (objects.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, ExplainNoObjectNear(filter, store));
-    if (!why.empty()) spdlog::info(why);
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, ExplainNothingFound(filter, store));
+    if (!why.empty()) spdlog::info("{}", OneLine(why));
   }
   if (arguments.filter.rejected &&
       std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {

@@ -84,6 +84,7 @@ struct ObjectRecord {
   std::optional<Geolocation> place;
   std::optional<double> heading_rad;  ///< direction of its front, clockwise from north
   std::string rejected;               ///< the reason for its rejection; empty: not rejected
+  std::string place_rejected;         ///< the reason why an estimated place was rejected, if that is why it has none
 };
 
 /// How a sighting was found.

@@ -300,6 +300,16 @@ TEST_P(IndexStoreTest, RejectedObjectsAreExcludedByDefault) {
   EXPECT_EQ(store_->Objects({.include_rejected = true})->front().rejected, "7 times too large");
 }
 
+TEST_P(IndexStoreTest, AnObjectWhosePlaceIsRejectedIsListed) {
+  const std::int64_t id = CommitOne(MakeBatch(0, 2, 0.5));
+  const ObjectRecord object{.id = id, .model = model_, .tracklets = {id}, .place_rejected = "7 times too large"};
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  ASSERT_THAT(ObjectIds(), ElementsAre(id));
+  EXPECT_THAT(Sightings(), SizeIs(2));
+  EXPECT_EQ(store_->Objects({})->front().place_rejected, "7 times too large");
+  EXPECT_EQ(store_->Objects({})->front().rejected, "");
+}
+
 TEST_P(IndexStoreTest, NearFilterUsesGroundDistance) {
   const std::int64_t here = CommitOne(MakeBatch(0, 1, 0.5));
   const std::int64_t there = CommitOne(MakeBatch(5, 1, 0.6));

@@ -60,6 +60,7 @@ Json ObjectJson(const ListedObject& listed) {
     json["le90_m"] = MetresJson(place.le90_m);
   }
   if (!object.rejected.empty()) json["rejected"] = object.rejected;
+  if (!object.place_rejected.empty()) json["place_rejected"] = object.place_rejected;
   return json;
 }
 

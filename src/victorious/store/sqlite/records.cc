@@ -157,7 +157,10 @@ void BindObject(const ObjectRecord& object, Statement& insert) {
   insert.BindAt(kObject.Parameter("model_id"), object.model);
   if (object.place) BindPlace(*object.place, insert);
   insert.BindAt(kObject.Parameter("heading_rad"), object.heading_rad);
-  if (!object.rejected.empty()) insert.BindAt(kObject.Parameter("rejection_reason"), object.rejected);
+  const std::string reason = object.rejected.empty() && !object.place_rejected.empty()
+                                 ? std::string(kPlaceReason) + object.place_rejected
+                                 : object.rejected;
+  if (!reason.empty()) insert.BindAt(kObject.Parameter("rejection_reason"), reason);
 }
 
 void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::int64_t tracklet_id, Statement& insert) {
@@ -227,8 +230,13 @@ Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name) {
                       .last_time_s = row.Real(kTracklets + 3),
                       .videos = ReadIds(row.Text(kTracklets + 4)),
                       .tracklets = ReadIds(row.Text(kTracklets + 5)),
-                      .heading_rad = row.OptionalReal(kObject.Index("heading_rad")),
-                      .rejected = row.Text(kObject.Index("rejection_reason"))};
+                      .heading_rad = row.OptionalReal(kObject.Index("heading_rad"))};
+  const std::string reason = row.Text(kObject.Index("rejection_reason"));
+  if (reason.starts_with(kPlaceReason)) {
+    object.place_rejected = reason.substr(kPlaceReason.size());
+  } else {
+    object.rejected = reason;
+  }
   if (!row.IsNull(kObject.Index("place_time_s"))) {
     VICTORIOUS_ASSIGN_OR_RETURN(object.place, ReadPlace(row, name));
   }

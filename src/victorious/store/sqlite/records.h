@@ -19,6 +19,9 @@ inline constexpr ColumnList kObjectColumns({"id", "model_id", "place_time_s", "l
                                             "altitude_m", "covariance_enu_m2", "ce90_m", "le90_m", "velocity_enu_m_s",
                                             "velocity_covariance", "heading_rad", "rejection_reason"});
 
+/// Starts a rejection_reason that applies to the place only: the object is not rejected.
+inline constexpr std::string_view kPlaceReason = "place: ";
+
 inline constexpr ColumnList kSightingColumns({"video_id",
                                               "frame",
                                               "tracklet_id",

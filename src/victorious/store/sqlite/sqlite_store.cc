@@ -78,7 +78,10 @@ Status AddNear(Connection& connection, const SightingFilter& filter, Conditions&
 }
 
 void AddRejected(const SightingFilter& filter, Conditions& conditions) {
-  if (!filter.include_rejected) conditions.Add("coalesce(o.rejection_reason, '') = ?", std::string());
+  if (!filter.include_rejected) {
+    conditions.Add("(coalesce(o.rejection_reason, '') = '' OR instr(o.rejection_reason, ?) = 1)",
+                   std::string(kPlaceReason));
+  }
 }
 
 void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
