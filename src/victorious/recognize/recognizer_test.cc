@@ -338,7 +338,8 @@ TEST(RecognizeParameter, NearestIsTheNumberOfRankedMatchesOfATemplateKeypoint) {
     options.search.nearest = nearest;
     const Recognizer recognizer = Recognizer::Create({model}, "opencv", options).value();
     std::size_t inliers = 0;
-    for (const Detection& found : recognizer.Recognize(features).value()) inliers += found.fit.inliers.size();
+    const std::vector<Detection> all = recognizer.Recognize(features).value();
+    for (const Detection& found : all) inliers += found.fit.inliers.size();
     return inliers;
   };
   EXPECT_LE(count_inliers(1), model.features.size());
