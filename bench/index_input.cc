@@ -75,7 +75,8 @@ Expected<ObjectModel> LoadIndexModel(const fs::path& cad_file, const Settings& s
   if (settings.quick) options.sphere.step_deg = kQuickStep_deg;
   const std::string name = cad_file.stem().string();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, ContentId(cad_file, CancelToken()));
-  const ModelLibrary library(settings.cache / fmt::format("{}-{}-{}", content, kVersion, options.sphere.step_deg));
+  const ModelLibrary library(
+      settings.cache / fmt::format("{}-{}-{}-{}", content, options.features.engine, kVersion, options.sphere.step_deg));
   Expected<ObjectModel> model = library.Load(name);
   if (model || model.error().code != ErrorCode::kNotFound) return model;
   fmt::print(stderr, "making the model {}\n", name);

@@ -43,7 +43,7 @@ inline ObjectModel ModelOf(const std::string& name, const cv::Mat& image) {
   const auto storage = std::make_shared<FeatureSet>(FeaturesOf(image));
   ObjectModel model;
   model.name = name;
-  model.engine = "opencv";
+  model.engine = FeatureOptions().engine;
   model.features = storage->View();
   model.storage = storage;
   model.views.push_back(

@@ -29,7 +29,7 @@ class ParamsTest(program.ProgramTest):
         self.refuses_params('{"match": 3}', "match")
         self.refuses_params('{"match": {"ratio": [0.7]}}', ["match.ratio", "a number"])
         self.refuses_params('{"every": 2.5}', ["every = 2.5", "a whole number"])
-        self.refuses_params('{"features": {"engine": "nobody"}}', ["features.engine", "one of opencv"])
+        self.refuses_params('{"features": {"engine": "nobody"}}', ["features.engine", "one of sift"])
         self.refuses_params(
             '{"every": 0, "match": {"ratio": 7}, "tracklets": {"gap": 1}}', ["every = 0", "match.ratio = 7", "tracklets.gap"]
         )

@@ -94,9 +94,9 @@ CameraTrajectory Cameras(std::optional<std::int64_t> utc_us = std::nullopt) {
 class EstimateSunDirectionTest : public ::testing::Test {
  protected:
   static const Recognizer& RelightingRecognizer() {
-    static const Recognizer recognizer =
-        Recognizer::Create({testing::ModelFromAround()}, "opencv", {}, {std::make_shared<const testing::Painted>()})
-            .value();
+    static const Recognizer recognizer = Recognizer::Create({testing::ModelFromAround()}, FeatureOptions().engine, {},
+                                                            {std::make_shared<const testing::Painted>()})
+                                             .value();
     return recognizer;
   }
 

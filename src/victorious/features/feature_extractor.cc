@@ -41,7 +41,7 @@ FeatureOptions LowContrastFeatureOptions() {
   return options;
 }
 
-std::vector<std::string> FeatureEngines() { return {"opencv", "sift"}; }
+std::vector<std::string> FeatureEngines() { return {"sift", "opencv"}; }
 
 Expected<std::unique_ptr<const FeatureExtractor>> MakeFeatureExtractor(const FeatureOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));

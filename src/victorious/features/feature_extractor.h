@@ -22,7 +22,7 @@ inline constexpr int kOctaveLayers = 3;
 inline constexpr double kFirstLayerSigma_px = 1.6;
 
 struct FeatureOptions {
-  std::string engine = "opencv";
+  std::string engine = "sift";
   double contrast_threshold = 0.04;
   double edge_threshold = 10.0;
   int max_side_px = 2048;

@@ -174,10 +174,10 @@ TEST(MakePhotoModel, StoresEngineAndOptions) {
   ASSERT_TRUE(model) << model.error().message;
   EXPECT_EQ(model->name, "object");
   EXPECT_EQ(model->kind, ModelKind::kPhotos);
-  EXPECT_EQ(model->engine, "opencv");
+  EXPECT_EQ(model->engine, "sift");
   EXPECT_EQ(model->program_version, kVersion);
   EXPECT_EQ(model->length_m, 2.5);
-  EXPECT_EQ(nlohmann::json::parse(model->options_json)["features"]["engine"], "opencv");
+  EXPECT_EQ(nlohmann::json::parse(model->options_json)["features"]["engine"], "sift");
   ASSERT_EQ(model->views.size(), 2U);
   EXPECT_EQ(model->views[0].first_feature, 0U);
   EXPECT_EQ(model->views[1].first_feature, model->views[0].feature_count);

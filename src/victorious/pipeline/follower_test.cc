@@ -47,7 +47,7 @@ class FollowerTest : public ::testing::Test {
 
   DrawnFlight flight_{ShortFlight(kFrames)};
   std::unique_ptr<const FeatureExtractor> extractor_ = MakeFeatureExtractor(LowContrastFeatureOptions()).value();
-  Recognizer recognizer_ = Recognizer::Create(flight_.Models(), "opencv", {}).value();
+  Recognizer recognizer_ = Recognizer::Create(flight_.Models(), FeatureOptions().engine, {}).value();
 };
 
 TEST_F(FollowerTest, ObjectsAreRecognisedInTheirRegionsBetweenFullFrames) {

@@ -28,7 +28,7 @@ using testing::Paste;
 using testing::Texture;
 
 Recognizer MakeRecognizer(std::vector<ObjectModel> models) {
-  return Recognizer::Create(std::move(models), "opencv", {}).value();
+  return Recognizer::Create(std::move(models), FeatureOptions().engine, {}).value();
 }
 
 TEST(Recognizer, GrammarFindsEachInstance) {
@@ -75,9 +75,9 @@ TEST(Recognizer, VotesFindEachInstance) {
       Paste(crate, 1.0, 0.5, {110, 110}, scene), Paste(crate, 0.8, -2.0, {270, 100}, scene),
       Paste(crate, 0.9, 0.5, {430, 120}, scene), Paste(crate, 1.0, 3.0, {120, 340}, scene),
       Paste(crate, 0.9, 1.4, {310, 350}, scene), Paste(crate, 0.8, 0.5, {500, 330}, scene)};
-  const Recognizer recognizer =
-      Recognizer::Create({ModelOf("crate", crate), ModelOf("absent", Texture(110, 100, 3))}, "opencv", ByVotes())
-          .value();
+  const Recognizer recognizer = Recognizer::Create({ModelOf("crate", crate), ModelOf("absent", Texture(110, 100, 3))},
+                                                   FeatureOptions().engine, ByVotes())
+                                    .value();
   const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene)).value();
   ASSERT_EQ(detections.size(), truth.size());
   for (const Similarity2& fit : truth) {
@@ -95,9 +95,9 @@ TEST(Recognizer, SearchesOnlyGivenViews) {
   const FeatureSet features = FeaturesOf(scene);
   const std::vector<std::size_t> views = {0};
   for (const RecognizeOptions& options : {ByVotes(), RecognizeOptions()}) {
-    const Recognizer recognizer =
-        Recognizer::Create({ModelOf("absent", Texture(110, 100, 3)), ModelOf("crate", crate)}, "opencv", options)
-            .value();
+    const Recognizer recognizer = Recognizer::Create({ModelOf("absent", Texture(110, 100, 3)), ModelOf("crate", crate)},
+                                                     FeatureOptions().engine, options)
+                                      .value();
     const std::vector<Detection> found = recognizer.RecognizeViews(features, 1, views, {}).value();
     ASSERT_EQ(found.size(), 1U) << ToText(kSearchMethodTexts, options.method);
     EXPECT_EQ(found[0].model_index, 1U);
@@ -131,7 +131,7 @@ TEST(Recognizer, VotesReachViewsBetweenCoarseViews) {
   const auto storage = std::make_shared<FeatureSet>();
   ObjectModel model;
   model.name = "crate";
-  model.engine = "opencv";
+  model.engine = FeatureOptions().engine;
   model.kind = ModelKind::kCad;
   for (std::uint32_t view = 0; view < 4; ++view) {
     const FeatureSet features = FeaturesOf(view == 1 ? crate : blurred);
@@ -162,7 +162,7 @@ TEST(Recognizer, EstimatesSunFromRelitTemplates) {
   Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
   const FeatureSet features = FeaturesOf(scene);
   const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, "opencv", {}, {std::make_shared<const Painted>()}).value();
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, {}, {std::make_shared<const Painted>()}).value();
   ASSERT_TRUE(recognizer.HasRelitTemplates());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
 
@@ -192,7 +192,8 @@ TEST(Recognizer, SunIsRelativeToTheLineOfSight) {
   options.search.max_tilt_rad = 0.6;  // the scene does not model the lean of the object there
   options.search.sun_step_rad = 0.1;  // much finer than the suns of this test
   const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, "opencv", options, {std::make_shared<const Painted>()}).value();
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {std::make_shared<const Painted>()})
+          .value();
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 1.1, 640, 480);
   const double relative_azimuth_rad = vertical.AzimuthAt(at);
   ASSERT_GT(relative_azimuth_rad, 0.5);
@@ -217,7 +218,8 @@ TEST(Recognizer, RelitCoarseViewsHaveHalfResolution) {
   const auto painted = std::make_shared<const Painted>();
   RecognizeOptions options;
   options.search.max_refined_views = 1;
-  const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, "opencv", options, {painted}).value();
+  const Recognizer recognizer =
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {painted}).value();
   const std::vector<Detection> found =
       recognizer.Recognize(FeaturesOf(scene), {.vertical = vertical, .relative_sun = sun}).value();
   ASSERT_EQ(found.size(), 1U);
@@ -241,7 +243,8 @@ TEST(Recognizer, NccScoreDecidesUncertainDetections) {
   const FeatureSet features = FeaturesOf(scene);
   const auto neg_log10_nfa = [&](const RecognizeOptions& options, const cv::Mat& grey) -> std::optional<double> {
     const Recognizer recognizer =
-        Recognizer::Create({ModelOf("crate", crate)}, "opencv", options, {SurfaceSamplesOf(crate)}).value();
+        Recognizer::Create({ModelOf("crate", crate)}, FeatureOptions().engine, options, {SurfaceSamplesOf(crate)})
+            .value();
     const std::vector<Detection> found = recognizer.Recognize(features, {}, grey).value();
     if (found.empty()) return std::nullopt;
     EXPECT_DOUBLE_EQ(found[0].score, ComputeScore(found[0].neg_log10_nfa));
@@ -263,12 +266,12 @@ TEST(Recognizer, NccScoreDecidesUncertainDetections) {
   none.ncc.max_poses_per_frame = 0;
   EXPECT_EQ(neg_log10_nfa(none, scene), votes);
   options.ncc.min_neg_log10_nfa = 1001;
-  EXPECT_EQ(Recognizer::Create({}, "opencv", options).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(Recognizer::Create({}, FeatureOptions().engine, options).error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST(Recognizer, VotesFindNothingInUnrelatedScenes) {
   const Recognizer recognizer =
-      Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, "opencv", ByVotes()).value();
+      Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, FeatureOptions().engine, ByVotes()).value();
   for (std::uint64_t seed = 10; seed < 16; ++seed)
     EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).value().empty()) << seed;
   EXPECT_TRUE(recognizer.Recognize(FeatureSet()).value().empty());
@@ -316,7 +319,7 @@ TEST(RecognizeParameter, MethodAutoIsVotesForCadModelsAndTheGrammarForPhotos) {
     model.kind = kind;
     RecognizeOptions options;
     options.method = method;
-    const Recognizer recognizer = Recognizer::Create({model}, "opencv", options).value();
+    const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, options).value();
     return recognizer.Recognize(features).value().at(0).fit.neg_log10_nfa.has_value();
   };
   EXPECT_FALSE(is_found_by_votes(ModelKind::kPhotos, SearchMethod::kAuto));
@@ -336,7 +339,7 @@ TEST(RecognizeParameter, NearestIsTheNumberOfRankedMatchesOfATemplateKeypoint) {
   const auto count_inliers = [&](int nearest) {
     RecognizeOptions options = ByVotes();
     options.search.nearest = nearest;
-    const Recognizer recognizer = Recognizer::Create({model}, "opencv", options).value();
+    const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, options).value();
     std::size_t inliers = 0;
     const std::vector<Detection> all = recognizer.Recognize(features).value();
     for (const Detection& found : all) inliers += found.fit.inliers.size();
@@ -354,7 +357,11 @@ std::size_t CountTurned(double turn_rad, const FrameConditions& conditions, cons
   ObjectModel model = ModelOf("crate", crate);
   model.kind = ModelKind::kCad;
   model.views[0].angles = ViewAngles{0, kPi / 3};
-  return Recognizer::Create({model}, "opencv", options).value().Recognize(FeaturesOf(scene), conditions).value().size();
+  return Recognizer::Create({model}, FeatureOptions().engine, options)
+      .value()
+      .Recognize(FeaturesOf(scene), conditions)
+      .value()
+      .size();
 }
 
 TEST(RecognizeParameter, MaxTiltIsThatOfTheObjectsUpAxisWhereTheAttitudeIsKnown) {
