@@ -292,11 +292,13 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
                                              const RecognizeOptions& recognize, const DetectabilityOptions& options,
                                              const CancelToken& cancel, const DetectabilityCallbacks& callbacks) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(model, options));
-  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(features));
+  FeatureOptions used = features;
+  used.engine = model.engine;
+  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(used));
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates(1);
   VICTORIOUS_ASSIGN_OR_RETURN(relit_templates.front(), MakeRelitViews(model));
   VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer,
-                              Recognizer::Create({model}, features.engine, recognize, relit_templates));
+                              Recognizer::Create({model}, used.engine, recognize, relit_templates));
   const Search search(model, std::move(recognizer), std::move(extractor));
 
   Detectability result{.options = options,

@@ -86,8 +86,9 @@ struct DetectabilityCallbacks {
 
 /// Measures the detectability. Deterministic by `options.seed`. Cost: about five searches of a 640 x 480 px image per
 /// direction, on all cores.
+/// @param features  for the test images, by the engine of the model
 /// Errors: kInvalidArgument for options out of range, for a model without renderings (made from photos, or by an early
-/// version) or of another feature engine than `features`; kCancelled; kDataLoss for a damaged model.
+/// version); kCancelled; kDataLoss for a damaged model.
 Expected<Detectability> MeasureDetectability(const ObjectModel& model, const FeatureOptions& features,
                                              const RecognizeOptions& recognize, const DetectabilityOptions& options,
                                              const CancelToken& cancel, const DetectabilityCallbacks& callbacks = {});

@@ -9,7 +9,8 @@ void FeatureOptions::ListFields(FieldList& fields) {
   fields.Add(
       "engine", engine,
       {.choices = FeatureEngines(),
-       .reason = "feature extractor; models and indexes of different engines cannot be matched with each other"});
+       .reason = "feature extractor; features of different engines cannot be matched, so a search for stored models "
+                 "takes the engine of the models"});
   fields.Add(
       "contrast_threshold", contrast_threshold,
       {.min = 0,

@@ -17,6 +17,7 @@
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/index_pass.h"
+#include "victorious/pipeline/model_engine.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/video/video_reader.h"
 
@@ -130,14 +131,15 @@ Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
 Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options,
                                   std::optional<CategoryModel> categories, const WarningSink& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
-  VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
+  IndexOptions used = options;
+  VICTORIOUS_RETURN_IF_ERROR(AdoptEngineOfModels(models, used.features, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(used.features));
   VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
   std::optional<CategoryFinder> finder;
   if (categories) {
     VICTORIOUS_ASSIGN_OR_RETURN(finder, CategoryFinder::Create(*std::move(categories), options.categories));
   }
-  Indexer indexer(std::move(models), options, std::move(extractor), std::move(finder));
+  Indexer indexer(std::move(models), used, std::move(extractor), std::move(finder));
   indexer.options_.objects.ground = std::move(ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.targets_, indexer.targets_));
   return indexer;

@@ -26,9 +26,10 @@ namespace victorious {
 class Indexer {
  public:
   /// @param categories  searched for in addition to the models; optional
-  /// @param warn        receives warnings about the given ground
-  /// Errors: kInvalidArgument for parameters out of range, a model of another feature engine, or a model and a category
-  /// with the same name; those of CategoryFinder and of MakeGround.
+  /// @param warn        receives warnings about the given ground, and if the models are of another feature engine than
+  ///                    options.features: the models' engine is used
+  /// Errors: kInvalidArgument for parameters out of range, models of different feature engines, or a model and a
+  /// category with the same name; those of CategoryFinder and of MakeGround.
   static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options,
                                   std::optional<CategoryModel> categories = {}, const WarningSink& warn = {});
 

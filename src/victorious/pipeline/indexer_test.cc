@@ -17,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -492,6 +493,26 @@ TEST(Indexer, ConcurrentProcessesStoreNoDuplicates) {
   const auto whole = flight.Store("whole.db");
   Index(flight.video(), flight.Models(), *whole);
   EXPECT_EQ(Contents(*store), Contents(*whole));
+}
+
+// Models of an earlier default stay usable: the video's features are made by their engine.
+TEST(Indexer, SearchesWithTheEngineOfTheModels) {
+  const DrawnFlight flight(ShortFlight(2));
+  const Photo photo = PhotoOf(flight.flight(), 0);
+  PhotoModelOptions made_before;
+  made_before.features.engine = "opencv";
+  ObjectModel model = MakePhotoModel("crate", std::span(&photo, 1), std::nullopt, made_before).value();
+  model.id = "crate of opencv";
+  std::vector<std::string> warnings;
+  const Indexer indexer =
+      Indexer::Create({model}, {}, {}, [&](const std::string& line) { warnings.push_back(line); }).value();
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("engine opencv")));
+  const auto store = flight.Store("index.db");
+  const Expected<IndexReport> report = indexer.Index({.video = flight.video(), .threads = 2}, CancelToken(), *store);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_GT(report->sightings, 0);
+  ASSERT_THAT(VideosOf(*store), SizeIs(1));
+  EXPECT_THAT(VideosOf(*store)[0].features_json, HasSubstr(R"("engine":"opencv")"));
 }
 
 TEST(Indexer, RefusesInvalidModelsAndOptions) {

@@ -15,6 +15,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/camera_states.h"
+#include "victorious/pipeline/model_engine.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/video/frame_loop.h"
@@ -264,11 +265,11 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
   VICTORIOUS_ASSIGN_OR_RETURN(LandmarkList list, ReadLandmarks(job.landmarks, options.list));
   for (const std::string& warning : list.warnings) warn(job.landmarks + ": " + warning);
   VICTORIOUS_RETURN_IF_ERROR(MatchModelsToLandmarks(models, list.landmarks, job.landmarks, warn));
-  VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
+  VICTORIOUS_RETURN_IF_ERROR(AdoptEngineOfModels(models, checked.features, warn));
   const VideoReaderOptions reading{.folder_frame_rate = options.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(job.video, reading));
   VICTORIOUS_ASSIGN_OR_RETURN(const CameraStates cameras, LoadCameras(job, options, reader->info(), warn));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(checked.features));
 
   std::vector<std::vector<std::size_t>> landmarks_by_model(models.size());
   for (std::size_t m = 0; m < models.size(); ++m) {
@@ -279,8 +280,8 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
   VICTORIOUS_ASSIGN_OR_RETURN(const auto relit_templates, MakeRelitViews(models));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Recognizer recognizer,
-      Recognizer::Create(std::move(models), options.features.engine, options.recognize, relit_templates));
-  const PassContext context{options, recognizer, *extractor, warn, std::move(landmarks_by_model)};
+      Recognizer::Create(std::move(models), checked.features.engine, checked.recognize, relit_templates));
+  const PassContext context{checked, recognizer, *extractor, warn, std::move(landmarks_by_model)};
   const Source source{job.video, reading, reader->info().live};
   std::optional<CameraTrajectory> held;
   if (cameras.trajectory() != nullptr) held = *cameras.trajectory();
