@@ -22,6 +22,8 @@ namespace victorious {
 void CategoryFeatureOptions::ListFields(FieldList& fields) {
   fields.Add("kind", kind, kCategoryFeatureKindTexts,
              {.reason = "dense: descriptors on a grid, also at low contrast; keypoints: SIFT, as the thesis"});
+  fields.Add("engine", engine,
+             {.choices = FeatureEngines(), .reason = "feature extractor of keypoints; the model keeps its name"});
   fields.Add("surroundings", surroundings, kSurroundingsTexts,
              {.reason = "use of the whole image around a box. learn: an example like the crop, since images to "
                         "classify have surroundings; calibrate: only to calibrate probabilities; none: not used"});
@@ -54,12 +56,15 @@ Expected<CategoryFeaturizer> CategoryFeaturizer::Create(const CategoryFeatureOpt
   }
   CategoryFeaturizer featurizer;
   featurizer.options_ = options;
-  VICTORIOUS_ASSIGN_OR_RETURN(featurizer.extractor_, MakeFeatureExtractor(FeatureOptions()));
+  FeatureOptions keypoints;
+  keypoints.engine = options.engine;
+  VICTORIOUS_ASSIGN_OR_RETURN(featurizer.extractor_, MakeFeatureExtractor(keypoints));
   return featurizer;
 }
 
 Expected<CategoryFeaturizer> CategoryFeaturizer::Of(const CategoryModel& model) {
   CategoryFeatureOptions options;
+  options.engine = "opencv";  // of the models from before the engine was stored
   const auto json = nlohmann::json::parse(model.features_json, nullptr, /*allow_exceptions=*/false);
   const Status status =
       json.is_discarded() ? Fail(ErrorCode::kDataLoss, "not JSON") : SetFromJson(json, CollectFields(options));

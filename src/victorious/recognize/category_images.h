@@ -37,9 +37,10 @@ enum class Surroundings { kNone, kCalibrate, kLearn };
 inline constexpr auto kSurroundingsTexts = std::to_array<EnumText<Surroundings>>(
     {{Surroundings::kNone, "none"}, {Surroundings::kCalibrate, "calibrate"}, {Surroundings::kLearn, "learn"}});
 
-/// The features of a category model. Keypoints are extracted with the defaults of FeatureOptions.
+/// The features of a category model. Keypoints are extracted with the other defaults of FeatureOptions.
 struct CategoryFeatureOptions {
   CategoryFeatureKind kind = CategoryFeatureKind::kDense;
+  std::string engine = FeatureOptions().engine;  ///< of keypoints
   Surroundings surroundings = Surroundings::kLearn;
   bool mirrored = true;
   DenseOptions dense;

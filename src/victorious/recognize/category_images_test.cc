@@ -65,6 +65,24 @@ TEST(CategoryFeaturizer, OfAModelHasTheOptionsThatItWasTrainedWith) {
   }
 }
 
+TEST(CategoryFeaturizer, OfAModelHasItsEngine) {
+  CategoryModel model = TrainCategories(testing::DrawExamples(4, 1), testing::SmallOptions()).value();
+  const cv::Mat grey = Pair(true, 1);
+  const auto extracted_by = [&](const std::string& engine) {
+    FeatureOptions options;
+    options.engine = engine;
+    return MakeFeatureExtractor(options).value()->Extract(grey).value();
+  };
+  ASSERT_NE(extracted_by("sift").descriptors, extracted_by("opencv").descriptors);
+  CategoryFeatureOptions trained_now;
+  trained_now.kind = CategoryFeatureKind::kKeypoints;
+  model.features_json = OptionsToJsonText(trained_now);
+  EXPECT_EQ(CategoryFeaturizer::Of(model).value().Extract(grey).value().descriptors, extracted_by("sift").descriptors);
+  model.features_json = R"({"kind": "keypoints"})";  // from before the engine was stored
+  EXPECT_EQ(CategoryFeaturizer::Of(model).value().Extract(grey).value().descriptors,
+            extracted_by("opencv").descriptors);
+}
+
 TEST(CategoryFeaturizer, KeypointsAndTheGridAreDifferentFeatures) {
   const cv::Mat grey = Pair(true, 1);
   CategoryFeatureOptions options = CoarseFeatures();
