@@ -6,6 +6,9 @@
 // so that one load serves 16 descriptors, and 16 lanes accumulate 16 distances without horizontal additions. With
 // d = |q - b|^2 = |q|^2 + |b|^2 - 2 q.b the loop computes only q.b; all arithmetic is exact in 32 bits.
 //
+// FindNearestKInRanges also searches sets of shortened descriptors (shorten.h), and only a range of blocks per tile of
+// queries.
+//
 // nearest_ref.cc is the reference; nearest_simd.cc (Highway, every instruction set) and nearest_vnni.cc (x86-64 with
 // AVX-512 VNNI) return identical bits. C++20: no <expected> here.
 #pragma once
@@ -18,21 +21,25 @@
 namespace victorious::kernels {
 
 inline constexpr std::size_t kDescriptorBytes = 128;
+inline constexpr std::size_t kShortBytes = 32;  ///< of a shortened descriptor
 inline constexpr std::size_t kBlockDescriptors = 16;
-inline constexpr std::size_t kBlockBytes = kBlockDescriptors * kDescriptorBytes;
+inline constexpr std::size_t kBlockBytes = kBlockDescriptors * kDescriptorBytes;  ///< of whole descriptors
 inline constexpr std::uint32_t kNoDistance = 0xFFFFFFFF;
 
 /// A packed set of descriptors. The last block is padded; padding is never returned.
 struct PackedDescriptors {
   std::size_t count = 0;
-  std::vector<std::uint8_t> blocks;    ///< kBlockBytes a block (64-byte alignment is not needed: loads are unaligned)
+  std::size_t row_bytes = kDescriptorBytes;  ///< or kShortBytes
+  /// kBlockDescriptors x row_bytes a block (64-byte alignment is not needed: loads are unaligned)
+  std::vector<std::uint8_t> blocks;
   std::vector<std::int32_t> constant;  ///< per descriptor: |b|^2 - 256 sum(b); for padding: kPaddingDistance
 
   [[nodiscard]] std::size_t block_count() const { return constant.size() / kBlockDescriptors; }
 };
 
-/// @param rows  128 bytes per descriptor
-PackedDescriptors Pack(std::span<const std::uint8_t> rows);
+/// @param rows       row_bytes per descriptor
+/// @param row_bytes  kDescriptorBytes or kShortBytes
+PackedDescriptors Pack(std::span<const std::uint8_t> rows, std::size_t row_bytes = kDescriptorBytes);
 
 /// The two nearest descriptors of one query.
 struct NearestTwo {
@@ -46,12 +53,14 @@ struct NearestTwo {
 /// Queries converted once and searched in many sets.
 struct PackedQueries {
   std::size_t count = 0;
-  std::vector<std::int8_t> rows;      ///< 128 bytes per query: q - 128
-  std::vector<std::int32_t> squared;  ///< |q|^2
+  std::size_t row_bytes = kDescriptorBytes;  ///< or kShortBytes
+  std::vector<std::int8_t> rows;             ///< row_bytes per query: q - 128
+  std::vector<std::int32_t> squared;         ///< |q|^2
 };
 
-/// @param rows  128 bytes per query
-PackedQueries PackQueries(std::span<const std::uint8_t> rows);
+/// @param rows       row_bytes per query
+/// @param row_bytes  kDescriptorBytes or kShortBytes
+PackedQueries PackQueries(std::span<const std::uint8_t> rows, std::size_t row_bytes = kDescriptorBytes);
 
 /// Writes the result of query i to out[i]; out.size() == queries.count. Uses this machine's fastest implementation.
 /// Cost: queries x set x 128 multiplications; AVX-512 VNNI does 64 per instruction.
@@ -75,6 +84,23 @@ inline constexpr std::size_t kMaxNeighbours = 8;
 /// Cost: that of FindNearestTwo.
 void FindNearestK(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k, std::span<Neighbour> out);
 
+/// The blocks [first, last) of a set.
+struct BlockRange {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
+/// Consecutive queries that share a range: the largest tile of an implementation.
+inline constexpr std::size_t kRangeQueries = 8;
+
+/// FindNearestK for query i among the blocks ranges[i / kRangeQueries] only. Indices count from the beginning of the
+/// set; a range of fewer than k descriptors leaves the rest at kNoDistance.
+/// ranges.size() >= queries.count / kRangeQueries, rounded up; each range lies inside the set; queries and set have the
+/// same row_bytes.
+/// Cost: that of FindNearestTwo, times the fraction of the set that the ranges cover, times row_bytes / 128.
+void FindNearestKInRanges(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                          std::span<const BlockRange> ranges, std::span<Neighbour> out);
+
 // The implementations, for tests and benchmarks.
 void FindNearestTwoRef(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out);
 void FindNearestTwoSimd(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out);
@@ -89,5 +115,13 @@ void FindNearestKSimd(const PackedQueries& queries, const PackedDescriptors& set
 /// Only where HasVnni().
 void FindNearestKVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
                       std::span<Neighbour> out);
+
+void FindNearestKInRangesRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                             std::span<const BlockRange> ranges, std::span<Neighbour> out);
+void FindNearestKInRangesSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                              std::span<const BlockRange> ranges, std::span<Neighbour> out);
+/// Only where HasVnni().
+void FindNearestKInRangesVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                              std::span<const BlockRange> ranges, std::span<Neighbour> out);
 
 }  // namespace victorious::kernels

@@ -10,14 +10,15 @@ namespace {
 int PackedByte(const PackedDescriptors& set, std::size_t descriptor, std::size_t byte) {
   const std::size_t block = descriptor / kBlockDescriptors;
   const std::size_t lane = descriptor % kBlockDescriptors;
-  return set.blocks[block * kBlockBytes + (byte / 4) * (4 * kBlockDescriptors) + lane * 4 + byte % 4];
+  return set
+      .blocks[block * kBlockDescriptors * set.row_bytes + (byte / 4) * (4 * kBlockDescriptors) + lane * 4 + byte % 4];
 }
 
 std::uint32_t Distance2(const PackedQueries& queries, std::size_t query, const PackedDescriptors& set,
                         std::size_t descriptor) {
   std::uint32_t distance2 = 0;
-  for (std::size_t byte = 0; byte < kDescriptorBytes; ++byte) {
-    const int difference = queries.rows[query * kDescriptorBytes + byte] + 128 - PackedByte(set, descriptor, byte);
+  for (std::size_t byte = 0; byte < set.row_bytes; ++byte) {
+    const int difference = queries.rows[query * set.row_bytes + byte] + 128 - PackedByte(set, descriptor, byte);
     distance2 += static_cast<std::uint32_t>(difference * difference);
   }
   return distance2;
@@ -44,9 +45,19 @@ void FindNearestTwoRef(const PackedQueries& queries, const PackedDescriptors& se
 
 void FindNearestKRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
                      std::span<Neighbour> out) {
-  std::vector<Neighbour> all(set.count);
+  const std::vector<BlockRange> whole(queries.count, {0, set.block_count()});
+  FindNearestKInRangesRef(queries, set, k, whole, out);
+}
+
+void FindNearestKInRangesRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                             std::span<const BlockRange> ranges, std::span<Neighbour> out) {
   for (std::size_t q = 0; q < queries.count; ++q) {
-    for (std::size_t i = 0; i < set.count; ++i) all[i] = {static_cast<std::uint32_t>(i), Distance2(queries, q, set, i)};
+    const BlockRange& range = ranges[q / kRangeQueries];
+    std::vector<Neighbour> all;
+    for (std::size_t i = range.first * kBlockDescriptors; i < std::min(set.count, range.last * kBlockDescriptors);
+         ++i) {
+      all.push_back({static_cast<std::uint32_t>(i), Distance2(queries, q, set, i)});
+    }
     std::ranges::stable_sort(all, {}, &Neighbour::distance2);
     for (std::size_t r = 0; r < k; ++r) out[q * k + r] = r < all.size() ? all[r] : Neighbour{};
   }

@@ -76,27 +76,30 @@ HWY_INLINE void Update(V32 constant, V32 sum, std::size_t block, std::size_t lan
 }
 
 constexpr std::size_t kTile = 4;  // queries per tile: each load of the set serves all of them
-constexpr std::size_t kGroups = kDescriptorBytes / 4;
 
+template <std::size_t kRowBytes>
 struct QueryTile {
-  QueryGroup groups[kTile][kGroups];
+  QueryGroup groups[kTile][kRowBytes / 4];
 };
 
 // The last tile repeats its last query.
-QueryTile WidenTile(const PackedQueries& queries, std::size_t first) {
-  QueryTile tile;
+template <std::size_t kRowBytes>
+QueryTile<kRowBytes> WidenTile(const PackedQueries& queries, std::size_t first) {
+  QueryTile<kRowBytes> tile;
   for (std::size_t t = 0; t < kTile; ++t) {
-    const std::int8_t* row = queries.rows.data() + std::min(first + t, queries.count - 1) * kDescriptorBytes;
-    for (std::size_t g = 0; g < kGroups; ++g) tile.groups[t][g] = Widen(row + 4 * g);
+    const std::int8_t* row = queries.rows.data() + std::min(first + t, queries.count - 1) * kRowBytes;
+    for (std::size_t g = 0; g < kRowBytes / 4; ++g) tile.groups[t][g] = Widen(row + 4 * g);
   }
   return tile;
 }
 
 // The partial products of the tile's queries with the lanes of a block from `bytes` on.
-HWY_INLINE void DotLanes(const QueryTile& tile, const std::uint8_t* bytes, V32& sum0, V32& sum1, V32& sum2, V32& sum3) {
+template <std::size_t kRowBytes>
+HWY_INLINE void DotLanes(const QueryTile<kRowBytes>& tile, const std::uint8_t* bytes, V32& sum0, V32& sum1, V32& sum2,
+                         V32& sum3) {
   const D32 d32;
   sum0 = sum1 = sum2 = sum3 = hn::Zero(d32);
-  for (std::size_t g = 0; g < kGroups; ++g) {
+  for (std::size_t g = 0; g < kRowBytes / 4; ++g) {
     const V32 loaded = hn::LoadU(d32, reinterpret_cast<const std::int32_t*>(bytes + g * 4 * kBlockDescriptors));
     sum0 = AddDot4(loaded, tile.groups[0][g], sum0);
     sum1 = AddDot4(loaded, tile.groups[1][g], sum1);
@@ -108,7 +111,7 @@ HWY_INLINE void DotLanes(const QueryTile& tile, const std::uint8_t* bytes, V32& 
 void FindNearestTwoTarget(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
   const D32 d32;
   for (std::size_t first = 0; first < queries.count; first += kTile) {
-    const QueryTile tile = WidenTile(queries, first);
+    const QueryTile tile = WidenTile<kDescriptorBytes>(queries, first);
     LaneResults results[kTile];
     for (LaneResults& result : results) {
       std::fill_n(result.best, kBlockDescriptors, 1 << 30);
@@ -144,16 +147,20 @@ HWY_INLINE void Admit(V32 constant, V32 sum, std::size_t first_index, KNearest& 
   }
 }
 
-void FindNearestKTarget(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                        std::span<Neighbour> out) {
+// @param ranges  one per kRangeQueries queries; empty: the whole set
+template <std::size_t kRowBytes>
+void FindK(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+           std::span<const BlockRange> ranges, std::span<Neighbour> out) {
+  static_assert(kRangeQueries % kTile == 0);
   const D32 d32;
   for (std::size_t first = 0; first < queries.count; first += kTile) {
-    const QueryTile tile = WidenTile(queries, first);
+    const QueryTile tile = WidenTile<kRowBytes>(queries, first);
+    const BlockRange range = ranges.empty() ? BlockRange{0, set.block_count()} : ranges[first / kRangeQueries];
     std::vector<KNearest> found(kTile, KNearest(k));
-    for (std::size_t block = 0; block < set.block_count(); ++block) {
+    for (std::size_t block = range.first; block < range.last; ++block) {
       for (std::size_t lane = 0; lane < kBlockDescriptors; lane += hn::Lanes(d32)) {
         V32 sum0, sum1, sum2, sum3;
-        DotLanes(tile, set.blocks.data() + block * kBlockBytes + lane * 4, sum0, sum1, sum2, sum3);
+        DotLanes(tile, set.blocks.data() + block * kBlockDescriptors * kRowBytes + lane * 4, sum0, sum1, sum2, sum3);
         const std::size_t index = block * kBlockDescriptors + lane;
         const V32 constant = hn::LoadU(d32, set.constant.data() + index);
         Admit(constant, sum0, index, found[0]);
@@ -165,6 +172,15 @@ void FindNearestKTarget(const PackedQueries& queries, const PackedDescriptors& s
     for (std::size_t t = 0; t < std::min(kTile, queries.count - first); ++t) {
       found[t].Write(queries.squared[first + t], &out[(first + t) * k]);
     }
+  }
+}
+
+void FindNearestKTarget(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                        std::span<const BlockRange> ranges, std::span<Neighbour> out) {
+  if (set.row_bytes == kDescriptorBytes) {
+    FindK<kDescriptorBytes>(queries, set, k, ranges, out);
+  } else {
+    FindK<kShortBytes>(queries, set, k, ranges, out);
   }
 }
 
@@ -186,7 +202,12 @@ void FindNearestTwoSimd(const PackedQueries& queries, const PackedDescriptors& s
 
 void FindNearestKSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
                       std::span<Neighbour> out) {
-  HWY_DYNAMIC_DISPATCH(FindNearestKTarget)(queries, set, k, out);
+  HWY_DYNAMIC_DISPATCH(FindNearestKTarget)(queries, set, k, {}, out);
+}
+
+void FindNearestKInRangesSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                              std::span<const BlockRange> ranges, std::span<Neighbour> out) {
+  HWY_DYNAMIC_DISPATCH(FindNearestKTarget)(queries, set, k, ranges, out);
 }
 
 const char* NearestTwoTarget() { return HasVnni() ? "avx512_vnni" : HWY_DYNAMIC_DISPATCH(TargetName)(); }

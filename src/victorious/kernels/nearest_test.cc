@@ -16,6 +16,8 @@ namespace {
 
 using Find = void (*)(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>);
 using FindK = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>);
+using FindKInRanges = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<const BlockRange>,
+                               std::span<Neighbour>);
 
 std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uint32_t levels) {
   std::vector<std::uint8_t> rows(count * kDescriptorBytes);
@@ -44,16 +46,16 @@ std::vector<NearestTwo> Expected(const std::vector<std::uint8_t>& queries, const
   return result;
 }
 
-std::vector<Neighbour> ExpectedK(const std::vector<std::uint8_t>& queries, const std::vector<std::uint8_t>& set,
-                                 std::size_t k) {
+std::vector<Neighbour> ExpectedK(std::span<const std::uint8_t> queries, std::span<const std::uint8_t> set,
+                                 std::size_t k, std::size_t row_bytes = kDescriptorBytes) {
   std::vector<Neighbour> result;
-  for (std::size_t q = 0; q < queries.size() / kDescriptorBytes; ++q) {
-    const std::span<const std::uint8_t> query(&queries[q * kDescriptorBytes], kDescriptorBytes);
-    std::vector<Neighbour> all(std::max(k, set.size() / kDescriptorBytes));
-    for (std::size_t i = 0; i < set.size() / kDescriptorBytes; ++i) {
+  for (std::size_t q = 0; q < queries.size() / row_bytes; ++q) {
+    const std::span<const std::uint8_t> query = queries.subspan(q * row_bytes, row_bytes);
+    std::vector<Neighbour> all(std::max(k, set.size() / row_bytes));
+    for (std::size_t i = 0; i < set.size() / row_bytes; ++i) {
       all[i] = {static_cast<std::uint32_t>(i), 0};
-      for (std::size_t byte = 0; byte < kDescriptorBytes; ++byte) {
-        const int difference = query[byte] - set[i * kDescriptorBytes + byte];
+      for (std::size_t byte = 0; byte < row_bytes; ++byte) {
+        const int difference = query[byte] - set[i * row_bytes + byte];
         all[i].distance2 += static_cast<std::uint32_t>(difference * difference);
       }
     }
@@ -67,6 +69,7 @@ struct Implementation {
   std::string name;
   Find find;
   FindK find_k;
+  FindKInRanges find_in_ranges;
   std::int64_t highway_target = 0;  ///< the only instruction set that Highway may use; 0: Highway's choice
 
   friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
@@ -74,13 +77,13 @@ struct Implementation {
 
 // The reference, VNNI, the dispatched one, and Highway's code for every instruction set of this machine.
 std::vector<Implementation> Implementations() {
-  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestKRef},
-                                     {"vnni", &FindNearestTwoVnni, &FindNearestKVnni},
-                                     {"best", &FindNearestTwo, &FindNearestK}};
+  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestKRef, &FindNearestKInRangesRef},
+                                     {"vnni", &FindNearestTwoVnni, &FindNearestKVnni, &FindNearestKInRangesVnni},
+                                     {"best", &FindNearestTwo, &FindNearestK, &FindNearestKInRanges}};
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     std::string name = "simd_" + std::string(hwy::TargetName(target));
     std::erase_if(name, [](unsigned char c) { return c != '_' && std::isalnum(c) == 0; });
-    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestKSimd, target});
+    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestKSimd, &FindNearestKInRangesSimd, target});
   }
   return all;
 }
@@ -139,6 +142,37 @@ TEST_P(NearestTest, IsExactAtTheExtremes) {
   Check(white, black);
   Check(white, white);
   Check(black, black);
+}
+
+// Each range is a set of its own whose indices are shifted.
+TEST_P(NearestTest, SearchesTheRangesOnly) {
+  Random random(9);
+  constexpr std::size_t kNeighbours = 3;
+  for (const std::size_t row_bytes : {kDescriptorBytes, kShortBytes}) {
+    const std::size_t block_bytes = kBlockDescriptors * row_bytes;
+    const std::vector<std::uint8_t> set = RandomRows(random, 100 * row_bytes / kDescriptorBytes, 256);
+    const std::size_t blocks = (set.size() + block_bytes - 1) / block_bytes;  // the last one padded
+    const std::vector<BlockRange> ranges = {{0, blocks}, {1, 2}, {blocks - 1, blocks}, {1, 1}};
+    const std::size_t count = 3 * kRangeQueries + 5;
+    const std::vector<std::uint8_t> queries = RandomRows(random, count * row_bytes / kDescriptorBytes + 1, 256);
+    const std::span<const std::uint8_t> rows = std::span(queries).first(count * row_bytes);
+    std::vector<Neighbour> out(count * kNeighbours);
+    GetParam().find_in_ranges(PackQueries(rows, row_bytes), Pack(set, row_bytes), kNeighbours, ranges, out);
+    for (std::size_t q = 0; q < count; ++q) {
+      const BlockRange& range = ranges[q / kRangeQueries];
+      const std::size_t begin = range.first * block_bytes;
+      const std::size_t end = std::min(set.size(), range.last * block_bytes);
+      const std::span<const std::uint8_t> part = std::span(set).subspan(begin, end - begin);
+      const std::size_t found = std::min(kNeighbours, part.size() / row_bytes);
+      std::vector<Neighbour> expected = ExpectedK(rows.subspan(q * row_bytes, row_bytes), part, kNeighbours, row_bytes);
+      for (Neighbour& one : std::span(expected).first(found)) {
+        one.index += static_cast<std::uint32_t>(range.first * kBlockDescriptors);
+      }
+      std::fill(expected.begin() + static_cast<std::ptrdiff_t>(found), expected.end(), Neighbour{});
+      const auto first = out.begin() + static_cast<std::ptrdiff_t>(q * kNeighbours);
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), first)) << row_bytes << " bytes, query " << q;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Implementations, NearestTest, ::testing::ValuesIn(Implementations()),

@@ -21,14 +21,14 @@ namespace {
 
 #define VICTORIOUS_VNNI __attribute__((target("avx512f,avx512bw,avx512vnni")))
 
-constexpr std::size_t kGroups = kDescriptorBytes / 4;
 constexpr std::size_t kTile = 8;  // queries per tile: 8 sums and 24 running results fill the 32 registers
 
 // The 8 partial products q.b of one block's 16 descriptors with 8 queries. GCC keeps the array in registers.
+template <std::size_t kRowBytes>
 VICTORIOUS_VNNI inline void DotBlock(const std::uint8_t* block, const std::int8_t* const (&rows)[kTile],
                                      __m512i (&sums)[kTile]) {
   for (__m512i& sum : sums) sum = _mm512_setzero_si512();
-  for (std::size_t g = 0; g < kGroups; ++g) {
+  for (std::size_t g = 0; g < kRowBytes / 4; ++g) {
     const __m512i bytes = _mm512_loadu_si512(block + g * 4 * kBlockDescriptors);
     for (std::size_t t = 0; t < kTile; ++t) {
       int word;
@@ -41,7 +41,7 @@ VICTORIOUS_VNNI inline void DotBlock(const std::uint8_t* block, const std::int8_
 // The last tile repeats its last query.
 void TileRows(const PackedQueries& queries, std::size_t first, const std::int8_t* (&rows)[kTile]) {
   for (std::size_t t = 0; t < kTile; ++t) {
-    rows[t] = queries.rows.data() + std::min(first + t, queries.count - 1) * kDescriptorBytes;
+    rows[t] = queries.rows.data() + std::min(first + t, queries.count - 1) * queries.row_bytes;
   }
 }
 
@@ -68,7 +68,7 @@ VICTORIOUS_VNNI void FindNearestTwoVnni(const PackedQueries& queries, const Pack
     }
     for (std::size_t block = 0; block < blocks; ++block) {
       __m512i sums[kTile];
-      DotBlock(set.blocks.data() + block * kBlockBytes, rows, sums);
+      DotBlock<kDescriptorBytes>(set.blocks.data() + block * kBlockBytes, rows, sums);
       const __m512i constant = _mm512_loadu_si512(set.constant.data() + block * kBlockDescriptors);
       const __m512i number = _mm512_set1_epi32(static_cast<int>(block));
       for (std::size_t t = 0; t < kTile; ++t) {
@@ -89,18 +89,23 @@ VICTORIOUS_VNNI void FindNearestTwoVnni(const PackedQueries& queries, const Pack
   }
 }
 
-VICTORIOUS_VNNI void FindNearestKVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                                      std::span<Neighbour> out) {
-  const std::size_t blocks = set.block_count();
+namespace {
+
+// @param ranges  one per kRangeQueries queries; empty: the whole set
+template <std::size_t kRowBytes>
+VICTORIOUS_VNNI void FindK(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                           std::span<const BlockRange> ranges, std::span<Neighbour> out) {
+  static_assert(kRangeQueries % kTile == 0);
   for (std::size_t first = 0; first < queries.count; first += kTile) {
+    const BlockRange range = ranges.empty() ? BlockRange{0, set.block_count()} : ranges[first / kRangeQueries];
     const std::int8_t* rows[kTile];
     TileRows(queries, first, rows);
     std::vector<KNearest> found(kTile, KNearest(k));
     __m512i worst[kTile];
     for (__m512i& one : worst) one = _mm512_set1_epi32(kPaddingDistance);
-    for (std::size_t block = 0; block < blocks; ++block) {
+    for (std::size_t block = range.first; block < range.last; ++block) {
       __m512i sums[kTile];
-      DotBlock(set.blocks.data() + block * kBlockBytes, rows, sums);
+      DotBlock<kRowBytes>(set.blocks.data() + block * kBlockDescriptors * kRowBytes, rows, sums);
       const __m512i constant = _mm512_loadu_si512(set.constant.data() + block * kBlockDescriptors);
       for (std::size_t t = 0; t < kTile; ++t) {
         const __m512i distance = _mm512_sub_epi32(constant, _mm512_slli_epi32(sums[t], 1));
@@ -120,6 +125,27 @@ VICTORIOUS_VNNI void FindNearestKVnni(const PackedQueries& queries, const Packed
   }
 }
 
+void FindKOfRowBytes(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                     std::span<const BlockRange> ranges, std::span<Neighbour> out) {
+  if (set.row_bytes == kDescriptorBytes) {
+    FindK<kDescriptorBytes>(queries, set, k, ranges, out);
+  } else {
+    FindK<kShortBytes>(queries, set, k, ranges, out);
+  }
+}
+
+}  // namespace
+
+void FindNearestKVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                      std::span<Neighbour> out) {
+  FindKOfRowBytes(queries, set, k, {}, out);
+}
+
+void FindNearestKInRangesVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                              std::span<const BlockRange> ranges, std::span<Neighbour> out) {
+  FindKOfRowBytes(queries, set, k, ranges, out);
+}
+
 }  // namespace victorious::kernels
 
 #else
@@ -131,6 +157,10 @@ void FindNearestTwoVnni(const PackedQueries&, const PackedDescriptors&, std::spa
   VICTORIOUS_CHECK(HasVnni());
 }
 void FindNearestKVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>) {
+  VICTORIOUS_CHECK(HasVnni());
+}
+void FindNearestKInRangesVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<const BlockRange>,
+                              std::span<Neighbour>) {
   VICTORIOUS_CHECK(HasVnni());
 }
 
