@@ -8,6 +8,8 @@
 // clockwise from the image's up direction.
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 
 #include "victorious/geometry/attitude.h"
@@ -23,6 +25,12 @@ struct Vertical {
 
   /// The vertical (unit vector) in the frame of the camera rotated to look at `pixel`.
   [[nodiscard]] Eigen::Vector3d UpVectorAt(const Eigen::Vector2d& pixel) const;
+
+  /// The angle of the vertical's image at `pixel`, clockwise from the image's up direction ("lean" above); (-pi, pi].
+  [[nodiscard]] double LeanAt(const Eigen::Vector2d& pixel) const {
+    const Eigen::Vector3d up = UpVectorAt(pixel);
+    return std::atan2(up.x(), -up.y());
+  }
 
   /// Azimuth of the line of sight through `pixel`, clockwise seen from above, relative to the camera's heading; (-pi,
   /// pi].

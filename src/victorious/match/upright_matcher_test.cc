@@ -1,0 +1,90 @@
+#include "victorious/match/upright_matcher.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+float RandomAngle(Random& random) { return static_cast<float>(2 * kPi * random.Uniform() - kPi); }
+
+// The descriptors lie on few levels, so that many scene keypoints are nearly equally near.
+FeatureSet RandomFeatures(Random& random, std::size_t count) {
+  FeatureSet features;
+  for (std::size_t i = 0; i < count; ++i) features.keypoints.push_back({1, 1, 2, RandomAngle(random)});
+  features.descriptors.resize(count * kDescriptorSize);
+  for (std::uint8_t& byte : features.descriptors) byte = static_cast<std::uint8_t>(random.Below(90));
+  return features;
+}
+
+bool IsAllowed(const Keypoint& scene, float lean_rad, const Keypoint& model, double max_turn_rad) {
+  return std::abs(WrapAngle(WrapAngle(scene.orientation_rad - lean_rad) - model.orientation_rad)) <= max_turn_rad;
+}
+
+// Every scene keypoint has its copy in a template: whatever the orientations and the numbers, the copy is found exactly
+// if its turn is allowed, also across pi and for intervals of nearly the whole circle.
+TEST(UprightMatcher, FindsAllAllowedCopiesAndNoOthers) {
+  Random random(1);
+  for (const std::size_t count : {1, 15, 16, 17, 33, 200}) {
+    const FeatureSet scene = RandomFeatures(random, count);
+    std::vector<float> lean_rad;
+    for (std::size_t i = 0; i < count; ++i) lean_rad.push_back(0.3F * RandomAngle(random));
+    FeatureSet copies = scene;
+    for (Keypoint& keypoint : copies.keypoints) keypoint.orientation_rad = RandomAngle(random);
+    const FeatureView halves[] = {copies.View().Slice(0, count / 2), copies.View().Slice(count / 2, count - count / 2)};
+    const UprightMatcher matcher(scene.View(), lean_rad);
+    for (const double max_turn_rad : {0.0, 0.4, 1.5, 3.0, 3.1, kPi}) {
+      const std::vector<std::vector<RankedMatch>> matches = matcher.Match(halves, max_turn_rad, 1);
+      ASSERT_EQ(matches.size(), 2U);
+      for (std::size_t i = 0; i < count; ++i) {
+        const bool in_second = i >= count / 2;
+        const auto number = static_cast<std::uint32_t>(in_second ? i - count / 2 : i);
+        const std::vector<RankedMatch>& of_template = matches[in_second ? 1 : 0];
+        const auto match = std::ranges::find(of_template, number, &RankedMatch::template_keypoint);
+        const bool finds_copy = match != of_template.end() && match->scene_keypoint == i;
+        EXPECT_EQ(finds_copy, IsAllowed(scene.keypoints[i], lean_rad[i], copies.keypoints[i], max_turn_rad))
+            << i << " of " << count << ", turn " << max_turn_rad;
+        if (match != of_template.end()) {
+          EXPECT_TRUE(IsAllowed(scene.keypoints[match->scene_keypoint], lean_rad[match->scene_keypoint],
+                                copies.keypoints[i], max_turn_rad));
+        }
+      }
+    }
+  }
+}
+
+TEST(UprightMatcher, RanksByWholeDescriptors) {
+  Random random(2);
+  FeatureSet scene = RandomFeatures(random, 100);
+  for (Keypoint& keypoint : scene.keypoints) keypoint.orientation_rad = 0.1F;
+  FeatureSet model = RandomFeatures(random, 1);
+  model.keypoints[0].orientation_rad = 0;
+  // Two copies, one of them changed a little.
+  for (const std::size_t i : {std::size_t{20}, std::size_t{40}}) {
+    std::ranges::copy(model.descriptors, scene.descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorSize));
+  }
+  scene.descriptors[20 * kDescriptorSize] ^= 3;
+  const std::vector<float> lean_rad(scene.size(), 0.0F);
+  const FeatureView view = model.View();
+  const std::vector<RankedMatch> matches = UprightMatcher(scene.View(), lean_rad).Match({&view, 1}, 0.5, 2).front();
+  ASSERT_EQ(matches.size(), 2U);
+  EXPECT_EQ(matches[0], (RankedMatch{40, 0, 1}));
+  EXPECT_EQ(matches[1], (RankedMatch{20, 0, 2}));
+}
+
+TEST(UprightMatcher, AnEmptySceneGivesNoMatches) {
+  Random random(3);
+  const FeatureSet model = RandomFeatures(random, 5);
+  const FeatureView view = model.View();
+  const std::vector<std::vector<RankedMatch>> matches = UprightMatcher({}, {}).Match({&view, 1}, 1, 2);
+  ASSERT_EQ(matches.size(), 1U);
+  EXPECT_TRUE(matches[0].empty());
+}
+
+}  // namespace
+}  // namespace victorious
