@@ -41,6 +41,27 @@ class UprightPrior {
     return (vertical_ ? up.dot(vertical_->UpVectorAt(centre_px)) : -up.y()) >= min_component_;
   }
 
+  /// The largest difference, rad, between an allowed rotation and the lean of the vertical (Vertical::LeanAt; 0 for an
+  /// unknown attitude), over lines of sight of these off-nadir angles; pi if every rotation is allowed somewhere.
+  /// The up axes within the tilt of the view's axis form a cone about off_nadir. Its half width seen along a line of
+  /// sight has one maximum, asin(sin(tilt) / sin(off_nadir)), unless the cone contains the vertical.
+  [[nodiscard]] double MaxTurnFromLean(double min_ray_rad, double max_ray_rad) const {
+    const double steepness = std::sin(off_nadir_rad_);
+    if (!vertical_) return -min_component_ >= steepness ? kPi : std::acos(min_component_ / steepness);
+    const auto half_width = [&](double ray_rad) {
+      const double along = std::cos(off_nadir_rad_) * std::cos(ray_rad);
+      const double across = steepness * std::sin(ray_rad);
+      if (min_component_ - along > across) return 0.0;
+      return min_component_ - along <= -across ? kPi : std::acos((min_component_ - along) / across);
+    };
+    const double widest = std::max(half_width(min_ray_rad), half_width(max_ray_rad));
+    const double cosine = std::cos(off_nadir_rad_) / min_component_;  // of the line of sight of the maximum
+    if (min_component_ <= 0 || std::abs(cosine) >= 1) return min_component_ <= 0 ? kPi : widest;
+    const double at_maximum_rad = std::acos(cosine);
+    if (at_maximum_rad < min_ray_rad || at_maximum_rad > max_ray_rad) return widest;
+    return std::max(widest, half_width(at_maximum_rad));
+  }
+
   /// log10 of the factor by which the prior reduces the number of tested poses (views x rotations); >= 0.
   [[nodiscard]] double SearchReductionDecades() const { return -std::log10(allowed_fraction_); }
 

@@ -1,0 +1,341 @@
+#include "victorious/pose/pose_proposal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <utility>
+
+#include "victorious/base/binomial.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/box.h"
+#include "victorious/geometry/robust/similarity_estimator.h"
+#include "victorious/geometry/similarity.h"
+#include "victorious/pose/match_pairs.h"
+#include "victorious/pose/vote_poses.h"
+
+namespace victorious {
+namespace {
+
+constexpr double kCell_px = 16;  // of KeypointDensity
+// Bounds of the density relative to the mean: few keypoints say little about it.
+constexpr double kMinDensity = 0.3;
+constexpr double kMaxDensity = 5.0;
+// The fraction of scene keypoints whose scale agrees with a pose within kVoteScaleFactor.
+constexpr double kScaleAgreement = 0.35;
+constexpr double kMinExpectedVotes = 1e-3;
+constexpr int kMinVotes = 4;
+constexpr std::size_t kMinFitted = 3;
+constexpr std::size_t kMinInliers = 4;
+constexpr int kMaxProposalSeeds = 12;
+// A vote this near to a seed is no seed of its own: fraction of the object's length, and difference of the log scale.
+constexpr float kSeedDistance = 0.1F;
+constexpr float kSeedLogScale = 0.3F;
+// Windows in inlier radii: those before the first test widen the seed's own similarity, which one keypoint determines
+// only roughly; the tested ones are those of VotePoses.
+constexpr double kWideWindows[] = {3.0, 2.0};
+constexpr double kTestedWindows[] = {1.0, 0.5, 0.25};
+constexpr int kRefits = 2;
+// Inliers nearer to each other than this times their scale see the same pixels (VoteOptions::min_separation_scales).
+constexpr float kSeparationScales = 4;
+constexpr double kOctaves = 4;  // of T, as in rank_nfa.cc
+
+constexpr auto kCircle_rad = static_cast<float>(2 * kPi);
+constexpr float kTurn_rad = 0.5F;  // VoteOptions::turn_rad
+
+// A match as a vote: its keypoints, and the centre that it votes for.
+struct Vote {
+  float log_scale;
+  float turn_rad;
+  float centre_x;
+  float centre_y;
+  float template_x;
+  float template_y;
+  float scene_x;
+  float scene_y;
+  std::uint32_t match;
+};
+
+// As a structure of arrays, for the quadratic count.
+struct VoteArrays {
+  std::vector<float> turn_rad;
+  std::vector<float> x;
+  std::vector<float> y;
+};
+
+struct Seed {
+  double log_likelihood;
+  std::size_t vote;
+};
+
+struct Inlier {
+  float error2_px2;
+  std::size_t vote;
+};
+
+float TurnBetween(float a, float b) {
+  const float difference = std::abs(a - b);
+  return std::min(difference, std::abs(kCircle_rad - difference));
+}
+
+class Proposer {
+ public:
+  Proposer(const FeatureSet& scene, const KeypointDensity& density, std::span<const Keypoint> model,
+           std::span<const RankedMatch> matches, const Polygon& outline, double max_turn_rad,
+           const std::optional<UprightPrior>& upright)
+      : scene_(scene), density_(density), model_(model), matches_(matches), upright_(upright) {
+    const Box bounds = BoundingBox(outline);
+    centre_ = {bounds.x + bounds.width / 2, bounds.y + bounds.height / 2};
+    length_px_ = static_cast<float>(std::hypot(bounds.width, bounds.height));
+    size_px_ = std::sqrt(std::abs(SignedArea(outline)));
+    area_px2_ = std::max(1.0, scene.SearchedBox().Area());
+    turn_chance_ = std::min(1.0, kTurn_rad / std::max(0.3, max_turn_rad));
+    CollectVotes();
+  }
+
+  std::optional<PoseProposal> Propose() {
+    std::optional<PoseProposal> best;
+    std::vector<bool> used(votes_.size());
+    int seeds_left = kMaxProposalSeeds;
+    for (const Seed& seed : SortedSeeds()) {
+      const Vote& vote = votes_[seed.vote];
+      if (used[seed.vote] || !IsAllowed(vote)) continue;
+      if (seeds_left-- == 0) break;
+      MarkNear(vote, used);
+      std::optional<PoseProposal> proposal = ProposeFrom(vote);
+      if (proposal && (!best || proposal->neg_log10_nfa > best->neg_log10_nfa)) best = std::move(proposal);
+    }
+    return best;
+  }
+
+ private:
+  [[nodiscard]] bool IsAllowed(const Vote& vote) const {
+    return !upright_ || upright_->IsAllowed({vote.centre_x, vote.centre_y}, vote.turn_rad);
+  }
+
+  void CollectVotes() {
+    votes_.reserve(matches_.size());
+    for (std::uint32_t i = 0; i < matches_.size(); ++i) {
+      const Keypoint& s = scene_.keypoints[matches_[i].scene_keypoint];
+      const Keypoint& m = model_[matches_[i].template_keypoint];
+      const float scale = s.scale_px / m.scale_px;
+      float turn_rad = s.orientation_rad - m.orientation_rad;
+      if (turn_rad > kCircle_rad / 2) turn_rad -= kCircle_rad;
+      if (turn_rad < -kCircle_rad / 2) turn_rad += kCircle_rad;
+      const float c = scale * std::cos(turn_rad);
+      const float d = scale * std::sin(turn_rad);
+      const float x = static_cast<float>(centre_.x()) - m.x;
+      const float y = static_cast<float>(centre_.y()) - m.y;
+      votes_.push_back({std::log(scale), turn_rad, s.x + c * x - d * y, s.y + d * x + c * y, m.x, m.y, s.x, s.y, i});
+    }
+    std::ranges::stable_sort(votes_, {}, &Vote::log_scale);
+  }
+
+  // Votes that at least kMinVotes support, by falling log-likelihood ratio.
+  [[nodiscard]] std::vector<Seed> SortedSeeds() const {
+    VoteArrays arrays;
+    for (const Vote& vote : votes_) {
+      arrays.turn_rad.push_back(vote.turn_rad);
+      arrays.x.push_back(vote.centre_x);
+      arrays.y.push_back(vote.centre_y);
+    }
+    const auto max_log = static_cast<float>(std::log(kVoteScaleFactor));
+    std::vector<Seed> seeds;
+    std::size_t begin = 0;
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < votes_.size(); ++i) {
+      while (votes_[begin].log_scale < votes_[i].log_scale - max_log) ++begin;
+      while (end < votes_.size() && votes_[end].log_scale <= votes_[i].log_scale + max_log) ++end;
+      const float reach = static_cast<float>(kCentreFraction) * length_px_ * std::exp(votes_[i].log_scale);
+      const float reach2 = reach * reach;
+      int count = 0;
+      for (std::size_t j = begin; j < end; ++j) {  // branch-free, so that the compiler vectorises it
+        const float dx = arrays.x[j] - arrays.x[i];
+        const float dy = arrays.y[j] - arrays.y[i];
+        const float difference = std::abs(arrays.turn_rad[j] - arrays.turn_rad[i]);
+        const float turn = std::min(difference, kCircle_rad - difference);
+        count += static_cast<int>(dx * dx + dy * dy < reach2) & static_cast<int>(turn < kTurn_rad);
+      }
+      if (count < kMinVotes) continue;
+      const double chance = std::min(1.0, kPi * reach2 / area_px2_) * turn_chance_;
+      const double expected = std::max(kMinExpectedVotes, static_cast<double>(end - begin) * chance);
+      if (count <= expected) continue;
+      seeds.push_back({count * std::log(count / expected) - (count - expected), i});
+    }
+    std::ranges::stable_sort(seeds, std::greater{}, &Seed::log_likelihood);
+    return seeds;
+  }
+
+  void MarkNear(const Vote& seed, std::vector<bool>& used) const {
+    const float reach = kSeedDistance * length_px_ * std::exp(seed.log_scale);
+    for (std::size_t j = 0; j < votes_.size(); ++j) {
+      const float dx = votes_[j].centre_x - seed.centre_x;
+      const float dy = votes_[j].centre_y - seed.centre_y;
+      if (dx * dx + dy * dy < reach * reach && std::abs(votes_[j].log_scale - seed.log_scale) < kSeedLogScale)
+        used[j] = true;
+    }
+  }
+
+  [[nodiscard]] std::optional<PoseProposal> ProposeFrom(const Vote& seed) const {
+    Similarity2 map{std::exp(static_cast<double>(seed.log_scale)), seed.turn_rad, Eigen::Vector2d::Zero()};
+    map.translation =
+        Eigen::Vector2d(seed.scene_x, seed.scene_y) - map.Linear() * Eigen::Vector2d(seed.template_x, seed.template_y);
+    for (const double factor : kWideWindows) {
+      if (!Refit(factor, map)) return std::nullopt;
+    }
+    std::optional<PoseProposal> best;
+    for (const double factor : kTestedWindows) {
+      for (int round = 0; round < kRefits; ++round) {
+        if (!Refit(factor, map)) return best;
+      }
+      const std::vector<Inlier> inliers = GatherInliers(map, factor * RadiusPx(map));
+      if (inliers.size() < kMinInliers) return best;
+      const double neg_log10_nfa = NegLog10Nfa(map, inliers, factor * RadiusPx(map));
+      if (!best || neg_log10_nfa > best->neg_log10_nfa)
+        best = PoseProposal{neg_log10_nfa, map.Apply(centre_), size_px_ * map.scale};
+    }
+    return best;
+  }
+
+  // Refits to the inliers of a window; false if there are too few.
+  [[nodiscard]] bool Refit(double factor, Similarity2& map) const {
+    const std::vector<Inlier> inliers = GatherInliers(map, factor * RadiusPx(map));
+    if (inliers.size() < kMinFitted) return false;
+    std::vector<PointPair> pairs;
+    for (const Inlier& inlier : inliers) {
+      const Vote& vote = votes_[inlier.vote];
+      pairs.push_back({{vote.template_x, vote.template_y}, {vote.scene_x, vote.scene_y}});
+    }
+    const std::optional<Similarity2> fitted = SolveSimilarity(pairs);
+    if (!fitted || fitted->scale <= 0) return false;
+    map = *fitted;
+    return true;
+  }
+
+  [[nodiscard]] double RadiusPx(const Similarity2& map) const {
+    return kAgreementSigmas *
+           SimilarityEstimator({}, {.noise_px = kKeypointNoise_px, .shape_px = kShapeFraction * size_px_}).SigmaPx(map);
+  }
+
+  // The votes that agree in position, scale and rotation, one-to-one by rising error.
+  [[nodiscard]] std::vector<Inlier> GatherInliers(const Similarity2& map, double radius_px) const {
+    const auto a = static_cast<float>(map.scale * std::cos(map.rotation_rad));
+    const auto b = static_cast<float>(map.scale * std::sin(map.rotation_rad));
+    const auto x = static_cast<float>(map.translation.x());
+    const auto y = static_cast<float>(map.translation.y());
+    const auto log_scale = static_cast<float>(std::log(map.scale));
+    const auto turn_rad = static_cast<float>(map.rotation_rad);
+    const auto max_log = static_cast<float>(std::log(kVoteScaleFactor));
+    const auto radius2 = static_cast<float>(radius_px * radius_px);
+    const auto begin = std::ranges::lower_bound(votes_, log_scale - max_log, {}, &Vote::log_scale);
+    const auto end = std::ranges::upper_bound(votes_, log_scale + max_log, {}, &Vote::log_scale);
+    std::vector<Inlier> near;
+    for (auto vote = begin; vote < end; ++vote) {
+      const float dx = a * vote->template_x - b * vote->template_y + x - vote->scene_x;
+      const float dy = b * vote->template_x + a * vote->template_y + y - vote->scene_y;
+      const float error2 = dx * dx + dy * dy;
+      if (error2 > radius2 || TurnBetween(vote->turn_rad, turn_rad) > kTurn_rad) continue;
+      near.push_back({error2, static_cast<std::size_t>(vote - votes_.begin())});
+    }
+    std::ranges::stable_sort(near, {}, &Inlier::error2_px2);
+    std::vector<Inlier> kept;
+    for (const Inlier& inlier : near) {
+      const RankedMatch& match = MatchOf(inlier);
+      const bool taken = std::ranges::any_of(kept, [&](const Inlier& other) {
+        return MatchOf(other).template_keypoint == match.template_keypoint ||
+               MatchOf(other).scene_keypoint == match.scene_keypoint;
+      });
+      if (!taken) kept.push_back(inlier);
+    }
+    return kept;
+  }
+
+  [[nodiscard]] const RankedMatch& MatchOf(const Inlier& inlier) const { return matches_[votes_[inlier.vote].match]; }
+
+  [[nodiscard]] double NegLog10Nfa(const Similarity2& map, std::vector<Inlier> inliers, double radius_px) const {
+    const Eigen::Vector2d centre = map.Apply(centre_);
+    const double density =
+        std::clamp(density_.Around(centre.x(), centre.y(), 0.5 * length_px_ * map.scale), kMinDensity, kMaxDensity);
+    const double chance =
+        std::min(1.0, kPi * radius_px * radius_px / area_px2_) * turn_chance_ * kScaleAgreement * density;
+    std::ranges::stable_sort(inliers, {}, [&](const Inlier& inlier) { return MatchOf(inlier).rank; });
+    const auto n = static_cast<double>(model_.size());
+    std::vector<const Keypoint*> independent;
+    double min_log = 0;  // of C(n, k) p_k^k
+    for (const Inlier& inlier : inliers) {
+      const Keypoint& keypoint = scene_.keypoints[MatchOf(inlier).scene_keypoint];
+      const bool is_dependent = std::ranges::any_of(independent, [&](const Keypoint* other) {
+        return std::hypot(keypoint.x - other->x, keypoint.y - other->y) <
+               kSeparationScales * std::max(keypoint.scale_px, other->scale_px);
+      });
+      if (is_dependent) continue;
+      independent.push_back(&keypoint);
+      const auto k = static_cast<double>(independent.size());
+      min_log = std::min(min_log, LogChoose(n, k) + k * std::log(std::min(1.0, MatchOf(inlier).rank * chance)));
+    }
+    const double windows = std::max(1.0, area_px2_ / (kPi * radius_px * radius_px));
+    const double rim = std::max(1.0, 0.5 * size_px_ * map.scale / radius_px);
+    const double log10_poses =
+        std::log10(windows) + std::log10(2 * kPi * rim) + std::log10(kOctaves * std::log(2.0) * rim);
+    return -min_log / std::log(10.0) - log10_poses - kDependenceDecades;
+  }
+
+  const FeatureSet& scene_;
+  const KeypointDensity& density_;
+  std::span<const Keypoint> model_;
+  std::span<const RankedMatch> matches_;
+  const std::optional<UprightPrior>& upright_;
+  Eigen::Vector2d centre_;
+  float length_px_ = 0;
+  double size_px_ = 0;
+  double area_px2_ = 1;
+  double turn_chance_ = 1;   // of two allowed rotations to agree
+  std::vector<Vote> votes_;  // by rising log_scale
+};
+
+}  // namespace
+
+KeypointDensity::KeypointDensity(const FeatureSet& scene)
+    : columns_(std::max(1, static_cast<int>(std::ceil(scene.image_width / kCell_px)))),
+      rows_(std::max(1, static_cast<int>(std::ceil(scene.image_height / kCell_px)))),
+      sums_(static_cast<std::size_t>(columns_ + 1) * static_cast<std::size_t>(rows_ + 1)) {
+  const std::size_t width = static_cast<std::size_t>(columns_) + 1;
+  for (const Keypoint& keypoint : scene.keypoints) {
+    const auto column = static_cast<std::size_t>(std::clamp(keypoint.x / kCell_px, 0.0, columns_ - 1.0));
+    const auto row = static_cast<std::size_t>(std::clamp(keypoint.y / kCell_px, 0.0, rows_ - 1.0));
+    ++sums_[(row + 1) * width + column + 1];
+  }
+  for (std::size_t i = width; i < sums_.size(); ++i) {
+    if (i % width == 0) continue;
+    sums_[i] += sums_[i - 1] + sums_[i - width] - sums_[i - width - 1];
+  }
+}
+
+double KeypointDensity::Around(double x, double y, double half_side_px) const {
+  const auto first = [&](double place, int count) {
+    return static_cast<std::size_t>(std::clamp(std::floor((place - half_side_px) / kCell_px), 0.0, count - 1.0));
+  };
+  const auto last = [&](double place, int count, std::size_t from) {
+    return static_cast<std::size_t>(
+        std::clamp(std::floor((place + half_side_px) / kCell_px) + 1, static_cast<double>(from) + 1, 1.0 * count));
+  };
+  const std::size_t width = static_cast<std::size_t>(columns_) + 1;
+  const std::size_t left = first(x, columns_);
+  const std::size_t right = last(x, columns_, left);
+  const std::size_t top = first(y, rows_);
+  const std::size_t bottom = last(y, rows_, top);
+  const double count = sums_[bottom * width + right] - sums_[top * width + right] - sums_[bottom * width + left] +
+                       sums_[top * width + left];
+  const double mean = sums_.back() / (columns_ * rows_);
+  return mean > 0 ? count / static_cast<double>((right - left) * (bottom - top)) / mean : 1;
+}
+
+std::optional<PoseProposal> ProposePose(const FeatureSet& scene, const KeypointDensity& density,
+                                        std::span<const Keypoint> template_keypoints,
+                                        std::span<const RankedMatch> matches, const Polygon& outline,
+                                        double max_turn_rad, const std::optional<UprightPrior>& upright) {
+  if (outline.size() < 3 || matches.size() < kMinInliers) return std::nullopt;
+  return Proposer(scene, density, template_keypoints, matches, outline, max_turn_rad, upright).Propose();
+}
+
+}  // namespace victorious
