@@ -27,6 +27,10 @@ namespace victorious {
 /// The -log10 NFA of a template without a pose.
 inline constexpr double kNoPose = -std::numeric_limits<double>::infinity();
 
+/// Views of the highest -log10 NFA that vote once more together with the matches of their neighbours: an object seen
+/// from between two views matches keypoints of both (docs/adr/0008).
+inline constexpr int kMaxPooledViews = 6;
+
 /// A matched template and the highest -log10 NFA of its poses.
 struct ScoredVariant {
   TemplateVariant variant;

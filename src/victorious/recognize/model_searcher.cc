@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "victorious/recognize/grammar_search.h"
+#include "victorious/recognize/shortlist_search.h"
 #include "victorious/recognize/vote_search.h"
 
 namespace victorious {
@@ -19,8 +20,15 @@ SearchMethod MethodFor(const ObjectModel& model, SearchMethod method) {
 std::unique_ptr<const ModelSearcher> MakeModelSearcher(const ObjectModel& model,
                                                        std::shared_ptr<const RelitTemplateSource> relit_templates,
                                                        const RecognizeOptions& options) {
-  if (MethodFor(model, options.method) == SearchMethod::kVotes) {
-    return std::make_unique<VoteSearch>(model, std::move(relit_templates), options.search, options.pose);
+  switch (MethodFor(model, options.method)) {
+    case SearchMethod::kVotes:
+      return std::make_unique<VoteSearch>(model, std::move(relit_templates), options.search, options.pose);
+    case SearchMethod::kShortlist:
+      return std::make_unique<ShortlistSearch>(model, std::move(relit_templates), options.search, options.shortlist,
+                                               options.pose);
+    case SearchMethod::kAuto:
+    case SearchMethod::kGrammar:
+      break;
   }
   return std::make_unique<GrammarSearch>(
       model, GrammarSearchOptions{.match = options.match, .cascade = options.cascade, .pose = options.pose});

@@ -3,9 +3,11 @@
 namespace victorious {
 
 void RecognizeOptions::ListFields(FieldList& fields) {
-  fields.Add("method", method, kSearchMethodTexts,
-             {.reason = "pose estimation from matches: grammar, the thesis's ratio test, cascade and MLESAC; votes, "
-                        "Hough voting of ranked matches; auto, votes for CAD models and the grammar for photos"});
+  fields.Add(
+      "method", method, kSearchMethodTexts,
+      {.reason = "pose estimation from matches: grammar, the thesis's ratio test, cascade and MLESAC; votes, "
+                 "Hough voting of ranked matches; shortlist, its fast approximation, which verifies only proposed "
+                 "views; auto, votes for CAD models and the grammar for photos"});
   fields.AddGroup("search", search);
   fields.AddGroup("match", match);
   fields.AddGroup("cascade", cascade);

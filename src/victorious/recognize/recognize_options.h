@@ -10,22 +10,28 @@
 #include "victorious/match/matcher.h"
 #include "victorious/pose/similarity_pose.h"
 #include "victorious/recognize/ncc_rescoring.h"
+#include "victorious/recognize/shortlist_options.h"
 #include "victorious/recognize/vote_search_options.h"
 
 namespace victorious {
 
 /// The method that searches a model (model_searcher.h).
 enum class SearchMethod {
-  kAuto,     ///< kVotes for CAD models, kGrammar for photos
-  kGrammar,  ///< grammar_search.h
-  kVotes,    ///< vote_search.h
+  kAuto,       ///< kVotes for CAD models, kGrammar for photos
+  kGrammar,    ///< grammar_search.h
+  kVotes,      ///< vote_search.h
+  kShortlist,  ///< shortlist_search.h
 };
-inline constexpr auto kSearchMethodTexts = std::to_array<EnumText<SearchMethod>>(
-    {{SearchMethod::kAuto, "auto"}, {SearchMethod::kGrammar, "grammar"}, {SearchMethod::kVotes, "votes"}});
+inline constexpr auto kSearchMethodTexts =
+    std::to_array<EnumText<SearchMethod>>({{SearchMethod::kAuto, "auto"},
+                                           {SearchMethod::kGrammar, "grammar"},
+                                           {SearchMethod::kVotes, "votes"},
+                                           {SearchMethod::kShortlist, "shortlist"}});
 
 struct RecognizeOptions {
   SearchMethod method = SearchMethod::kAuto;
   VoteSearchOptions search;
+  ShortlistOptions shortlist;  ///< none of them is a parameter
   MatchOptions match;
   CascadeOptions cascade;
   PoseOptions pose;

@@ -92,7 +92,7 @@ Status Recognizer::RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& det
 
 Expected<std::vector<Detection>> Recognizer::Recognize(const FeatureSet& features, const FrameConditions& conditions,
                                                        const cv::Mat& grey) const {
-  const PreparedScene scene(features);
+  const PreparedScene scene(features, conditions.vertical);
   std::vector<Candidate> candidates;
   for (std::size_t m = 0; m < searchers_.size(); ++m) {
     VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Candidate> found, searchers_[m]->Search(scene, conditions));

@@ -61,13 +61,21 @@ TEST(Recognizer, GrammarFindsEachInstance) {
   EXPECT_EQ(matched, 3U);
 }
 
-RecognizeOptions ByVotes() {
+RecognizeOptions By(SearchMethod method) {
   RecognizeOptions options;
-  options.method = SearchMethod::kVotes;
+  options.method = method;
   return options;
 }
 
-TEST(Recognizer, VotesFindEachInstance) {
+RecognizeOptions ByVotes() { return By(SearchMethod::kVotes); }
+
+// The methods for CAD models: the vote search, which is the definition, and its approximation.
+class VotesTest : public ::testing::TestWithParam<SearchMethod> {};
+
+INSTANTIATE_TEST_SUITE_P(Methods, VotesTest, ::testing::Values(SearchMethod::kVotes, SearchMethod::kShortlist),
+                         [](const auto& test) { return std::string(ToText(kSearchMethodTexts, test.param)); });
+
+TEST_P(VotesTest, FindEachInstance) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat scene = Texture(640, 480, 4);
   // More instances than the maximum number of seeds.
@@ -76,7 +84,7 @@ TEST(Recognizer, VotesFindEachInstance) {
       Paste(crate, 0.9, 0.5, {430, 120}, scene), Paste(crate, 1.0, 3.0, {120, 340}, scene),
       Paste(crate, 0.9, 1.4, {310, 350}, scene), Paste(crate, 0.8, 0.5, {500, 330}, scene)};
   const Recognizer recognizer = Recognizer::Create({ModelOf("crate", crate), ModelOf("absent", Texture(110, 100, 3))},
-                                                   FeatureOptions().engine, ByVotes())
+                                                   FeatureOptions().engine, By(GetParam()))
                                     .value();
   const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene)).value();
   ASSERT_EQ(detections.size(), truth.size());
@@ -94,7 +102,7 @@ TEST(Recognizer, SearchesOnlyGivenViews) {
   const Eigen::Vector2d centre = Paste(crate, 1.0, 0.5, {150, 120}, scene).Apply({60, 45});
   const FeatureSet features = FeaturesOf(scene);
   const std::vector<std::size_t> views = {0};
-  for (const RecognizeOptions& options : {ByVotes(), RecognizeOptions()}) {
+  for (const RecognizeOptions& options : {ByVotes(), By(SearchMethod::kShortlist), RecognizeOptions()}) {
     const Recognizer recognizer = Recognizer::Create({ModelOf("absent", Texture(110, 100, 3)), ModelOf("crate", crate)},
                                                      FeatureOptions().engine, options)
                                       .value();
@@ -108,7 +116,7 @@ TEST(Recognizer, SearchesOnlyGivenViews) {
 }
 
 // A view without features is no coarse view and does not cover its neighbours.
-TEST(Recognizer, ViewWithoutFeaturesIsNoCoarseView) {
+TEST_P(VotesTest, ViewWithoutFeaturesIsNoCoarseView) {
   const cv::Mat crate = Texture(120, 90, 1);
   ObjectModel model = ModelOf("crate", crate);
   model.kind = ModelKind::kCad;
@@ -119,12 +127,13 @@ TEST(Recognizer, ViewWithoutFeaturesIsNoCoarseView) {
   model.views.insert(model.views.begin(), plain);
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
-  EXPECT_EQ(MakeRecognizer({model}).Recognize(FeaturesOf(scene)).value().size(), 1U);
+  const Recognizer recognizer = Recognizer::Create({model}, "opencv", By(GetParam())).value();
+  EXPECT_EQ(recognizer.Recognize(FeaturesOf(scene)).value().size(), 1U);
 }
 
 // A ring of views, each a neighbour of the adjacent two; only one shows the object in the scene, and it is no coarse
 // view.
-TEST(Recognizer, VotesReachViewsBetweenCoarseViews) {
+TEST_P(VotesTest, ReachViewsBetweenCoarseViews) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat blurred;
   cv::GaussianBlur(crate, blurred, cv::Size(), 2.0);
@@ -150,19 +159,24 @@ TEST(Recognizer, VotesReachViewsBetweenCoarseViews) {
   model.storage = storage;
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
-  const std::vector<Detection> detections = MakeRecognizer({model}).Recognize(FeaturesOf(scene)).value();
+  const auto find = [&](SearchMethod method) {
+    return Recognizer::Create({model}, "opencv", By(method)).value().Recognize(FeaturesOf(scene)).value();
+  };
+  const std::vector<Detection> detections = find(GetParam());
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].view, 1U);
+  EXPECT_EQ(detections[0].neg_log10_nfa, find(SearchMethod::kVotes)[0].neg_log10_nfa) << "verification is exact";
 }
 
-TEST(Recognizer, EstimatesSunFromRelitTemplates) {
+TEST_P(VotesTest, EstimateSunFromRelitTemplates) {
   constexpr std::size_t kView = 2;
   constexpr std::size_t kSunView = 3;
   cv::Mat scene = Texture(640, 480, 4);
   Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
   const FeatureSet features = FeaturesOf(scene);
-  const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, {}, {std::make_shared<const Painted>()}).value();
+  const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, By(GetParam()),
+                                                   {std::make_shared<const Painted>()})
+                                    .value();
   ASSERT_TRUE(recognizer.HasRelitTemplates());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
 
@@ -181,14 +195,14 @@ TEST(Recognizer, EstimatesSunFromRelitTemplates) {
 }
 
 // In a wide field of view the azimuth of the line of sight, and with it the relative sun, varies.
-TEST(Recognizer, SunIsRelativeToTheLineOfSight) {
+TEST_P(VotesTest, SunIsRelativeToTheLineOfSight) {
   constexpr std::size_t kView = 2;
   constexpr std::size_t kSunView = 3;
   const Eigen::Vector2d at(560, 240);
   cv::Mat scene = Texture(640, 480, 4);
   Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, at, scene);
   const FeatureSet features = FeaturesOf(scene);
-  RecognizeOptions options;
+  RecognizeOptions options = By(GetParam());
   options.search.max_tilt_rad = 0.6;  // the scene does not model the lean of the object there
   options.search.sun_step_rad = 0.1;  // much finer than the suns of this test
   const Recognizer recognizer =
@@ -227,6 +241,20 @@ TEST(Recognizer, RelitCoarseViewsHaveHalfResolution) {
   EXPECT_EQ(painted->coarse().size(), kAround / 2);
   EXPECT_TRUE(painted->coarse().contains(kView));
   EXPECT_EQ(painted->sharp(), (std::set<std::size_t>{kView, kView + 1}));
+}
+
+// A model that the scene does not show is not searched at full resolution.
+TEST(Recognizer, ShortlistRefinesProposalsOnly) {
+  const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
+  const Sun sun{.azimuth_rad = -5 * kPi / 6, .elevation_rad = kPi / 4};
+  const auto painted = std::make_shared<const Painted>();
+  RecognizeOptions options = By(SearchMethod::kShortlist);
+  options.shortlist.min_refined_neg_log10_nfa = 4;
+  const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, "opencv", options, {painted}).value();
+  const FrameConditions conditions{.vertical = vertical, .relative_sun = sun};
+  EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, 4)), conditions).value().empty());
+  EXPECT_EQ(painted->coarse().size(), kAround / 2);
+  EXPECT_TRUE(painted->sharp().empty());
 }
 
 // The surface samples of a flat object.
@@ -269,9 +297,9 @@ TEST(Recognizer, NccScoreDecidesUncertainDetections) {
   EXPECT_EQ(Recognizer::Create({}, FeatureOptions().engine, options).error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(Recognizer, VotesFindNothingInUnrelatedScenes) {
+TEST_P(VotesTest, FindNothingInUnrelatedScenes) {
   const Recognizer recognizer =
-      Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, FeatureOptions().engine, ByVotes()).value();
+      Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, FeatureOptions().engine, By(GetParam())).value();
   for (std::uint64_t seed = 10; seed < 16; ++seed)
     EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).value().empty()) << seed;
   EXPECT_TRUE(recognizer.Recognize(FeatureSet()).value().empty());
@@ -325,6 +353,7 @@ TEST(RecognizeParameter, MethodAutoIsVotesForCadModelsAndTheGrammarForPhotos) {
   EXPECT_FALSE(is_found_by_votes(ModelKind::kPhotos, SearchMethod::kAuto));
   EXPECT_TRUE(is_found_by_votes(ModelKind::kCad, SearchMethod::kAuto));
   EXPECT_TRUE(is_found_by_votes(ModelKind::kPhotos, SearchMethod::kVotes));
+  EXPECT_TRUE(is_found_by_votes(ModelKind::kPhotos, SearchMethod::kShortlist));
   EXPECT_FALSE(is_found_by_votes(ModelKind::kCad, SearchMethod::kGrammar));
 }
 
@@ -341,8 +370,8 @@ TEST(RecognizeParameter, NearestIsTheNumberOfRankedMatchesOfATemplateKeypoint) {
     options.search.nearest = nearest;
     const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, options).value();
     std::size_t inliers = 0;
-    const std::vector<Detection> all = recognizer.Recognize(features).value();
-    for (const Detection& found : all) inliers += found.fit.inliers.size();
+    const std::vector<Detection> detections = recognizer.Recognize(features).value();
+    for (const Detection& found : detections) inliers += found.fit.inliers.size();
     return inliers;
   };
   EXPECT_LE(count_inliers(1), model.features.size());
@@ -364,18 +393,23 @@ std::size_t CountTurned(double turn_rad, const FrameConditions& conditions, cons
       .size();
 }
 
-TEST(RecognizeParameter, MaxTiltIsThatOfTheObjectsUpAxisWhereTheAttitudeIsKnown) {
+class UprightParameter : public ::testing::TestWithParam<SearchMethod> {};
+
+INSTANTIATE_TEST_SUITE_P(Methods, UprightParameter, ::testing::Values(SearchMethod::kVotes, SearchMethod::kShortlist),
+                         [](const auto& test) { return std::string(ToText(kSearchMethodTexts, test.param)); });
+
+TEST_P(UprightParameter, MaxTiltIsThatOfTheObjectsUpAxisWhereTheAttitudeIsKnown) {
   const FrameConditions known{.vertical = MakeVertical({0, kPi / 3 - kPi / 2, 0}, 0.3, 640, 480), .relative_sun = {}};
-  RecognizeOptions options;
+  RecognizeOptions options = By(GetParam());
   EXPECT_EQ(CountTurned(0, known, options), 1U);
   EXPECT_EQ(CountTurned(0.8, known, options), 0U);  // a tilt of 2 asin(sin(60 degrees) sin(0.4)) = 0.69
   options.search.max_tilt_rad = 0.75;
   EXPECT_EQ(CountTurned(0.8, known, options), 1U);
-  EXPECT_EQ(CountTurned(0.8, {}, {}), 1U) << "with unknown attitude the camera may be tilted";
+  EXPECT_EQ(CountTurned(0.8, {}, By(GetParam())), 1U) << "with unknown attitude the camera may be tilted";
 }
 
-TEST(RecognizeParameter, MaxHangingIsTheAngleBelowTheHorizontalWhereTheAttitudeIsUnknown) {
-  RecognizeOptions options;
+TEST_P(UprightParameter, MaxHangingIsTheAngleBelowTheHorizontalWhereTheAttitudeIsUnknown) {
+  RecognizeOptions options = By(GetParam());
   EXPECT_EQ(CountTurned(kPi, {}, options), 0U) << "upside down";
   options.search.max_hanging_rad = kPi / 2;
   EXPECT_EQ(CountTurned(kPi, {}, options), 1U);

@@ -13,9 +13,6 @@
 namespace victorious {
 namespace {
 
-// Views of the highest -log10 NFA that vote once more together with the matches of their neighbours: an object seen
-// from between two views matches keypoints of both (docs/adr/0008).
-constexpr int kMaxPooledViews = 6;
 // Coarse views that are also matched relit by the sun: those of the highest -log10 NFA under diffuse light. More than a
 // model has, since direct sun may hide all features of diffuse light; bounds the time for a model of very many views.
 constexpr int kMaxRelitViews = 1000;

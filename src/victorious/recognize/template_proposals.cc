@@ -1,0 +1,103 @@
+#include "victorious/recognize/template_proposals.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "victorious/base/stage_time.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/pose/upright_prior.h"
+
+namespace victorious {
+namespace {
+
+// The vertical's image leans differently at a keypoint and at the object's centre, where the prior holds.
+constexpr double kLeanDifference_rad = 0.06;
+// Poses nearer to each other than this fraction of the smaller one's size show the same instance.
+constexpr double kSamePlaceFraction = 0.5;
+constexpr int kMaxPerPlace = 2;
+
+// The prior of a view, as ModelMatcher applies it; nullopt for a view of unknown angles.
+std::optional<UprightPrior> PriorOf(const ModelView& view, const std::optional<Vertical>& vertical,
+                                    const VoteSearchOptions& options) {
+  if (!view.angles) return std::nullopt;
+  const double off_nadir_rad = view.angles->off_nadir_rad;
+  return vertical ? UprightPrior::FromVertical(*vertical, off_nadir_rad, options.max_tilt_rad)
+                  : UprightPrior::AssumingUprightCamera(off_nadir_rad, options.max_hanging_rad);
+}
+
+bool AreAtOnePlace(const PoseProposal& a, const PoseProposal& b) {
+  return (a.centre_px - b.centre_px).norm() < kSamePlaceFraction * std::min(a.size_px, b.size_px);
+}
+
+}  // namespace
+
+Expected<std::vector<TemplateProposal>> ProposeTemplates(const ObjectModel& model,
+                                                         const RelitTemplateSource* relit_templates,
+                                                         const PreparedScene& scene, const AzimuthCells& cells,
+                                                         const VoteSearchOptions& options,
+                                                         std::span<const TemplateVariant> variants, int nearest) {
+  std::vector<RelitTemplateKey> needed;
+  for (const TemplateVariant& variant : variants) {
+    if (variant.sun_view) needed.push_back({*variant.sun_view, variant.view, variant.half_resolution});
+  }
+  if (!needed.empty()) relit_templates->Prepare(needed);
+  std::vector<std::shared_ptr<const RelitTemplate>> relit(variants.size());
+  std::vector<FeatureView> features;
+  std::map<double, std::vector<std::size_t>> by_max_turn;  // indices into variants
+  std::vector<std::optional<UprightPrior>> priors;
+  const auto [min_ray_rad, max_ray_rad] = cells.OffNadirRange();
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    const TemplateVariant& variant = variants[i];
+    if (variant.sun_view) {
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          relit[i], relit_templates->GetTemplate({*variant.sun_view, variant.view, variant.half_resolution}));
+    }
+    features.push_back(relit[i] ? relit[i]->features.View() : model.ViewFeatures(variant.view));
+    const std::optional<UprightPrior>& prior =
+        priors.emplace_back(PriorOf(model.views[variant.view], scene.vertical(), options));
+    by_max_turn[prior ? prior->MaxTurnFromLean(min_ray_rad, max_ray_rad) : kPi].push_back(i);
+  }
+
+  std::vector<TemplateProposal> proposals;
+  for (const auto& [max_turn_rad, indices] : by_max_turn) {
+    std::vector<FeatureView> templates;
+    for (const std::size_t i : indices) templates.push_back(features[i]);
+    std::vector<std::vector<RankedMatch>> matches;
+    {
+      const StageScope scope(Stage::kMatching);
+      matches = scene.upright_matcher().Match(templates, std::min(kPi, max_turn_rad + kLeanDifference_rad), nearest);
+    }
+    const StageScope scope(Stage::kPoses);
+    for (std::size_t k = 0; k < indices.size(); ++k) {
+      const std::optional<UprightPrior>& prior = priors[indices[k]];
+      std::optional<PoseProposal> pose =
+          ProposePose(scene.features(), scene.density(), templates[k].keypoints, matches[k],
+                      model.views[variants[indices[k]].view].outline, max_turn_rad, prior);
+      if (!pose) continue;
+      if (prior) pose->neg_log10_nfa += prior->SearchReductionDecades();
+      proposals.push_back({variants[indices[k]], *pose});
+    }
+  }
+  return proposals;
+}
+
+std::vector<TemplateProposal> BestProposals(std::vector<TemplateProposal> proposals, int max_count,
+                                            double min_neg_log10_nfa) {
+  std::ranges::stable_sort(proposals, std::greater{},
+                           [](const TemplateProposal& one) { return one.pose.neg_log10_nfa; });
+  std::vector<TemplateProposal> best;
+  for (TemplateProposal& one : proposals) {
+    if (std::ssize(best) >= max_count || one.pose.neg_log10_nfa < min_neg_log10_nfa) break;
+    const auto at_its_place =
+        std::ranges::count_if(best, [&](const TemplateProposal& other) { return AreAtOnePlace(one.pose, other.pose); });
+    if (at_its_place < kMaxPerPlace) best.push_back(std::move(one));
+  }
+  return best;
+}
+
+}  // namespace victorious

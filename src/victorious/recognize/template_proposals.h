@@ -1,0 +1,40 @@
+// recognize/, for ShortlistSearch: estimates how significant the best pose of each template of one model is.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/pose/pose_proposal.h"
+#include "victorious/recognize/azimuth_cells.h"
+#include "victorious/recognize/prepared_scene.h"
+#include "victorious/recognize/relit_templates.h"
+#include "victorious/recognize/template_variant.h"
+#include "victorious/recognize/vote_search_options.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// A template and the estimate of its best pose.
+struct TemplateProposal {
+  TemplateVariant variant;
+  PoseProposal pose;
+};
+
+/// Estimates the poses of templates. Those without a pose are left out.
+/// @param relit_templates  null if no variant has a sun
+/// @param cells            of the searched region: the off-nadir angles of its lines of sight
+/// @param nearest          scene keypoints per template keypoint, of those of allowed orientation
+/// Errors: those of RelitTemplateSource.
+Expected<std::vector<TemplateProposal>> ProposeTemplates(const ObjectModel& model,
+                                                         const RelitTemplateSource* relit_templates,
+                                                         const PreparedScene& scene, const AzimuthCells& cells,
+                                                         const VoteSearchOptions& options,
+                                                         std::span<const TemplateVariant> variants, int nearest);
+
+/// The most significant proposals, by falling -log10 NFA, at least min_neg_log10_nfa; of each place in the scene at
+/// most two, so that one instance does not crowd out another.
+std::vector<TemplateProposal> BestProposals(std::vector<TemplateProposal> proposals, int max_count,
+                                            double min_neg_log10_nfa);
+
+}  // namespace victorious
