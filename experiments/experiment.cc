@@ -82,6 +82,8 @@ std::span<const Experiment> Experiments() {
       Experiment{"figure-calibration", "Calibration of detection scores", &RunFigureCalibration},
       Experiment{"table-features", "Feature engines: repeatability and correct matches at equal counts",
                  &RunTableFeatures},
+      Experiment{"table-shortlist", "The shortlist search against the vote search: lost sightings and time",
+                 &RunTableShortlist},
       Experiment{"table-object-pose", "Errors of view and distance, by what is known of the camera",
                  &RunTableObjectPose},
       Experiment{"table-cheyenne", "Places from a real flight's stares, against the recorded frame centres",

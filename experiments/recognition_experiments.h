@@ -9,5 +9,6 @@ Expected<Report> RunFigure318(const ExperimentSettings& settings);
 Expected<Report> RunFigureCalibration(const ExperimentSettings& settings);
 Expected<Report> RunTableFeatures(const ExperimentSettings& settings);
 Expected<Report> RunTableObjectPose(const ExperimentSettings& settings);
+Expected<Report> RunTableShortlist(const ExperimentSettings& settings);
 
 }  // namespace victorious
