@@ -127,7 +127,7 @@ TEST_P(VotesTest, ViewWithoutFeaturesIsNoCoarseView) {
   model.views.insert(model.views.begin(), plain);
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
-  const Recognizer recognizer = Recognizer::Create({model}, "opencv", By(GetParam())).value();
+  const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, By(GetParam())).value();
   EXPECT_EQ(recognizer.Recognize(FeaturesOf(scene)).value().size(), 1U);
 }
 
@@ -160,7 +160,10 @@ TEST_P(VotesTest, ReachViewsBetweenCoarseViews) {
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
   const auto find = [&](SearchMethod method) {
-    return Recognizer::Create({model}, "opencv", By(method)).value().Recognize(FeaturesOf(scene)).value();
+    return Recognizer::Create({model}, FeatureOptions().engine, By(method))
+        .value()
+        .Recognize(FeaturesOf(scene))
+        .value();
   };
   const std::vector<Detection> detections = find(GetParam());
   ASSERT_EQ(detections.size(), 1U);
