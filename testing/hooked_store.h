@@ -50,6 +50,9 @@ class HookedStore final : public IndexStore {
   Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) override {
     return store_.VisitKeptFrames(filter, visit);
   }
+  Status PutReview(std::int64_t object, const Review& review) override { return store_.PutReview(object, review); }
+  Expected<std::vector<ReviewedObject>> Reviews() override { return store_.Reviews(); }
+  Expected<std::int64_t> ChangeNumber() override { return store_.ChangeNumber(); }
 
  private:
   IndexStore& store_;

@@ -167,10 +167,40 @@ struct SightingFilter {
   std::optional<std::string> model_name;
   std::optional<std::string> category_name;  ///< includes subcategories: "vehicle" matches "vehicle/car"
   std::optional<std::string> video_name;     ///< see FindVideosByName
-  std::optional<double> from_s;   ///< inclusive; an object matches if its time interval overlaps [from_s, to_s]
-  std::optional<double> to_s;     ///< inclusive
-  std::optional<GeoCircle> near;  ///< only objects of known place, and their sightings
-  bool include_rejected = false;  ///< include rejected objects
+  std::optional<double> from_s;        ///< inclusive; an object matches if its time interval overlaps [from_s, to_s]
+  std::optional<double> to_s;          ///< inclusive
+  std::optional<GeoCircle> near;       ///< only objects of known place, and their sightings
+  bool include_rejected = false;       ///< include rejected objects
+  std::optional<std::int64_t> object;  ///< the object of this id
+  std::optional<std::int64_t> video;   ///< the video of this id, or objects seen in it
+};
+
+/// What a person says of an object.
+enum class Verdict {
+  kAccepted,  ///< it is the object that was searched for
+  kRejected,  ///< it is not
+};
+
+/// The texts in the index and in the API.
+inline constexpr auto kVerdictTexts =
+    std::to_array<EnumText<Verdict>>({{Verdict::kAccepted, "accepted"}, {Verdict::kRejected, "rejected"}});
+
+constexpr std::string_view ToText(Verdict verdict) { return ToText(kVerdictTexts, verdict); }
+
+/// The review of an object.
+struct Review {
+  std::optional<Verdict> verdict;  ///< std::nullopt: undecided
+  std::string note;
+  std::int64_t updated_utc_us = 0;  ///< microseconds since 1970
+
+  /// True if it says nothing: the same as no review.
+  [[nodiscard]] bool IsEmpty() const { return !verdict && note.empty(); }
+};
+
+/// A review with the id that its object has at present.
+struct ReviewedObject {
+  std::int64_t object = 0;
+  Review review;
 };
 
 /// Returns the videos whose name equals `name`; if there is none, those whose path ends in the path components of
@@ -222,6 +252,18 @@ class IndexStore {
   /// Visits the kept frames one at a time, by video and frame; `visit` returns false to stop. Ignores the filter's
   /// model.
   virtual Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) = 0;
+
+  /// Replaces the review of an object; an empty one deletes it. A review is stored with the first sighting of each
+  /// tracklet of the object (video by content, model by name, frame, box), not with ids: it survives a new search, and
+  /// follows the object if its tracklets are joined or parted. Error: kNotFound.
+  virtual Status PutReview(std::int64_t object, const Review& review) = 0;
+  /// Returns the reviews of the present objects, by object id. A stored review belongs to the object of its model with
+  /// a sighting in its frame that overlaps its box by half or more (intersection over union); of several, the latest
+  /// counts. Cost: proportional to the number of reviews.
+  virtual Expected<std::vector<ReviewedObject>> Reviews() = 0;
+
+  /// Returns a number that changes whenever another connection has changed the index. Cheap.
+  virtual Expected<std::int64_t> ChangeNumber() = 0;
 };
 
 enum class StoreMode {

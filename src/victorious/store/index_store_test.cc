@@ -328,6 +328,17 @@ TEST_P(IndexStoreTest, NearFilterUsesGroundDistance) {
   EXPECT_THAT(ObjectIds(late), ElementsAre(there));
 }
 
+TEST_P(IndexStoreTest, FilterSelectsOneObjectAndOneVideo) {
+  const std::int64_t here = CommitOne(MakeBatch(0, 3, 0.5));
+  video_ = PutVideo("c2", "/data/b.mp4").id;
+  const std::int64_t there = CommitOne(MakeBatch(0, 2, 0.5));
+  EXPECT_THAT(ObjectIds({.object = there}), ElementsAre(there));
+  EXPECT_THAT(Sightings({.object = here}), SizeIs(3));
+  EXPECT_THAT(ObjectIds({.video = video_}), ElementsAre(there));
+  EXPECT_THAT(Sightings({.video = video_}), SizeIs(2));
+  EXPECT_THAT(Sightings({.object = here, .video = video_}), SizeIs(0));
+}
+
 TEST_P(IndexStoreTest, CommitIsAtomic) {
   IndexBatch batch = MakeBatch(0, 3, 0.5);
   batch.progress.push_back(ProgressTo(3, 0));

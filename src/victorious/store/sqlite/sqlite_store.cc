@@ -50,6 +50,7 @@ Status VisitAll(Statement& statement, std::string_view name,
 // Adds the condition on the ids of the videos that the filter names. Names are compared here, because SQL does not know
 // path components.
 Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_view column, Conditions& conditions) {
+  if (filter.video) conditions.AddOneOf(column, {*filter.video});
   if (!filter.video_name) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   std::vector<std::int64_t> ids;
@@ -355,6 +356,7 @@ Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& f
   AddRejected(filter, conditions);
   VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));
   conditions.AddQuery("o.id IN (SELECT object_id FROM tracklets {})", tracklet_conditions);
+  if (filter.object) conditions.AddOneOf("o.id", {*filter.object});
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
                               connection_->Prepare(SelectObjects() + conditions.text() + std::string(kGroupObjects)));
   conditions.Bind(select);
@@ -371,6 +373,7 @@ Status SqliteStore::VisitSightings(const SightingFilter& filter, const std::func
   Conditions conditions;
   VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "s.video_id", conditions));
   AddModel(filter, "t.model_id", conditions);
+  if (filter.object) conditions.AddOneOf("t.object_id", {*filter.object});
   AddTimes(filter, "s.time_s", "s.time_s", conditions);
   AddRejected(filter, conditions);
   VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));

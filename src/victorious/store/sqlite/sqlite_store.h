@@ -36,6 +36,10 @@ class SqliteStore final : public IndexStore {
   Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) override;
   Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) override;
 
+  Status PutReview(std::int64_t object, const Review& review) override;
+  Expected<std::vector<ReviewedObject>> Reviews() override;
+  Expected<std::int64_t> ChangeNumber() override;
+
  private:
   Expected<std::int64_t> PutOptions(const std::string& json);
   Status PutProgress(const IndexBatch::Progress& progress);

@@ -197,7 +197,7 @@ TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(path_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 5)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 6)"));
   }
 }
 
@@ -238,12 +238,13 @@ TEST_F(SqliteStoreTest, TruncatedFileIsDataLoss) {
 TEST_F(SqliteStoreTest, MigrationsAreAppliedInOrderOnce) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
-  migrations.push_back({static_cast<int>(migrations.size()) + 1, "ALTER TABLE videos ADD COLUMN place TEXT"});
+  const int next = static_cast<int>(migrations.size()) + 1;
+  migrations.push_back({next, "ALTER TABLE videos ADD COLUMN place TEXT"});
   const auto connection = Connection::Open(path_, Access::kWrite);
   for (int i = 0; i < 2; ++i) {
     const Status status = Migrate(**connection, migrations);
     ASSERT_TRUE(status) << status.error().message;
-    EXPECT_EQ(*ReadVersion(**connection, 6), 6);
+    EXPECT_EQ(*ReadVersion(**connection, next), next);
   }
   EXPECT_EQ(*(*connection)->QueryText("SELECT count(*) FROM videos WHERE place IS NULL"), "1");
   EXPECT_EQ(OpenError(path_, StoreMode::kCreate).code, ErrorCode::kUnsupported);

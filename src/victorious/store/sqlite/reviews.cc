@@ -1,0 +1,153 @@
+// The reviews of an index: bound to a sighting's place in a video, resolved to the object that is there at present.
+#include <map>
+
+#include <fmt/format.h>
+
+#include "victorious/base/enum_text.h"
+#include "victorious/store/sqlite/sqlite_store.h"
+
+namespace victorious::sqlite {
+namespace {
+
+// Two boxes in one frame that overlap at least this much show the same object: another search of the same video moves
+// an outline by some pixels.
+constexpr double kMinOverlap = 0.5;
+
+// The columns of the key of reviews.
+constexpr std::string_view kKey =
+    "video_content_id, model_name, frame, box_x_px, box_y_px, box_width_px, box_height_px";
+
+Box ReadBox(const Statement& row, int first_column) {
+  return {row.Real(first_column), row.Real(first_column + 1), row.Real(first_column + 2), row.Real(first_column + 3)};
+}
+
+// What a review is bound to.
+struct Anchor {
+  std::string video_content_id;
+  std::string model_name;
+  std::int64_t frame = 0;
+  Box box;
+
+  // Bound parameters in the order of kKey, followed by `values`.
+  template <typename... Values>
+  void Bind(Statement& statement, const Values&... values) const {
+    statement.Bind(video_content_id, model_name, frame, box.x, box.y, box.width, box.height, values...);
+  }
+};
+
+Anchor ReadAnchor(const Statement& row) { return {row.Text(0), row.Text(1), row.Integer(2), ReadBox(row, 3)}; }
+
+// The anchors of new reviews of an object: the first sighting of each of its tracklets.
+Expected<std::vector<Anchor>> FirstSightings(Connection& connection, std::int64_t object) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement select,
+      connection.Prepare("SELECT v.content_id, m.name, s.frame, s.box_x_px, s.box_y_px, s.box_width_px, "
+                         "s.box_height_px FROM tracklets t JOIN videos v ON v.id = t.video_id "
+                         "JOIN models m ON m.id = t.model_id JOIN sightings s ON s.video_id = t.video_id AND "
+                         "s.tracklet_id = t.id AND s.frame = (SELECT min(frame) FROM sightings "
+                         "WHERE tracklet_id = t.id) WHERE t.object_id = ? ORDER BY t.id"));
+  select.Bind(object);
+  std::vector<Anchor> anchors;
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+    if (!has_row) return anchors;
+    anchors.push_back(ReadAnchor(select));
+  }
+}
+
+// The anchors of the stored reviews that belong to an object.
+Expected<std::vector<Anchor>> StoredAnchors(Connection& connection, std::int64_t object) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement select,
+      connection.Prepare(
+          "SELECT r.video_content_id, r.model_name, r.frame, r.box_x_px, r.box_y_px, r.box_width_px, r.box_height_px, "
+          "s.box_x_px, s.box_y_px, s.box_width_px, s.box_height_px "
+          "FROM tracklets t CROSS JOIN videos v ON v.id = t.video_id CROSS JOIN models m ON m.id = t.model_id "
+          "CROSS JOIN reviews r ON r.video_content_id = v.content_id AND r.model_name = m.name "
+          "CROSS JOIN sightings s ON s.video_id = t.video_id AND s.frame = r.frame AND s.tracklet_id = t.id "
+          "WHERE t.object_id = ?"));
+  select.Bind(object);
+  std::vector<Anchor> anchors;
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+    if (!has_row) return anchors;
+    Anchor anchor = ReadAnchor(select);
+    if (IntersectionOverUnion(anchor.box, ReadBox(select, 7)) >= kMinOverlap) anchors.push_back(std::move(anchor));
+  }
+}
+
+Expected<Review> ReadReview(const Statement& row, int first_column, std::string_view name) {
+  Review review{.note = row.Text(first_column + 1), .updated_utc_us = row.Integer(first_column + 2)};
+  if (row.IsNull(first_column)) return review;
+  const std::string text = row.Text(first_column);
+  review.verdict = FromText(kVerdictTexts, text);
+  if (review.verdict) return review;
+  return std::unexpected(DamagedIndex(name, fmt::format("a review with the verdict \"{}\"", text)));
+}
+
+}  // namespace
+
+Status SqliteStore::PutReview(std::int64_t object, const Review& review) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Anchor> places, FirstSightings(*connection_, object));
+  if (places.empty()) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: object {} does not exist (another process may have deleted or joined it)",
+                            connection_->name(), object));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Anchor> replaced, StoredAnchors(*connection_, object));
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement remove,
+        connection_->Prepare(fmt::format("DELETE FROM reviews WHERE ({}) = (?1, ?2, ?3, ?4, ?5, ?6, ?7)", kKey)));
+    for (const Anchor& anchor : replaced) {
+      anchor.Bind(remove);
+      VICTORIOUS_RETURN_IF_ERROR(remove.Run());
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement insert,
+        connection_->Prepare(fmt::format("INSERT OR REPLACE INTO reviews ({}, verdict, note, updated_utc_us) "
+                                         "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                                         kKey)));
+    const auto verdict = review.verdict ? std::optional(std::string(ToText(*review.verdict))) : std::nullopt;
+    for (const Anchor& anchor : places) {
+      if (review.IsEmpty()) break;
+      anchor.Bind(insert, verdict, review.note, review.updated_utc_us);
+      VICTORIOUS_RETURN_IF_ERROR(insert.Run());
+    }
+  }
+  return transaction.Commit();
+}
+
+Expected<std::vector<ReviewedObject>> SqliteStore::Reviews() {
+  // CROSS JOIN: from each review to its frame, in this order.
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement select,
+      connection_->Prepare(
+          "SELECT t.object_id, r.box_x_px, r.box_y_px, r.box_width_px, r.box_height_px, s.box_x_px, s.box_y_px, "
+          "s.box_width_px, s.box_height_px, r.verdict, r.note, r.updated_utc_us "
+          "FROM reviews r CROSS JOIN videos v ON v.content_id = r.video_content_id "
+          "CROSS JOIN models m ON m.name = r.model_name "
+          "CROSS JOIN sightings s ON s.video_id = v.id AND s.frame = r.frame "
+          "CROSS JOIN tracklets t ON t.id = s.tracklet_id AND t.model_id = m.id WHERE t.object_id IS NOT NULL"));
+  std::map<std::int64_t, Review> latest;
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+    if (!has_row) break;
+    if (IntersectionOverUnion(ReadBox(select, 1), ReadBox(select, 5)) < kMinOverlap) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(Review review, ReadReview(select, 9, connection_->name()));
+    const auto [at, is_new] = latest.try_emplace(select.Integer(0), review);
+    if (!is_new && review.updated_utc_us > at->second.updated_utc_us) at->second = std::move(review);
+  }
+  std::vector<ReviewedObject> reviews;
+  for (auto& [object, review] : latest) reviews.push_back({object, std::move(review)});
+  return reviews;
+}
+
+Expected<std::int64_t> SqliteStore::ChangeNumber() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare("PRAGMA data_version"));
+  VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const bool has_row, select.Step());
+  return select.Integer(0);
+}
+
+}  // namespace victorious::sqlite

@@ -1,0 +1,133 @@
+// Reviews in an index: bound to places in a video, resolved to the objects that are there.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+#include "victorious/store/index_store.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::SizeIs;
+
+class ReviewsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    Reopen();
+    video_ = store_->PutVideo({.content_id = "c1", .name = "a.mp4", .width = 640, .height = 480})->id;
+    model_ = store_->PutModel({.name = "humvee", .content_id = "m1", .kind = ModelKind::kPhotos})->id;
+  }
+
+  void Reopen() {
+    store_.reset();
+    auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+    ASSERT_TRUE(store) << store.error().message;
+    store_ = *std::move(store);
+  }
+
+  // One tracklet with sightings in `frames` frames from `first_frame` on.
+  IndexBatch MakeBatch(std::int64_t first_frame, int frames, double score) const {
+    IndexBatch batch;
+    batch.tracklets.push_back(
+        {std::nullopt, {.video = video_, .model = model_, .score = score, .frames = frames, .last_time_s = 9}});
+    for (int i = 0; i < frames; ++i) {
+      batch.sightings.push_back({0,
+                                 {.frame = first_frame + i,
+                                  .time_s = 0.5 * static_cast<double>(first_frame + i),
+                                  .box = {1.25, 2.5, 30, 40},
+                                  .outline = {{1, 2}, {31, 2}, {31, 42}},
+                                  .score = score,
+                                  .matches = 14}});
+    }
+    return batch;
+  }
+
+  std::int64_t CommitOne(const IndexBatch& batch) {
+    const auto ids = store_->Commit(batch);
+    EXPECT_TRUE(ids) << ids.error().message;
+    return ids ? ids->front() : 0;
+  }
+
+  testing::ScratchFolder folder_;
+  std::unique_ptr<IndexStore> store_;
+  std::int64_t video_ = 0;
+  std::int64_t model_ = 0;
+};
+
+TEST_F(ReviewsTest, ReviewIsReplacedAndDeleted) {
+  const std::int64_t object = CommitOne(MakeBatch(0, 3, 0.5));
+  CommitOne(MakeBatch(8, 1, 0.5));
+  EXPECT_TRUE(store_->Reviews()->empty());
+  ASSERT_TRUE(store_->PutReview(object, {Verdict::kAccepted, "by the barn", 10}));
+  Reopen();
+  auto reviews = store_->Reviews();
+  ASSERT_TRUE(reviews) << reviews.error().message;
+  ASSERT_THAT(*reviews, SizeIs(1));
+  EXPECT_EQ(reviews->front().object, object);
+  EXPECT_EQ(reviews->front().review.verdict, Verdict::kAccepted);
+  EXPECT_EQ(reviews->front().review.note, "by the barn");
+  EXPECT_EQ(reviews->front().review.updated_utc_us, 10);
+  ASSERT_TRUE(store_->PutReview(object, {Verdict::kRejected, "", 20}));
+  reviews = store_->Reviews();
+  ASSERT_THAT(*reviews, SizeIs(1));
+  EXPECT_EQ(reviews->front().review.verdict, Verdict::kRejected);
+  ASSERT_TRUE(store_->PutReview(object, {}));
+  EXPECT_TRUE(store_->Reviews()->empty());
+  EXPECT_EQ(store_->PutReview(1234, {Verdict::kAccepted, "", 1}).error().code, ErrorCode::kNotFound);
+}
+
+// The same sightings by a new search: other ids, and the box a few pixels off.
+TEST_F(ReviewsTest, ReviewSurvivesANewSearch) {
+  const std::int64_t object = CommitOne(MakeBatch(0, 3, 0.5));
+  ASSERT_TRUE(store_->PutReview(object, {Verdict::kRejected, "a shed", 10}));
+  ASSERT_TRUE(store_->DeleteSearch(video_, model_));
+  EXPECT_TRUE(store_->Reviews()->empty()) << "no object is there";
+  IndexBatch again = MakeBatch(0, 3, 0.6);
+  for (auto& one : again.sightings) one.sighting.box = {4, 4, 30, 40};
+  const std::int64_t found = CommitOne(again);
+  ASSERT_NE(found, object);
+  ASSERT_THAT(*store_->Reviews(), SizeIs(1));
+  EXPECT_EQ(store_->Reviews()->front().object, found);
+  ASSERT_TRUE(store_->PutReview(found, {}));
+  EXPECT_TRUE(store_->Reviews()->empty()) << "the review of the former search is replaced";
+
+  ASSERT_TRUE(store_->PutReview(found, {Verdict::kAccepted, "", 20}));
+  ASSERT_TRUE(store_->DeleteSearch(video_, model_));
+  for (auto& one : again.sightings) one.sighting.box = {300, 200, 30, 40};
+  CommitOne(again);
+  EXPECT_TRUE(store_->Reviews()->empty()) << "another object, elsewhere in the frame";
+}
+
+TEST_F(ReviewsTest, ReviewFollowsJoinedAndPartedTracklets) {
+  const std::int64_t a = CommitOne(MakeBatch(0, 2, 0.5));
+  const std::int64_t b = CommitOne(MakeBatch(10, 2, 0.5));
+  ASSERT_TRUE(store_->PutReview(a, {Verdict::kAccepted, "first", 10}));
+  ASSERT_TRUE(store_->PutReview(b, {Verdict::kRejected, "second", 20}));
+  const std::vector<ObjectRecord> joined = {{.id = a, .model = model_, .tracklets = {a, b}}};
+  ASSERT_TRUE(store_->PutObjects(joined));
+  auto reviews = store_->Reviews();
+  ASSERT_THAT(*reviews, SizeIs(1));
+  EXPECT_EQ(reviews->front().object, a);
+  EXPECT_EQ(reviews->front().review.note, "second") << "the latest counts";
+  ASSERT_TRUE(store_->PutReview(a, {Verdict::kAccepted, "both", 30}));
+  const std::vector<ObjectRecord> parted = {{.id = a, .model = model_, .tracklets = {a}},
+                                            {.id = b, .model = model_, .tracklets = {b}}};
+  ASSERT_TRUE(store_->PutObjects(parted));
+  reviews = store_->Reviews();
+  ASSERT_THAT(*reviews, SizeIs(2));
+  EXPECT_EQ(reviews->front().review.note, "both");
+  EXPECT_EQ(reviews->back().review.note, "both");
+}
+
+TEST_F(ReviewsTest, ChangeNumberFollowsOtherConnections) {
+  const auto other = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+  ASSERT_TRUE(other);
+  const auto before = store_->ChangeNumber();
+  ASSERT_TRUE(before) << before.error().message;
+  EXPECT_EQ(*store_->ChangeNumber(), *before);
+  ASSERT_TRUE((*other)->PutVideo({.content_id = "c9", .name = "z.mp4", .width = 64, .height = 48}));
+  EXPECT_NE(*store_->ChangeNumber(), *before);
+}
+
+}  // namespace
+}  // namespace victorious
