@@ -1,0 +1,67 @@
+#include "victorious/video/frame_times.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "victorious/video/demuxer.h"
+#include "victorious/video/ffmpeg_handles.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+namespace {
+
+Error Cancelled(const std::string& source) { return {ErrorCode::kCancelled, source + ": cancelled"}; }
+
+// The stamps of all packets whose frames are presented, in presentation order; empty if one is missing or repeated, or
+// a packet cannot be read.
+std::vector<std::int64_t> ReadStamps(Demuxer& demuxer, const CancelToken& cancel) {
+  const int video = demuxer.video().index;
+  demuxer.KeepStreams([&](const AVStream& stream) { return stream.index == video; });
+  const PacketHandle packet(av_packet_alloc());
+  std::vector<std::int64_t> stamps;
+  int result = 0;
+  while ((result = demuxer.Read(packet.get())) >= 0 && !cancel.IsCancelled()) {
+    const bool is_shown = packet->stream_index == video && (packet->flags & AV_PKT_FLAG_DISCARD) == 0;
+    const bool is_sound = packet->pts != AV_NOPTS_VALUE && (packet->flags & AV_PKT_FLAG_CORRUPT) == 0;
+    if (is_shown && is_sound) stamps.push_back(packet->pts);
+    av_packet_unref(packet.get());
+    if (is_shown && !is_sound) return {};
+  }
+  if (result != AVERROR_EOF) return {};
+  std::ranges::sort(stamps);
+  if (std::ranges::adjacent_find(stamps) != stamps.end()) return {};
+  return stamps;
+}
+
+Expected<std::vector<double>> DecodeTimes(const std::string& source, const CancelToken& cancel) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {}));
+  std::vector<double> times_s;
+  while (true) {
+    if (cancel.IsCancelled()) return std::unexpected(Cancelled(source));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
+    if (!frame) return times_s;
+    times_s.push_back(frame->time_s);
+  }
+}
+
+}  // namespace
+
+Expected<std::vector<double>> ReadFrameTimes(const std::string& source, std::optional<std::int64_t> frame_count,
+                                             const CancelToken& cancel) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(source, error)) return DecodeTimes(source, cancel);
+  const auto demuxer = Demuxer::Open({.name = source});
+  if (!demuxer) return DecodeTimes(source, cancel);  // an image, or an error that VideoReader describes
+  const std::vector<std::int64_t> stamps = ReadStamps(**demuxer, cancel);
+  if (cancel.IsCancelled()) return std::unexpected(Cancelled(source));
+  const bool is_complete = !stamps.empty() && (!frame_count || std::ssize(stamps) == *frame_count);
+  if (!is_complete) return DecodeTimes(source, cancel);
+  const double tick_s = av_q2d((*demuxer)->video().time_base);
+  std::vector<double> times_s;
+  times_s.reserve(stamps.size());
+  for (const std::int64_t stamp : stamps) times_s.push_back(static_cast<double>(stamp - stamps.front()) * tick_s);
+  return times_s;
+}
+
+}  // namespace victorious
