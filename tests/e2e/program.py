@@ -44,6 +44,25 @@ class Outcome(NamedTuple):
         return [json.loads(line) for line in self.out.splitlines()]
 
 
+class Server:
+    """`victorious serve` on a free port, as a context manager. `url` ends without a slash."""
+
+    def __init__(self, db: Path, *flags):
+        command = [PROGRAM, "serve", "--db", db, "--listen", "127.0.0.1:0", *flags]
+        self.process = subprocess.Popen(
+            list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        self.url = self.process.stdout.readline().strip().rstrip("/")
+
+    def __enter__(self) -> "Server":
+        assert self.url.startswith("http://127.0.0.1:"), self.process.communicate()[1]
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.err = self.process.communicate(timeout=TIMEOUT_S)[1]
+
+
 def run(*arguments, timeout_s: float = TIMEOUT_S, **options) -> Outcome:
     done = subprocess.run(
         [PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=timeout_s, check=False, **options

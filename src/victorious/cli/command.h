@@ -34,6 +34,7 @@ Action SetUpModel(CLI::App& app);
 Action SetUpNavigate(CLI::App& app);
 Action SetUpParams(CLI::App& app);
 Action SetUpSearch(CLI::App& app);
+Action SetUpServe(CLI::App& app);
 Action SetUpSheet(CLI::App& app);
 Action SetUpSimulate(CLI::App& app);
 Action SetUpTelemetry(CLI::App& app);

@@ -26,6 +26,7 @@ constexpr std::array kCommands = {
     Command{"search", "Find", "List the objects found, ranked, or the moments similar to an image", &SetUpSearch},
     Command{"export", "Find", "Export the results as JSON, map or annotation files", &SetUpExport},
     Command{"track", "Find", "Track the objects in user boxes through one or more videos", &SetUpTrack},
+    Command{"serve", "Find", "Show the results in the browser: ranked list, video and map", &SetUpServe},
     Command{"sheet", "Find", "Draw the objects found on a contact sheet", &SetUpSheet},
     Command{"locate", "Find", "Locate the intersection of lines of sight, with covariance", &SetUpLocate},
     Command{"navigate", "Find", "Estimate the camera pose from landmarks of known place", &SetUpNavigate},

@@ -1,0 +1,83 @@
+// victorious serve --db FILE: the triage page and its API
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/serve/api.h"
+#include "victorious/serve/http_server.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string db;
+  std::string models;
+  std::string listen = "127.0.0.1:8080";
+  std::string telemetry;
+  std::string web;
+};
+
+// The built page: beside the program in a build folder, or where a package installs it.
+std::filesystem::path FindPage() {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  for (const char* relative : {"web", "../share/victorious/web"}) {
+    if (std::filesystem::exists(program / relative / "index.html", error)) return program / relative;
+  }
+  return {};
+}
+
+Status Run(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const HttpServerOptions server_options, ParseListenAddress(arguments.listen));
+  ApiOptions options{.index = arguments.db, .models = arguments.models, .telemetry = {}, .web = arguments.web};
+  if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
+  std::error_code error;
+  if (options.web.empty()) {
+    options.web = FindPage();
+    if (options.web.empty()) spdlog::warn("the page is not built, only the API is served: `make build` builds it");
+  } else if (!std::filesystem::exists(options.web / "index.html", error)) {
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: has no index.html: give the folder of the built page "
+                                                  "(`make build` writes it to build/web)",
+                                                  arguments.web));
+  }
+  const CancelToken& interrupt = Interrupt();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<Api> api, Api::Open(std::move(options), interrupt));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<HttpServer> server,
+                              HttpServer::Listen(server_options, [&](const HttpRequest& request, int port) {
+                                return api->Handle(request, port);
+                              }));
+  const bool is_ipv6 = server_options.address.find(':') != std::string::npos;
+  VICTORIOUS_RETURN_IF_ERROR(WriteOutput(
+      "", fmt::format("http://{}:{}/\n", is_ipv6 ? "[" + server_options.address + "]" : server_options.address,
+                      server->port())));
+  std::fflush(stdout);
+  spdlog::info("open this address in a browser; Ctrl-C ends the server");
+  server->Run(interrupt);
+  return {};
+}
+
+}  // namespace
+
+Action SetUpServe(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
+  app.add_option("--models", arguments->models, "Model library: shows the view that matched beside a sighting")
+      ->type_name("DIR");
+  app.add_option("--listen", arguments->listen, "Loopback address and port; port 0: any free one")
+      ->capture_default_str()
+      ->type_name("ADDRESS:PORT");
+  app.add_option("--telemetry", arguments->telemetry,
+                 "Telemetry of the index's only video (default: in the video or beside it)")
+      ->type_name("FILE");
+  app.add_option("--web", arguments->web, "The built page (default: as built or installed)")->type_name("DIR");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,71 @@
+// The routes of `victorious serve`: from a request to its response. api/openapi.json describes them. No network here:
+// http_server.h calls Handle from several threads.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "victorious/base/cancel.h"
+#include "victorious/serve/api_error.h"
+#include "victorious/serve/camera_path.h"
+#include "victorious/serve/http_message.h"
+#include "victorious/serve/index_view.h"
+#include "victorious/serve/request_target.h"
+#include "victorious/serve/static_files.h"
+#include "victorious/serve/video_files.h"
+
+namespace victorious {
+
+struct ApiOptions {
+  std::filesystem::path index;
+  std::filesystem::path models;          ///< model library, for the images of views; empty: none
+  std::optional<std::string> telemetry;  ///< telemetry file of the index's only video; std::nullopt: found by itself
+  std::filesystem::path web;             ///< the built page
+};
+
+/// Thread-safe.
+class Api {
+ public:
+  /// @param cancel  ends long reading of videos; must outlive the Api
+  /// Errors: those of IndexView::Open; kInvalidArgument for telemetry with several videos; kNotFound for a models
+  /// folder that is not there.
+  static Expected<std::unique_ptr<Api>> Open(ApiOptions options, const CancelToken& cancel);
+
+  /// @param port  of the server: the Host header must name it
+  [[nodiscard]] HttpResponse Handle(const HttpRequest& request, int port);
+
+ private:
+  Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken& cancel);
+
+  using Segments = std::span<const std::string>;
+
+  ApiExpected<HttpResponse> Route(const HttpRequest& request, const RequestTarget& target);
+  ApiExpected<HttpResponse> RouteVideo(const HttpRequest& request, Segments segments, QueryReader& query);
+  ApiExpected<HttpResponse> RouteObject(const HttpRequest& request, Segments segments, QueryReader& query);
+  ApiExpected<HttpResponse> Project();
+  ApiExpected<HttpResponse> Videos();
+  ApiExpected<HttpResponse> Objects(QueryReader& query);
+  ApiExpected<HttpResponse> Object(const IndexSnapshot& snapshot, const ListedObject& object);
+  ApiExpected<HttpResponse> Sightings(SightingFilter filter, QueryReader& query);
+  ApiExpected<HttpResponse> Thumbnail(const HttpRequest& request, const IndexSnapshot& snapshot,
+                                      const ListedObject& object, QueryReader& query);
+  ApiExpected<HttpResponse> PutReview(const HttpRequest& request, const ListedObject& object);
+  ApiExpected<HttpResponse> VideoFile(const HttpRequest& request, const VideoRecord& video);
+  ApiExpected<HttpResponse> VideoFrame(const HttpRequest& request, const VideoRecord& video, std::string_view number);
+  ApiExpected<HttpResponse> Camera(const IndexLists& lists, const VideoRecord& video);
+  ApiExpected<HttpResponse> ViewImage(const HttpRequest& request, Segments segments);
+  Expected<CameraPath> ReadCameraPath(const IndexLists& lists, const VideoRecord& video);
+  Expected<std::optional<SightingRecord>> BestSighting(std::int64_t object);
+
+  ApiOptions options_;
+  std::unique_ptr<IndexView> index_;
+  VideoFiles videos_;
+  StaticFiles page_;
+  std::mutex camera_mutex_;
+  ByteCache camera_paths_;
+};
+
+}  // namespace victorious

@@ -1,0 +1,35 @@
+// The JSON of the API's resources (api/openapi.json is their description).
+#pragma once
+
+#include "victorious/serve/camera_path.h"
+#include "victorious/serve/index_view.h"
+#include "victorious/store/export_json.h"
+
+namespace victorious {
+
+/// Null for no review.
+[[nodiscard]] Json ReviewToJson(const Review* review);
+
+[[nodiscard]] Json ObjectToJson(const ListedObject& listed, const IndexSnapshot& snapshot);
+
+[[nodiscard]] Json SightingToJson(const SightingRecord& sighting);
+
+/// @param missing  why the video's file cannot be read; empty: it can
+[[nodiscard]] Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing);
+
+/// @param index       its file
+/// @param has_views   images of the models' views can be had
+[[nodiscard]] Json ProjectToJson(const std::filesystem::path& index, const IndexSnapshot& snapshot, bool can_review,
+                                 bool has_views);
+
+[[nodiscard]] Json CameraPathToJson(const CameraPath& path);
+
+/// The horizontal 90 % confidence ellipse of a covariance: half axes and the direction of the longer one.
+struct EllipseAxes {
+  double semi_major_m = 0;
+  double semi_minor_m = 0;
+  double azimuth_rad = 0;  ///< of the longer axis, clockwise from north, [0, pi)
+};
+[[nodiscard]] EllipseAxes ComputeEllipseAxes(const Eigen::Matrix3d& covariance_enu_m2);
+
+}  // namespace victorious

@@ -1,0 +1,306 @@
+#include "victorious/serve/api.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "testing/data.h"
+#include "testing/video_tools.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/image/image_file.h"
+
+namespace victorious {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr int kPort = 8080;
+constexpr int kFrames = 30;
+
+// An index of one video whose frames show their numbers, with three objects: scores 0.9, 0.8, 0.7; the first has a
+// place.
+class ApiTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    testing::WriteTestVideo(
+        folder_ / "flight.mp4",
+        {.size = {320, 240}, .time_base_hz = 10, .pts = testing::SteadyTimes(kFrames, 1), .max_b_frames = 2});
+    const auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+    ASSERT_TRUE(store) << store.error().message;
+    const VideoRecord video = *(*store)->PutVideo(
+        {.content_id = "c1", .name = (folder_ / "flight.mp4").string(), .width = 320, .height = 240});
+    ASSERT_TRUE((*store)->SetVideoLength(video.id, kFrames, 0.1 * (kFrames - 1)));
+    const ModelRecord model = *(*store)->PutModel({.name = "jeep", .content_id = "m1", .kind = ModelKind::kCad});
+    for (int i = 0; i < 3; ++i) {
+      IndexBatch batch;
+      const double score = 0.9 - 0.1 * i;
+      batch.tracklets.push_back({std::nullopt,
+                                 {.video = video.id,
+                                  .model = model.id,
+                                  .score = score,
+                                  .frames = 5,
+                                  .first_time_s = 1.0 * i,
+                                  .last_time_s = 1.0 * i + 0.4}});
+      for (int frame = 10 * i; frame < 10 * i + 5; ++frame) {
+        batch.sightings.push_back({0,
+                                   {.frame = frame,
+                                    .time_s = 0.1 * frame,
+                                    .box = {40, 30, 100, 60},
+                                    .score = score,
+                                    .matches = frame == 10 * i + 3 ? 20 : 10}});
+      }
+      const auto ids = (*store)->Commit(batch);
+      ASSERT_TRUE(ids) << ids.error().message;
+      ids_.push_back(ids->front());
+    }
+    Geolocation place{.point = {RadiansFromDegrees(52), RadiansFromDegrees(13), 40}, .time_s = 0.4};
+    place.covariance_enu_m2 = Eigen::Vector3d(1, 4, 1).asDiagonal();
+    place.ce90_m = 3;
+    const std::vector<ObjectRecord> located = {
+        {.id = ids_[0], .model = model.id, .tracklets = {ids_[0]}, .place = place}};
+    ASSERT_TRUE((*store)->PutObjects(located));
+    Open();
+  }
+
+  void Open() {
+    auto api = Api::Open({.index = folder_ / "index.db", .models = {}, .telemetry = {}, .web = {}}, cancel_);
+    ASSERT_TRUE(api) << api.error().message;
+    api_ = *std::move(api);
+  }
+
+  HttpResponse Send(HttpRequest request) {
+    if (request.host.empty()) request.host = "127.0.0.1:8080";
+    return api_->Handle(request, kPort);
+  }
+
+  json Get(const std::string& target, int status = 200) {
+    const HttpResponse response = Send({.target = target});
+    EXPECT_EQ(response.status, status) << target << response.body;
+    return json::parse(response.body, nullptr, false);
+  }
+
+  HttpResponse Review(std::int64_t object, const std::string& body) {
+    return Send({.method = HttpMethod::kPut,
+                 .target = "/api/v1/objects/" + std::to_string(object) + "/review",
+                 .content_type = "application/json",
+                 .body = body});
+  }
+
+  std::vector<std::int64_t> Listed(const std::string& query) {
+    std::vector<std::int64_t> ids;
+    const json answer = Get("/api/v1/objects?" + query);
+    for (const json& one : answer["objects"]) ids.push_back(one["id"]);
+    return ids;
+  }
+
+  testing::ScratchFolder folder_;
+  CancelToken cancel_;
+  std::vector<std::int64_t> ids_;
+  std::unique_ptr<Api> api_;
+};
+
+TEST_F(ApiTest, ListsObjectsByRankAndFilters) {
+  EXPECT_THAT(Listed(""), ElementsAre(ids_[0], ids_[1], ids_[2]));
+  EXPECT_THAT(Listed("min_score=0.75"), ElementsAre(ids_[0], ids_[1]));
+  EXPECT_THAT(Listed("from=1.2&to=1.9"), ElementsAre(ids_[1]));
+  EXPECT_THAT(Listed("near=52,13,50"), ElementsAre(ids_[0]));
+  EXPECT_THAT(Listed("near=53,13,50"), SizeIs(0));
+  EXPECT_THAT(Listed("model=tank"), SizeIs(0));
+  EXPECT_THAT(Listed("video=99"), SizeIs(0));
+  EXPECT_EQ(Get("/api/v1/objects?model=jeep&limt=3", 400)["field"], "limt");
+  EXPECT_EQ(Get("/api/v1/objects?limit=0", 400)["field"], "limit");
+  EXPECT_EQ(Get("/api/v1/objects?cursor=x", 400)["field"], "cursor");
+}
+
+TEST_F(ApiTest, CursorWalksTheListOnce) {
+  std::vector<std::int64_t> seen;
+  std::string query = "limit=2";
+  for (int page = 0; page < 5; ++page) {
+    const json answer = Get("/api/v1/objects?" + query);
+    for (const json& one : answer["objects"]) seen.push_back(one["id"]);
+    if (answer["next_cursor"].is_null()) break;
+    query = "limit=2&cursor=" + answer["next_cursor"].get<std::string>();
+  }
+  EXPECT_THAT(seen, ElementsAre(ids_[0], ids_[1], ids_[2]));
+}
+
+TEST_F(ApiTest, ObjectHasItsPlaceAndBestSighting) {
+  const json object = Get("/api/v1/objects/" + std::to_string(ids_[0]));
+  EXPECT_NEAR(object["place"]["latitude_deg"].get<double>(), 52, 1e-9);
+  EXPECT_NEAR(object["place"]["ellipse"]["semi_major_m"].get<double>(), 4.292, 1e-3);
+  EXPECT_EQ(object["best"]["frame"], 3) << "the sighting with most matches";
+  EXPECT_EQ(object["moments"][0]["frames"], 5);
+  EXPECT_TRUE(Get("/api/v1/objects/" + std::to_string(ids_[1]))["place"].is_null());
+  EXPECT_EQ(Get("/api/v1/objects/99999", 404)["code"], "not_found");
+  EXPECT_EQ(Get("/api/v1/objects/none", 404)["code"], "not_found");
+}
+
+TEST_F(ApiTest, SightingsAreThoseOfTheTimes) {
+  const json all = Get("/api/v1/videos/1/sightings");
+  EXPECT_THAT(all["sightings"], SizeIs(15));
+  EXPECT_EQ(all["truncated"], false);
+  const json some = Get("/api/v1/videos/1/sightings?from=1&to=1.15");
+  ASSERT_THAT(some["sightings"], SizeIs(2));
+  EXPECT_EQ(some["sightings"][0]["frame"], 10);
+  EXPECT_EQ(some["sightings"][0]["object_id"], ids_[1]);
+  const json first = Get("/api/v1/videos/1/sightings?limit=4");
+  EXPECT_THAT(first["sightings"], SizeIs(4));
+  EXPECT_EQ(first["truncated"], true);
+  EXPECT_THAT(Get("/api/v1/objects/" + std::to_string(ids_[2]) + "/sightings")["sightings"], SizeIs(5));
+}
+
+TEST_F(ApiTest, FramesHaveTheirTimesAndPixels) {
+  const json times_s = Get("/api/v1/videos/1/times")["times_s"];
+  ASSERT_THAT(times_s, SizeIs(kFrames));
+  EXPECT_EQ(times_s[7], 0.7);
+  for (const int frame : {0, 7, 12, 29}) {
+    const HttpResponse response = Send({.target = "/api/v1/videos/1/frames/" + std::to_string(frame)});
+    ASSERT_EQ(response.status, 200) << response.body;
+    const auto image = DecodeImage(std::as_bytes(std::span(response.body)), "frame");
+    ASSERT_TRUE(image);
+    EXPECT_EQ(testing::DecodeImageNumber(image->bgr), frame);
+  }
+  EXPECT_EQ(Get("/api/v1/videos/1/frames/30", 404)["code"], "not_found");
+}
+
+TEST_F(ApiTest, ThumbnailShowsTheBestSighting) {
+  const std::string target = "/api/v1/objects/" + std::to_string(ids_[0]) + "/thumbnail?width=160";
+  const HttpResponse response = Send({.target = target});
+  ASSERT_EQ(response.status, 200) << response.body;
+  EXPECT_EQ(response.content_type, "image/jpeg");
+  const auto image = DecodeImage(std::as_bytes(std::span(response.body)), "thumbnail");
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->bgr.size(), cv::Size(160, 120));
+  EXPECT_EQ(Send({.target = target, .if_none_match = response.headers.front().second}).status, 304);
+}
+
+TEST(CropRegion, ContainsTheBoxInsideTheFrame) {
+  const Box region = CropRegion({10, 10, 100, 60}, 640, 480);
+  EXPECT_NEAR(region.width / region.height, 4.0 / 3, 1e-9);
+  EXPECT_EQ(region.x, 0);
+  EXPECT_GE(region.width, 150);
+  const Box at_corner = CropRegion({600, 450, 40, 30}, 640, 480);
+  EXPECT_LE(at_corner.x + at_corner.width, 640);
+  EXPECT_LE(at_corner.y + at_corner.height, 480);
+  EXPECT_EQ(CropRegion({5, 5, 2, 2}, 640, 480).height, 48) << "a small object is not magnified without end";
+  EXPECT_LT(CropRegion({0, 0, 640, 480}, 640, 480).x, 0) << "the whole frame, with a border";
+}
+
+TEST_F(ApiTest, ReviewIsKept) {
+  const HttpResponse put = Review(ids_[1], R"({"verdict": "accepted", "note": "by the barn"})");
+  ASSERT_EQ(put.status, 200) << put.body;
+  EXPECT_EQ(json::parse(put.body)["review"]["verdict"], "accepted");
+  EXPECT_THAT(Listed("review=accepted"), ElementsAre(ids_[1]));
+  EXPECT_THAT(Listed("review=none"), ElementsAre(ids_[0], ids_[2]));
+  EXPECT_EQ(Get("/api/v1/project")["accepted"], 1);
+  Open();
+  EXPECT_EQ(Get("/api/v1/objects/" + std::to_string(ids_[1]))["review"]["note"], "by the barn");
+  EXPECT_EQ(Review(ids_[1], R"({"verdict": null, "note": ""})").status, 200);
+  EXPECT_TRUE(Get("/api/v1/objects/" + std::to_string(ids_[1]))["review"].is_null());
+}
+
+TEST_F(ApiTest, MalformedReviewsAreRefused) {
+  const struct {
+    std::string body, field;
+  } cases[] = {{"", ""},
+               {"[]", ""},
+               {R"({"verdict": "maybe"})", "verdict"},
+               {R"({"verdict": 3})", "verdict"},
+               {R"({"note": 3})", "note"},
+               {R"({"note": ")" + std::string(4001, 'x') + R"("})", "note"},
+               {R"({"score": 1})", "score"},
+               {"{\"note\": \"\xff\"}", ""}};
+  for (const auto& one : cases) {
+    const HttpResponse response = Review(ids_[0], one.body);
+    EXPECT_EQ(response.status, 400) << one.body;
+    const json error = json::parse(response.body);
+    EXPECT_EQ(error["field"], one.field.empty() ? json() : json(one.field)) << one.body;
+    EXPECT_THAT(error["message"].get<std::string>(), ::testing::Not(HasSubstr("\n")));
+  }
+  EXPECT_EQ(Review(12345, R"({"verdict": null})").status, 404);
+  EXPECT_TRUE(Get("/api/v1/objects/" + std::to_string(ids_[0]))["review"].is_null());
+}
+
+TEST_F(ApiTest, OtherSitesAreRefused) {
+  EXPECT_EQ(Send({.target = "/api/v1/project", .host = "evil.example:8080"}).status, 421);
+  EXPECT_EQ(Send({.target = "/", .host = "127.0.0.1:8081"}).status, 421) << "DNS rebinding to another port";
+  EXPECT_EQ(Send({.target = "/api/v1/project", .host = "LOCALHOST:8080"}).status, 200);
+  EXPECT_EQ(Send({.target = "/api/v1/project", .host = "[::1]:8080"}).status, 200);
+  EXPECT_EQ(Send({.target = "/api/v1/project", .origin = "http://evil.example"}).status, 403);
+  EXPECT_EQ(Send({.target = "/api/v1/project", .origin = "null"}).status, 403);
+  EXPECT_EQ(Send({.target = "/api/v1/project", .origin = "http://127.0.0.1:8080"}).status, 200);
+  EXPECT_EQ(Send({.target = "/api/v1/project", .fetch_site = "cross-site"}).status, 403);
+  EXPECT_EQ(Send({.target = "/", .fetch_site = "cross-site"}).status, 200) << "a link to the page";
+  HttpRequest form{.method = HttpMethod::kPut, .target = "/api/v1/objects/1/review", .content_type = "text/plain"};
+  EXPECT_EQ(Send(form).status, 415);
+}
+
+TEST_F(ApiTest, OtherAddressesAndMethodsAreRefused) {
+  for (const char* target : {"/api", "/api/v1", "/api/v2/project", "/api/v1/none", "/api/v1/videos/1/none",
+                             "/api/v1/objects/1/none", "/none.js", "/api/v1/videos/9"}) {
+    EXPECT_EQ(Send({.target = target}).status, 404) << target;
+  }
+  EXPECT_EQ(Send({.target = "/api/v1/../v1/project"}).status, 400);
+  EXPECT_EQ(Send({.method = HttpMethod::kOther, .target = "/api/v1/project"}).status, 405);
+  HttpRequest put{.method = HttpMethod::kPut, .target = "/api/v1/project", .content_type = "application/json"};
+  EXPECT_EQ(Send(put).status, 405);
+  EXPECT_EQ(Get("/api/v1/project?x=1", 400)["field"], "x");
+}
+
+TEST_F(ApiTest, VideoIsSentInParts) {
+  const HttpResponse part = Send({.target = "/api/v1/videos/1/file", .range = "bytes=4-7"});
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.content_type, "video/mp4");
+  EXPECT_EQ(part.file->length, 4);
+  std::filesystem::remove(folder_ / "flight.mp4");
+  EXPECT_THAT(Get("/api/v1/videos/1/file", 404)["message"].get<std::string>(), HasSubstr("move it back"));
+  EXPECT_THAT(Get("/api/v1/videos/1")["missing"].get<std::string>(), HasSubstr("flight.mp4"));
+}
+
+TEST_F(ApiTest, CameraPathComesFromTelemetry) {
+  EXPECT_TRUE(Get("/api/v1/videos/1/camera")["source"].is_null());
+  EXPECT_THAT(Get("/api/v1/videos/1/camera")["reason"].get<std::string>(), HasSubstr("telemetry"));
+  testing::WriteBytes(folder_ / "flight.mp4.telemetry.csv",
+                      "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
+                      "0,52,13,140,0,-90,0,60\n3,52.001,13,140,0,-90,0,60\n");
+  Open();
+  const json camera = Get("/api/v1/videos/1/camera");
+  EXPECT_EQ(camera["source"], "telemetry");
+  ASSERT_THAT(camera["points"], SizeIs(2));
+  EXPECT_EQ(camera["ground_m"], 40.0) << "that of the located object";
+  EXPECT_THAT(camera["points"][0]["footprint"], SizeIs(4));
+}
+
+TEST_F(ApiTest, IndexWithoutWritePermissionTakesNoReviews) {
+  api_.reset();
+  std::filesystem::remove(folder_ / "index.db-wal");
+  std::filesystem::permissions(folder_ / "index.db", std::filesystem::perms::owner_read);
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  std::error_code error;
+  const bool is_root = std::ofstream(folder_ / "probe").good();
+  if (!is_root) {
+    Open();
+    EXPECT_EQ(Get("/api/v1/project")["can_review"], false);
+    EXPECT_EQ(Review(ids_[0], R"({"verdict": "accepted"})").status, 403);
+  }
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_all);
+  if (is_root) GTEST_SKIP() << "root may write everywhere";
+}
+
+TEST(Api, ReportsAnIndexThatIsNotThere) {
+  const testing::ScratchFolder folder;
+  const CancelToken cancel;
+  const auto api = Api::Open({.index = folder / "none.db", .models = {}, .telemetry = {}, .web = {}}, cancel);
+  ASSERT_FALSE(api);
+  EXPECT_EQ(api.error().code, ErrorCode::kNotFound);
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.db")) << "no file is made";
+}
+
+}  // namespace
+}  // namespace victorious

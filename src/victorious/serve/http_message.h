@@ -1,0 +1,45 @@
+// HTTP requests and responses as plain values: what the routes (api.h) read and return. http_server.h converts them to
+// and from the wire.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace victorious {
+
+enum class HttpMethod { kGet, kHead, kPut, kOther };
+
+/// A received request. A header that was not sent is empty.
+struct HttpRequest {
+  HttpMethod method = HttpMethod::kGet;
+  std::string target;  ///< as sent: path and query
+  std::string host;
+  std::string origin;
+  std::string fetch_site;  ///< Sec-Fetch-Site: how the page that sends the request relates to this server
+  std::string content_type;
+  std::string range;
+  std::string if_range;
+  std::string if_none_match;
+  std::string body;
+};
+
+/// A part of a file, sent without being read into memory.
+struct FileSlice {
+  std::filesystem::path path;
+  std::int64_t offset = 0;  ///< bytes
+  std::int64_t length = 0;  ///< bytes
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string content_type;  ///< empty: no content
+  std::vector<std::pair<std::string, std::string>> headers;
+  std::string body;               ///< ignored if `file` is set
+  std::optional<FileSlice> file;  ///< the body
+};
+
+}  // namespace victorious

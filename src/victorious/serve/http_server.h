@@ -1,0 +1,51 @@
+// An HTTP/1.1 server (Boost.Beast): limits, time-outs, keep-alive, files in parts. The handler makes the responses.
+//
+// One thread (that of Run) does all input and output; a pool of threads runs the handler, so that a request that
+// decodes a frame holds up no other. Boost does not leave http_server.cc.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/serve/http_message.h"
+
+namespace victorious {
+
+struct HttpServerOptions {
+  std::string address = "127.0.0.1";  ///< IPv4 or IPv6, numeric
+  int port = 8080;                    ///< 0: any free one
+  int threads = 8;                    ///< that run the handler
+  std::size_t max_connections = 900;  ///< further ones wait
+  std::size_t max_header_bytes = 16 << 10;
+  std::size_t max_body_bytes = 64 << 10;
+  std::chrono::milliseconds request_timeout{15'000};  ///< from a request's first byte to its last
+  std::chrono::milliseconds idle_timeout{60'000};     ///< between requests
+  std::chrono::milliseconds send_timeout{60'000};     ///< without progress
+};
+
+/// Parses "ADDRESS:PORT"; "[::1]:8080" for IPv6. Error: kInvalidArgument, also for an address that is not a loopback
+/// address: there are no accounts, so other machines must not reach it.
+Expected<HttpServerOptions> ParseListenAddress(const std::string& text);
+
+class HttpServer {
+ public:
+  /// Called from several threads at once, with the server's port. Must not throw.
+  using Handler = std::function<HttpResponse(const HttpRequest& request, int port)>;
+
+  /// Binds the port. Errors: kConflict if another program has it; kPermissionDenied; kInvalidArgument.
+  static Expected<std::unique_ptr<HttpServer>> Listen(const HttpServerOptions& options, Handler handler);
+
+  virtual ~HttpServer() = default;
+
+  [[nodiscard]] virtual int port() const = 0;
+
+  /// Serves until `cancel`; responses that were begun are then finished, for at most two seconds.
+  virtual void Run(const CancelToken& cancel) = 0;
+};
+
+}  // namespace victorious

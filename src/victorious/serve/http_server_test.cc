@@ -1,0 +1,206 @@
+// The server over real sockets: limits, time-outs, keep-alive, files in parts, many connections, the end.
+#include "victorious/serve/http_server.h"
+
+#include <atomic>
+#include <thread>
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "testing/data.h"
+#include "testing/video_tools.h"
+#include "victorious/serve/byte_range.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Client {
+ public:
+  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  ~Client() { ::close(socket_); }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  void Send(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      if (sent <= 0) return;
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+    }
+  }
+
+  // Everything until the server closes the connection.
+  [[nodiscard]] std::string ReadAll() const {
+    std::string text;
+    std::array<char, 65536> chunk{};
+    ssize_t got = 0;
+    while ((got = ::recv(socket_, chunk.data(), chunk.size(), 0)) > 0)
+      text.append(chunk.data(), static_cast<std::size_t>(got));
+    return text;
+  }
+
+  // Until the text ends with `end`.
+  [[nodiscard]] std::string ReadUntil(std::string_view end) const {
+    std::string text;
+    char c = 0;
+    while (!text.ends_with(end) && ::recv(socket_, &c, 1, 0) == 1) text += c;
+    return text;
+  }
+
+ private:
+  int socket_;
+};
+
+class HttpServerTest : public ::testing::Test {
+ protected:
+  void Start(HttpServerOptions options = {}) {
+    options.port = 0;
+    options.threads = 2;
+    auto server = HttpServer::Listen(options, [this](const HttpRequest& request, int port) {
+      ++requests_;
+      if (request.target == "/file") {
+        return FileResponse(request, folder_ / "file.bin", 1'000'000, "application/octet-stream", "\"e\"");
+      }
+      if (request.target == "/gone") {
+        return FileResponse(request, folder_ / "gone.bin", 10, "application/octet-stream", "\"e\"");
+      }
+      return HttpResponse{
+          .content_type = "text/plain", .headers = {}, .body = request.body + std::to_string(port), .file = {}};
+    });
+    ASSERT_TRUE(server) << server.error().message;
+    server_ = *std::move(server);
+    thread_ = std::thread([this] { server_->Run(cancel_); });
+  }
+
+  void TearDown() override {
+    cancel_.Cancel();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  std::string Exchange(std::string_view bytes) const {
+    const Client client(server_->port());
+    client.Send(bytes);
+    return client.ReadAll();
+  }
+
+  testing::ScratchFolder folder_;
+  CancelToken cancel_;
+  std::atomic<int> requests_ = 0;
+  std::unique_ptr<HttpServer> server_;
+  std::thread thread_;
+};
+
+TEST_F(HttpServerTest, AnswersOneAfterAnotherOnAConnection) {
+  Start();
+  const Client client(server_->port());
+  const std::string port = std::to_string(server_->port());
+  for (int i = 0; i < 3; ++i) {
+    client.Send("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
+    const std::string answer = client.ReadUntil("\r\n\r\n" + port);
+    EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK"));
+    EXPECT_THAT(answer, HasSubstr("X-Content-Type-Options: nosniff"));
+    EXPECT_THAT(answer, HasSubstr("Content-Length: " + std::to_string(port.size())));
+  }
+  client.Send("GET /a HTTP/1.1\r\nHost: x\r\n\r\nGET /b HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(client.ReadAll(), EndsWith(port)) << "two requests sent at once";
+  EXPECT_EQ(requests_, 5);
+}
+
+TEST_F(HttpServerTest, SendsPartsOfFiles) {
+  std::string bytes(1'000'000, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 + i / 256);
+  testing::WriteBytes(folder_ / "file.bin", bytes);
+  Start();
+  const std::string end = "\r\nConnection: close\r\n\r\n";
+  const std::string whole = Exchange("GET /file HTTP/1.1\r\nHost: x" + end);
+  EXPECT_EQ(whole.substr(whole.find("\r\n\r\n") + 4), bytes);
+  const std::string part = Exchange("GET /file HTTP/1.1\r\nHost: x\r\nRange: bytes=300000-900000" + end);
+  EXPECT_THAT(part, StartsWith("HTTP/1.1 206"));
+  EXPECT_THAT(part, HasSubstr("Content-Range: bytes 300000-900000/1000000"));
+  EXPECT_EQ(part.substr(part.find("\r\n\r\n") + 4), bytes.substr(300000, 600001));
+  const std::string none = Exchange("GET /file HTTP/1.1\r\nHost: x\r\nRange: bytes=2000000-" + end);
+  EXPECT_THAT(none, StartsWith("HTTP/1.1 416"));
+  const std::string head = Exchange("HEAD /file HTTP/1.1\r\nHost: x" + end);
+  EXPECT_THAT(head, HasSubstr("Content-Length: 1000000"));
+  EXPECT_THAT(head, EndsWith("\r\n\r\n")) << "no body";
+  EXPECT_THAT(Exchange("GET /gone HTTP/1.1\r\nHost: x" + end), StartsWith("HTTP/1.1 404"));
+}
+
+TEST_F(HttpServerTest, RefusesWhatIsTooLargeOrNoHttp) {
+  Start({.max_header_bytes = 2000, .max_body_bytes = 100});
+  EXPECT_THAT(Exchange("GET / HTTP/1.1\r\nX: " + std::string(3000, 'a') + "\r\n\r\n"), StartsWith("HTTP/1.1 431"));
+  EXPECT_THAT(Exchange("PUT / HTTP/1.1\r\nHost: x\r\nContent-Length: 101\r\n\r\n" + std::string(101, 'a')),
+              StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(Exchange("PUT / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\nffff\r\n" +
+                       std::string(65535, 'a') + "\r\n0\r\n\r\n"),
+              StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(Exchange("no HTTP at all\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_EQ(requests_, 0);
+  EXPECT_THAT(Exchange("PUT / HTTP/1.1\r\nHost: x\r\nConnection: close\r\nContent-Length: 2\r\n\r\nok"),
+              HasSubstr("\r\n\r\nok"));
+}
+
+TEST_F(HttpServerTest, DropsSlowClients) {
+  Start({.request_timeout = std::chrono::milliseconds(100), .idle_timeout = std::chrono::milliseconds(100)});
+  EXPECT_EQ(Exchange("GET / HTTP/1.1\r\nHost:"), "") << "a header that never ends";
+  EXPECT_EQ(Exchange(""), "") << "no request";
+  EXPECT_EQ(requests_, 0);
+}
+
+TEST_F(HttpServerTest, ServesManyConnections) {
+  Start({.max_connections = 50});
+  std::vector<std::unique_ptr<Client>> idle;
+  for (int i = 0; i < 49; ++i) idle.push_back(std::make_unique<Client>(server_->port()));
+  EXPECT_THAT(Exchange("GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"), StartsWith("HTTP/1.1 200"));
+  for (int i = 0; i < 20; ++i) idle.push_back(std::make_unique<Client>(server_->port()));
+  const Client waiting(server_->port());
+  waiting.Send("GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  idle.clear();
+  EXPECT_THAT(waiting.ReadAll(), StartsWith("HTTP/1.1 200")) << "accepted once others are gone";
+}
+
+TEST_F(HttpServerTest, EndsWithIdleConnectionsOpen) {
+  Start();
+  const Client idle(server_->port());
+  idle.Send("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(idle.ReadUntil(std::to_string(server_->port())), StartsWith("HTTP/1.1 200"));
+  cancel_.Cancel();
+  thread_.join();
+}
+
+TEST_F(HttpServerTest, ReportsAPortInUse) {
+  Start();
+  HttpServerOptions options;
+  options.port = server_->port();
+  const auto second = HttpServer::Listen(options, [](const HttpRequest&, int) { return HttpResponse{}; });
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::kConflict);
+}
+
+TEST(ListenAddress, IsLoopbackOnly) {
+  EXPECT_EQ(ParseListenAddress("127.0.0.1:8080")->port, 8080);
+  EXPECT_EQ(ParseListenAddress("localhost:0")->address, "127.0.0.1");
+  EXPECT_EQ(ParseListenAddress("[::1]:80")->address, "::1");
+  for (const char* text : {"0.0.0.0:8080", "[::]:8080", "192.0.2.1:8080"}) {
+    EXPECT_THAT(ParseListenAddress(text).error().message, HasSubstr("loopback")) << text;
+  }
+  for (const char* text : {"", "8080", "127.0.0.1", "127.0.0.1:", "127.0.0.1:x", "127.0.0.1:99999", "name:80"}) {
+    EXPECT_THAT(ParseListenAddress(text).error().message, HasSubstr("as in 127.0.0.1:8080")) << text;
+  }
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,45 @@
+#include "victorious/serve/request_guard.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "victorious/serve/api_error.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::array<std::string_view, 3> kLoopbackNames = {"127.0.0.1", "localhost", "[::1]"};
+
+bool IsOwnHost(std::string_view host, int port) {
+  return std::ranges::any_of(kLoopbackNames, [&](std::string_view name) {
+    return host == fmt::format("{}:{}", name, port) || (port == 80 && host == name);
+  });
+}
+
+}  // namespace
+
+std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, int port) {
+  std::string host = request.host;
+  std::ranges::transform(host, host.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (!IsOwnHost(host, port)) {
+    return ErrorResponse(
+        421, "foreign_host",
+        fmt::format("this server answers to http://127.0.0.1:{} only, not to the host \"{}\"", port, request.host));
+  }
+  const std::string_view origin = request.origin;
+  if (!origin.empty() && !(origin.starts_with("http://") && IsOwnHost(origin.substr(7), port))) {
+    return ErrorResponse(403, "foreign_origin", "pages of other sites may not use this server");
+  }
+  if (request.fetch_site == "cross-site" && request.target.starts_with("/api/")) {
+    return ErrorResponse(403, "foreign_origin", "pages of other sites may not use this server");
+  }
+  if (request.method == HttpMethod::kPut && !request.content_type.starts_with("application/json")) {
+    return ErrorResponse(415, "unsupported", "the body must have the content type application/json", "Content-Type");
+  }
+  return std::nullopt;
+}
+
+}  // namespace victorious

@@ -1,0 +1,17 @@
+// Refuses requests that a page of another site sends through the user's browser. A server on the loopback address is
+// reached by every page that the browser shows: directly, and by a name that its owner points to 127.0.0.1 (DNS
+// rebinding). The browser's headers tell them apart.
+#pragma once
+
+#include <optional>
+
+#include "victorious/serve/http_message.h"
+
+namespace victorious {
+
+/// Returns the refusal of a request, or std::nullopt. Host must be 127.0.0.1, localhost or [::1] with this port (421);
+/// Origin, if sent, the same server, and a request for the API must not come from another site (403); a request with a
+/// body must be JSON (415).
+[[nodiscard]] std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, int port);
+
+}  // namespace victorious

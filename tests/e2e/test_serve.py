@@ -1,0 +1,236 @@
+"""`serve`: every route against api/openapi.json, ranges of the video, refusals, reviews that outlive the server."""
+
+import contextlib
+import functools
+import http.client
+import json
+import shutil
+import signal
+import socket
+import sqlite3
+import time
+import urllib.parse
+
+import program
+
+API = json.loads((program.REPOSITORY / "api" / "openapi.json").read_text())
+
+
+def resolve(schema):
+    """Follows a reference within the description."""
+    while "$ref" in schema:
+        node = API
+        for part in schema["$ref"].removeprefix("#/").split("/"):
+            node = node[part]
+        schema = node
+    return schema
+
+
+TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
+
+
+def has_type(value, name) -> bool:
+    if name == "integer":
+        return isinstance(value, int) and not isinstance(value, bool)
+    if name == "number":
+        return isinstance(value, (int, float)) and not isinstance(value, bool)
+    return isinstance(value, TYPES[name])
+
+
+def problems(value, schema, at="$"):
+    """What of `value` contradicts `schema`: the keywords that api/openapi.json uses."""
+    schema = resolve(schema)
+    if "anyOf" in schema and all(list(problems(value, one, at)) for one in schema["anyOf"]):
+        yield f"{at}: none of anyOf: {value!r}"
+    for one in schema.get("allOf", ()):
+        yield from problems(value, one, at)
+    if "enum" in schema and value not in schema["enum"]:
+        yield f"{at}: {value!r} is not one of {schema['enum']}"
+    if "type" in schema:
+        names = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+        if not any(has_type(value, name) for name in names):
+            yield f"{at}: {value!r} is no {' or '.join(names)}"
+            return
+    if isinstance(value, dict) and ("properties" in schema or "required" in schema):
+        properties = schema.get("properties", {})
+        yield from (f"{at}: lacks {name}" for name in schema.get("required", ()) if name not in value)
+        for name, member in value.items():
+            if name in properties:
+                yield from problems(member, properties[name], f"{at}.{name}")
+            elif schema.get("additionalProperties") is False:
+                yield f"{at}: has {name}, which is not described"
+    if isinstance(value, list):
+        if not schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)):
+            yield f"{at}: has {len(value)} items"
+        for i, item in enumerate(value):
+            yield from problems(item, schema.get("items", {}), f"{at}[{i}]")
+
+
+@functools.cache
+def index_of_mp4():
+    path = program.folder_until_exit() / "index.db"
+    done = program.run("index", program.flight() / "flight.mp4", "--models", program.models(), "--db", path)
+    assert done.status == 0, done.err
+    return path
+
+
+class ServeTest(program.ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.db = self.scratch / "index.db"
+        self.video = self.scratch / "flight.mp4"
+        shutil.copy(program.flight() / "flight.mp4", self.video)
+        shutil.copy(index_of_mp4(), self.db)
+        with contextlib.closing(sqlite3.connect(self.db)) as db, db:
+            db.execute("UPDATE videos SET name = ?", (str(self.video),))
+
+    def serve(self, *flags):
+        return program.Server(self.db, *flags)
+
+    def ask(self, server, path, method="GET", body=None, **headers):
+        port = urllib.parse.urlsplit(server.url).port
+        with contextlib.closing(http.client.HTTPConnection("127.0.0.1", port, timeout=60)) as connection:
+            if body is not None:
+                headers.setdefault("Content-Type", "application/json")
+            connection.request(method, path, body=body, headers=headers)
+            response = connection.getresponse()
+            return response.status, dict(response.getheaders()), response.read()
+
+    def get(self, server, path, status=200):
+        got, _, body = self.ask(server, path)
+        self.assertEqual(got, status, body)
+        return json.loads(body)
+
+    def review(self, server, number, **review):
+        path = f"/api/v1/objects/{number}/review"
+        status, _, body = self.ask(server, path, "PUT", json.dumps(review))
+        self.assertEqual(status, 200, body)
+        return json.loads(body)
+
+    def test_answers_as_described(self):
+        """Each path of the description is asked once with values that exist, and once with values that do not."""
+        seen = set()
+        with self.serve("--models", program.models()) as server:
+            found = self.get(server, "/api/v1/objects")["objects"][0]
+            best = self.get(server, f"/api/v1/objects/{found['id']}")["best"]
+            video = found["moments"][0]["video_id"]
+            for path, item in API["paths"].items():
+                real = path.replace("{view}", str(best["view_index"])).replace("{frame}", "3")
+                number = {"videos": video, "objects": found["id"], "models": found["model_id"]}.get(path.split("/")[3])
+                for method in ("get", "put"):
+                    if method not in item:
+                        continue
+                    body = '{"verdict": "accepted", "note": "x"}' if method == "put" else None
+                    for target in {real.replace("{id}", str(number)), real.replace("{id}", "987654")}:
+                        status, headers, text = self.ask(server, target, method.upper(), body)
+                        answer = item[method]["responses"].get(str(status))
+                        self.assertIsNotNone(answer, f"{target}: {status} is not described: {text[:200]}")
+                        seen.add((path, status))
+                        content = resolve(answer).get("content", {})
+                        if "application/json" in content:
+                            self.assertEqual(headers["Content-Type"], "application/json")
+                            schema = content["application/json"]["schema"]
+                            self.assertEqual(list(problems(json.loads(text), schema)), [], target)
+                        elif content:
+                            self.assertIn(headers["Content-Type"], content, target)
+                            self.assertGreater(len(text), 100)
+        for path in API["paths"]:
+            self.assertIn((path, 200), seen)
+            if "{" in path:
+                self.assertIn((path, 404), seen)
+
+    def test_sends_ranges_of_the_video(self):
+        whole = self.video.read_bytes()
+        with self.serve() as server:
+            status, headers, body = self.ask(server, "/api/v1/videos/1/file")
+            self.assertEqual((status, body), (200, whole))
+            for text, first, last in (("bytes=0-9", 0, 9), (f"bytes={len(whole) - 5}-", -5, None), ("bytes=-7", -7, None)):
+                status, part, body = self.ask(server, "/api/v1/videos/1/file", Range=text)
+                self.assertEqual(status, 206)
+                self.assertEqual(body, whole[first:] if last is None else whole[first : last + 1], text)
+                self.assertTrue(part["Content-Range"].endswith(f"/{len(whole)}"))
+            self.assertEqual(self.ask(server, "/api/v1/videos/1/file", Range=f"bytes={len(whole)}-")[0], 416)
+            etag = headers["ETag"]
+            self.assertEqual(self.ask(server, "/api/v1/videos/1/file", **{"If-None-Match": etag})[0], 304)
+
+    def test_refuses_foreign_and_broken_requests(self):
+        outside = self.write("secret.txt", "secret")
+        web = self.scratch / "web"
+        self.write("web/index.html", "page")
+        (web / "link").symlink_to(outside)
+        with self.serve("--web", web) as server:
+            self.assertEqual(self.ask(server, "/")[2], b"page")
+            for target in ("/../secret.txt", "/%2e%2e/secret.txt", "/..%2fsecret.txt", "/link", "/api/v1/videos/1/file/x"):
+                status, _, body = self.ask(server, target)
+                self.assertIn(status, (400, 404), target)
+                self.assertNotIn(b"secret", body)
+            self.assertEqual(self.ask(server, "/api/v1/project", Host="rebound.example")[0], 421)
+            self.assertEqual(self.ask(server, "/api/v1/project", Origin="http://other.example")[0], 403)
+            self.assertEqual(self.ask(server, "/api/v1/objects/1/review", "PUT", "{}", **{"Content-Type": "text/plain"})[0], 415)
+            self.assertEqual(self.ask(server, "/api/v1/project", "DELETE")[0], 405)
+            self.assertEqual(self.ask(server, "/api/v1/objects/1/review", "PUT", "x" * 100_000)[0], 413)
+            port = urllib.parse.urlsplit(server.url).port
+            with socket.create_connection(("127.0.0.1", port), timeout=60) as raw:
+                raw.sendall(b"GET / HTTP/1.1\r\nX: " + b"a" * 20_000 + b"\r\n\r\n")
+                self.assertIn(b" 431 ", raw.recv(4096))
+            self.assertEqual(self.get(server, "/api/v1/project")["videos"], 1)  # still there
+
+    def test_reviews_survive_a_kill(self):
+        with self.serve() as server:
+            ids = [one["id"] for one in self.get(server, "/api/v1/objects")["objects"]]
+            self.review(server, ids[0], verdict="rejected", note="a shadow")
+            server.process.send_signal(signal.SIGKILL)
+        with self.serve() as server:
+            found = self.get(server, f"/api/v1/objects/{ids[0]}")
+            self.assertEqual(found["review"]["verdict"], "rejected")
+            self.assertEqual(found["review"]["note"], "a shadow")
+
+    def test_reviews_survive_a_new_search(self):
+        """The same video searched again from nothing: other ids, the same objects."""
+        with self.serve() as server:
+            before = self.get(server, "/api/v1/objects")["objects"][0]
+            self.review(server, before["id"], verdict="accepted", note="kept")
+        self.succeeds("index", self.video, "--models", program.models(), "--db", self.db, "--redo")
+        with self.serve() as server:
+            reviewed = self.get(server, "/api/v1/objects?review=accepted")["objects"]
+        self.assertEqual([(one["model"], one["review"]["note"]) for one in reviewed], [(before["model"], "kept")])
+        self.assertNotEqual(reviewed[0]["id"], before["id"])
+        self.assertEqual(reviewed[0]["first_time_s"], before["first_time_s"])
+
+    def test_shows_what_another_process_adds(self):
+        with self.serve() as server:
+            count = self.get(server, "/api/v1/project")["accepted"]
+            self.assertEqual(count, 0)
+            with self.serve() as second:
+                number = self.get(second, "/api/v1/objects")["objects"][0]["id"]
+                self.review(second, number, verdict="accepted")
+            seen = 0
+            for _ in range(200):  # at most once a second the index is looked at again
+                seen = self.get(server, "/api/v1/project")["accepted"]
+                if seen:
+                    break
+                time.sleep(0.05)
+            self.assertEqual(seen, 1)
+
+    def test_ends_when_asked(self):
+        for sent in (signal.SIGINT, signal.SIGTERM):
+            with self.serve() as server:
+                self.get(server, "/api/v1/project")
+                server.process.send_signal(sent)
+                self.assertEqual(server.process.wait(timeout=program.TIMEOUT_S), 0)
+
+    def test_refuses_bad_arguments(self):
+        self.refuses(2, "loopback", "serve", "--db", self.db, "--listen", "0.0.0.0:8080")
+        self.refuses(2, "127.0.0.1:8080", "serve", "--db", self.db, "--listen", "8080")
+        self.refuses(2, "none.db", "serve", "--db", self.scratch / "none.db")
+        self.refuses(2, "index.html", "serve", "--db", self.db, "--web", self.scratch)
+        self.refuses(2, "no models", "serve", "--db", self.db, "--models", self.scratch / "no models")
+        text = self.write("text.db", "no index")
+        self.refuses(2, "not an index", "serve", "--db", text)
+        with self.serve() as server:
+            address = server.url.removeprefix("http://")
+            self.refuses(1, "another program", "serve", "--db", self.db, "--listen", address)
+
+
+if __name__ == "__main__":
+    program.main()
