@@ -1,6 +1,6 @@
 # A thin door to tools/install_packages.sh, CMake and the program. CMake holds the build; nothing is compiled here.
 
-.PHONY: build victorious test demo bench check format tidy fuzz asan clean
+.PHONY: build victorious web test demo serve bench check format tidy fuzz asan clean
 
 # Ninja's progress: files done of all, seconds since the start.
 NINJA_STATUS ?= [%f/%t %es] $(empty)
@@ -14,21 +14,36 @@ build:
 	$(call say,make build: about 15 minutes on two cores)
 	$(call configure,release)
 	cmake --build --preset release --target victorious victorious-bench victorious-experiment
+	./tools/build_web.sh build/web
 
-# The program alone: all that the demo needs.
+# The program and its page: all that the demo needs.
 victorious:
 	$(call say,make victorious: about 10 minutes on two cores)
 	$(call configure,release)
 	cmake --build --preset release --target victorious
+	./tools/build_web.sh build/web
+
+# The page alone, from web/.
+web:
+	./tools/install_packages.sh
+	./tools/build_web.sh build/web
 
 test:
 	$(call say,make test: about 40 minutes on two cores)
 	$(call configure,release,--test)
 	cmake --build --preset release
+	./tools/build_web.sh build/web
 	ctest --preset release
 
 demo: victorious
 	./tools/demo.sh build/victorious scenes/demo.json assets/models demo
+
+# Opens the page on the demo's index, which `make demo` makes if it is not there.
+demo/index.db:
+	$(MAKE) demo
+
+serve: victorious | demo/index.db
+	build/victorious serve --db demo/index.db --models demo/models --telemetry demo/flight/telemetry.csv
 
 bench: build
 	build/victorious bench

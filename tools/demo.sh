@@ -65,6 +65,10 @@ printf '  %-24s %s\n' \
 
 cat <<END_OF_TEXT
 
+See it in the browser, the ranked list beside the video and the map:
+  make serve     then open http://127.0.0.1:8080/
+  ($program serve --db $db --models $models --telemetry $flight/telemetry.csv)
+
 Your own CAD file or photos, and your own video:
   $program model add NAME CAD_FILE --models my/models     (glTF, OBJ, AC3D, COLLADA, 3DS, PLY, STL)
   $program model add NAME PHOTO... --models my/models     (a PNG with transparency, or --box x,y,w,h around the object)

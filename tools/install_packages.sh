@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # install_packages.sh [--test | --tidy]: installs the Debian 12 packages that the build and the demo need. Does nothing
-# if all are installed. --test adds what only tests need: clang-format-19. --tidy adds the tools of the lint and fuzz
-# presets too.
+# if all are installed. --test adds what only tests need: clang-format-19 and a browser. --tidy adds the tools of the
+# lint and fuzz presets too.
 set -euo pipefail
 
 packages=(
@@ -15,13 +15,18 @@ packages=(
 )
 case "${1:-}" in
   "") ;;
-  --test) packages+=(clang-format-19) ;;
+  --test) packages+=(clang-format-19 chromium) ;;
   --tidy) packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev) ;;
   *)
     echo "install_packages.sh: unknown: $1; give --test, --tidy or nothing" >&2
     exit 2
     ;;
 esac
+
+# The page is built by npm. A Node.js from elsewhere brings its own, beside which Debian's cannot be installed.
+if ! command -v npm >/dev/null; then
+  packages+=(nodejs npm)
+fi
 
 missing=()
 for package in "${packages[@]}"; do

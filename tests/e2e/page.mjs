@@ -1,0 +1,225 @@
+// Drives the page in Chromium for test_page.py: node page.mjs SCENARIO URL. Prints what fails and exits with 1; exits with
+// 77 if there is no browser.
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { createRequire } from "node:module";
+import { fileURLToPath } from "node:url";
+
+const require = createRequire(fileURLToPath(new URL("../../web/package.json", import.meta.url)));
+const { chromium } = require("playwright-core");
+
+const BROWSER = "/usr/bin/chromium";
+const FLAGS = [
+  "--no-sandbox", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync",
+];
+const ORANGE = [230, 159, 0]; // of the first model (state.ts)
+const SELECTED = "[role=option][aria-selected=true]";
+
+const api = async (page, path) => (await page.request.get(`/api/v1${path}`)).json();
+const shownFrame = (page) => page.evaluate(() => Number(document.querySelector(".stage canvas").dataset.frame ?? NaN));
+const selectedId = async (page) => Number((await page.locator(SELECTED).getAttribute("id")).replace("object-", ""));
+
+async function waitForFrame(page, frame) {
+  await page.waitForFunction(
+    (wanted) => document.querySelector(".stage canvas")?.dataset.frame === String(wanted), frame, { timeout: 30_000 },
+  );
+}
+
+async function open(page, path) {
+  await page.goto(path);
+  await page.waitForSelector(".stage canvas[data-frame]");
+}
+
+/** The middle of the northernmost mark of a colour on the map, in the page; null if there is none. */
+async function findOnMap(page, [red, green, blue]) {
+  await page.waitForSelector(".map .canvas[data-ready=true]");
+  const box = await page.locator(".map").boundingBox();
+  const image = (await page.screenshot({ clip: box })).toString("base64");
+  const found = await page.evaluate(
+    async ([bytes, wanted]) => {
+      const picture = new Image();
+      picture.src = `data:image/png;base64,${bytes}`;
+      await picture.decode();
+      const canvas = new OffscreenCanvas(picture.width, picture.height);
+      const context = canvas.getContext("2d");
+      context.drawImage(picture, 0, 0);
+      const { data } = context.getImageData(0, 0, picture.width, picture.height);
+      let [count, x, y] = [0, 0, 0];
+      let top = null;
+      for (let at = 0; at < data.length; at += 4) {
+        if (wanted.some((value, i) => Math.abs(data[at + i] - value) > 6)) continue;
+        const here = { x: (at / 4) % picture.width, y: Math.floor(at / 4 / picture.width) };
+        top ??= here;
+        if (Math.hypot(here.x - top.x, here.y - top.y) > 30) continue;
+        count++;
+        x += here.x;
+        y += here.y;
+      }
+      return count < 20 ? null : { x: x / count, y: y / count };
+    },
+    [image, [red, green, blue]],
+  );
+  return found && { x: box.x + found.x, y: box.y + found.y };
+}
+
+async function triage(page) {
+  await open(page, "/");
+  const { objects } = await api(page, "/objects");
+  assert.ok(objects.length >= 2, "the test needs two objects");
+  await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, objects.length);
+  assert.equal(await selectedId(page), objects[0].id, "the best object is selected at first");
+
+  // A click in the list seeks the video to the best sighting.
+  const second = objects[1];
+  await page.click(`#object-${second.id}`);
+  assert.equal(await selectedId(page), second.id);
+  const { best } = await api(page, `/objects/${second.id}`);
+  await waitForFrame(page, best.frame);
+  assert.equal(await page.locator(".inspector h2").innerText(), second.model);
+  assert.ok(await page.locator(".crop img").first().evaluate((image) => image.complete || image.decode().then(() => true)));
+
+  // The address bar holds the selection; a colleague who opens it sees the same.
+  await page.waitForFunction((id) => location.search.includes(`object=${id}`), second.id);
+  await open(page, page.url());
+  assert.equal(await selectedId(page), second.id);
+  await waitForFrame(page, best.frame);
+
+  // The map shows an object's marker, by the colour of its model; a click on it selects the object.
+  const { models } = await api(page, "/project");
+  const only = objects
+    .filter((one) => one.model === models[0].name)
+    .reduce((north, one) => (one.place.latitude_deg > north.place.latitude_deg ? one : north));
+  const marker = await findOnMap(page, ORANGE);
+  assert.ok(marker, "the map has no marker of the object");
+  await page.locator(`[role=option]:not(#object-${only.id})`).first().click();
+  assert.notEqual(await selectedId(page), only.id);
+  await page.mouse.click(marker.x, marker.y);
+  assert.equal(await selectedId(page), only.id);
+  await page.click(`#object-${objects[0].id}`);
+
+  // One key decides and goes on; the server has it; U takes it back.
+  await page.keyboard.press("a");
+  await page.waitForSelector(`#object-${objects[0].id} .verdict.accepted:not(.pending)`);
+  assert.equal(await selectedId(page), second.id, "the next object is selected");
+  assert.equal((await api(page, `/objects/${objects[0].id}`)).review.verdict, "accepted");
+  await page.keyboard.press("x");
+  await page.waitForSelector(`#object-${second.id} .verdict.rejected:not(.pending)`);
+  await page.keyboard.press("u");
+  await page.waitForSelector(`#object-${second.id} .verdict`, { state: "detached" });
+  assert.equal((await api(page, `/objects/${second.id}`)).review, null);
+
+  // A note by keyboard alone; the other keys are letters while it is typed.
+  await page.keyboard.press("n");
+  await page.keyboard.type("next to a shed");
+  await page.keyboard.press("Escape");
+  await page.waitForFunction(async (id) => {
+    const object = await (await fetch(`/api/v1/objects/${id}`)).json();
+    return object.review?.note === "next to a shed";
+  }, second.id);
+
+  // A filter greys out; j and k skip what it greys.
+  await page.keyboard.press("/");
+  await page.keyboard.type(second.model);
+  await page.keyboard.press("Escape");
+  const greyed = await page.locator("[role=option].greyed").count();
+  assert.equal(greyed, objects.filter((one) => one.model !== second.model).length);
+  assert.equal(await page.locator("[role=option]").count(), objects.length, "nothing is hidden");
+  await page.getByText("Clear filters").click();
+
+  // Frames by keys, and the help.
+  const before = await shownFrame(page);
+  await page.keyboard.press(".");
+  await waitForFrame(page, before + 1);
+  await page.keyboard.press(",");
+  await waitForFrame(page, before);
+  await page.keyboard.press("?");
+  await page.waitForSelector("dialog.help[open]");
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("dialog.help[open]", { state: "detached" });
+}
+
+/** The number that the frame on the page shows, and the number that the page says it has. */
+const readNumber = (page) =>
+  page.evaluate(() => {
+    const canvas = document.querySelector(".stage canvas");
+    const [width, height] = [320, 240];
+    const scale = Math.min(canvas.width / width, canvas.height / height);
+    const left = (canvas.width - width * scale) / 2;
+    const top = (canvas.height - height * scale) / 2;
+    let shown = 0;
+    for (let bit = 0; bit < 8; bit++) {
+      const x = left + ((bit + 0.5) * width * scale) / 8;
+      const [grey] = canvas.getContext("2d").getImageData(Math.round(x), Math.round(top + 0.12 * height * scale), 1, 1).data;
+      if (grey > 128) shown |= 1 << bit;
+    }
+    return { shown, said: Number(canvas.dataset.frame) };
+  });
+
+/** After each seek and while playing, the picture is the frame that the overlay is drawn for. */
+async function frames(page) {
+  await open(page, "/");
+  assert.match(await page.locator(".list").innerText(), /Nothing found/);
+  const { times_s: times } = await api(page, "/videos/1/times");
+  assert.equal(times.length, 90);
+  const ruler = await page.locator(".timeline .ruler .track").boundingBox();
+  let seed = 7;
+  for (let i = 0; i < 25; i++) {
+    seed = (seed * 1103515245 + 12345) % 2 ** 31;
+    const x = Math.round(ruler.x + (seed / 2 ** 31) * ruler.width);
+    const time = ((x - ruler.x) / ruler.width) * times.at(-1);
+    const wanted = times.reduce((best, one, at) => (Math.abs(one - time) < Math.abs(times[best] - time) ? at : best), 0);
+    await page.mouse.click(x, ruler.y + 6);
+    await waitForFrame(page, wanted);
+    assert.deepEqual(await readNumber(page), { shown: wanted, said: wanted });
+  }
+  await page.mouse.click(ruler.x + 0.3, ruler.y + 6);
+  await waitForFrame(page, 0);
+  for (let frame = 1; frame <= 12; frame++) {
+    await page.keyboard.press(".");
+    await waitForFrame(page, frame);
+    assert.deepEqual(await readNumber(page), { shown: frame, said: frame });
+  }
+  await page.keyboard.press(" ");
+  const seen = new Set();
+  for (let i = 0; i < 60; i++) {
+    const { shown, said } = await readNumber(page);
+    assert.equal(shown, said, "while playing");
+    seen.add(said);
+    if (seen.size > 12) break;
+    await page.evaluate(() => new Promise(requestAnimationFrame));
+  }
+  assert.ok(seen.size > 3, `the video does not play: only frames ${[...seen]}`);
+}
+
+/** A format that the browser cannot play is shown as images. */
+async function images(page) {
+  await open(page, "/?video=1&t=0");
+  assert.match(await page.locator(".stage").innerText(), /frame by frame/);
+  await page.keyboard.press(".");
+  await waitForFrame(page, 1);
+}
+
+const [scenario, url] = process.argv.slice(2);
+if (!existsSync(BROWSER)) {
+  console.log(`SKIPPED: ${BROWSER} is not installed`);
+  process.exit(77);
+}
+const browser = await chromium.launch({ executablePath: BROWSER, args: FLAGS });
+try {
+  const page = await browser.newPage({ baseURL: url, viewport: { width: 1280, height: 720 }, colorScheme: "dark" });
+  page.setDefaultTimeout(30_000);
+  const faults = [];
+  page.on("pageerror", (error) => faults.push(`error on the page: ${error.message}`));
+  page.on("console", (message) => {
+    const isExpected = /status of 4\d\d|GPU stall/.test(message.text());
+    if (message.type() === "error" && !isExpected) faults.push(`console: ${message.text()}`);
+  });
+  page.on("request", (request) => {
+    if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url)) faults.push(`asks ${request.url()}`);
+  });
+  await { triage, frames, images }[scenario](page);
+  assert.deepEqual(faults, []);
+} finally {
+  await browser.close();
+}

@@ -1,0 +1,78 @@
+"""The page in a real browser (page.mjs): triage by mouse and keys; box and frame belong together."""
+
+import contextlib
+import os
+import shutil
+import sqlite3
+import struct
+import subprocess
+import unittest
+from pathlib import Path
+
+import program
+
+SCRIPT = Path(__file__).with_name("page.mjs")
+DRAW_NUMBERS = program.path_from_environment("VICTORIOUS_DRAW_NUMBERS")
+PAGE = Path(os.environ.get("VICTORIOUS_WEB", program.PROGRAM.parent / "web"))
+MISSING = [
+    what
+    for what, is_there in (
+        ("node", shutil.which("node")),
+        ("/usr/bin/chromium", Path("/usr/bin/chromium").exists()),
+        ("web/node_modules (tools/build_web.sh)", (program.REPOSITORY / "web/node_modules/playwright-core").exists()),
+        (f"{PAGE} (tools/build_web.sh)", (PAGE / "index.html").exists()),
+    )
+    if not is_there
+]
+
+
+@unittest.skipIf(MISSING, f"not there: {', '.join(MISSING)}")
+class PageTest(program.ProgramTest):
+    def drive(self, scenario, db, *flags):
+        with program.Server(db, "--web", PAGE, *flags) as server:
+            done = subprocess.run(
+                ["node", SCRIPT, scenario, server.url], capture_output=True, text=True, timeout=300, check=False
+            )
+        self.assertEqual(done.returncode, 0, f"{done.stdout}{done.stderr}{server.err}")
+
+    def index(self, video, *flags):
+        db = self.scratch / "index.db"
+        self.succeeds("index", video, "--models", program.models(), "--db", db, *flags)
+        return db
+
+    def place_objects(self, db, video):
+        """The drawn flight has no telemetry: gives each object a place, and the camera a path."""
+        covariance = struct.pack("<9d", 4, 0, 0, 0, 9, 0, 0, 0, 4)
+        with contextlib.closing(sqlite3.connect(db)) as index, index:
+            for i, (number,) in enumerate(index.execute("SELECT id FROM objects ORDER BY id").fetchall()):
+                index.execute(
+                    "UPDATE objects SET place_time_s = 1, latitude_rad = ?, longitude_rad = 0.234, altitude_m = 40,"
+                    " covariance_enu_m2 = ?, ce90_m = 5, le90_m = 4 WHERE id = ?",
+                    (0.9163 + 5e-6 * i, covariance, number),
+                )
+        rows = [f"{time},{52.4995 + 1e-4 * time},13.407,140,0,-80,0,60" for time in range(10)]
+        header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
+        Path(f"{video}.telemetry.csv").write_text("\n".join([header, *rows]) + "\n")
+
+    def test_triage(self):
+        video = self.scratch / "flight.mp4"
+        shutil.copy(program.flight() / "flight.mp4", video)
+        db = self.index(video)
+        self.place_objects(db, video)
+        self.drive("triage", db, "--models", program.models())
+
+    def test_overlay_belongs_to_its_frame(self):
+        video = self.scratch / "numbers.mp4"
+        subprocess.run([DRAW_NUMBERS, video], check=True)
+        self.drive("frames", self.index(video))
+
+    def test_shows_a_format_that_the_browser_cannot_play(self):
+        video = self.scratch / "frames"
+        video.mkdir()
+        for name in ("1.png", "2.png", "3.png"):
+            shutil.copy(program.flight() / "crate.png", video / name)
+        self.drive("images", self.index(video))
+
+
+if __name__ == "__main__":
+    program.main()

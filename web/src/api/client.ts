@@ -1,0 +1,73 @@
+// The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
+import type { components } from "./schema";
+import type { ApiErrorBody, CameraPath, ObjectDetail, Project, Review, Sighting, Verdict, Video } from "./types";
+
+const ROOT = "/api/v1";
+
+export class ApiFailure extends Error {
+  constructor(
+    message: string,
+    /** HTTP status; 0: the server does not answer. */
+    readonly status: number,
+  ) {
+    super(message);
+  }
+}
+
+async function request<T>(path: string, init?: RequestInit): Promise<T> {
+  let response: Response;
+  try {
+    response = await fetch(ROOT + path, init);
+  } catch (error) {
+    if (error instanceof DOMException && error.name === "AbortError") throw error;
+    throw new ApiFailure("The server does not answer. Is `victorious serve` still running?", 0);
+  }
+  if (!response.ok) {
+    const body = (await response.json().catch(() => null)) as ApiErrorBody | null;
+    throw new ApiFailure(body?.message ?? `The server answers ${response.status}.`, response.status);
+  }
+  return (await response.json()) as T;
+}
+
+export const getProject = () => request<Project>("/project");
+
+export const listVideos = async () =>
+  (await request<components["schemas"]["VideoList"]>("/videos")).videos as Video[];
+
+export const listObjects = (cursor: string | null, limit: number) =>
+  request<components["schemas"]["ObjectList"]>(
+    `/objects?limit=${limit}${cursor === null ? "" : `&cursor=${encodeURIComponent(cursor)}`}`,
+  );
+
+export const getObject = (id: number, signal: AbortSignal) => request<ObjectDetail>(`/objects/${id}`, { signal });
+
+export const getTimes = async (video: number, signal: AbortSignal) =>
+  (await request<components["schemas"]["FrameTimes"]>(`/videos/${video}/times`, { signal })).times_s;
+
+export const listSightings = async (video: number, from: number, to: number): Promise<Sighting[]> => {
+  const found = await request<components["schemas"]["SightingList"]>(
+    `/videos/${video}/sightings?from=${from}&to=${to}&limit=10000`,
+  );
+  if (!found.truncated) return found.sightings;
+  // More than fit in one answer: in two halves, which share no sighting once one is dropped.
+  const middle = (from + to) / 2;
+  const [first, second] = await Promise.all([listSightings(video, from, middle), listSightings(video, middle, to)]);
+  return [...first, ...second.filter((one) => one.time_s > middle)];
+};
+
+export const getCameraPath = (video: number, signal: AbortSignal) =>
+  request<CameraPath>(`/videos/${video}/camera`, { signal });
+
+export const putReview = async (object: number, verdict: Verdict, note: string): Promise<Review | null> =>
+  (
+    await request<components["schemas"]["ReviewedObject"]>(`/objects/${object}/review`, {
+      method: "PUT",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify({ verdict, note }),
+    })
+  ).review;
+
+export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
+export const frameUrl = (video: number, frame: number) => `${ROOT}/videos/${video}/frames/${frame}`;
+export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/${object}/thumbnail?width=${width}`;
+export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}/views/${view}`;

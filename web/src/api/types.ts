@@ -1,0 +1,16 @@
+// Short names of the API's types, which are generated from api/openapi.json.
+import type { components } from "./schema";
+
+type Schemas = components["schemas"];
+
+export type Project = Schemas["Project"];
+export type Video = Schemas["Video"];
+export type FoundObject = Schemas["Object"];
+export type ObjectDetail = Schemas["ObjectDetail"];
+export type Sighting = Schemas["Sighting"];
+export type CameraPath = Schemas["CameraPath"];
+export type CameraPoint = Schemas["CameraPoint"];
+export type Place = Schemas["Place"];
+export type Review = Schemas["Review"];
+export type Verdict = Review["verdict"];
+export type ApiErrorBody = Schemas["Error"];

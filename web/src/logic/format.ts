@@ -1,0 +1,59 @@
+// Numbers as texts. Unknown is a dash.
+
+export const DASH = "–";
+
+/** m:ss.cc, with hours from one hour on. */
+export function formatTime(seconds: number): string {
+  const centis = Math.round(Math.max(0, seconds) * 100);
+  const hours = Math.floor(centis / 360_000);
+  const minutes = Math.floor(centis / 6000) % 60;
+  const rest = ((centis % 6000) / 100).toFixed(2).padStart(5, "0");
+  return hours > 0 ? `${hours}:${String(minutes).padStart(2, "0")}:${rest}` : `${minutes}:${rest}`;
+}
+
+/** Both ends of an interval, short. */
+export function formatSpan(first: number, last: number): string {
+  if (last < 60) return `${first.toFixed(1)} – ${last.toFixed(1)} s`;
+  const short = (time: number) => formatTime(Math.floor(time)).replace(/\.00$/, "");
+  return `${short(first)} – ${short(last)}`;
+}
+
+export function formatMetres(metres: number | null | undefined): string {
+  if (metres === null || metres === undefined || !Number.isFinite(metres)) return DASH;
+  if (metres >= 10_000) return `${(metres / 1000).toFixed(0)} km`;
+  if (metres >= 1000) return `${(metres / 1000).toFixed(1)} km`;
+  return metres >= 100 ? `${metres.toFixed(0)} m` : `${metres.toFixed(1)} m`;
+}
+
+export function formatAngle(degrees: number | null): string {
+  return degrees === null ? DASH : `${((Math.round(degrees) % 360) + 360) % 360}°`;
+}
+
+export type CoordinateStyle = "decimal" | "dms";
+
+function dms(degrees: number, positive: string, negative: string): string {
+  const hundredths = Math.round(Math.abs(degrees) * 360_000);
+  const whole = Math.floor(hundredths / 360_000);
+  const minutes = Math.floor(hundredths / 6000) % 60;
+  const seconds = ((hundredths % 6000) / 100).toFixed(2).padStart(5, "0");
+  return `${whole}°${String(minutes).padStart(2, "0")}′${seconds}″${degrees < 0 ? negative : positive}`;
+}
+
+export function formatPosition(latitude: number, longitude: number, style: CoordinateStyle): string {
+  return style === "dms"
+    ? `${dms(latitude, "N", "S")} ${dms(longitude, "E", "W")}`
+    : `${latitude.toFixed(6)}, ${longitude.toFixed(6)}`;
+}
+
+/** Of 100 objects with such a score, how many are real. */
+export function explainScore(score: number): string {
+  return `Of 100 objects with this score, about ${Math.round(score * 100)} are real`;
+}
+
+export function baseName(path: string): string {
+  return path.split("/").filter(Boolean).pop() ?? path;
+}
+
+export function plural(count: number, noun: string): string {
+  return `${count.toLocaleString("en")} ${noun}${count === 1 ? "" : "s"}`;
+}

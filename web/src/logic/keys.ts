@@ -1,0 +1,48 @@
+// The keys of the page, in one table: what they do and what the help shows.
+
+export interface KeyBinding {
+  /** KeyboardEvent.key; letters in lower case */
+  keys: readonly string[];
+  label: string;
+  what: string;
+  group: "Review" | "Move" | "Video" | "Page";
+}
+
+export const BINDINGS = {
+  next: { keys: ["j"], label: "J", what: "Next object", group: "Move" },
+  previous: { keys: ["k"], label: "K", what: "Previous object", group: "Move" },
+  nextMoment: { keys: ["l"], label: "L", what: "Next moment of the object", group: "Move" },
+  previousMoment: { keys: ["h"], label: "H", what: "Previous moment of the object", group: "Move" },
+  accept: { keys: ["a"], label: "A", what: "Accept, and go on", group: "Review" },
+  reject: { keys: ["x"], label: "X", what: "Reject, and go on", group: "Review" },
+  note: { keys: ["n"], label: "N", what: "Write a note", group: "Review" },
+  undo: { keys: ["u"], label: "U", what: "Take the last decision back", group: "Review" },
+  play: { keys: [" "], label: "Space", what: "Play or pause", group: "Video" },
+  frameBack: { keys: [",", "ArrowLeft"], label: ", or ←", what: "One frame back (Shift: ten)", group: "Video" },
+  frameOn: { keys: [".", "ArrowRight"], label: ". or →", what: "One frame on (Shift: ten)", group: "Video" },
+  hide: { keys: ["o"], label: "O held", what: "Hide boxes and names", group: "Video" },
+  search: { keys: ["/"], label: "/", what: "Search and filter", group: "Page" },
+  help: { keys: ["?"], label: "?", what: "Show these keys", group: "Page" },
+  close: { keys: ["Escape"], label: "Esc", what: "Close, or leave a field", group: "Page" },
+} as const satisfies Record<string, KeyBinding>;
+
+export type Action = keyof typeof BINDINGS;
+
+interface KeyPress {
+  key: string;
+  ctrlKey: boolean;
+  metaKey: boolean;
+  altKey: boolean;
+}
+
+/** The action of a key; null for a combination of the browser's or the system's. */
+export function actionOf(press: KeyPress): Action | null {
+  if (press.ctrlKey || press.metaKey || press.altKey) return null;
+  const key = press.key.length === 1 ? press.key.toLowerCase() : press.key;
+  // Shift changes these two on many keyboards; ten frames are asked for with it.
+  const plain = key === "<" ? "," : key === ">" ? "." : key;
+  for (const action of Object.keys(BINDINGS) as Action[]) {
+    if ((BINDINGS[action].keys as readonly string[]).includes(plain)) return action;
+  }
+  return null;
+}

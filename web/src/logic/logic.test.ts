@@ -1,0 +1,228 @@
+import { describe, expect, it } from "vitest";
+
+import type { CameraPath, FoundObject, Place } from "../api/types";
+import { NO_FILTERS, isFiltered, makeMatcher, metresBetween, parseQuery, queueOrder, thresholdCost } from "./filters";
+import { formatAngle, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
+import { FrameTable } from "./frame_table";
+import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
+import { BINDINGS, actionOf } from "./keys";
+import { formatUrl, parseUrl } from "./url_state";
+
+const place = (latitude: number, longitude: number): Place => ({
+  time_s: 0,
+  latitude_deg: latitude,
+  longitude_deg: longitude,
+  altitude_m: 0,
+  ce90_m: 1,
+  le90_m: 1,
+  ellipse: { semi_major_m: 20, semi_minor_m: 5, azimuth_deg: 90 },
+});
+
+const found = (id: number, change: Partial<FoundObject> = {}): FoundObject => ({
+  id,
+  rank: id,
+  model_id: 1,
+  model: "jeep",
+  score: 0.9,
+  frames: 3,
+  first_time_s: 0,
+  last_time_s: 1,
+  moments: [{ video_id: 1, first_time_s: 0, last_time_s: 1, frames: 3, score: 0.9 }],
+  place: null,
+  heading_deg: null,
+  speed_m_s: null,
+  review: null,
+  ...change,
+});
+
+const accepted = { verdict: "accepted" as const, note: "", updated_utc_us: 0 };
+
+describe("FrameTable", () => {
+  const varied = new FrameTable([0, 0.04, 0.08, 0.28, 0.32, 1.5]);
+
+  it("finds the frame that is shown at a time", () => {
+    expect([-1, 0, 0.039, 0.04, 0.1, 0.27, 0.28, 1.49, 1.5, 99].map((time) => varied.frameAt(time))).toEqual([
+      0, 0, 0, 1, 2, 2, 3, 4, 5, 5,
+    ]);
+  });
+
+  it("accepts a time that was rounded down", () => {
+    varied.times.forEach((time, frame) => expect(varied.frameAt(time - 5e-5)).toBe(frame));
+  });
+
+  it("seeks into the interval of the frame", () => {
+    varied.times.forEach((_, frame) => expect(varied.frameAt(varied.seekTime(frame))).toBe(frame));
+  });
+
+  it("finds the nearest frame", () => {
+    expect([0.02, 0.021, 0.17, 0.19].map((time) => varied.nearest(time))).toEqual([0, 1, 2, 3]);
+  });
+
+  it("is safe when empty", () => {
+    const empty = new FrameTable([]);
+    expect([empty.frameAt(3), empty.timeOf(2), empty.end, empty.clamp(7)]).toEqual([0, 0, 0, 0]);
+  });
+});
+
+describe("filters", () => {
+  const matches = (change: Partial<typeof NO_FILTERS>, object: FoundObject) =>
+    makeMatcher({ ...NO_FILTERS, ...change })(object);
+
+  it("match by score, model, video and review", () => {
+    expect(matches({}, found(1))).toBe(true);
+    expect(matches({ minScore: 0.95 }, found(1))).toBe(false);
+    expect(matches({ models: ["tank"] }, found(1))).toBe(false);
+    expect(matches({ models: ["tank", "jeep"] }, found(1))).toBe(true);
+    expect(matches({ video: 2 }, found(1))).toBe(false);
+    expect(matches({ review: "none" }, found(1))).toBe(true);
+    expect(matches({ review: "accepted" }, found(1))).toBe(false);
+    expect(matches({ review: "accepted" }, found(1, { review: accepted }))).toBe(true);
+  });
+
+  it("match words of the name and the note", () => {
+    expect(matches({ text: "JEE" }, found(1))).toBe(true);
+    expect(matches({ text: "jeep tank" }, found(1))).toBe(false);
+    expect(matches({ text: "barn" }, found(1, { review: { ...accepted, note: "By the Barn" } }))).toBe(true);
+  });
+
+  it("match near a place", () => {
+    const near = { text: "near 52,13 200 m" };
+    expect(matches(near, found(1, { place: place(52.001, 13) }))).toBe(true);
+    expect(matches(near, found(1, { place: place(52.01, 13) }))).toBe(false);
+    expect(matches(near, found(1))).toBe(false);
+  });
+
+  it("parse a query", () => {
+    expect(parseQuery("jeep near 52.5, -13.4, 2 km")).toEqual({
+      words: ["jeep"],
+      near: { latitude: 52.5, longitude: -13.4, metres: 2000 },
+    });
+    expect(parseQuery("near the barn").near).toBeNull();
+    expect(isFiltered(NO_FILTERS)).toBe(false);
+    expect(isFiltered({ ...NO_FILTERS, text: "x" })).toBe(true);
+  });
+
+  it("measure distances", () => {
+    expect(metresBetween({ latitude: 52, longitude: 13 }, { latitude: 52.001, longitude: 13 })).toBeCloseTo(111.2, 0);
+    expect(metresBetween({ latitude: 60, longitude: 0 }, { latitude: 60, longitude: 0.001 })).toBeCloseTo(55.6, 0);
+  });
+
+  it("say what a threshold costs", () => {
+    const objects = [found(1, { score: 0.9 }), found(2, { score: 0.6 }), found(3, { score: 0.2 })];
+    const cost = thresholdCost(objects, 0.5);
+    expect(cost.falseAlarms).toBeCloseTo(0.5);
+    expect(cost.misses).toBeCloseTo(0.2);
+    expect(thresholdCost(objects, 0).misses).toBe(0);
+  });
+
+  it("put what is not reviewed first", () => {
+    const ids = queueOrder([found(1, { review: accepted }), found(2), found(3)]).map((one) => one.id);
+    expect(ids).toEqual([2, 3, 1]);
+  });
+});
+
+describe("format", () => {
+  it("writes times", () => {
+    expect([0, 4.9, 59.999, 61.5, 3661].map(formatTime)).toEqual(["0:00.00", "0:04.90", "1:00.00", "1:01.50", "1:01:01.00"]);
+  });
+
+  it("writes intervals", () => {
+    expect(formatSpan(3, 5.21)).toBe("3.0 – 5.2 s");
+    expect(formatSpan(59.99, 61.9)).toBe("0:59 – 1:01");
+  });
+
+  it("writes lengths and angles", () => {
+    expect([null, 0.44, 99.94, 250, 1500, 25_000].map(formatMetres)).toEqual(["–", "0.4 m", "99.9 m", "250 m", "1.5 km", "25 km"]);
+    expect([null, 0, 359.8, -90].map(formatAngle)).toEqual(["–", "0°", "0°", "270°"]);
+  });
+
+  it("writes positions", () => {
+    expect(formatPosition(52.5, -13.25, "decimal")).toBe("52.500000, -13.250000");
+    expect(formatPosition(52.5, -13.25, "dms")).toBe("52°30′00.00″N 13°15′00.00″W");
+    expect(formatPosition(-0.9999999999, 0, "dms")).toBe("1°00′00.00″S 0°00′00.00″E");
+  });
+});
+
+describe("geo", () => {
+  const metres = (a: Position, b: Position) =>
+    metresBetween({ longitude: a[0], latitude: a[1] }, { longitude: b[0], latitude: b[1] });
+
+  it("draws the ellipse along its azimuth", () => {
+    const ring = ellipseRing(place(52, 13)) as Position[];
+    const [first, quarter] = [ring[0] as Position, ring[12] as Position];
+    expect(ring[0]).toEqual(ring.at(-1));
+    expect(first[0]).toBeGreaterThan(13); // the longer axis points east
+    expect(metres(first, [13, 52])).toBeCloseTo(20, 0);
+    expect(metres(quarter, [13, 52])).toBeCloseTo(5, 0);
+    expect(ellipseRing({ ...place(52, 13), ellipse: { semi_major_m: null, semi_minor_m: 1, azimuth_deg: 0 } })).toBeNull();
+  });
+
+  const corners = (east: number) =>
+    [offset([13, 52], east - 50, 40), offset([13, 52], east + 50, 40), offset([13, 52], east + 50, -40), offset([13, 52], east - 50, -40)];
+  const path: CameraPath = {
+    source: "telemetry",
+    reason: null,
+    ground_m: 0,
+    points: [0, 1, 2, 9].map((time) => ({
+      time_s: time,
+      position: offset([13, 52], 20 * time, 0),
+      altitude_m: 100,
+      yaw_deg: time === 0 ? 350 : 10,
+      footprint: time === 9 ? null : corners(20 * time),
+    })),
+  };
+
+  it("interpolates the camera", () => {
+    const half = cameraAt(path, 0.5);
+    expect(metres(half?.position ?? [0, 0], offset([13, 52], 10, 0))).toBeLessThan(0.1);
+    expect(half?.yaw).toBeCloseTo(360); // over north, not around the back
+    expect(metres(half?.footprint?.[0] ?? [0, 0], offset([13, 52], -40, 40))).toBeLessThan(0.1);
+    expect(cameraAt(path, 5)).toBeNull(); // a gap
+    expect(cameraAt(path, 9.5)?.footprint).toBeNull();
+    expect(cameraAt({ ...path, points: [] }, 0)).toBeNull();
+  });
+
+  it("finds when a place was seen", () => {
+    expect(contains(corners(0), offset([13, 52], 10, 10))).toBe(true);
+    expect(contains(corners(0), offset([13, 52], 60, 10))).toBe(false);
+    expect(whenSeen(path, offset([13, 52], 22, 0))).toBe(1);
+    expect(whenSeen(path, offset([13, 52], 500, 0))).toBeNull();
+  });
+
+  it("spaces the grid", () => {
+    expect([90, 430, 1100].map((width) => gridSpacing(width, 8))).toEqual([20, 100, 200]);
+    const lines = gridLines(13, 52, 13.01, 52.01, 100);
+    expect(lines.length).toBeGreaterThan(12);
+    expect(gridLines(0, 0, 90, 45, 1)).toEqual([]);
+  });
+});
+
+describe("address", () => {
+  it("survives a round trip", () => {
+    const state = { object: 3, video: 1, time: 4.9 };
+    expect(formatUrl(state)).toBe("?object=3&video=1&t=4.9");
+    expect(parseUrl(formatUrl(state))).toEqual(state);
+    expect(formatUrl({ object: null, video: null, time: null })).toBe("");
+  });
+
+  it("ignores what is no number", () => {
+    expect(parseUrl("?object=x&t=-3&video=1.5")).toEqual({ object: null, video: null, time: null });
+  });
+});
+
+describe("keys", () => {
+  const press = (key: string, change = {}) => actionOf({ key, ctrlKey: false, metaKey: false, altKey: false, ...change });
+
+  it("have one action each", () => {
+    const keys = Object.values(BINDINGS).flatMap((one) => [...one.keys]);
+    expect(new Set(keys).size).toBe(keys.length);
+  });
+
+  it("leave the browser's combinations alone", () => {
+    expect(press("a")).toBe("accept");
+    expect(press("A")).toBe("accept");
+    expect(press(">")).toBe("frameOn");
+    expect(press("a", { ctrlKey: true })).toBeNull();
+    expect(press("q")).toBeNull();
+  });
+});

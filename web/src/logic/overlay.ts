@@ -1,0 +1,106 @@
+// Draws a frame and what was found in it.
+import type { Sighting } from "../api/types";
+
+export interface Fit {
+  x: number;
+  y: number;
+  scale: number;
+}
+
+/** Places a picture in an area, whole and centred. */
+export function fit(width: number, height: number, areaWidth: number, areaHeight: number): Fit {
+  const scale = Math.min(areaWidth / Math.max(width, 1), areaHeight / Math.max(height, 1));
+  return { scale, x: (areaWidth - width * scale) / 2, y: (areaHeight - height * scale) / 2 };
+}
+
+export interface DrawnSighting {
+  sighting: Sighting;
+  name: string;
+  colour: string;
+  isSelected: boolean;
+  isGreyed: boolean;
+  /** Rejected by a person: drawn dashed. */
+  isRejected: boolean;
+}
+
+/** The sighting whose box holds a point of the frame; of several the smallest. */
+export function hit(sightings: readonly Sighting[], x: number, y: number): Sighting | null {
+  let best: Sighting | null = null;
+  const area = (one: Sighting) => (one.box[2] ?? 0) * (one.box[3] ?? 0);
+  for (const one of sightings) {
+    const [left = 0, top = 0, width = 0, height = 0] = one.box;
+    const isInside = x >= left && y >= top && x < left + width && y < top + height;
+    if (isInside && (best === null || area(one) < area(best))) best = one;
+  }
+  return best;
+}
+
+function tracePath(context: CanvasRenderingContext2D, points: readonly (readonly number[])[], at: Fit, close: boolean) {
+  context.beginPath();
+  points.forEach(([x = 0, y = 0], i) => {
+    const [px, py] = [at.x + x * at.scale, at.y + y * at.scale];
+    if (i === 0) context.moveTo(px, py);
+    else context.lineTo(px, py);
+  });
+  if (close) context.closePath();
+}
+
+function cornersOf(sighting: Sighting): number[][] {
+  if (sighting.outline.length > 2) return sighting.outline;
+  const [x = 0, y = 0, width = 0, height = 0] = sighting.box;
+  return [[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
+}
+
+/** Sizes in CSS pixels: lines and letters keep their size at any zoom of the frame. */
+export function drawSighting(
+  context: CanvasRenderingContext2D,
+  one: DrawnSighting,
+  frame: { width: number; height: number },
+  at: Fit,
+  areaWidth: number,
+) {
+  const { sighting, colour } = one;
+  context.save();
+  context.globalAlpha = one.isGreyed && !one.isSelected ? 0.35 : 1;
+  context.lineJoin = "round";
+  context.save();
+  context.beginPath();
+  context.rect(at.x, at.y, frame.width * at.scale, frame.height * at.scale);
+  context.clip();
+  context.setLineDash(one.isRejected ? [5, 4] : sighting.source === "tracked" ? [9, 3] : []);
+  tracePath(context, cornersOf(sighting), at, true);
+  context.lineWidth = one.isSelected ? 5 : 3.5;
+  context.strokeStyle = "rgb(0 0 0 / 65%)";
+  context.stroke();
+  context.lineWidth = one.isSelected ? 2.5 : 1.5;
+  context.strokeStyle = colour;
+  context.stroke();
+  context.restore();
+  const [x = 0, y = 0, , height = 0] = sighting.box;
+  const text = `${one.name} ${sighting.score.toFixed(2)}`;
+  context.font = `${one.isSelected ? 600 : 400} 12px system-ui, sans-serif`;
+  const width = context.measureText(text).width + 10;
+  const left = Math.min(Math.max(at.x + x * at.scale, 2), areaWidth - width - 2);
+  const above = at.y + y * at.scale - 22;
+  const top = above > 2 ? above : at.y + (y + height) * at.scale + 4;
+  context.fillStyle = one.isSelected ? colour : "rgb(0 0 0 / 70%)";
+  context.beginPath();
+  context.roundRect(left, top, width, 18, 3);
+  context.fill();
+  context.fillStyle = one.isSelected ? "#101010" : "#ffffff";
+  context.fillText(text, left + 5, top + 13);
+  context.restore();
+}
+
+export function drawTrail(context: CanvasRenderingContext2D, trail: readonly [number, number][], colour: string, at: Fit) {
+  if (trail.length < 2) return;
+  context.save();
+  context.lineWidth = 2;
+  context.strokeStyle = colour;
+  context.globalAlpha = 0.8;
+  context.setLineDash([2, 4]);
+  context.lineCap = "round";
+  tracePath(context, trail, at, false);
+  context.stroke();
+  context.restore();
+}

@@ -1,0 +1,32 @@
+// The selection in the address bar, so that a find can be sent to a colleague and Back works.
+
+export interface UrlState {
+  object: number | null;
+  video: number | null;
+  /** s */
+  time: number | null;
+}
+
+function number(text: string | null): number | null {
+  if (text === null || text.trim() === "") return null;
+  const value = Number(text);
+  return Number.isFinite(value) && value >= 0 ? value : null;
+}
+
+export function parseUrl(search: string): UrlState {
+  const query = new URLSearchParams(search);
+  const whole = (name: string) => {
+    const value = number(query.get(name));
+    return value !== null && Number.isInteger(value) ? value : null;
+  };
+  return { object: whole("object"), video: whole("video"), time: number(query.get("t")) };
+}
+
+export function formatUrl(state: UrlState): string {
+  const query = new URLSearchParams();
+  if (state.object !== null) query.set("object", String(state.object));
+  if (state.video !== null) query.set("video", String(state.video));
+  if (state.time !== null) query.set("t", state.time.toFixed(3).replace(/\.?0+$/, ""));
+  const text = query.toString();
+  return text === "" ? "" : `?${text}`;
+}

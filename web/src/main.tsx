@@ -1,0 +1,11 @@
+import { render } from "preact";
+
+import { App } from "./views/app";
+import { load } from "./state";
+
+import "./styles/tokens.css";
+import "./styles/app.css";
+
+const root = document.getElementById("app");
+if (root) render(<App />, root);
+void load();

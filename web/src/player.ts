@@ -1,0 +1,160 @@
+// Shows exact frames of a video. Whatever the browser presents is copied to a canvas together with the number of its
+// frame, looked up by its time stamp in the table of presentation times; everything drawn over it uses that number, so
+// that box and picture cannot part. A video that the browser cannot play is shown frame by frame as images.
+import { batch, effect, signal } from "@preact/signals";
+
+import { frameUrl, videoFileUrl } from "./api/client";
+import type { FrameTable } from "./logic/frame_table";
+import * as state from "./state";
+
+/** Why the browser does not play the video; null: it does. */
+export const unplayable = signal<string | null>(null);
+/** Changes when another picture lies on the frame canvas. */
+export const pictureVersion = signal(0);
+export const playbackRate = signal(1);
+
+/** The picture of state.shownFrame, in the video's pixels. */
+export const frameCanvas = document.createElement("canvas");
+
+class Player {
+  private element: HTMLVideoElement | null = null;
+  private video: number | null = null;
+  /** Time stamp of the first frame; null until the browser has presented it. */
+  private origin: number | null = null;
+  private wanted: number | null = null;
+  private isLoadingImage = false;
+
+  attach(element: HTMLVideoElement) {
+    this.element = element;
+    // Before anything is loaded: a callback that is asked for later misses the first frame.
+    element.requestVideoFrameCallback(this.onFrame);
+    element.addEventListener("seeked", () => this.seekOn());
+    element.addEventListener("play", () => (state.isPlaying.value = true));
+    element.addEventListener("pause", () => (state.isPlaying.value = false));
+    element.addEventListener("error", () => this.giveUp());
+    effect(() => this.open(state.videoId.value));
+    effect(() => {
+      const request = state.seekRequest.value;
+      const table = state.frameTable.value;
+      if (request && table.state === "ready" && request.video === state.videoId.value) {
+        this.wanted = table.value.nearest(request.time);
+        this.seekOn();
+      }
+    });
+    effect(() => {
+      element.playbackRate = playbackRate.value;
+    });
+  }
+
+  private open(video: number | null) {
+    if (video === this.video || !this.element) return;
+    this.video = video;
+    this.origin = null;
+    this.wanted = null;
+    unplayable.value = null;
+    state.isPlaying.value = false;
+    if (video === null) return;
+    this.element.src = videoFileUrl(video);
+    this.element.load();
+  }
+
+  private table(): FrameTable | null {
+    const table = state.frameTable.peek();
+    return table.state === "ready" ? table.value : null;
+  }
+
+  private readonly onFrame = (_: number, metadata: VideoFrameCallbackMetadata) => {
+    const element = this.element;
+    if (!element) return;
+    element.requestVideoFrameCallback(this.onFrame);
+    // The first frame that a video presents is its first one.
+    const isFirst = this.origin === null;
+    this.origin ??= metadata.mediaTime;
+    const table = this.table();
+    // If the table arrives later, the frame is asked for again then.
+    if (!table) return;
+    this.show(element, table.nearest(metadata.mediaTime - this.origin), metadata.width, metadata.height);
+    if (isFirst) this.seekOn();
+  };
+
+  private show(picture: CanvasImageSource, frame: number, width: number, height: number) {
+    if (frameCanvas.width !== width) frameCanvas.width = width;
+    if (frameCanvas.height !== height) frameCanvas.height = height;
+    frameCanvas.getContext("2d")?.drawImage(picture, 0, 0, width, height);
+    batch(() => {
+      state.shownFrame.value = frame;
+      pictureVersion.value++;
+    });
+  }
+
+  /** Goes to the wanted frame once the browser is ready for it: of many requests the last one counts. */
+  private seekOn() {
+    const table = this.table();
+    if (!table || this.wanted === null || !this.element) return;
+    if (unplayable.value !== null) return void this.loadImage();
+    if (this.origin === null || this.element.seeking) return;
+    const frame = this.wanted;
+    this.wanted = null;
+    const time = this.origin + table.seekTime(frame);
+    if (state.shownFrame.peek() === frame && this.element.paused) return;
+    this.element.currentTime = time;
+  }
+
+  private giveUp() {
+    if (this.video === null || !this.element?.error) return;
+    unplayable.value = "This browser cannot play the format of this video: it is shown frame by frame, without sound.";
+    state.isPlaying.value = false;
+    this.wanted ??= state.shownFrame.peek() ?? 0;
+    this.seekOn();
+  }
+
+  private async loadImage() {
+    const video = this.video;
+    if (this.isLoadingImage || video === null) return;
+    this.isLoadingImage = true;
+    try {
+      while (this.wanted !== null && video === this.video) {
+        const frame = this.wanted;
+        this.wanted = null;
+        const image = new Image();
+        image.src = frameUrl(video, frame);
+        await image.decode();
+        if (video === this.video) this.show(image, frame, image.naturalWidth, image.naturalHeight);
+      }
+    } catch {
+      unplayable.value = "This video can be neither played nor read; its file may have moved.";
+    } finally {
+      this.isLoadingImage = false;
+    }
+    if (video !== this.video) this.seekOn();
+  }
+
+  togglePlay() {
+    const element = this.element;
+    if (!element || this.video === null) return;
+    if (unplayable.value !== null) {
+      state.isPlaying.value = !state.isPlaying.value;
+      if (state.isPlaying.value) void this.playImages();
+      return;
+    }
+    if (element.paused) void element.play().catch((error: unknown) => state.notify(String(error), "error"));
+    else element.pause();
+  }
+
+  private async playImages() {
+    const video = this.video;
+    while (state.isPlaying.value && video === this.video) {
+      const table = this.table();
+      const frame = state.shownFrame.peek();
+      if (!table || frame === null || frame + 1 >= table.count) break;
+      const start = performance.now();
+      this.wanted = frame + 1;
+      await this.loadImage();
+      const due = ((table.timeOf(frame + 1) - table.timeOf(frame)) * 1000) / playbackRate.value;
+      await new Promise((resolve) => setTimeout(resolve, Math.max(0, due - (performance.now() - start))));
+    }
+    state.isPlaying.value = false;
+  }
+}
+
+export const player = new Player();

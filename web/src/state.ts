@@ -1,0 +1,368 @@
+// The state of the page: one selection rules list, video and map. Views read signals; everything that changes them is a
+// function here.
+import { batch, computed, effect, signal } from "@preact/signals";
+
+import { ApiFailure, getCameraPath, getObject, getProject, getTimes, listObjects, listVideos, putReview } from "./api/client";
+import type { CameraPath, FoundObject, ObjectDetail, Project, Verdict, Video } from "./api/types";
+import { NO_FILTERS, type Filters, makeMatcher, queueOrder } from "./logic/filters";
+import { FrameTable } from "./logic/frame_table";
+import { formatUrl, parseUrl } from "./logic/url_state";
+
+const FIRST_PAGE = 100;
+const PAGE = 1000;
+const RETRY_MS = 3000;
+
+export type Load<T> = { state: "loading" } | { state: "ready"; value: T } | { state: "failed"; message: string };
+
+// ---- what the server has
+
+export const project = signal<Load<Project>>({ state: "loading" });
+export const videos = signal<Video[]>([]);
+/** In the order of the queue, which stays while the page is open. */
+export const objects = signal<FoundObject[]>([]);
+/** All pages of the list are there. */
+export const isComplete = signal(false);
+export const isConnected = signal(true);
+
+// ---- what the user chose
+
+export const filters = signal<Filters>(NO_FILTERS);
+export const selectedId = signal<number | null>(null);
+export const videoId = signal<number | null>(null);
+/** The frame that the video shows; null before it shows one. */
+export const shownFrame = signal<number | null>(null);
+export const isPlaying = signal(false);
+export const isOverlayHidden = signal(false);
+export const isHelpOpen = signal(false);
+export const coordinateStyle = signal<"decimal" | "dms">("decimal");
+export type Theme = "system" | "dark" | "light";
+export const theme = signal<Theme>((localStorage.getItem("theme") as Theme | null) ?? "system");
+
+/** Changes with the colours of the system. */
+export const systemColours = signal(0);
+window.matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => systemColours.value++);
+
+/** Where the video should go. Each request is a new object, also to the same frame. */
+export const seekRequest = signal<{ video: number; time: number } | null>(null);
+
+// ---- what follows from both
+
+export const matcher = computed(() => makeMatcher(filters.value));
+export const matchingObjects = computed(() => objects.value.filter(matcher.value));
+export const objectById = computed(() => new Map(objects.value.map((one) => [one.id, one])));
+export const selected = computed(() =>
+  selectedId.value === null ? null : (objectById.value.get(selectedId.value) ?? null),
+);
+export const video = computed(() => videos.value.find((one) => one.id === videoId.value) ?? null);
+export const modelNames = computed(() =>
+  project.value.state === "ready" ? project.value.value.models.map((one) => one.name) : [],
+);
+
+export const frameTable = signal<Load<FrameTable>>({ state: "loading" });
+export const cameraPath = signal<CameraPath | null>(null);
+export const detail = signal<Load<ObjectDetail> | null>(null);
+export const shownTime = computed(() =>
+  shownFrame.value !== null && frameTable.value.state === "ready" ? frameTable.value.value.timeOf(shownFrame.value) : null,
+);
+
+// Okabe and Ito's colours, which people with any colour vision tell apart; a name stands beside each.
+const COLOURS = ["#e69f00", "#56b4e9", "#00b98a", "#f0e442", "#d55e00", "#cc79a7", "#7fa7ff"];
+export function colourOf(model: string): string {
+  const at = modelNames.value.indexOf(model);
+  return COLOURS[Math.max(at, 0) % COLOURS.length] ?? "#e69f00";
+}
+
+// ---- messages
+
+export interface Notice {
+  id: number;
+  text: string;
+  kind: "info" | "error";
+}
+export const notices = signal<Notice[]>([]);
+let nextNotice = 0;
+
+export function notify(text: string, kind: Notice["kind"] = "info") {
+  const id = nextNotice++;
+  notices.value = [...notices.value.filter((one) => one.text !== text), { id, text, kind }];
+  setTimeout(() => dismiss(id), kind === "error" ? 12_000 : 4000);
+}
+
+export function dismiss(id: number) {
+  notices.value = notices.value.filter((one) => one.id !== id);
+}
+
+const messageOf = (error: unknown) => (error instanceof Error ? error.message : String(error));
+
+// ---- loading
+
+/** Loads everything; tries again by itself while the server does not answer. */
+export async function load() {
+  try {
+    const [summary, found, page] = await Promise.all([getProject(), listVideos(), listObjects(null, FIRST_PAGE)]);
+    batch(() => {
+      project.value = { state: "ready", value: summary };
+      videos.value = found;
+      objects.value = queueOrder(page.objects);
+      isConnected.value = true;
+    });
+    openFromUrl();
+    let cursor = page.next_cursor;
+    const rest: FoundObject[] = [];
+    while (cursor !== null) {
+      const next = await listObjects(cursor, PAGE);
+      rest.push(...next.objects);
+      cursor = next.next_cursor;
+    }
+    batch(() => {
+      if (rest.length > 0) objects.value = queueOrder([...objects.value, ...rest]);
+      isComplete.value = true;
+    });
+    if (selectedId.value === null) openFromUrl();
+  } catch (error) {
+    isConnected.value = !(error instanceof ApiFailure && error.status === 0);
+    if (project.value.state !== "ready") project.value = { state: "failed", message: messageOf(error) };
+    setTimeout(() => void load(), RETRY_MS);
+  }
+}
+
+function openFromUrl() {
+  const wanted = parseUrl(location.search);
+  const target = wanted.object === null ? undefined : objectById.value.get(wanted.object);
+  if (target) {
+    select(target.id, { seek: wanted.time === null });
+  } else if (wanted.object !== null && isComplete.value) {
+    notify(`Object ${wanted.object} is not in this index (a new search may have joined or removed it).`, "error");
+  }
+  const first = wanted.video ?? target?.moments[0]?.video_id ?? videos.value[0]?.id ?? null;
+  if (first !== null && wanted.time !== null) return showTime(first, wanted.time);
+  const best = objects.value[0];
+  if (!target && wanted.object === null && best) return select(best.id);
+  if (first !== null && videoId.value === null && !target) showTime(first, 0);
+}
+
+// Times and camera of the video that is shown.
+effect(() => {
+  const id = videoId.value;
+  if (id === null) return;
+  const abort = new AbortController();
+  batch(() => {
+    frameTable.value = { state: "loading" };
+    cameraPath.value = null;
+    shownFrame.value = null;
+  });
+  getTimes(id, abort.signal)
+    .then((times) => (frameTable.value = { state: "ready", value: new FrameTable(times) }))
+    .catch((error) => {
+      if (!abort.signal.aborted) frameTable.value = { state: "failed", message: messageOf(error) };
+    });
+  getCameraPath(id, abort.signal)
+    .then((path) => (cameraPath.value = path))
+    .catch((error) => {
+      if (!abort.signal.aborted) notify(messageOf(error), "error");
+    });
+  return () => abort.abort();
+});
+
+/** The object whose best sighting is to be shown once it is known. */
+let seekToBest: number | null = null;
+
+// The selection's details.
+effect(() => {
+  const id = selectedId.value;
+  if (id === null) {
+    detail.value = null;
+    return;
+  }
+  const abort = new AbortController();
+  detail.value = { state: "loading" };
+  getObject(id, abort.signal)
+    .then((value) => {
+      batch(() => {
+        detail.value = { state: "ready", value };
+        if (seekToBest === id && value.best) showTime(value.best.video_id, value.best.time_s);
+        if (seekToBest === id) seekToBest = null;
+      });
+    })
+    .catch((error) => {
+      if (!abort.signal.aborted) detail.value = { state: "failed", message: messageOf(error) };
+    });
+  return () => abort.abort();
+});
+
+effect(() => {
+  const chosen = theme.value;
+  localStorage.setItem("theme", chosen);
+  if (chosen === "system") delete document.documentElement.dataset["theme"];
+  else document.documentElement.dataset["theme"] = chosen;
+});
+
+// ---- the address bar
+
+let urlTimer: ReturnType<typeof setTimeout> | undefined;
+
+function writeUrl(push: boolean) {
+  const url = formatUrl({ object: selectedId.value, video: videoId.value, time: shownTime.value });
+  if (url === location.search) return;
+  if (push) history.pushState(null, "", url || location.pathname);
+  else history.replaceState(null, "", url || location.pathname);
+}
+
+effect(() => {
+  // Not for each frame that plays.
+  void shownFrame.value;
+  void selectedId.value;
+  if (project.value.state !== "ready" || isPlaying.value) return;
+  clearTimeout(urlTimer);
+  urlTimer = setTimeout(() => writeUrl(false), 250);
+});
+
+window.addEventListener("popstate", openFromUrl);
+
+// ---- actions
+
+export function showTime(target: number, time: number) {
+  batch(() => {
+    videoId.value = target;
+    seekRequest.value = { video: target, time };
+  });
+}
+
+function isShown(object: FoundObject) {
+  const time = shownTime.value;
+  return object.moments.some(
+    (one) => one.video_id === videoId.value && time !== null && one.first_time_s <= time && time <= one.last_time_s,
+  );
+}
+
+/** Selects an object; the video goes to its best sighting unless it shows the object already. */
+export function select(id: number, { seek = true, push = false } = {}) {
+  const object = objectById.value.get(id);
+  if (!object) return;
+  if (push && selectedId.value !== null && selectedId.value !== id) writeUrl(true);
+  seekToBest = seek && !isShown(object) ? id : null;
+  const known = detail.value;
+  if (seekToBest !== null && selectedId.value === id && known?.state === "ready" && known.value.best) {
+    showTime(known.value.best.video_id, known.value.best.time_s);
+  }
+  selectedId.value = id;
+}
+
+/** The next or previous object of the queue that passes the filters. */
+export function step(by: 1 | -1) {
+  const list = matchingObjects.value;
+  if (list.length === 0) return;
+  const at = list.findIndex((one) => one.id === selectedId.value);
+  const next = at < 0 ? (by > 0 ? 0 : list.length - 1) : at + by;
+  const object = list[Math.min(Math.max(next, 0), list.length - 1)];
+  if (object) select(object.id, { push: true });
+}
+
+/** The next or previous moment of the selected object. */
+export function stepMoment(by: 1 | -1) {
+  const object = selected.value;
+  if (!object) return;
+  const time = shownTime.value ?? 0;
+  const order = object.moments;
+  const position = (one: (typeof order)[number]) =>
+    one.video_id === videoId.value ? one.first_time_s - time : one.video_id < (videoId.value ?? 0) ? -Infinity : Infinity;
+  const next =
+    by > 0
+      ? order.find((one) => position(one) > 1e-3)
+      : [...order].reverse().find((one) => position(one) < -1e-3);
+  if (next) showTime(next.video_id, next.first_time_s);
+  else notify(by > 0 ? "This is the last moment of the object." : "This is the first moment of the object.");
+}
+
+export function stepFrame(by: number) {
+  const table = frameTable.value;
+  const id = videoId.value;
+  if (table.state !== "ready" || id === null) return;
+  const frame = table.value.clamp((shownFrame.value ?? 0) + by);
+  seekRequest.value = { video: id, time: table.value.timeOf(frame) };
+}
+
+export function setFilters(change: Partial<Filters>) {
+  filters.value = { ...filters.value, ...change };
+}
+
+// ---- reviews: shown at once, then confirmed
+
+interface Decision {
+  id: number;
+  before: { verdict: Verdict; note: string };
+}
+const undoStack: Decision[] = [];
+/** Objects whose review the server does not have yet. */
+export const pendingReviews = signal<ReadonlySet<number>>(new Set());
+const latestWrite = new Map<number, number>();
+let writes = 0;
+
+function setReview(id: number, review: FoundObject["review"]) {
+  objects.value = objects.value.map((one) => (one.id === id ? { ...one, review } : one));
+}
+
+async function writeReview(id: number, verdict: Verdict, note: string) {
+  const write = ++writes;
+  const stored = objectById.value.get(id)?.review ?? null;
+  const isLatest = () => latestWrite.get(id) === write;
+  latestWrite.set(id, write);
+  pendingReviews.value = new Set([...pendingReviews.value, id]);
+  setReview(id, verdict === null && note === "" ? null : { verdict, note, updated_utc_us: Date.now() * 1000 });
+  while (isLatest()) {
+    try {
+      const review = await putReview(id, verdict, note);
+      isConnected.value = true;
+      if (isLatest()) setReview(id, review);
+      break;
+    } catch (error) {
+      if (!isLatest()) return;
+      if (!(error instanceof ApiFailure && error.status === 0)) {
+        notify(`The review is not stored: ${messageOf(error)}`, "error");
+        setReview(id, stored);
+        break;
+      }
+      // Nothing typed is lost: the review is kept and sent again once the server answers.
+      isConnected.value = false;
+      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+    }
+  }
+  if (!isLatest()) return;
+  const left = new Set(pendingReviews.value);
+  left.delete(id);
+  pendingReviews.value = left;
+}
+
+export function review(id: number, verdict: Verdict, note?: string) {
+  const object = objectById.value.get(id);
+  if (!object) return;
+  if (project.value.state === "ready" && !project.value.value.can_review) {
+    notify("This index cannot be written, so reviews are not kept.", "error");
+    return;
+  }
+  const before = { verdict: object.review?.verdict ?? null, note: object.review?.note ?? "" };
+  undoStack.push({ id, before });
+  void writeReview(id, verdict, note ?? before.note);
+}
+
+/** Decides about the selected object and goes on to the next one. */
+export function decide(verdict: Exclude<Verdict, null>) {
+  const object = selected.value;
+  if (!object) return;
+  const list = matchingObjects.value;
+  const at = list.findIndex((one) => one.id === object.id);
+  const next = list.slice(at + 1).find((one) => !one.review?.verdict);
+  review(object.id, verdict);
+  notify(`${object.model} ${object.id}: ${verdict}. U takes it back.`);
+  if (next) select(next.id, { push: true });
+}
+
+export function undo() {
+  const last = undoStack.pop();
+  if (!last) {
+    notify("There is nothing to take back.");
+    return;
+  }
+  void writeReview(last.id, last.before.verdict, last.before.note);
+  select(last.id);
+}

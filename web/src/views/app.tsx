@@ -1,0 +1,112 @@
+// The page: header, three panes, inspector, and the keys.
+import { useEffect } from "preact/hooks";
+
+import { type Action, actionOf } from "../logic/keys";
+import * as state from "../state";
+import { Header } from "./header";
+import { Help } from "./help";
+import { Inspector } from "./inspector";
+import { ObjectList } from "./list";
+import { MapPane } from "./map";
+import { Notices } from "./notices";
+import { VideoPane, togglePlay } from "./video";
+
+const isTyping = (target: EventTarget | null) =>
+  target instanceof HTMLElement && target.matches("input:not([type=range]), textarea, select");
+
+function focus(id: string) {
+  const field = document.getElementById(id);
+  if (field instanceof HTMLInputElement || field instanceof HTMLTextAreaElement) {
+    field.focus();
+    field.select();
+  }
+}
+
+function run(action: Action, shift: boolean) {
+  switch (action) {
+    case "next":
+      return state.step(1);
+    case "previous":
+      return state.step(-1);
+    case "nextMoment":
+      return state.stepMoment(1);
+    case "previousMoment":
+      return state.stepMoment(-1);
+    case "accept":
+      return state.decide("accepted");
+    case "reject":
+      return state.decide("rejected");
+    case "note":
+      return focus("note");
+    case "undo":
+      return state.undo();
+    case "play":
+      return togglePlay();
+    case "frameBack":
+      return state.stepFrame(shift ? -10 : -1);
+    case "frameOn":
+      return state.stepFrame(shift ? 10 : 1);
+    case "hide":
+      state.isOverlayHidden.value = true;
+      return;
+    case "search":
+      return focus("search");
+    case "help":
+      state.isHelpOpen.value = true;
+      return;
+    case "close":
+      return;
+  }
+}
+
+function useKeys() {
+  useEffect(() => {
+    const down = (event: KeyboardEvent) => {
+      if (event.key === "Escape" && isTyping(event.target)) (event.target as HTMLElement).blur();
+      if (isTyping(event.target) || state.isHelpOpen.value || event.defaultPrevented) return;
+      const action = actionOf(event);
+      if (action === null) return;
+      // Space presses a focused button, arrows move a focused slider.
+      const isOnControl = event.target instanceof HTMLElement && event.target.matches("button, input, [role=option]");
+      if (isOnControl && event.key === " " && !event.target.matches("[role=option]")) return;
+      if (event.target instanceof HTMLInputElement && event.key.startsWith("Arrow")) return;
+      if (event.target instanceof HTMLElement && event.key.startsWith("Arrow") && event.target.closest(".maplibregl-map")) return;
+      event.preventDefault();
+      if (event.repeat && (action === "accept" || action === "reject")) return;
+      run(action, event.shiftKey);
+    };
+    const show = (event: KeyboardEvent | FocusEvent) => {
+      if (!(event instanceof KeyboardEvent) || event.key.toLowerCase() === "o") state.isOverlayHidden.value = false;
+    };
+    window.addEventListener("keydown", down);
+    window.addEventListener("keyup", show);
+    window.addEventListener("blur", show);
+    return () => {
+      window.removeEventListener("keydown", down);
+      window.removeEventListener("keyup", show);
+      window.removeEventListener("blur", show);
+    };
+  }, []);
+}
+
+export function App() {
+  useKeys();
+  return (
+    <>
+      {!state.isConnected.value && (
+        <div class="lost" role="status">
+          The server does not answer. What you decide is kept here and sent once it is back.
+        </div>
+      )}
+      <div class="page">
+        <Header />
+        <ObjectList />
+        <VideoPane />
+        <MapPane />
+        <Inspector />
+      </div>
+      <Notices />
+      <Help />
+    </>
+  );
+}

@@ -1,0 +1,78 @@
+import { computed } from "@preact/signals";
+
+import * as state from "../state";
+import { Icon } from "./icons";
+
+const reviewed = computed(() => {
+  let accepted = 0;
+  let rejected = 0;
+  for (const { review } of state.objects.value) {
+    if (review?.verdict === "accepted") accepted++;
+    if (review?.verdict === "rejected") rejected++;
+  }
+  return { accepted, rejected, all: state.objects.value.length };
+});
+
+const NEXT_THEME = { system: "light", light: "dark", dark: "system" } as const;
+
+function Progress() {
+  const { accepted, rejected, all } = reviewed.value;
+  if (all === 0) return null;
+  const part = (count: number) => ({ width: `${(100 * count) / all}%` });
+  return (
+    <div class="progress" title={`${accepted} accepted, ${rejected} rejected`}>
+      <span class="bar" aria-hidden="true">
+        <span class="accepted" style={part(accepted)} />
+        <span class="rejected" style={part(rejected)} />
+      </span>
+      <span>
+        {(accepted + rejected).toLocaleString("en")} of {all.toLocaleString("en")} reviewed
+      </span>
+    </div>
+  );
+}
+
+export function Header() {
+  const project = state.project.value;
+  const theme = state.theme.value;
+  return (
+    <header class="head">
+      <h1 class="brand">
+        <svg viewBox="0 0 16 16" aria-hidden="true">
+          <path d="M1 5V1h4M11 1h4v4M15 11v4h-4M5 15H1v-4" fill="none" stroke="var(--accent)" stroke-width="2" />
+          <circle cx="8" cy="8" r="2.5" fill="#e69f00" />
+        </svg>
+        VICTORIOUS
+      </h1>
+      {project.state === "ready" && <span class="project">{project.value.name}</span>}
+      <form class="search" role="search" onSubmit={(event) => event.preventDefault()}>
+        <label class="hidden" for="search">
+          Search
+        </label>
+        <input
+          id="search"
+          class="field"
+          type="search"
+          autocomplete="off"
+          placeholder='Name, note, or "near 52.52,13.40 200 m"'
+          value={state.filters.value.text}
+          onInput={(event) => state.setFilters({ text: event.currentTarget.value })}
+        />
+      </form>
+      <Progress />
+      <div class="tools">
+        <button
+          class="button icon plain"
+          title={`Colours: ${theme}`}
+          aria-label={`Colours: ${theme}. Change`}
+          onClick={() => (state.theme.value = NEXT_THEME[theme])}
+        >
+          <Icon name={theme === "system" ? "system" : theme === "dark" ? "moon" : "sun"} />
+        </button>
+        <button class="button icon plain" title="Keys (?)" aria-label="Keys" onClick={() => (state.isHelpOpen.value = true)}>
+          <Icon name="help" />
+        </button>
+      </div>
+    </header>
+  );
+}

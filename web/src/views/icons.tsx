@@ -1,0 +1,36 @@
+// The icons: 16 px, one stroke.
+const PATHS = {
+  play: "M4 2.5v11l9-5.5z",
+  pause: "M4 2.5h3v11H4zM9 2.5h3v11H9z",
+  back: "M10 3 5 8l5 5",
+  on: "M6 3l5 5-5 5",
+  previous: "M12 3 7 8l5 5M4 3v10",
+  next: "M4 3l5 5-5 5M12 3v10",
+  accept: "M2.5 8.5 6 12l7.5-8",
+  reject: "M3.5 3.5l9 9M12.5 3.5l-9 9",
+  sun: "M8 5a3 3 0 1 0 0 6 3 3 0 0 0 0-6zM8 1v1.5M8 13.5V15M1 8h1.5M13.5 8H15M3 3l1 1M12 12l1 1M3 13l1-1M12 4l1-1",
+  moon: "M13 9.5A5.5 5.5 0 0 1 6.5 3 5.5 5.5 0 1 0 13 9.5z",
+  system: "M2 3h12v8H2zM5.5 14h5M8 11v3",
+  help: "M6 6a2 2 0 1 1 2.6 1.9c-.5.2-.6.6-.6 1.1M8 11.6v.4M8 1.5a6.5 6.5 0 1 0 0 13 6.5 6.5 0 0 0 0-13z",
+  close: "M4 4l8 8M12 4l-8 8",
+  copy: "M5.5 5.5V2.5h8v8h-3M2.5 5.5h8v8h-8z",
+} as const;
+
+export function Icon({ name }: { name: keyof typeof PATHS }) {
+  const isSolid = name === "play" || name === "pause";
+  return (
+    <svg
+      width="16"
+      height="16"
+      viewBox="0 0 16 16"
+      aria-hidden="true"
+      fill={isSolid ? "currentColor" : "none"}
+      stroke={isSolid ? "none" : "currentColor"}
+      stroke-width="1.6"
+      stroke-linecap="round"
+      stroke-linejoin="round"
+    >
+      <path d={PATHS[name]} />
+    </svg>
+  );
+}

@@ -1,0 +1,222 @@
+// The selection: its crops, facts and review.
+import { useEffect, useState } from "preact/hooks";
+
+import { thumbnailUrl, viewUrl } from "../api/client";
+import type { FoundObject, ObjectDetail } from "../api/types";
+import { DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatSpan, formatTime, plural } from "../logic/format";
+import * as state from "../state";
+import { Icon } from "./icons";
+import { VerdictMark } from "./list";
+
+function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail | null }) {
+  const best = detail?.best ?? null;
+  const hasView = best !== null && state.project.value.state === "ready" && state.project.value.value.has_views;
+  return (
+    <div class="crops">
+      <figure class="crop">
+        <div class="frame">
+          <img src={thumbnailUrl(object.id, 344)} alt={`${object.model} in its best sighting`} />
+        </div>
+        <figcaption>
+          {best ? (
+            <button class="link" onClick={() => state.showTime(best.video_id, best.time_s)}>
+              best sighting, {formatTime(best.time_s)}
+            </button>
+          ) : (
+            "best sighting"
+          )}
+        </figcaption>
+      </figure>
+      {hasView && (
+        <figure class="crop view">
+          <div class="frame">
+            <img src={viewUrl(object.model_id, best.view_index)} alt={`The view of ${object.model} that matched`} />
+          </div>
+          <figcaption>view that matched, {plural(best.matches, "match").replace("matchs", "matches")}</figcaption>
+        </figure>
+      )}
+    </div>
+  );
+}
+
+async function copy(text: string) {
+  try {
+    await navigator.clipboard.writeText(text);
+    state.notify(`Copied ${text}`);
+  } catch {
+    state.notify("The browser does not allow copying; select the text instead.", "error");
+  }
+}
+
+function Position({ object }: { object: FoundObject }) {
+  const place = object.place;
+  if (!place) {
+    const reason = state.cameraPath.value?.source === null ? "no telemetry" : "too few sightings that agree";
+    return <dd title="A place needs telemetry and sightings whose lines of sight meet">{`${DASH} (${reason})`}</dd>;
+  }
+  const style = state.coordinateStyle.value;
+  const text = formatPosition(place.latitude_deg, place.longitude_deg, style);
+  return (
+    <dd>
+      {text}{" "}
+      <button class="link" aria-label="Copy the position" title="Copy" onClick={() => void copy(text)}>
+        copy
+      </button>{" "}
+      <button class="link" onClick={() => (state.coordinateStyle.value = style === "decimal" ? "dms" : "decimal")}>
+        {style === "decimal" ? "as ° ′ ″" : "as decimal"}
+      </button>
+    </dd>
+  );
+}
+
+function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail | null }) {
+  const place = object.place;
+  const best = detail?.best ?? null;
+  const videos = [...new Set(object.moments.map((one) => one.video_id))].map(
+    (id) => state.videos.value.find((one) => one.id === id)?.name ?? String(id),
+  );
+  return (
+    <div>
+      <div class="facts-head">
+        <h2>
+          <span class="swatch" style={{ background: state.colourOf(object.model) }} /> {object.model}
+        </h2>
+        <span class="muted">
+          object {object.id}, rank {object.rank}
+        </span>
+        <VerdictMark object={object} />
+      </div>
+      <dl class="facts-grid">
+        <div>
+          <dt>Score</dt>
+          <dd title={explainScore(object.score)}>{object.score.toFixed(3)}</dd>
+        </div>
+        <div>
+          <dt>Seen</dt>
+          <dd>
+            {formatSpan(object.first_time_s, object.last_time_s)}, {plural(object.frames, "frame")}
+          </dd>
+        </div>
+        <div class="wide">
+          <dt>Position (WGS 84)</dt>
+          <Position object={object} />
+        </div>
+        <div>
+          <dt>90 % within</dt>
+          <dd title="CE90: radius of the horizontal circle that holds the true place with 90 %">
+            {formatMetres(place?.ce90_m)}
+          </dd>
+        </div>
+        <div>
+          <dt>Height</dt>
+          <dd title="Above the WGS 84 ellipsoid">
+            {place ? `${formatMetres(place.altitude_m)} ± ${formatMetres(place.le90_m)}` : DASH}
+          </dd>
+        </div>
+        <div>
+          <dt>Heading</dt>
+          <dd title="Of its front, clockwise from north">{formatAngle(object.heading_deg)}</dd>
+        </div>
+        <div>
+          <dt>Speed</dt>
+          <dd>{object.speed_m_s === null ? DASH : object.speed_m_s === 0 ? "standing" : `${object.speed_m_s.toFixed(1)} m/s`}</dd>
+        </div>
+        <div>
+          <dt>Distance, best sighting</dt>
+          <dd>
+            {formatMetres(best?.distance_m)}
+            {best?.sigma_distance_m ? ` ± ${formatMetres(best.sigma_distance_m)}` : ""}
+          </dd>
+        </div>
+        <div>
+          <dt>{videos.length === 1 ? "Video" : "Videos"}</dt>
+          <dd title={videos.join("\n")}>{videos.length === 1 ? baseName(videos[0] ?? "") : plural(videos.length, "video")}</dd>
+        </div>
+      </dl>
+    </div>
+  );
+}
+
+function Review({ object }: { object: FoundObject }) {
+  const verdict = object.review?.verdict ?? null;
+  const stored = object.review?.note ?? "";
+  const [note, setNote] = useState(stored);
+  useEffect(() => setNote(stored), [object.id, stored]);
+  const isPending = state.pendingReviews.value.has(object.id);
+  const canReview = state.project.value.state === "ready" && state.project.value.value.can_review;
+  const save = () => {
+    if (note !== stored) state.review(object.id, verdict, note);
+  };
+  const status = isPending
+    ? "Saving"
+    : object.review
+      ? `Saved ${new Date(object.review.updated_utc_us / 1000).toLocaleString()}`
+      : canReview
+        ? "Not reviewed"
+        : "This index cannot be written: reviews are not kept";
+  return (
+    <div class="review">
+      <div class="buttons">
+        <button
+          class="button accept"
+          aria-pressed={verdict === "accepted"}
+          disabled={!canReview}
+          onClick={() => state.review(object.id, verdict === "accepted" ? null : "accepted", note)}
+        >
+          <Icon name="accept" /> Accept <kbd>A</kbd>
+        </button>
+        <button
+          class="button reject"
+          aria-pressed={verdict === "rejected"}
+          disabled={!canReview}
+          onClick={() => state.review(object.id, verdict === "rejected" ? null : "rejected", note)}
+        >
+          <Icon name="reject" /> Reject <kbd>X</kbd>
+        </button>
+      </div>
+      <label class="hidden" for="note">
+        Note
+      </label>
+      <textarea
+        id="note"
+        class="field"
+        placeholder="Note (N)"
+        maxLength={2000}
+        disabled={!canReview}
+        value={note}
+        onInput={(event) => setNote(event.currentTarget.value)}
+        onBlur={save}
+      />
+      <div class="status" role="status">
+        {status}
+      </div>
+    </div>
+  );
+}
+
+export function Inspector() {
+  const object = state.selected.value;
+  const detail = state.detail.value;
+  if (!object) {
+    return (
+      <section class="inspector idle" aria-label="Selection">
+        Choose an object in the list, the video, the time line or the map to see what is known of it.
+      </section>
+    );
+  }
+  const loaded = detail?.state === "ready" && detail.value.id === object.id ? detail.value : null;
+  return (
+    <section class="inspector" aria-label="Selection">
+      <Crops object={object} detail={loaded} />
+      <div>
+        <Facts object={object} detail={loaded} />
+        {detail?.state === "failed" && (
+          <p class="muted" role="alert">
+            {detail.message}
+          </p>
+        )}
+      </div>
+      <Review object={object} />
+    </section>
+  );
+}

@@ -1,0 +1,243 @@
+// The ranked list: a queue to be worked off by keys. Only the visible rows are in the document.
+import { Virtualizer, elementScroll, observeElementOffset, observeElementRect } from "@tanstack/virtual-core";
+import { computed } from "@preact/signals";
+import { useEffect, useLayoutEffect, useReducer, useRef, useState } from "preact/hooks";
+
+import { thumbnailUrl } from "../api/client";
+import type { FoundObject } from "../api/types";
+import { NO_FILTERS, isFiltered, thresholdCost } from "../logic/filters";
+import { explainScore, formatMetres, formatSpan, plural } from "../logic/format";
+import * as state from "../state";
+import { Icon } from "./icons";
+
+const ROW_HEIGHT = 80;
+
+const cost = computed(() => thresholdCost(state.objects.value, state.filters.value.minScore));
+
+function useVirtualizer(count: number) {
+  const scroller = useRef<HTMLDivElement>(null);
+  const [, rerender] = useReducer((n: number) => n + 1, 0);
+  const options = {
+    count,
+    getScrollElement: () => scroller.current,
+    estimateSize: () => ROW_HEIGHT,
+    overscan: 6,
+    observeElementRect,
+    observeElementOffset,
+    scrollToFn: elementScroll,
+    onChange: () => rerender(undefined),
+  };
+  const [virtualizer] = useState(() => new Virtualizer<HTMLDivElement, HTMLDivElement>(options));
+  virtualizer.setOptions(options);
+  useLayoutEffect(() => virtualizer._didMount(), [virtualizer]);
+  useLayoutEffect(() => virtualizer._willUpdate());
+  return { scroller, virtualizer };
+}
+
+export function VerdictMark({ object }: { object: FoundObject }) {
+  const verdict = object.review?.verdict;
+  if (!verdict) return null;
+  const isPending = state.pendingReviews.value.has(object.id);
+  return (
+    <span class={`verdict ${verdict} ${isPending ? "pending" : ""}`}>
+      <Icon name={verdict === "accepted" ? "accept" : "reject"} />
+      {isPending ? "saving" : verdict}
+    </span>
+  );
+}
+
+function Row({ object, index, top }: { object: FoundObject; index: number; top: number }) {
+  const isSelected = state.selectedId.value === object.id;
+  const place = object.place;
+  return (
+    <div
+      id={`object-${object.id}`}
+      role="option"
+      aria-selected={isSelected}
+      aria-posinset={index + 1}
+      aria-setsize={state.objects.value.length}
+      class={`row ${state.matcher.value(object) ? "" : "greyed"}`}
+      style={{ transform: `translateY(${top}px)` }}
+      onClick={() => state.select(object.id, { push: true })}
+    >
+      <div class="thumb">
+        <img src={thumbnailUrl(object.id, 168)} alt="" loading="lazy" decoding="async" width="84" height="63" />
+      </div>
+      <div>
+        <div class="name">
+          <span class="swatch" style={{ background: state.colourOf(object.model) }} />
+          <span>{object.model}</span>
+        </div>
+        <div class="facts">
+          {formatSpan(object.first_time_s, object.last_time_s)}
+        </div>
+        <div class="facts">{place ? `± ${formatMetres(place.ce90_m)}` : "no place"}</div>
+      </div>
+      <div class="side">
+        <span class="score" title={explainScore(object.score)}>
+          {object.score.toFixed(2)}
+        </span>
+        <span class="muted">{plural(object.frames, "frame")}</span>
+        <VerdictMark object={object} />
+      </div>
+    </div>
+  );
+}
+
+function Chips() {
+  const { models, review, video } = state.filters.value;
+  const toggle = (name: string) =>
+    state.setFilters({ models: models.includes(name) ? models.filter((one) => one !== name) : [...models, name] });
+  return (
+    <div class="chips" role="group" aria-label="Filters">
+      {state.modelNames.value.length > 1 &&
+        state.modelNames.value.slice(0, 12).map((name) => (
+          <button key={name} class="chip" aria-pressed={models.includes(name)} onClick={() => toggle(name)}>
+            <span class="swatch" style={{ background: state.colourOf(name) }} />
+            {name}
+          </button>
+        ))}
+      {(["none", "accepted", "rejected"] as const).map((one) => (
+        <button
+          key={one}
+          class="chip"
+          aria-pressed={review === one}
+          onClick={() => state.setFilters({ review: review === one ? "all" : one })}
+        >
+          {one === "none" ? "to review" : one}
+        </button>
+      ))}
+      {state.videos.value.length > 1 && (
+        <button
+          class="chip"
+          aria-pressed={video !== null}
+          onClick={() => state.setFilters({ video: video === null ? state.videoId.value : null })}
+        >
+          this video
+        </button>
+      )}
+    </div>
+  );
+}
+
+function Threshold() {
+  const { minScore } = state.filters.value;
+  const { falseAlarms, misses } = cost.value;
+  return (
+    <div class="threshold">
+      <label for="threshold">Score</label>
+      <input
+        id="threshold"
+        type="range"
+        min="0"
+        max="1"
+        step="0.01"
+        value={minScore}
+        aria-valuetext={`at least ${minScore.toFixed(2)}`}
+        onInput={(event) => state.setFilters({ minScore: Number(event.currentTarget.value) })}
+      />
+      <output for="threshold">≥ {minScore.toFixed(2)}</output>
+      <span class="cost" title="From the scores: each is the probability that its object is real">
+        expected: {falseAlarms.toFixed(1)} false shown, {misses.toFixed(1)} real hidden
+      </span>
+    </div>
+  );
+}
+
+function Rows() {
+  const objects = state.objects.value;
+  const { scroller, virtualizer } = useVirtualizer(objects.length);
+  const selected = state.selectedId.value;
+  useEffect(() => {
+    const index = objects.findIndex((one) => one.id === selected);
+    if (index >= 0) virtualizer.scrollToIndex(index, { align: "auto" });
+  }, [selected, virtualizer, objects.length]);
+  return (
+    <div
+      class="rows"
+      ref={scroller}
+      role="listbox"
+      tabIndex={0}
+      aria-label="Objects"
+      aria-activedescendant={selected === null ? undefined : `object-${selected}`}
+      onKeyDown={(event) => {
+        if (event.key !== "ArrowDown" && event.key !== "ArrowUp") return;
+        event.preventDefault();
+        state.step(event.key === "ArrowDown" ? 1 : -1);
+      }}
+    >
+      <div role="presentation" style={{ height: virtualizer.getTotalSize(), position: "relative" }}>
+        {virtualizer.getVirtualItems().map((item) => {
+          const object = objects[item.index];
+          return object && <Row key={object.id} object={object} index={item.index} top={item.start} />;
+        })}
+      </div>
+    </div>
+  );
+}
+
+function Nothing() {
+  const isSearched = state.videos.value.some((one) => one.searches.some((search) => search.searched_frames > 0));
+  return (
+    <div class="empty">
+      <h3>{state.videos.value.length === 0 ? "No video yet" : "Nothing found yet"}</h3>
+      {state.videos.value.length === 0 || !isSearched ? (
+        <>
+          <p>Search a video for your models, and the finds appear here:</p>
+          <code>victorious index VIDEO --models DIR --db FILE</code>
+        </>
+      ) : (
+        <>
+          <p>No model was recognised in the videos that were searched. What a model needs to be found:</p>
+          <code>victorious model show NAME --models DIR --findable</code>
+        </>
+      )}
+    </div>
+  );
+}
+
+function Loading() {
+  return (
+    <div class="rows" aria-busy="true" aria-label="Loading">
+      {Array.from({ length: 8 }, (_, i) => (
+        <div key={i} class="row" style={{ position: "relative" }}>
+          <div class="thumb skeleton" />
+          <div class="skeleton" style={{ height: "2.2em" }} />
+        </div>
+      ))}
+    </div>
+  );
+}
+
+export function ObjectList() {
+  const project = state.project.value;
+  const all = state.objects.value.length;
+  const shown = state.matchingObjects.value.length;
+  const filtered = isFiltered(state.filters.value);
+  return (
+    <section class="list" aria-label="Objects found">
+      <div class="above">
+        <div class="count">
+          <h2>{filtered ? `${shown.toLocaleString("en")} of ${plural(all, "object")}` : plural(all, "object")}</h2>
+          {filtered && (
+            <button class="link" onClick={() => (state.filters.value = NO_FILTERS)}>
+              Clear filters
+            </button>
+          )}
+          {!filtered && !state.isComplete.value && project.state === "ready" && <span class="muted">loading more</span>}
+        </div>
+        <Chips />
+        {all > 0 && <Threshold />}
+      </div>
+      {project.state === "loading" && <Loading />}
+      {project.state === "failed" && (
+        <div class="empty" role="alert">
+          <h3>The index cannot be shown</h3>
+          <p>{project.message}</p>
+          <p>It is tried again every few seconds.</p>
+        </div>
+      )}
+      {project.state === "ready" && (all > 0 ? <Rows /> : <Nothing />)}
+    </section>
+  );
+}

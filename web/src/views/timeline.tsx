@@ -1,0 +1,132 @@
+// The time line of the video that is shown: a lane for each object with its moments, and what was searched.
+import { computed } from "@preact/signals";
+import { useRef } from "preact/hooks";
+
+import { formatTime, plural } from "../logic/format";
+import * as state from "../state";
+
+const MAX_LANES = 200;
+const TICK_STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 120, 300, 600, 1800, 3600];
+
+const length = computed(() => {
+  const table = state.frameTable.value;
+  if (table.state === "ready") return table.value.end;
+  return state.video.value?.duration_s ?? 0;
+});
+
+const here = computed(() =>
+  state.objects.value.filter((object) => object.moments.some((one) => one.video_id === state.videoId.value)),
+);
+
+/** The best objects; the selected one is always among them. */
+const lanes = computed(() => {
+  const best = [...here.value].sort((a, b) => a.rank - b.rank).slice(0, MAX_LANES);
+  const selected = state.selected.value;
+  if (selected && here.value.includes(selected) && !best.includes(selected)) best.unshift(selected);
+  return best;
+});
+
+const percent = (time: number) => (length.value > 0 ? `${(100 * Math.min(time, length.value)) / length.value}%` : "0%");
+
+function Searched() {
+  const video = state.video.value;
+  const frames = video?.frame_count ?? null;
+  const searched = Math.min(...(video?.searches.map((one) => (one.finished ? Infinity : one.searched_frames)) ?? [0]));
+  const end = frames === null || searched === Infinity ? 100 : (100 * searched) / Math.max(frames, 1);
+  const isPart = searched !== Infinity;
+  return (
+    <div
+      class="searched"
+      style={{ width: `${end}%` }}
+      title={isPart ? `Searched for all models up to frame ${searched}; run \`victorious index\` again to go on` : "Searched to the end"}
+    />
+  );
+}
+
+function Ticks() {
+  const end = length.value;
+  const step = TICK_STEPS.find((one) => end / one <= 10) ?? 3600;
+  const count = end > 0 ? Math.floor(end / step) + 1 : 0;
+  return (
+    <>
+      {Array.from({ length: count }, (_, i) => i * step)
+        .filter((time) => time < end * 0.97)
+        .map((time) => (
+          <span key={time} class="tick" style={{ left: percent(time) }}>
+            {formatTime(time).replace(/\.00$/, "")}
+          </span>
+        ))}
+    </>
+  );
+}
+
+export function Timeline() {
+  const track = useRef<HTMLDivElement>(null);
+  const video = state.videoId.value;
+  const scrub = (event: PointerEvent) => {
+    if (!track.current || video === null || (event.type === "pointermove" && event.buttons !== 1)) return;
+    if (event.type === "pointerdown") track.current.setPointerCapture(event.pointerId);
+    const { left, width } = track.current.getBoundingClientRect();
+    const part = Math.min(Math.max((event.clientX - left) / Math.max(width, 1), 0), 1);
+    state.showTime(video, part * length.value);
+  };
+  const time = state.shownTime.value ?? 0;
+  return (
+    <div class="timeline" aria-label="Time line" role="group">
+      <div class="over" style={{ height: `${24 + 22 * lanes.value.length}px` }}>
+        <div class="playhead" style={{ left: percent(time) }} />
+      </div>
+      <div class="ruler">
+        <div class="caption">{plural(here.value.length, "object")}</div>
+        <div
+          class="track"
+          ref={track}
+          onPointerDown={scrub}
+          onPointerMove={scrub}
+          role="slider"
+          tabIndex={0}
+          aria-label="Time"
+          aria-valuemin={0}
+          aria-valuemax={length.value}
+          aria-valuenow={time}
+          aria-valuetext={formatTime(time)}
+        >
+          <Searched />
+          <Ticks />
+        </div>
+      </div>
+      {lanes.value.map((object) => (
+        <div
+          key={object.id}
+          class={`lane ${object.id === state.selectedId.value ? "selected" : ""} ${state.matcher.value(object) ? "" : "greyed"}`}
+        >
+          <button tabIndex={-1} title={`${object.model} ${object.id}`} onClick={() => state.select(object.id, { push: true })}>
+            <span class="swatch" style={{ background: state.colourOf(object.model), display: "inline-block" }} /> {object.model}
+          </button>
+          <div class="track">
+            {object.moments
+              .filter((one) => one.video_id === video)
+              .map((one) => (
+                <button
+                  key={one.first_time_s}
+                  class="moment"
+                  tabIndex={-1}
+                  style={{
+                    left: percent(one.first_time_s),
+                    width: percent(one.last_time_s - one.first_time_s),
+                    background: state.colourOf(object.model),
+                  }}
+                  title={`${object.model}: ${formatTime(one.first_time_s)} to ${formatTime(one.last_time_s)}, ${plural(one.frames, "frame")}`}
+                  aria-label={`${object.model} at ${formatTime(one.first_time_s)}`}
+                  onClick={() => {
+                    state.select(object.id, { seek: false, push: true });
+                    state.showTime(one.video_id, one.first_time_s);
+                  }}
+                />
+              ))}
+          </div>
+        </div>
+      ))}
+    </div>
+  );
+}

@@ -1,0 +1,191 @@
+// The video: the exact frame with boxes, names and the selection's track; controls; time line.
+import { effect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+
+import { baseName, formatTime } from "../logic/format";
+import { drawSighting, drawTrail, fit, hit } from "../logic/overlay";
+import { frameCanvas, pictureVersion, playbackRate, player, unplayable } from "../player";
+import { sightingsAt, sightingsVersion, trailOf } from "../sightings";
+import * as state from "../state";
+import { Icon } from "./icons";
+import { Timeline } from "./timeline";
+
+const TRAIL_FRAMES = 60;
+
+export const togglePlay = () => player.togglePlay();
+
+function draw(canvas: HTMLCanvasElement) {
+  const context = canvas.getContext("2d");
+  const frame = state.shownFrame.value;
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const density = window.devicePixelRatio || 1;
+  if (!context) return;
+  if (canvas.width !== Math.round(width * density)) canvas.width = Math.round(width * density);
+  if (canvas.height !== Math.round(height * density)) canvas.height = Math.round(height * density);
+  context.setTransform(density, 0, 0, density, 0, 0);
+  context.clearRect(0, 0, width, height);
+  if (frame === null) return;
+  // Sightings are in the pixels of the video as indexed, which a browser may deliver in another size.
+  const video = state.video.value;
+  const [videoWidth, videoHeight] = [video?.width_px ?? frameCanvas.width, video?.height_px ?? frameCanvas.height];
+  const at = fit(videoWidth, videoHeight, width, height);
+  context.drawImage(frameCanvas, at.x, at.y, videoWidth * at.scale, videoHeight * at.scale);
+  canvas.dataset["frame"] = String(frame);
+  if (state.isOverlayHidden.value) return;
+  const selected = state.selectedId.value;
+  const matches = state.matcher.value;
+  const sightings = [...sightingsAt(frame)].sort(
+    (a, b) => Number(a.object_id === selected) - Number(b.object_id === selected),
+  );
+  for (const sighting of sightings) {
+    const object = state.objectById.value.get(sighting.object_id);
+    if (!object) continue;
+    const colour = state.colourOf(object.model);
+    const isSelected = object.id === selected;
+    if (isSelected) drawTrail(context, trailOf(object.id, frame, TRAIL_FRAMES), colour, at);
+    const isRejected = object.review?.verdict === "rejected";
+    const drawn = { sighting, name: object.model, colour, isSelected, isGreyed: !matches(object), isRejected };
+    drawSighting(context, drawn, { width: videoWidth, height: videoHeight }, at, width);
+  }
+}
+
+function Stage() {
+  const element = useRef<HTMLVideoElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    if (!element.current || !canvas.current) return;
+    const shown = canvas.current;
+    player.attach(element.current);
+    let scheduled = 0;
+    const redraw = () => {
+      scheduled ||= requestAnimationFrame(() => {
+        scheduled = 0;
+        draw(shown);
+      });
+    };
+    const stop = effect(() => {
+      // Draws at once: in the callback of the frame, and with the overlay of that frame.
+      void pictureVersion.value;
+      void sightingsVersion.value;
+      draw(shown);
+    });
+    const observer = new ResizeObserver(redraw);
+    observer.observe(shown);
+    return () => {
+      stop();
+      observer.disconnect();
+    };
+  }, []);
+  const click = (event: MouseEvent) => {
+    const frame = state.shownFrame.value;
+    const video = state.video.value;
+    const target = canvas.current;
+    if (frame !== null && video && target) {
+      const at = fit(video.width_px, video.height_px, target.clientWidth, target.clientHeight);
+      const found = hit(sightingsAt(frame), (event.offsetX - at.x) / at.scale, (event.offsetY - at.y) / at.scale);
+      if (found) return state.select(found.object_id, { seek: false, push: true });
+    }
+    togglePlay();
+  };
+  const video = state.video.value;
+  const table = state.frameTable.value;
+  const problem = video?.missing ?? (table.state === "failed" ? table.message : null);
+  return (
+    <div class="stage">
+      <video ref={element} muted playsInline preload="auto" tabIndex={-1} aria-hidden="true" />
+      <canvas ref={canvas} role="img" aria-label="The frame that is shown, with what was found in it" onClick={click} />
+      {video && !problem && (
+        <div class="corner" title={video.name}>
+          {baseName(video.name)}
+        </div>
+      )}
+      {problem && (
+        <div class="message middle" role="alert">
+          {problem}
+        </div>
+      )}
+      {!problem && unplayable.value && <div class="message">{unplayable.value}</div>}
+      {!problem && video && state.shownFrame.value === null && <div class="message middle">Loading the video</div>}
+      {!video && state.project.value.state === "ready" && <div class="message middle">There is no video in this index.</div>}
+    </div>
+  );
+}
+
+function Controls() {
+  const frame = state.shownFrame.value;
+  const time = state.shownTime.value;
+  const table = state.frameTable.value;
+  const count = table.state === "ready" ? table.value.count : null;
+  const button = (label: string, icon: Parameters<typeof Icon>[0]["name"], action: () => void) => (
+    <button class="button icon plain" title={label} aria-label={label} onClick={action}>
+      <Icon name={icon} />
+    </button>
+  );
+  return (
+    <div class="controls">
+      {button("Previous moment (H)", "previous", () => state.stepMoment(-1))}
+      {button("One frame back (,)", "back", () => state.stepFrame(-1))}
+      <button
+        class="button icon"
+        title={state.isPlaying.value ? "Pause (Space)" : "Play (Space)"}
+        aria-label={state.isPlaying.value ? "Pause" : "Play"}
+        onClick={togglePlay}
+      >
+        <Icon name={state.isPlaying.value ? "pause" : "play"} />
+      </button>
+      {button("One frame on (.)", "on", () => state.stepFrame(1))}
+      {button("Next moment (L)", "next", () => state.stepMoment(1))}
+      <div class="time">
+        <span>{time === null ? "–:––.––" : formatTime(time)}</span>
+        <small>
+          {frame === null || count === null ? "" : `frame ${frame.toLocaleString("en")} of ${count.toLocaleString("en")}`}
+        </small>
+      </div>
+      {state.videos.value.length > 1 && (
+        <>
+          <label class="hidden" for="video">
+            Video
+          </label>
+          <select
+            id="video"
+            class="field"
+            style={{ maxWidth: "11rem" }}
+            value={String(state.videoId.value ?? "")}
+            onChange={(event) => state.showTime(Number(event.currentTarget.value), 0)}
+          >
+            {state.videos.value.map((one) => (
+              <option key={one.id} value={String(one.id)}>
+                {baseName(one.name)}
+              </option>
+            ))}
+          </select>
+        </>
+      )}
+      <label class="hidden" for="rate">
+        Speed
+      </label>
+      <select
+        id="rate"
+        class="field"
+        value={String(playbackRate.value)}
+        onChange={(event) => (playbackRate.value = Number(event.currentTarget.value))}
+      >
+        {[0.25, 0.5, 1, 2, 4].map((rate) => (
+          <option key={rate} value={String(rate)}>
+            {rate}×
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+export function VideoPane() {
+  return (
+    <section class="video" aria-label="Video">
+      <Stage />
+      <Controls />
+      <Timeline />
+    </section>
+  );
+}
