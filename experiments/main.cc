@@ -13,6 +13,7 @@
 
 #include "experiments/experiment.h"
 #include "victorious/cli/arguments.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/cli/run_program.h"
 
 namespace victorious::cli {
@@ -49,7 +50,7 @@ std::string Names() {
   return text;
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
   if (arguments.name == "list") return WriteOutput("", Names());
   VICTORIOUS_RETURN_IF_ERROR(FindExperiment(arguments.name));
   if (arguments.out.empty()) {
@@ -57,6 +58,12 @@ Status Run(const Arguments& arguments) {
                 "--out is required: give the output folder for NAME.json, NAME.csv and the plot");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string data, DataFolder(arguments.data));
+  std::vector<OutputFile> outputs;
+  for (const char* ending : {".json", ".csv", ".svg"}) {
+    const std::filesystem::path path = std::filesystem::path(arguments.out) / (arguments.name + ending);
+    outputs.push_back({"--out", path.string(), FileKind::kReport});
+  }
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, outputs, {data}));
   const ExperimentSettings settings{
       .data = data,
       .scenes = arguments.scenes,
@@ -100,9 +107,10 @@ Expected<int> Main(int argc, char** argv) {
                  "Largest number of frames per simulated flight, over the same time (default: as in the scene)")
       ->check(CLI::Range(2, 1000000))
       ->type_name("N");
+  AddForce(app);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<int> ended, ParseArguments(app, argc, argv, "victorious experiment"));
   if (ended) return *ended;
-  VICTORIOUS_RETURN_IF_ERROR(Run(arguments));
+  VICTORIOUS_RETURN_IF_ERROR(Run(arguments, app));
   return 0;
 }
 

@@ -17,6 +17,7 @@
 #include "victorious/category/refine.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/image/image_file.h"
 #include "victorious/mesh/load_mesh.h"
 #include "victorious/recognize/category_finder.h"
@@ -50,17 +51,28 @@ Status WarnWithoutBackground(const CategoryModel& model) {
   return {};
 }
 
+// The images of the list, which the command reads.
+std::vector<std::string> ListImages(const Arguments& arguments, const std::vector<CategoryListRow>& rows) {
+  std::vector<std::string> images;
+  for (const CategoryListRow& row : rows) {
+    images.push_back((std::filesystem::path(arguments.images) / row.image).string());
+  }
+  return images;
+}
+
 // Prefixes the error with the list's name, unless it already names a line of the list.
 Error WithListContext(Error error, const std::string& list) {
   if (error.message.starts_with(list + " line ")) return error;
   return std::move(error).WithContext(list);
 }
 
-Status Train(const Arguments& arguments) {
+Status Train(const Arguments& arguments, const CLI::App& app) {
   CategoryTrainOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.seed) options.category.seed = *arguments.seed;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckOutputs(app, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
   std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "images");
   Expected<CategoryModel> model = TrainOnList(
       arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); },
@@ -110,13 +122,20 @@ Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel&
                                             ComputeContributions(model, classified.image, result.label), caption));
 }
 
-Status Classify(const Arguments& arguments) {
+Status Classify(const Arguments& arguments, const CLI::App& app) {
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategoryModel(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   const CategoryMethod method = FromText(kCategoryMethodTexts, arguments.method).value();  // checked by CLI11
   if (!arguments.explain.empty() && method == CategoryMethod::kWords)
     return Fail(ErrorCode::kInvalidArgument, "--explain draws phrases: it needs --method phrases");
+  if (!arguments.explain.empty()) {
+    std::vector<OutputFile> drawings;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      drawings.push_back({"--explain", ExplanationPath(arguments.explain, row), FileKind::kImage});
+    }
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, drawings, ListImages(arguments, rows)));
+  }
   std::vector<std::string> lines(rows.size());
   const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const ClassifiedImage classified,
@@ -136,7 +155,7 @@ Status Classify(const Arguments& arguments) {
   return WriteOutput("", text);
 }
 
-Status Refine(const Arguments& arguments) {
+Status Refine(const Arguments& arguments, const CLI::App& app) {
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategoryModel(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   if (featurizer.options().windows.enabled) {
@@ -147,6 +166,8 @@ Status Refine(const Arguments& arguments) {
                     arguments.model));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckOutputs(app, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
   std::vector<CategoryFeedback> marks(rows.size());
   const auto read_mark = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = rows[row];
@@ -204,9 +225,10 @@ Action SetUpCategory(CLI::App& app) {
       ->type_name("FILE");
   add_images(refine, "CSV with a header and lines image,category,mark; mark is right or wrong");
   refine->add_option("--out", arguments->out, "The new category model to write")->required()->type_name("FILE");
+  for (CLI::App* command : {train, classify, refine}) AddForce(*command);
   return [=] {
-    if (refine->parsed()) return Refine(*arguments);
-    return train->parsed() ? Train(*arguments) : Classify(*arguments);
+    if (refine->parsed()) return Refine(*arguments, *refine);
+    return train->parsed() ? Train(*arguments, *train) : Classify(*arguments, *classify);
   };
 }
 

@@ -1,5 +1,4 @@
 // victorious export --db FILE --format FORMAT
-#include <filesystem>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/store/export.h"
 
 namespace victorious::cli {
@@ -16,6 +16,26 @@ namespace {
 // Maps hold only objects with a place.
 bool IsMap(ExportFormat format) {
   return format == ExportFormat::kGeoJson || format == ExportFormat::kKml || format == ExportFormat::kGpkg;
+}
+
+FileKind KindOf(ExportFormat format) {
+  switch (format) {
+    case ExportFormat::kObjects:
+      return FileKind::kObjects;
+    case ExportFormat::kSightings:
+      return FileKind::kSightings;
+    case ExportFormat::kMot:
+      return FileKind::kMot;
+    case ExportFormat::kCoco:
+      return FileKind::kCoco;
+    case ExportFormat::kGeoJson:
+      return FileKind::kGeoJson;
+    case ExportFormat::kKml:
+      return FileKind::kKml;
+    case ExportFormat::kGpkg:
+      break;
+  }
+  return FileKind::kGeoPackage;
 }
 
 }  // namespace
@@ -34,12 +54,10 @@ Action SetUpExport(CLI::App& app) {
       ->type_name("FORMAT");
   app.add_option("--out", arguments->out, "Output file (default: standard output)")->type_name("FILE");
   arguments->filter.AddTo(app);
-  return [=]() -> Status {
+  AddForce(app);
+  return [=, &app]() -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
-    std::error_code error;
-    if (std::filesystem::equivalent(arguments->db, arguments->out, error)) {
-      return Fail(ErrorCode::kInvalidArgument, "--out is the index itself: give another file name");
-    }
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments->out, KindOf(format)}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));

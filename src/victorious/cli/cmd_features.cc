@@ -5,6 +5,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/image/image_file.h"
 
@@ -18,7 +19,8 @@ struct Arguments {
   std::string params;
 };
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, FileKind::kFeatures}}));
   FeatureOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (!arguments.engine.empty()) options.engine = arguments.engine;
@@ -51,7 +53,8 @@ Action SetUpFeatures(CLI::App& app) {
   app.add_option("--engine", arguments->engine, "The feature engine")->type_name("NAME");
   app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params features` lists them)")
       ->type_name("FILE");
-  return [=] { return Run(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Run(*arguments, app); };
 }
 
 }  // namespace victorious::cli

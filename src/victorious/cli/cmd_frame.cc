@@ -9,6 +9,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/image/image_file.h"
 #include "victorious/video/video_reader.h"
 
@@ -22,7 +23,8 @@ struct Arguments {
   std::string out;
 };
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, FileKind::kImage}}));
   if (arguments.at_s.has_value() == arguments.number.has_value()) {
     return Fail(ErrorCode::kInvalidArgument, "give either --at or --number");
   }
@@ -53,7 +55,8 @@ Action SetUpFrame(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
   app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
-  return [=] { return Run(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Run(*arguments, app); };
 }
 
 }  // namespace victorious::cli

@@ -13,6 +13,7 @@
 #include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/indexer.h"
@@ -66,7 +67,8 @@ Status WarnOfRejectedPlaces(IndexStore& store) {
   return {};
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--db", arguments.db, std::nullopt}}));
   if (arguments.telemetry && arguments.videos.size() > 1) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--telemetry applies to one video: index several videos one after the other");
@@ -152,7 +154,7 @@ Action SetUpIndex(CLI::App& app) {
                "Delete the results of these models and categories in these videos, and search again");
   app.add_option("--threads", arguments->threads, "Number of threads; 0: one per processor")
       ->check(CLI::Range(0, 1024));
-  return [=] { return Run(*arguments); };
+  return [=, &app] { return Run(*arguments, app); };
 }
 
 }  // namespace victorious::cli

@@ -9,6 +9,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/homography.h"
@@ -113,7 +114,8 @@ cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const Featu
   return canvas;
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--draw", arguments.draw, FileKind::kImage}}));
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.ratio) options.recognize.match.ratio = *arguments.ratio;
@@ -163,7 +165,8 @@ Action SetUpMatch(CLI::App& app) {
   AddParams(app, arguments->params, "index");
   app.add_option("--draw", arguments->draw, "Draw the matches and the outline into this PNG")->type_name("FILE");
   app.add_flag("--json", arguments->json, "Print the matches of every stage as JSON");
-  return [=] { return Run(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Run(*arguments, app); };
 }
 
 }  // namespace victorious::cli

@@ -12,6 +12,7 @@
 #include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/cmd_model.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/image/image_file.h"
 #include "victorious/mesh/load_mesh.h"
 #include "victorious/model/cad_model.h"
@@ -119,7 +120,8 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
   return model;
 }
 
-Status Add(const Arguments& arguments) {
+Status Add(const Arguments& arguments, const CLI::App& app) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--draw", arguments.draw, FileKind::kImage}}));
   const ModelLibrary library(arguments.folder);
   VICTORIOUS_RETURN_IF_ERROR(library.CheckNewName(arguments.name));
   if (arguments.length_m && !(*arguments.length_m > 0 && *arguments.length_m < 1e6)) {
@@ -167,7 +169,8 @@ Action SetUpModelAdd(CLI::App& app) {
   app.add_option("--draw", arguments->draw, "Draw the photos with the object outlines into this file")
       ->type_name("FILE");
   AddParams(app, arguments->params, "model|cad");
-  return [=] { return Add(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Add(*arguments, app); };
 }
 
 }  // namespace victorious::cli

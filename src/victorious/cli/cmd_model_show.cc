@@ -11,6 +11,7 @@
 #include "victorious/base/median.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/cmd_model.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
 #include "victorious/model/model_library.h"
@@ -99,7 +100,9 @@ std::string ViewsText(const ObjectModel& model) {
   return text;
 }
 
-Status Show(const ShowArguments& arguments) {
+Status Show(const ShowArguments& arguments, const CLI::App& app) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(
+      app, {{"--views", arguments.views, FileKind::kImage}, {"--draw", arguments.findable.draw, FileKind::kImage}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ModelLibrary(arguments.folder).Load(arguments.name));
   std::optional<Detectability> findable;
   if (arguments.findable.wanted) {
@@ -138,7 +141,8 @@ Action SetUpModelShow(CLI::App& app) {
   app.add_flag("--json", arguments->json, "Print JSON");
   app.add_option("--views", arguments->views, "Draw all its views into this file (.png, .jpg)")->type_name("FILE");
   AddDetectabilityFlags(app, arguments->findable);
-  return [=] { return Show(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Show(*arguments, app); };
 }
 
 }  // namespace victorious::cli

@@ -11,6 +11,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/navigate_job.h"
@@ -76,10 +77,12 @@ void LogSummary(const NavigationResult& result, const NavigateOptions& options) 
   }
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
   NavigateVideoOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
+  const std::vector<std::string> beside = ListTelemetryBeside({arguments.video}, arguments.telemetry);
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, FileKind::kCameraTable}}, beside));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   ApplyCamera(arguments.camera, options.telemetry);
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
@@ -117,7 +120,8 @@ Action SetUpNavigate(CLI::App& app) {
   AddFieldOfView(app, arguments->hfov_deg);
   AddCamera(app, arguments->camera);
   AddParams(app, arguments->params, "navigate");
-  return [=] { return Run(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Run(*arguments, app); };
 }
 
 }  // namespace victorious::cli

@@ -12,6 +12,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/image/image_file.h"
 #include "victorious/pipeline/contact_sheet.h"
 #include "victorious/store/catalogue.h"
@@ -34,8 +35,7 @@ Status CheckContent(const VideoRecord& video) {
 }
 
 // Checks the videos of the objects shown.
-Status CheckContents(const SightingFilter& filter, int max_tiles, IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
+Status CheckContents(const SightingFilter& filter, int max_tiles, const Catalogue& catalogue, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
   std::set<std::int64_t> checked;
   for (const ObjectRecord& object : objects | std::views::take(max_tiles)) {
@@ -65,15 +65,20 @@ Action SetUpSheet(CLI::App& app) {
       ->type_name("N");
   app.add_option("--columns", arguments->options.columns, "Images per row")->type_name("N");
   arguments->filter.AddTo(app);
-  return [=]() -> Status {
+  AddForce(app);
+  return [=, &app]() -> Status {
     VICTORIOUS_RETURN_IF_ERROR(
         CheckFlags(CollectFields(arguments->options), {{"max_tiles", "--most"}, {"columns", "--columns"}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
+    VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
+    std::vector<std::string> videos;
+    for (const VideoRecord& video : catalogue.videos()) videos.push_back(video.name);
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments->out, FileKind::kImage}}, videos));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string no_object_reason, ExplainNoObjectNear(filter, *store));
     if (!no_object_reason.empty()) return Fail(ErrorCode::kInvalidArgument, no_object_reason);
-    VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.max_tiles, *store));
+    VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.max_tiles, catalogue, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
     return WriteImage(arguments->out, sheet);
   };

@@ -1,11 +1,14 @@
 // victorious simulate SCENE.json --out DIR
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/simulate/simulate.h"
 
 namespace victorious::cli {
@@ -17,7 +20,12 @@ struct Arguments {
   bool gpu = false;
 };
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
+  std::vector<OutputFile> outputs;
+  for (const char* name : {"video.mp4", "telemetry.csv", "truth.jsonl"}) {
+    outputs.push_back({"--out", (std::filesystem::path(arguments.out) / name).string(), FileKind::kSimulation});
+  }
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, outputs));
   VICTORIOUS_ASSIGN_OR_RETURN(const Scene scene, ReadScene(arguments.scene));
   const auto warn = [](const std::string& warning) { spdlog::warn("{}", OneLine(warning)); };
   return Simulate(scene, arguments.out, {.software = !arguments.gpu}, Interrupt(), warn);
@@ -32,7 +40,8 @@ Action SetUpSimulate(CLI::App& app) {
       ->required()
       ->type_name("DIR");
   app.add_flag("--gpu", arguments->gpu, "Render on a GPU if there is one: faster, but not pixel-identical");
-  return [=] { return Run(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Run(*arguments, app); };
 }
 
 }  // namespace victorious::cli

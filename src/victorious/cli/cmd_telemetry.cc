@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_track.h"
@@ -75,7 +77,12 @@ Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& para
       "", arguments.json ? ToJson(offset, parameters.telemetry.time_offset_s).dump(1) + "\n" : Describe(offset) + "\n");
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
+  const FileKind kind =
+      arguments.json && !arguments.estimate_offset ? FileKind::kTelemetryReport : FileKind::kCameraTable;
+  std::vector<std::string> beside;
+  if (arguments.file.empty()) beside = ListTelemetryBeside({arguments.video}, std::nullopt);
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, kind}}, beside));
   TimedTelemetryOptions parameters;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, parameters));
   if (arguments.hfov_deg) parameters.telemetry.hfov_deg = *arguments.hfov_deg;
@@ -111,7 +118,8 @@ Action SetUpTelemetry(CLI::App& app) {
   app.add_option("--params", arguments->params, "Parameters as JSON (`victorious params telemetry`)")
       ->type_name("FILE");
   app.add_flag("--json", arguments->json, "Print every decoded item, checksum and time stamp as JSON");
-  return [=] { return Run(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Run(*arguments, app); };
 }
 
 }  // namespace victorious::cli

@@ -14,6 +14,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/output_files.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/observe/object_type.h"
 #include "victorious/pipeline/track_job.h"
@@ -107,12 +108,18 @@ Status CheckDifferent(const std::vector<std::string>& videos) {
   return {};
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const Arguments& arguments, const CLI::App& app) {
   TrackBoxesOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   ApplyCamera(arguments.camera, options.telemetry);
   ApplyGround(arguments.ground, options.ground);
+  std::vector<std::string> videos = {arguments.video};
+  videos.insert(videos.end(), arguments.also.begin(), arguments.also.end());
+  const auto telemetry = arguments.telemetry.empty() ? std::nullopt : std::optional(arguments.telemetry);
+  std::vector<std::string> read = ListTelemetryBeside(videos, telemetry);
+  if (!options.ground.terrain.empty()) read.push_back(options.ground.terrain);
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, FileKind::kSightings}}, read));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   if (arguments.boxes.size() != arguments.at_s.size()) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{} --box and {} --at: give one --at for each --box",
@@ -124,12 +131,9 @@ Status Run(const Arguments& arguments) {
     boxes.push_back({box, arguments.at_s[i]});
   }
   VICTORIOUS_RETURN_IF_ERROR(SetTypes(arguments.types, boxes));
-  std::vector<std::string> videos = {arguments.video};
-  videos.insert(videos.end(), arguments.also.begin(), arguments.also.end());
   VICTORIOUS_RETURN_IF_ERROR(CheckDifferent(videos));
   std::vector<std::string> warnings;  // collected, so that an error stays the only line
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
-  const auto telemetry = arguments.telemetry.empty() ? std::nullopt : std::optional(arguments.telemetry);
   VICTORIOUS_ASSIGN_OR_RETURN(const TrackedBoxes tracked,
                               TrackBoxes(videos, boxes, telemetry, options, Interrupt(), warn));
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
@@ -170,12 +174,13 @@ Action SetUpTrack(CLI::App& app) {
   AddFieldOfView(app, arguments->hfov_deg);
   AddCamera(app, arguments->camera);
   AddGround(app, arguments->ground);
-  app.add_option("--also", arguments->also, "Further videos to search for the objects");
+  app.add_option("--also", arguments->also, "Further videos to search for the objects")->type_name("FILE");
   app.add_option("--params", arguments->params, "Parameters (`victorious params track`)")->type_name("FILE");
   app.add_option("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)")
       ->required()
       ->type_name("FILE");
-  return [=] { return Run(*arguments); };
+  AddForce(app);
+  return [=, &app] { return Run(*arguments, app); };
 }
 
 }  // namespace victorious::cli

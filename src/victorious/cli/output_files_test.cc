@@ -1,0 +1,146 @@
+#include "victorious/cli/output_files.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace victorious::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const std::string kPng = "\x89PNG\r\n\x1A\n....IHDR and the rest";
+const std::string kSighting = R"({"object_id":1,"model":"box-1","video":"a.mp4","frame":3,"box":[1,2,3,4]})"
+                              "\n";
+
+// A command with the input VIDEO, the output --out and the model folder --models, in a folder of its own.
+class OutputFilesTest : public ::testing::Test {
+ protected:
+  OutputFilesTest() : folder_(fs::temp_directory_path() / ("output_files_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+    app_.add_option("NAME", name_);
+    app_.add_option("VIDEO", video_);
+    app_.add_option("--models", models_)->type_name("DIR");
+    app_.add_option("--out", out_)->type_name("FILE");
+    app_.add_option("--type", type_)->type_name("WORD");
+    AddForce(app_);
+  }
+  ~OutputFilesTest() override { fs::remove_all(folder_); }
+
+  std::string Write(const std::string& name, const std::string& content) {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+    return (folder_ / name).string();
+  }
+  [[nodiscard]] std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+
+  // The message of CheckOutputs for these arguments; empty if they are accepted.
+  std::string Message(std::vector<std::string> arguments, FileKind kind = FileKind::kSightings,
+                      const std::vector<std::string>& further_inputs = {}) {
+    std::ranges::reverse(arguments);  // CLI11 takes them last first
+    app_.parse(arguments);
+    const Status checked = CheckOutputs(app_, {{"--out", out_, kind}}, further_inputs);
+    return checked ? "" : checked.error().message;
+  }
+
+ private:
+  fs::path folder_;
+  CLI::App app_;
+  std::string name_;
+  std::string video_;
+  std::string models_;
+  std::string out_;
+  std::string type_;
+};
+
+TEST_F(OutputFilesTest, RefusesAnInputByAnyOfItsNames) {
+  const std::string video = Write("w.mp4", kSighting);  // of the right kind, so that only the first rule applies
+  fs::create_symlink(video, Path("symbolic"));
+  fs::create_hard_link(video, Path("hard"));
+  for (const std::string& out : {video, Path("./w.mp4"), Path("symbolic"), Path("hard")}) {
+    EXPECT_THAT(Message({"n", video, "--out", out}),
+                AllOf(HasSubstr("--out " + out), HasSubstr("VIDEO " + video), HasSubstr("another name")));
+    EXPECT_THAT(Message({"n", video, "--out", out, "--force"}), HasSubstr("input"));
+    EXPECT_THAT(Message({"n", "other", "--out", out}, FileKind::kSightings, {video}), HasSubstr("input"));
+  }
+  EXPECT_EQ(Message({"n", video, "--out", Path("new")}), "");
+}
+
+TEST_F(OutputFilesTest, RefusesTheFilesOfAFolderAndThePartsOfAnIndex) {
+  const std::string frame = Write("frames/1.png", kPng);
+  const std::string wal = Write("index.db-wal", kSighting);
+  EXPECT_THAT(Message({"n", Path("frames"), "--out", frame}, FileKind::kImage), HasSubstr("input"));
+  EXPECT_EQ(Message({"n", Path("frames"), "--out", Path("2.png")}, FileKind::kImage), "");
+  EXPECT_THAT(Message({"n", Path("index.db"), "--out", wal}), HasSubstr("input"));
+}
+
+TEST_F(OutputFilesTest, OfAModelFolderOnlyTheModelsAreInputs) {
+  const std::string drawing = Write("models/drawing.png", kPng);
+  const std::string model = Write("models/crate.vmodel", kPng);
+  EXPECT_EQ(Message({"n", "v", "--models", Path("models"), "--out", drawing}, FileKind::kImage), "");
+  EXPECT_THAT(Message({"n", "v", "--models", Path("models"), "--out", model}, FileKind::kImage), HasSubstr("input"));
+}
+
+TEST_F(OutputFilesTest, AWordThatIsAlsoAFileIsNoInput) {
+  const std::string out = Write("crate", kSighting);
+  EXPECT_EQ(Message({out, "v", "--type", out, "--out", out}), "");
+}
+
+TEST_F(OutputFilesTest, ReplacesOnlyItsOwnKindWithoutForce) {
+  const std::string notes = Write("notes.txt", "my notes\n");
+  EXPECT_THAT(Message({"n", "v", "--out", notes}),
+              AllOf(HasSubstr("--out " + notes), HasSubstr("list of sightings"), HasSubstr("--force")));
+  EXPECT_EQ(Message({"n", "v", "--out", notes, "--force"}), "");
+  EXPECT_EQ(Message({"n", "v", "--out", Write("empty", "")}), "");
+  EXPECT_EQ(Message({"n", "v", "--out", Write("before.jsonl", kSighting)}), "");
+  EXPECT_EQ(Message({"n", "v", "--out", "/dev/null"}), "");
+  EXPECT_EQ(Message({"n", "/dev/null", "--out", "/dev/null"}), "");
+  EXPECT_EQ(Message({"n", "v", "--out", "-"}), "");
+}
+
+TEST_F(OutputFilesTest, KnowsEachKindByItsContent) {
+  const std::vector<std::pair<FileKind, std::string>> contents = {
+      {FileKind::kImage, kPng},
+      {FileKind::kObjects, R"({"object_id":1,"rank":1,"first_time_s":0.5})"},
+      {FileKind::kSightings, kSighting},
+      {FileKind::kMot, "1,2,3.00,4.00,5.00,6.00,0.9000,-1,-1,-1\n"},
+      {FileKind::kCoco, R"({"categories":[],"annotations":[],"images":[]})"},
+      {FileKind::kGeoJson, R"({"type":"FeatureCollection","features":[]})"},
+      {FileKind::kKml, "<?xml version=\"1.0\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">"},
+      {FileKind::kGeoPackage, std::string("SQLite format 3\0", 16) + std::string(52, '\0') + "GPKG and the rest"},
+      {FileKind::kCameraTable, "time_s,latitude_deg,longitude_deg\n0,52,13\n"},
+      {FileKind::kTelemetryReport, R"({"format":"csv","records":1,"states":[]})"},
+      {FileKind::kFeatures, "2 128\n1 2 3 4\n"},
+      {FileKind::kCategoryModel, "\x8AVCAT\r\n\x1A and the rest"},
+  };
+  for (const auto& [content_kind, content] : contents) {
+    const std::string out = Write("existing", content);
+    for (const auto& [kind, unused] : contents) {
+      EXPECT_EQ(Message({"n", "v", "--out", out}, kind).empty(), kind == content_kind) << content;
+    }
+  }
+}
+
+TEST_F(OutputFilesTest, AFolderOfASimulationHasItsTruth) {
+  const std::string video = Write("flight/video.mp4", "footage");
+  EXPECT_THAT(Message({"n", "v", "--out", video}, FileKind::kSimulation), HasSubstr("truth.jsonl"));
+  Write("flight/truth.jsonl", "somebody's truth\n");
+  EXPECT_THAT(Message({"n", "v", "--out", video}, FileKind::kSimulation), HasSubstr("truth.jsonl"));
+  Write("flight/truth.jsonl", R"({"frame":0,"object":"a","visible":1})");
+  EXPECT_EQ(Message({"n", "v", "--out", video}, FileKind::kSimulation), "");
+}
+
+}  // namespace
+}  // namespace victorious::cli

@@ -1,0 +1,116 @@
+"""No output overwrites an input, and no existing file of another kind is replaced without --force."""
+
+import json
+import os
+import re
+
+import program
+
+FLIGHT, MODELS, INDEX = program.flight(), program.models(), program.index()
+NOTES = "my notes: do not lose them\n"
+TELEMETRY = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n0,52,13,100,0,-90,0,30\n"
+
+
+class OutputsTest(program.ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.video = self.write("w.mp4", (FLIGHT / "flight.mp4").read_bytes())
+        self.other = self.write("other.mkv", (FLIGHT / "flight.mkv").read_bytes())
+        self.photo = self.write("crate.png", (FLIGHT / "crate.png").read_bytes())
+        self.db = self.write("index.db", INDEX.read_bytes())
+        self.telemetry = self.write("w.telemetry.csv", TELEMETRY)
+        self.list = self.write("images/list.csv", "image,category\ncrate.png,crate\n")
+        self.listed = self.write("images/crate.png", self.photo.read_bytes())
+        self.category = self.write("model.vcat", "\x8aVCAT\r\n\x1a".encode("latin-1"))
+        self.scene = self.write("flight/scene.json", json.dumps({"assets": str(program.REPOSITORY / "assets")}))
+        self.write("flight/video.mp4", self.video.read_bytes())
+
+    def keeps_files(self, words, *arguments):
+        before = self.files()
+        self.refuses(2, words, *arguments)
+        self.assertEqual(self.files(), before, arguments)
+
+    def commands(self):
+        """Every command with an output: its arguments without it, the flag of the output, and its inputs."""
+        export = ("export", "--db", self.db, "--format")
+        track = ("track", self.video, "--box", "1,1,20,20", "--at", "0", "--also", self.other)
+        navigate = ("navigate", self.video, "--landmarks", self.db, "--models", MODELS)
+        images = ("--images", self.list.parent, "--list", self.list)
+        yield ("features", self.photo), "--out", [self.photo]
+        yield ("frame", self.video, "--at", "0"), "--out", [self.video]
+        yield ("match", self.photo, self.listed), "--draw", [self.photo, self.listed]
+        yield ("model", "add", "crate", self.photo, "--models", self.scratch / "m"), "--draw", [self.photo]
+        yield ("model", "show", "crate", "--models", MODELS), "--views", []
+        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg"):
+            yield (*export, form), "--out", [self.db]
+        yield ("sheet", "--db", self.db), "--out", [self.db]
+        yield track, "--out", [self.video, self.other, self.telemetry]
+        yield navigate, "--out", [self.video, self.db, self.telemetry]
+        yield ("telemetry", self.telemetry), "--out", [self.telemetry]
+        yield ("telemetry", "--video", self.video), "--out", [self.video, self.telemetry]
+        yield ("category", "train", *images), "--out", [self.list, self.listed]
+        yield ("category", "refine", "--model", self.category, *images), "--out", [self.list, self.category]
+
+    def test_no_output_is_an_input(self):
+        for arguments, flag, inputs in self.commands():
+            for path in inputs:
+                for name in self.names(path):
+                    for force in ((), ("--force",)):
+                        with self.subTest(f"{' '.join(map(str, arguments))} {flag} {name}"):
+                            # A category model that cannot be read is refused for that.
+                            words = [] if arguments[:2] == ("category", "refine") else [flag, name, "input"]
+                            self.keeps_files(words, *arguments, flag, name, *force)
+
+    def names(self, path):
+        """The path, a symbolic link and a hard link to it."""
+        links = [self.scratch / f"{kind}-{path.parent.name}-{path.name}" for kind in ("symbolic", "hard")]
+        if not links[0].exists():
+            links[0].symlink_to(path)
+            os.link(path, links[1])
+        return path, *links
+
+    def test_index_is_not_written_over_a_video(self):
+        for name in self.names(self.video):
+            self.keeps_files(["--db", "input"], "index", self.video, "--models", MODELS, "--db", name)
+
+    def test_files_of_another_kind_are_kept(self):
+        notes = self.write("notes.png", NOTES)
+        for arguments, flag, _ in self.commands():
+            if arguments[:2] == ("category", "refine"):
+                continue
+            with self.subTest(" ".join(map(str, arguments))):
+                self.keeps_files([flag, notes, "--force"], *arguments, flag, notes)
+
+    def test_footage_is_kept_by_simulate(self):
+        footage = self.scratch / "flight"
+        self.keeps_files(["video.mp4", "--force"], "simulate", self.scene, "--out", footage)
+
+    def test_force_and_the_same_kind_replace(self):
+        notes = self.write("notes.png", NOTES)
+        frame = ("frame", self.video, "--at", "0", "--out", notes)
+        self.succeeds(*frame, "--force")
+        self.assertNotIn(NOTES.encode(), notes.read_bytes())
+        self.succeeds(*frame)
+        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg"):
+            for _ in range(2):
+                self.succeeds("export", "--db", self.db, "--format", form, "--out", self.scratch / f"x.{form}")
+        for flags in ((), ("--json",)):
+            for _ in range(2):
+                self.succeeds("telemetry", self.telemetry, *flags, "--out", self.scratch / f"telemetry{len(flags)}")
+
+    def test_every_command_with_an_output_is_covered(self):
+        covered = {" ".join(arguments[:2]) if arguments[0] in ("model", "category") else arguments[0]
+                   for arguments, _, _ in self.commands()}  # fmt: skip
+        covered |= {"simulate", "category classify"}  # they call the same function
+        said = self.succeeds("--help").out
+        for command in set(re.findall(r"^  (\w+) {2,}", said, re.MULTILINE)) - {"bench", "experiment"}:  # own programs
+            parts = {"model": ("add", "list", "show", "remove"), "category": ("train", "classify", "refine")}
+            for name in [f"{command} {part}" for part in parts.get(command, ())] or [command]:
+                described = self.succeeds(*name.split(), "--help").out
+                if re.search(r"--(out|draw|views|explain)\b", described):
+                    self.assertIn(name, covered)
+                    self.assertIn("--force", described, name)
+
+
+if __name__ == "__main__":
+    program.main()
