@@ -39,7 +39,7 @@ std::vector<Result> BenchFrame(const Settings& settings);
 /// Whole frames of movies, searched and tracked as `victorious index` does it, for 4 and 25 CAD models (with the
 /// project's own: 4 and 14), on one core; processor time of each stage and of the start of the video. Peer: cv::SIFT on
 /// those frames. Errors: kNotFound without models, those of the index.
-Expected<std::vector<Result>> BenchIndex(const Settings& settings);
+[[nodiscard]] Expected<std::vector<Result>> BenchIndex(const Settings& settings);
 
 /// The search by image in one hour of video with one kept frame per second, on all cores.
 std::vector<Result> BenchSearch(const Settings& settings);

@@ -21,13 +21,13 @@ struct IndexMovie {
 
 /// Lists $VICTORIOUS_DATA/movies, sorted by name; without it, or with settings.quick, simulates scenes/straight.json
 /// into the cache, unless it is there. Errors: those of Simulate.
-Expected<std::vector<IndexMovie>> FindIndexMovies(const Settings& settings);
+[[nodiscard]] Expected<std::vector<IndexMovie>> FindIndexMovies(const Settings& settings);
 
 /// The names of the models in a folder of CAD files, those of the thesis first, then alphabetically.
 std::vector<std::string> ListModels(const std::filesystem::path& cad_files);
 
 /// Loads a model from the cache; makes it with the options of `victorious model add` if it is not there (7 to 35 s).
 /// With settings.quick it has a view every 45 degrees. Errors: those of LoadMesh, MakeCadModel and of writing.
-Expected<ObjectModel> LoadIndexModel(const std::filesystem::path& cad_file, const Settings& settings);
+[[nodiscard]] Expected<ObjectModel> LoadIndexModel(const std::filesystem::path& cad_file, const Settings& settings);
 
 }  // namespace victorious::bench

@@ -28,8 +28,8 @@ inline constexpr const char* kBackground = "BACKGROUND_Google";
 inline constexpr double kSmootherCap = 3;
 
 /// Lists the images of `categories`; of all categories if it is empty. Errors: kNotFound without the data.
-Expected<std::vector<CategoryListRow>> ReadCaltechRows(const ExperimentSettings& settings,
-                                                       std::span<const std::string> categories);
+[[nodiscard]] Expected<std::vector<CategoryListRow>> ReadCaltechRows(const ExperimentSettings& settings,
+                                                                     std::span<const std::string> categories);
 
 /// Describes the split in the notes of reports.
 inline constexpr const char* kSplitNote =
@@ -46,8 +46,9 @@ Split MakeRandomSplit(std::span<const CategoryListRow> rows, std::uint64_t seed)
 /// The features of all images: the training examples of each, and the features of the whole image for testing.
 class CaltechFeatures {
  public:
-  static Expected<CaltechFeatures> Load(const ExperimentSettings& settings, std::vector<CategoryListRow> rows,
-                                        const CategoryFeatureOptions& options);
+  [[nodiscard]] static Expected<CaltechFeatures> Load(const ExperimentSettings& settings,
+                                                      std::vector<CategoryListRow> rows,
+                                                      const CategoryFeatureOptions& options);
 
   [[nodiscard]] std::span<const CategoryListRow> rows() const { return rows_; }
   [[nodiscard]] std::vector<CategoryExample> ExamplesOf(std::span<const std::size_t> rows) const;
@@ -77,9 +78,10 @@ struct TestScores {
 /// Trains on the split's training images of the categories `trained`, and scores its test images of `tested`; an empty
 /// list means all categories.
 /// @param model_out  receives the trained model, if not null
-Expected<TestScores> TrainAndTest(const CaltechFeatures& features, const CategoryOptions& options, std::uint64_t seed,
-                                  std::span<const std::string> trained, std::span<const std::string> tested,
-                                  CategoryModel* model_out = nullptr);
+[[nodiscard]] Expected<TestScores> TrainAndTest(const CaltechFeatures& features, const CategoryOptions& options,
+                                                std::uint64_t seed, std::span<const std::string> trained,
+                                                std::span<const std::string> tested,
+                                                CategoryModel* model_out = nullptr);
 
 /// The fraction of a category's test images that are labelled with it.
 double ComputeAccuracy(const TestScores& scores, const CategoryModel& model, CategoryMethod method,

@@ -6,16 +6,16 @@
 
 namespace victorious {
 
-Expected<Report> RunFigure31(const ExperimentSettings& settings);
-Expected<Report> RunFigure319(const ExperimentSettings& settings);
-Expected<Report> RunFigure320(const ExperimentSettings& settings);
-Expected<Report> RunFigure321(const ExperimentSettings& settings);
-Expected<Report> RunTable36(const ExperimentSettings& settings);
-Expected<Report> RunTable37(const ExperimentSettings& settings);
-Expected<Report> RunTableSteps(const ExperimentSettings& settings);
-Expected<Report> RunTableTwelve(const ExperimentSettings& settings);
-Expected<Report> RunTableBoxes(const ExperimentSettings& settings);
-Expected<Report> RunTableCad(const ExperimentSettings& settings);
-Expected<Report> RunTableWindows(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure31(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure319(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure320(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure321(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTable36(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTable37(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableSteps(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableTwelve(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableBoxes(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableCad(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableWindows(const ExperimentSettings& settings);
 
 }  // namespace victorious

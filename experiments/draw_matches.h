@@ -14,7 +14,7 @@ namespace victorious {
 /// Returns the drawing, CV_8UC3, over posterised images.
 /// @param scale  of the images
 /// Error: kDataLoss for a damaged surface of the template's view.
-Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, double scale,
-                              const std::string& caption);
+[[nodiscard]] Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, double scale,
+                                            const std::string& caption);
 
 }  // namespace victorious

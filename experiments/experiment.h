@@ -48,10 +48,10 @@ struct Experiment {
 std::span<const Experiment> Experiments();
 
 /// Error: kInvalidArgument for an unknown name.
-Expected<const Experiment*> FindExperiment(const std::string& name);
+[[nodiscard]] Expected<const Experiment*> FindExperiment(const std::string& name);
 
 /// Runs the experiment and writes its report. Errors: kInvalidArgument for an unknown name, kNotFound for missing data,
 /// and those of writing.
-Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings& settings);
 
 }  // namespace victorious

@@ -35,32 +35,33 @@ struct MovieWithTruth {
 
 /// Returns the model of each name in the truth for which the folder has NAME.glb, by name. Models are built once and
 /// cached in OUT/models. Error: kNotFound if there are none.
-Expected<std::vector<ObjectModel>> LoadTruthModels(const std::vector<TruthRow>& truth,
-                                                   const std::filesystem::path& cad_files,
-                                                   const ExperimentSettings& settings);
+[[nodiscard]] Expected<std::vector<ObjectModel>> LoadTruthModels(const std::vector<TruthRow>& truth,
+                                                                 const std::filesystem::path& cad_files,
+                                                                 const ExperimentSettings& settings);
 
 /// Simulates SCENES/NAME.json into OUT/flights, unless it is cached there; at most `settings.frames` frames. Errors:
 /// those of ReadScene and Simulate.
-Expected<MovieWithTruth> SimulateScene(const std::string& name, const ExperimentSettings& settings);
+[[nodiscard]] Expected<MovieWithTruth> SimulateScene(const std::string& name, const ExperimentSettings& settings);
 
 /// Simulates the scenes `settings.movies`, or those of the first argument if it is empty.
-Expected<std::vector<MovieWithTruth>> SimulateScenes(const std::vector<std::string>& default_names,
-                                                     const ExperimentSettings& settings);
+[[nodiscard]] Expected<std::vector<MovieWithTruth>> SimulateScenes(const std::vector<std::string>& default_names,
+                                                                   const ExperimentSettings& settings);
 
 /// Reads the movie in `folder` (one of DATA/movies), with the CAD files of DATA/models.
-Expected<MovieWithTruth> ReadMovie(const std::filesystem::path& folder, const ExperimentSettings& settings);
+[[nodiscard]] Expected<MovieWithTruth> ReadMovie(const std::filesystem::path& folder,
+                                                 const ExperimentSettings& settings);
 
 /// Returns the movie's index for these parameters. The sightings are searched once and cached in OUT/indexes, by the
 /// name of the movie, the search parameters and the program build. The data association runs anew each time, by
 /// `options.objects`.
-Expected<std::unique_ptr<IndexStore>> IndexMovie(const MovieWithTruth& movie, const IndexOptions& options,
-                                                 const ExperimentSettings& settings);
+[[nodiscard]] Expected<std::unique_ptr<IndexStore>> IndexMovie(const MovieWithTruth& movie, const IndexOptions& options,
+                                                               const ExperimentSettings& settings);
 
 /// Reads the camera states of the movie's telemetry.
-Expected<CameraTrajectory> ReadCameraTrack(const MovieWithTruth& movie);
+[[nodiscard]] Expected<CameraTrajectory> ReadCameraTrack(const MovieWithTruth& movie);
 
 /// The minimum distance between the camera and the centre of a visible object, m; infinity without any.
-Expected<double> MinRangeM(const MovieWithTruth& movie);
+[[nodiscard]] Expected<double> MinRangeM(const MovieWithTruth& movie);
 
 /// Describes the movies in the notes of reports: "straight (120 frames, 6 objects), ...".
 std::string DescribeMovies(const std::vector<MovieWithTruth>& movies);

@@ -51,17 +51,17 @@ struct AnnotatedImage {
 class SceneRenderer {
  public:
   /// Loads the scene and its meshes. `renderer` must outlive the result. Errors: those of ReadScene and PlacedScene::Build.
-  static Expected<SceneRenderer> Load(const std::filesystem::path& scene_file, Renderer& renderer,
-                                      const CancelToken& cancel);
+  [[nodiscard]] static Expected<SceneRenderer> Load(const std::filesystem::path& scene_file, Renderer& renderer,
+                                                    const CancelToken& cancel);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
   /// Renders one frame with its truth.
   /// @param scene  scene(), or a copy of it with another video, camera or sun
   /// @param frame  number of the frame of the flight, from 0
-  Expected<AnnotatedImage> Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const;
+  [[nodiscard]] Expected<AnnotatedImage> Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const;
   /// Renders one frame with the scene and the degradation of the file.
-  Expected<AnnotatedImage> Draw(int frame) const { return Draw(scene_, frame, DegradationOf(scene_)); }
+  [[nodiscard]] Expected<AnnotatedImage> Draw(int frame) const { return Draw(scene_, frame, DegradationOf(scene_)); }
 
  private:
   SceneRenderer(std::string name, Scene scene, PlacedScene placed, Renderer& renderer);
@@ -78,8 +78,8 @@ class SceneRenderer {
 /// @param frames  maximum number of frames, evenly spaced over the movie
 /// Objects are assumed to stand upright. The depth covers the objects only, so that occlusion by anything else shows in
 /// `visible` only.
-Expected<std::vector<AnnotatedImage>> ReadLabelledMovie(const std::filesystem::path& folder,
-                                                        const std::filesystem::path& models, int frames,
-                                                        Renderer& renderer);
+[[nodiscard]] Expected<std::vector<AnnotatedImage>> ReadLabelledMovie(const std::filesystem::path& folder,
+                                                                      const std::filesystem::path& models, int frames,
+                                                                      Renderer& renderer);
 
 }  // namespace victorious

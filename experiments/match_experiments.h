@@ -5,18 +5,18 @@
 
 namespace victorious {
 
-Expected<Report> RunChapter3Filters(const ExperimentSettings& settings);
-Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings);
-Expected<Report> RunFigure310(const ExperimentSettings& settings);
-Expected<Report> RunFigure311(const ExperimentSettings& settings);
-Expected<Report> RunFigure312(const ExperimentSettings& settings);
-Expected<Report> RunFigure313(const ExperimentSettings& settings);
-Expected<Report> RunFigure314(const ExperimentSettings& settings);
-Expected<Report> RunFigure315(const ExperimentSettings& settings);
-Expected<Report> RunFigure316(const ExperimentSettings& settings);
-Expected<Report> RunTable32(const ExperimentSettings& settings);
-Expected<Report> RunTable33(const ExperimentSettings& settings);
-Expected<Report> RunTable34(const ExperimentSettings& settings);
-Expected<Report> RunTable35(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunChapter3Filters(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure310(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure311(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure312(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure313(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure314(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure315(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure316(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTable32(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTable33(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTable34(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTable35(const ExperimentSettings& settings);
 
 }  // namespace victorious

@@ -20,10 +20,11 @@ enum class IncludeMovies { kYes, kNo };
 
 /// Renders or reads `frames` (at least 1) images of each scene file in settings.scenes and of each movie in
 /// settings.data, evenly spaced over its length. Error: kNotFound without any image.
-Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames, IncludeMovies with);
+[[nodiscard]] Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames,
+                                                            IncludeMovies with);
 
 /// Returns one trial per image and model that has an object with a visible fraction of 0.5 or more.
-Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings, const MatchSetup& setup,
-                                             const std::vector<PooledScene>& scenes);
+[[nodiscard]] Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings, const MatchSetup& setup,
+                                                           const std::vector<PooledScene>& scenes);
 
 }  // namespace victorious

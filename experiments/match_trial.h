@@ -37,9 +37,9 @@ MatchSetup DefaultSetup();
 
 /// Returns the model of a CAD file, named after the file's stem. It is built once and cached in OUT/models, in a folder
 /// keyed by the file's content, the options and the program build.
-Expected<std::shared_ptr<const ObjectModel>> LoadOrBuildModel(const ExperimentSettings& settings,
-                                                              const std::filesystem::path& cad_file,
-                                                              const CadModelOptions& options);
+[[nodiscard]] Expected<std::shared_ptr<const ObjectModel>> LoadOrBuildModel(const ExperimentSettings& settings,
+                                                                            const std::filesystem::path& cad_file,
+                                                                            const CadModelOptions& options);
 
 /// Immutable; copies share the large members.
 struct MatchTrial {
@@ -72,14 +72,14 @@ struct StageMatches {
 StageMatches RunStages(const MatchTrial& trial, double ratio, const RecognizeOptions& options);
 
 /// Extracts the features of an image.
-Expected<std::shared_ptr<const FeatureSet>> ExtractImageFeatures(const AnnotatedImage& scene,
-                                                                 const FeatureOptions& options);
+[[nodiscard]] Expected<std::shared_ptr<const FeatureSet>> ExtractImageFeatures(const AnnotatedImage& scene,
+                                                                               const FeatureOptions& options);
 
 /// Returns a running example of section 3.5: scenes/chapter3_jeep.json in place of the Humvee, or chapter3_jet.json in
 /// place of the MiG, with the template of the view nearest to the true one.
 /// @param kind  "jeep" or "jet"
 /// Error: kInvalidArgument if the scene does not show the object.
-Expected<MatchTrial> RunningExample(const ExperimentSettings& settings, const MatchSetup& setup,
-                                    const std::string& kind);
+[[nodiscard]] Expected<MatchTrial> RunningExample(const ExperimentSettings& settings, const MatchSetup& setup,
+                                                  const std::string& kind);
 
 }  // namespace victorious

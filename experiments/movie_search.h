@@ -40,11 +40,12 @@ struct MovieSearch {
 };
 
 /// Lists the movie folders in DATA/movies, sorted by name. Error: kNotFound if there are none.
-Expected<std::vector<std::filesystem::path>> FindMovies(const ExperimentSettings& settings);
+[[nodiscard]] Expected<std::vector<std::filesystem::path>> FindMovies(const ExperimentSettings& settings);
 
 /// Searches the frames of a movie, on all cores.
 /// @param visit  called for each frame in their order, with the models that are searched for; its error ends the search
-Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings,
-                   const std::function<Status(const SearchedFrame&, const std::vector<ObjectModel>&)>& visit);
+[[nodiscard]] Status SearchMovie(
+    const MovieSearch& search, const ExperimentSettings& settings,
+    const std::function<Status(const SearchedFrame&, const std::vector<ObjectModel>&)>& visit);
 
 }  // namespace victorious

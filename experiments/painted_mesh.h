@@ -14,6 +14,6 @@ namespace victorious {
 /// @param bgr     the image, CV_8UC3
 /// @param camera  of the image; the mesh frame is the world frame
 /// Error: kInternal if no renderer is available.
-Expected<Mesh> ProjectTexture(const Mesh& mesh, const cv::Mat& bgr, const PosedCamera& camera);
+[[nodiscard]] Expected<Mesh> ProjectTexture(const Mesh& mesh, const cv::Mat& bgr, const PosedCamera& camera);
 
 }  // namespace victorious

@@ -67,11 +67,11 @@ struct Study {
 
 /// Evaluates all settings on the movies of `settings`, or on the scenes straight, circle and shaken. Settings that
 /// differ in the data association only share one search of a movie (IndexMovie).
-Expected<Study> RunStudy(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Study> RunStudy(const ExperimentSettings& settings);
 
 /// Evaluates `wanted` on `movies`; the first setting is the baseline of the comparison.
-Expected<Study> StudyMovies(std::vector<MovieWithTruth> movies, const std::vector<StudySetting>& wanted,
-                            const ExperimentSettings& settings);
+[[nodiscard]] Expected<Study> StudyMovies(std::vector<MovieWithTruth> movies, const std::vector<StudySetting>& wanted,
+                                          const ExperimentSettings& settings);
 
 /// Collects `value` of the findable objects over all settings; std::nullopt is skipped.
 std::vector<double> CollectValues(const Study& study,

@@ -5,8 +5,8 @@
 
 namespace victorious {
 
-Expected<Report> RunTableCheyenne(const ExperimentSettings& settings);
-Expected<Report> RunTableControlPoints(const ExperimentSettings& settings);
-Expected<Report> RunTableBrighton(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableCheyenne(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableControlPoints(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableBrighton(const ExperimentSettings& settings);
 
 }  // namespace victorious

@@ -54,11 +54,11 @@ struct PlaceSeries {
 /// three series: with the pose solved for each image; with the recorded telemetry of the first image; and the same with
 /// a stated standard deviation of 3 degrees.
 /// Errors: kNotFound, and those of reading.
-Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& settings);
+[[nodiscard]] Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& settings);
 
 /// Loads the Geul data: a fixed camera over a river, about 15 m from six crosses. The camera pose of each trial is
 /// fitted to the other five crosses (leave-one-out).
 /// Errors: kNotFound, kDataLoss if no pose fits, and those of reading.
-Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings);
+[[nodiscard]] Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings);
 
 }  // namespace victorious

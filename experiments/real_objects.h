@@ -33,6 +33,6 @@ struct RealObject {
 };
 
 /// Loads the tea box, the cube and the dragon. Errors: kNotFound, and those of reading.
-Expected<std::vector<RealObject>> LoadRealObjects(const std::filesystem::path& data);
+[[nodiscard]] Expected<std::vector<RealObject>> LoadRealObjects(const std::filesystem::path& data);
 
 }  // namespace victorious

@@ -5,10 +5,10 @@
 
 namespace victorious {
 
-Expected<Report> RunFigure318(const ExperimentSettings& settings);
-Expected<Report> RunFigureCalibration(const ExperimentSettings& settings);
-Expected<Report> RunTableFeatures(const ExperimentSettings& settings);
-Expected<Report> RunTableObjectPose(const ExperimentSettings& settings);
-Expected<Report> RunTableShortlist(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure318(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigureCalibration(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableFeatures(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableObjectPose(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTableShortlist(const ExperimentSettings& settings);
 
 }  // namespace victorious

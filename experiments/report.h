@@ -32,7 +32,7 @@ struct Report {
 
 /// Writes NAME.json, NAME.csv and, if there is a plot, NAME.svg. In CSV a MeanWithError takes two columns, the second
 /// named `COLUMN standard error`.
-Status WriteReport(const Report& report, const std::filesystem::path& folder);
+[[nodiscard]] Status WriteReport(const Report& report, const std::filesystem::path& folder);
 
 /// Formats title, table and notes as Markdown.
 std::string ToMarkdown(const Report& report);

@@ -31,8 +31,10 @@ struct TrackingComparisonStep {
 /// @param recognizer  of one model
 /// @return one step per frame, from the first detection on; empty without a detection
 /// Errors: kInvalidArgument for options out of range; those of reading; kCancelled.
-Expected<std::vector<TrackingComparisonStep>> CompareTracking(VideoReader& reader, const Recognizer& recognizer,
-                                                              const FeatureExtractor& extractor,
-                                                              const TrackOptions& options, const CancelToken& cancel);
+[[nodiscard]] Expected<std::vector<TrackingComparisonStep>> CompareTracking(VideoReader& reader,
+                                                                            const Recognizer& recognizer,
+                                                                            const FeatureExtractor& extractor,
+                                                                            const TrackOptions& options,
+                                                                            const CancelToken& cancel);
 
 }  // namespace victorious

@@ -6,14 +6,14 @@
 
 namespace victorious {
 
-Expected<Report> RunFigure41(const ExperimentSettings& settings);
-Expected<Report> RunFigure42(const ExperimentSettings& settings);
-Expected<Report> RunFigure43(const ExperimentSettings& settings);
-Expected<Report> RunFigure44(const ExperimentSettings& settings);
-Expected<Report> RunFigure45(const ExperimentSettings& settings);
-Expected<Report> RunFigure52(const ExperimentSettings& settings);
-Expected<Report> RunFigure53(const ExperimentSettings& settings);
-Expected<Report> RunFigure54(const ExperimentSettings& settings);
-Expected<Report> RunFigure55(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure41(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure42(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure43(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure44(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure45(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure52(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure53(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure54(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunFigure55(const ExperimentSettings& settings);
 
 }  // namespace victorious

@@ -19,11 +19,11 @@ namespace victorious {
 
 /// Counts the frames by decoding all of them, because containers only estimate the number.
 /// Errors: kDataLoss if no frame can be decoded, and those of VideoReader.
-Expected<std::int64_t> CountFrames(const std::filesystem::path& video);
+[[nodiscard]] Expected<std::int64_t> CountFrames(const std::filesystem::path& video);
 
 /// Reads the frames of these numbers, which must rise; numbers beyond the end are left out. Errors: those of
 /// VideoReader.
-Expected<std::vector<Frame>> ReadFrames(const std::filesystem::path& video, std::span<const std::int64_t> numbers,
-                                        FrameColor color);
+[[nodiscard]] Expected<std::vector<Frame>> ReadFrames(const std::filesystem::path& video,
+                                                      std::span<const std::int64_t> numbers, FrameColor color);
 
 }  // namespace victorious

@@ -19,40 +19,49 @@ class HookedStore final : public IndexStore {
   HookedStore(IndexStore& store, std::function<Status()> before_commit)
       : store_(store), before_commit_(std::move(before_commit)) {}
 
-  Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& content_id) override {
+  [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name,
+                                                          const std::string& content_id) override {
     return store_.DeleteOtherContent(name, content_id);
   }
-  Expected<VideoRecord> PutVideo(const VideoRecord& video) override { return store_.PutVideo(video); }
-  Status SetVideoLength(std::int64_t video, std::int64_t frames, double duration_s) override {
+  [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override { return store_.PutVideo(video); }
+  [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frames, double duration_s) override {
     return store_.SetVideoLength(video, frames, duration_s);
   }
-  Status SetVideoFeatures(std::int64_t video, const std::string& json) override {
+  [[nodiscard]] Status SetVideoFeatures(std::int64_t video, const std::string& json) override {
     return store_.SetVideoFeatures(video, json);
   }
-  Expected<std::vector<VideoRecord>> Videos() override { return store_.Videos(); }
-  Expected<ModelRecord> PutModel(const ModelRecord& model) override { return store_.PutModel(model); }
-  Expected<std::vector<ModelRecord>> Models() override { return store_.Models(); }
-  Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override {
+  [[nodiscard]] Expected<std::vector<VideoRecord>> Videos() override { return store_.Videos(); }
+  [[nodiscard]] Expected<ModelRecord> PutModel(const ModelRecord& model) override { return store_.PutModel(model); }
+  [[nodiscard]] Expected<std::vector<ModelRecord>> Models() override { return store_.Models(); }
+  [[nodiscard]] Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override {
     return store_.FindSearch(video, model);
   }
-  Status DeleteSearch(std::int64_t video, std::int64_t model) override { return store_.DeleteSearch(video, model); }
-  Status DeleteKeptFrames(std::int64_t video) override { return store_.DeleteKeptFrames(video); }
-  Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override {
+  [[nodiscard]] Status DeleteSearch(std::int64_t video, std::int64_t model) override {
+    return store_.DeleteSearch(video, model);
+  }
+  [[nodiscard]] Status DeleteKeptFrames(std::int64_t video) override { return store_.DeleteKeptFrames(video); }
+  [[nodiscard]] Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override {
     VICTORIOUS_RETURN_IF_ERROR(before_commit_());
     return store_.Commit(batch);
   }
-  Expected<std::vector<TrackletRecord>> Tracklets() override { return store_.Tracklets(); }
-  Status PutObjects(std::span<const ObjectRecord> objects) override { return store_.PutObjects(objects); }
-  Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override { return store_.Objects(filter); }
-  Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) override {
+  [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override { return store_.Tracklets(); }
+  [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override { return store_.PutObjects(objects); }
+  [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override {
+    return store_.Objects(filter);
+  }
+  [[nodiscard]] Status VisitSightings(const SightingFilter& filter,
+                                      const std::function<bool(SightingRecord&&)>& visit) override {
     return store_.VisitSightings(filter, visit);
   }
-  Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) override {
+  [[nodiscard]] Status VisitKeptFrames(const SightingFilter& filter,
+                                       const std::function<bool(KeptFrame&&)>& visit) override {
     return store_.VisitKeptFrames(filter, visit);
   }
-  Status PutReview(std::int64_t object, const Review& review) override { return store_.PutReview(object, review); }
-  Expected<std::vector<ReviewedObject>> Reviews() override { return store_.Reviews(); }
-  Expected<std::int64_t> ChangeNumber() override { return store_.ChangeNumber(); }
+  [[nodiscard]] Status PutReview(std::int64_t object, const Review& review) override {
+    return store_.PutReview(object, review);
+  }
+  [[nodiscard]] Expected<std::vector<ReviewedObject>> Reviews() override { return store_.Reviews(); }
+  [[nodiscard]] Expected<std::int64_t> ChangeNumber() override { return store_.ChangeNumber(); }
 
  private:
   IndexStore& store_;

@@ -88,6 +88,6 @@ struct TexturedMesh {
 TexturedMesh BuildTexturedMesh(const Asset& asset);
 
 /// The model as one GLB 2.0 file: one mesh, one material, the texture embedded as JPEG.
-Expected<std::string> GlbBytes(const std::string& name, const TexturedMesh& model);
+[[nodiscard]] Expected<std::string> GlbBytes(const std::string& name, const TexturedMesh& model);
 
 }  // namespace victorious::assets

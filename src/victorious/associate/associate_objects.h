@@ -50,6 +50,6 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
 
 /// Recomputes the objects of the whole index and stores them.
 /// Errors: those of IndexStore; kDataLoss for a search whose stored options cannot be read.
-Status UpdateObjects(const ObjectOptions& options, IndexStore& store);
+[[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store);
 
 }  // namespace victorious

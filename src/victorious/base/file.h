@@ -17,19 +17,20 @@
 namespace victorious {
 
 /// Returns the whole file as bytes. Error: kInvalidArgument for files larger than `max_bytes`, folders and pipes.
-Expected<std::string> ReadFile(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{1} << 30);
+[[nodiscard]] Expected<std::string> ReadFile(const std::filesystem::path& path,
+                                             std::size_t max_bytes = std::size_t{1} << 30);
 
 /// Writes `bytes` under a temporary name beside `path`, syncs it to disk, and renames it to `path`: a reader sees the
 /// complete old file or the complete new one. Symbolic links are kept: their target is replaced. An existing path that
 /// is not a regular file (a device, a pipe) is written directly. Errors: kNoSpace on a full disk, kPermissionDenied in
 /// a read-only folder.
-Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
-Status WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
+[[nodiscard]] Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+[[nodiscard]] Status WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
 
 /// A read-only memory mapping of a file. Shared by all objects that point into it.
 class MappedFile {
  public:
-  static Expected<std::shared_ptr<const MappedFile>> Open(const std::filesystem::path& path);
+  [[nodiscard]] static Expected<std::shared_ptr<const MappedFile>> Open(const std::filesystem::path& path);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -51,11 +52,13 @@ using ByteProgress = std::function<void(std::int64_t done, std::int64_t total)>;
 
 /// Returns the hash of a file's content as 32 hexadecimal digits (XXH3, 128 bits). Reads the whole file once, which
 /// takes minutes for hours of video on a slow disk. Errors: those of reading; kCancelled.
-Expected<std::string> ContentId(const std::filesystem::path& file, const CancelToken& cancel = CancelToken(),
-                                const ByteProgress& progress = {});
+[[nodiscard]] Expected<std::string> ContentId(const std::filesystem::path& file,
+                                              const CancelToken& cancel = CancelToken(),
+                                              const ByteProgress& progress = {});
 
 /// The same for several files: hashes their contents in this order, with their names (without folders).
-Expected<std::string> ContentIdOfFiles(std::span<const std::filesystem::path> files,
-                                       const CancelToken& cancel = CancelToken(), const ByteProgress& progress = {});
+[[nodiscard]] Expected<std::string> ContentIdOfFiles(std::span<const std::filesystem::path> files,
+                                                     const CancelToken& cancel = CancelToken(),
+                                                     const ByteProgress& progress = {});
 
 }  // namespace victorious

@@ -10,6 +10,6 @@
 namespace victorious {
 
 /// Safe for any bytes. Error: kInvalidArgument with "not JSON", or with the first duplicate key.
-Expected<nlohmann::json> ParseJson(std::string_view text);
+[[nodiscard]] Expected<nlohmann::json> ParseJson(std::string_view text);
 
 }  // namespace victorious

@@ -111,11 +111,11 @@ nlohmann::json ToJson(const std::vector<FieldRef>& fields);
 
 /// Sets the fields named in `json`, nested or dotted ("match.ratio"). Error: kInvalidArgument with all unknown names,
 /// wrong types and values out of range in one line; then no field is changed.
-Status SetFromJson(const nlohmann::json& json, const std::vector<FieldRef>& fields);
+[[nodiscard]] Status SetFromJson(const nlohmann::json& json, const std::vector<FieldRef>& fields);
 
 /// Checks all constraints. Error: kInvalidArgument with every violated constraint as "field = value: constraint", in
 /// one line.
-Status Validate(const std::vector<FieldRef>& fields);
+[[nodiscard]] Status Validate(const std::vector<FieldRef>& fields);
 
 /// Returns a Markdown table with one row per field (name, default, range, unit, reason).
 std::string MarkdownTable(const std::vector<FieldRef>& fields);
@@ -129,7 +129,7 @@ std::string OptionsToJsonText(Options options) {
 }
 
 template <typename Options>
-Status ValidateOptions(Options options) {
+[[nodiscard]] Status ValidateOptions(Options options) {
   return Validate(CollectFields(options));
 }
 

@@ -10,9 +10,9 @@ namespace victorious {
 
 /// Returns the version and the checksum of the running executable: "0.1.0-0123456789abcdef". Ignores dynamically linked
 /// libraries. Cost: reads the executable once, about 10 ms.
-Expected<std::string> ProgramId();
+[[nodiscard]] Expected<std::string> ProgramId();
 
 /// The same for another executable of this version.
-Expected<std::string> ComputeProgramId(const std::filesystem::path& executable);
+[[nodiscard]] Expected<std::string> ComputeProgramId(const std::filesystem::path& executable);
 
 }  // namespace victorious

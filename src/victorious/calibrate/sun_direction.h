@@ -51,7 +51,7 @@ struct SunDirectionInput {
 /// @param reader  at its first frame; reads as far as needed
 /// @param warn    receives read errors, which end the sampling, and errors of feature extraction, which skip a frame
 /// Errors: kCancelled.
-Expected<std::optional<Sun>> EstimateSunDirection(const SunDirectionInput& input, VideoReader& reader,
-                                                  const CancelToken& cancel, const WarningSink& warn);
+[[nodiscard]] Expected<std::optional<Sun>> EstimateSunDirection(const SunDirectionInput& input, VideoReader& reader,
+                                                                const CancelToken& cancel, const WarningSink& warn);
 
 }  // namespace victorious

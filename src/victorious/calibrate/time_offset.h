@@ -82,8 +82,8 @@ struct TimeOffset {
 /// Measures the image motion of the video's first `max_duration_s`. Errors: those of VideoReader; kCancelled.
 /// @param impulse_fraction  impulse noise fraction of the frames (RemoveImpulses)
 /// Cost: some 10 ms per pair at 640 x 480, and reading.
-Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
-                                      double impulse_fraction, const CancelToken& cancel);
+[[nodiscard]] Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
+                                                    double impulse_fraction, const CancelToken& cancel);
 
 /// Estimates the offset. Deterministic. Cost: half a second for a minute of video.
 /// @param cameras  telemetry's states, on the video's clock up to the offset

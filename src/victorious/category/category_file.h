@@ -17,15 +17,16 @@ namespace victorious {
 std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model);
 
 /// Writes the file atomically: on an error, `path` is unchanged. Errors: those of WriteFileAtomically (base/file.h).
-Status WriteCategoryModel(const std::filesystem::path& path, const CategoryModel& model);
+[[nodiscard]] Status WriteCategoryModel(const std::filesystem::path& path, const CategoryModel& model);
 
 /// Reads a model. Errors: kNotFound; kDataLoss (not a category model, damaged or truncated); kUnsupported (written by a
 /// newer or older version of the format).
-Expected<CategoryModel> ReadCategoryModel(const std::filesystem::path& path);
+[[nodiscard]] Expected<CategoryModel> ReadCategoryModel(const std::filesystem::path& path);
 
 /// Parses a model from memory. Reads only inside `bytes` and allocates memory proportional to their number, also for
 /// hostile input.
 /// @param name_for_errors  prefix of error messages, e.g. the file's path
-Expected<CategoryModel> ParseCategoryModel(std::span<const std::byte> bytes, const std::string& name_for_errors);
+[[nodiscard]] Expected<CategoryModel> ParseCategoryModel(std::span<const std::byte> bytes,
+                                                         const std::string& name_for_errors);
 
 }  // namespace victorious

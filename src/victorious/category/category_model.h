@@ -47,7 +47,8 @@ struct CategoryModel {
 /// Trains a model. Deterministic for a given options.seed.
 /// Errors: kInvalidArgument for fewer than two categories, a category with fewer than two images or without features,
 /// a category name that is empty or has empty components, and options out of range.
-Expected<CategoryModel> TrainCategories(std::span<const CategoryExample> examples, const CategoryOptions& options);
+[[nodiscard]] Expected<CategoryModel> TrainCategories(std::span<const CategoryExample> examples,
+                                                      const CategoryOptions& options);
 
 /// Score of one node for one image.
 struct CategoryScore {

@@ -20,6 +20,6 @@ struct CategoryFeedback {
 /// Returns the model with the weights of both methods fitted to the marks; calibrations are unchanged.
 /// Errors: kInvalidArgument for a category that the model does not have; kUnsupported for scoring "likelihood", which
 /// has no weights, and for models with shapes, whose weights belong to training examples: these need retraining.
-Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryFeedback> marks);
+[[nodiscard]] Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryFeedback> marks);
 
 }  // namespace victorious

@@ -38,17 +38,17 @@ struct CameraArguments {
 };
 
 /// Parses "x,y,w,h" in pixels. Error: kInvalidArgument for any other text or a box without area.
-Expected<Box> ParseBox(std::string_view text);
+[[nodiscard]] Expected<Box> ParseBox(std::string_view text);
 
 /// Parses a presentation time: seconds ("90", "12.5"), minutes:seconds ("1:30") or hours:minutes:seconds ("1:02:03.5").
 /// Returns seconds, at least 0. Error: kInvalidArgument.
-Expected<double> ParseTime(std::string_view text);
+[[nodiscard]] Expected<double> ParseTime(std::string_view text);
 
 /// A CLI11 transform for options in seconds: accepts the texts of ParseTime.
 CLI::Validator VideoTimeTransform();
 
 /// Parses "latitude,longitude,metres" (latitude and longitude in degrees). Error: kInvalidArgument.
-Expected<GeoCircle> ParseGeoCircle(std::string_view text);
+[[nodiscard]] Expected<GeoCircle> ParseGeoCircle(std::string_view text);
 
 /// Adds the option --params. `lists` is the argument with which `victorious params` lists these parameters.
 void AddParams(CLI::App& app, std::string& params, std::string_view lists);
@@ -71,12 +71,12 @@ void AddGround(CLI::App& app, GroundArguments& ground);
 void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
 
 /// Sets the fields from a JSON file. An empty path changes nothing. Errors: kNotFound; kInvalidArgument with the path.
-Status ReadParamsFile(const std::string& path, const std::vector<FieldRef>& fields);
+[[nodiscard]] Status ReadParamsFile(const std::string& path, const std::vector<FieldRef>& fields);
 
 /// Sets the options from the preset named `path` (pipeline/preset.h; use ./NAME for a file with a preset's name), else
 /// from that file. Errors: those of ApplyPreset and ReadParamsFile.
 template <typename Options>
-Status ReadParams(const std::string& path, Options& options) {
+[[nodiscard]] Status ReadParams(const std::string& path, Options& options) {
   if (const std::optional<Preset> preset = FindPreset(path)) return ApplyPreset(*preset, options);
   return ReadParamsFile(path, CollectFields(options));
 }
@@ -88,13 +88,13 @@ struct FieldFlag {
 };
 
 /// Validates the parameters that flags set, so that the message names the flag. Error: kInvalidArgument.
-Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FieldFlag> flags);
+[[nodiscard]] Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FieldFlag> flags);
 
 /// Writes `text` to stdout (`path` empty or "-"), or atomically to a file.
-Status WriteOutput(const std::string& path, std::string_view text);
+[[nodiscard]] Status WriteOutput(const std::string& path, std::string_view text);
 
 /// Checks that WriteOutput can write to `path`. Called before long work.
-Status CheckOutput(const std::string& path);
+[[nodiscard]] Status CheckOutput(const std::string& path);
 
 /// Replaces control characters (for instance of a file name) by '?', so that a message stays one line.
 std::string OneLine(std::string text);
@@ -121,14 +121,14 @@ struct FilterArguments {
 
 /// A message for the user that explains why no object matches filter.near; empty if one matches, or if filter.near is
 /// not set.
-Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store);
+[[nodiscard]] Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store);
 
 /// A message for the user that explains why no object matches the filter: nothing near, all rejected (how many, and why
 /// the best one), or nothing seen. Empty if an object matches.
-Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store);
+[[nodiscard]] Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store);
 
 /// A message for the user that says how many of the matching objects have no place, which a map leaves out, and why;
 /// empty if all have one.
-Expected<std::string> ExplainUnplaced(const SightingFilter& filter, IndexStore& store);
+[[nodiscard]] Expected<std::string> ExplainUnplaced(const SightingFilter& filter, IndexStore& store);
 
 }  // namespace victorious::cli

@@ -39,6 +39,7 @@ void AddDetectabilityFlags(CLI::App& app, DetectabilityArguments& arguments);
 
 /// Measures the recall of the search that `index` runs, and draws the test images if that is wanted. Shows progress on
 /// stderr. Errors: those of MeasureDetectability and of writing the images; kInvalidArgument for the flags.
-Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const DetectabilityArguments& arguments);
+[[nodiscard]] Expected<Detectability> RunDetectabilityTest(const ObjectModel& model,
+                                                           const DetectabilityArguments& arguments);
 
 }  // namespace victorious::cli

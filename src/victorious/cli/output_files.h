@@ -51,7 +51,7 @@ void AddForce(CLI::App& command);
 /// models). Files are the same if they have the same device and inode: symbolic and hard links are resolved. An empty
 /// file, a device and a pipe are of any kind. Errors: kInvalidArgument for a violation; those of reading an existing
 /// output.
-Status CheckOutputs(const CLI::App& command, const std::vector<OutputFile>& outputs,
-                    const std::vector<std::string>& further_inputs = {});
+[[nodiscard]] Status CheckOutputs(const CLI::App& command, const std::vector<OutputFile>& outputs,
+                                  const std::vector<std::string>& further_inputs = {});
 
 }  // namespace victorious::cli

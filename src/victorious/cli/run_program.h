@@ -20,7 +20,8 @@ int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** arg
 /// @param name  of the program and its command, for the hint to --help
 /// @return the exit status if --help or --version ended the program; std::nullopt if it continues
 /// Error: kInvalidArgument.
-Expected<std::optional<int>> ParseArguments(CLI::App& app, int argc, char** argv, const std::string& name);
+[[nodiscard]] Expected<std::optional<int>> ParseArguments(CLI::App& app, int argc, char** argv,
+                                                          const std::string& name);
 
 /// Replaces this process by another executable of the folder of this one, with `arguments`. Returns only on failure.
 /// Errors: kNotFound if it is not built, and those of starting it.

@@ -89,9 +89,11 @@ struct DetectabilityCallbacks {
 /// @param features  for the test images, by the engine of the model
 /// Errors: kInvalidArgument for options out of range, for a model without renderings (made from photos, or by an early
 /// version); kCancelled; kDataLoss for a damaged model.
-Expected<Detectability> MeasureDetectability(const ObjectModel& model, const FeatureOptions& features,
-                                             const RecognizeOptions& recognize, const DetectabilityOptions& options,
-                                             const CancelToken& cancel, const DetectabilityCallbacks& callbacks = {});
+[[nodiscard]] Expected<Detectability> MeasureDetectability(const ObjectModel& model, const FeatureOptions& features,
+                                                           const RecognizeOptions& recognize,
+                                                           const DetectabilityOptions& options,
+                                                           const CancelToken& cancel,
+                                                           const DetectabilityCallbacks& callbacks = {});
 
 nlohmann::ordered_json ToJson(const Detectability& findable);
 

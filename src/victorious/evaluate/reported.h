@@ -18,6 +18,6 @@ struct ReportedContent {
 
 /// @param filter  must select a single video for ScoreIndex()
 /// Errors: those of Catalogue::Read and of reading the store.
-Expected<ReportedContent> ReadReported(IndexStore& store, const SightingFilter& filter);
+[[nodiscard]] Expected<ReportedContent> ReadReported(IndexStore& store, const SightingFilter& filter);
 
 }  // namespace victorious

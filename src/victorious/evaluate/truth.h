@@ -32,9 +32,9 @@ struct TruthRow {
 /// Any bytes are safe.
 /// @param name  of the source, for messages
 /// Errors: kInvalidArgument, with `name`, the line number, and the missing or wrong key.
-Expected<std::vector<TruthRow>> ParseTruth(std::string_view text, std::string_view name);
+[[nodiscard]] Expected<std::vector<TruthRow>> ParseTruth(std::string_view text, std::string_view name);
 
 /// Reads and parses a file. Errors: those of ReadFile and of ParseTruth.
-Expected<std::vector<TruthRow>> ReadTruth(const std::filesystem::path& path);
+[[nodiscard]] Expected<std::vector<TruthRow>> ReadTruth(const std::filesystem::path& path);
 
 }  // namespace victorious

@@ -25,7 +25,7 @@ struct WarpedView {
 /// @param model  every view must have angles and a surface
 /// @param sun    direction to the sun in the model's frame; std::nullopt: the light of the model's own renderings
 /// Errors: kDataLoss for a damaged surface; kInvalidArgument for unknown options stored in the model.
-Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& direction,
-                              const std::optional<ViewDirection>& sun);
+[[nodiscard]] Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& direction,
+                                            const std::optional<ViewDirection>& sun);
 
 }  // namespace victorious

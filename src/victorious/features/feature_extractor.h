@@ -49,10 +49,10 @@ class FeatureExtractor {
   /// @param grey  CV_8UC1
   /// @return keypoints in pixels of `grey`, in deterministic order; empty if the image is too small for a keypoint.
   /// Errors: kInternal for an exception of OpenCV.
-  virtual Expected<FeatureSet> Extract(const cv::Mat& grey) const = 0;
+  [[nodiscard]] virtual Expected<FeatureSet> Extract(const cv::Mat& grey) const = 0;
 };
 
 /// Errors: kInvalidArgument for options out of range or an engine that is not in this build.
-Expected<std::unique_ptr<const FeatureExtractor>> MakeFeatureExtractor(const FeatureOptions& options);
+[[nodiscard]] Expected<std::unique_ptr<const FeatureExtractor>> MakeFeatureExtractor(const FeatureOptions& options);
 
 }  // namespace victorious

@@ -15,7 +15,7 @@ namespace victorious {
 /// @param grey  CV_8UC1
 /// @return CV_8UC1, at least 8 px on each side; empty if the image is too small for a keypoint
 /// Errors: kInternal for an exception of OpenCV.
-Expected<cv::Mat> MakeSearchedImage(const cv::Mat& grey, const FeatureOptions& options);
+[[nodiscard]] Expected<cv::Mat> MakeSearchedImage(const cv::Mat& grey, const FeatureOptions& options);
 
 /// Converts keypoints from pixels of the searched image to pixels of the given one.
 void ScaleKeypoints(const cv::Size& searched, const cv::Size& given, FeatureSet& features);

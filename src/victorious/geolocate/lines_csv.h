@@ -19,9 +19,9 @@ struct LineOfSightTable {
 
 /// Parses CSV text. Ignores empty lines and unknown columns. Safe for arbitrary bytes. Errors: kInvalidArgument, one
 /// line with `name` and the line number, if the header lacks a column or no row is valid.
-Expected<LineOfSightTable> ParseLinesOfSight(std::string_view text, std::string_view name);
+[[nodiscard]] Expected<LineOfSightTable> ParseLinesOfSight(std::string_view text, std::string_view name);
 
 /// As above, from a file. Errors: also those of ReadFile.
-Expected<LineOfSightTable> ReadLinesOfSight(const std::filesystem::path& path);
+[[nodiscard]] Expected<LineOfSightTable> ReadLinesOfSight(const std::filesystem::path& path);
 
 }  // namespace victorious

@@ -60,7 +60,7 @@ std::string StatusText(const GeoFix& fix);
 /// camera give a result with a status, not an error. Errors: kInvalidArgument for options out of range, no lines, or
 /// the method `ground` without a ground. Cost: linear in the number of lines for ml, ransac, least-squares and ground;
 /// at worst quadratic for prior.
-Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions& options);
+[[nodiscard]] Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions& options);
 
 /// As Locate, for lines and options that the caller has checked: at least one line, options that pass ValidateOptions,
 /// and a ground for the method `ground`. Then there is no error.

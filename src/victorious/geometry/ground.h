@@ -92,8 +92,8 @@ enum class GroundMiss {
 /// @param from, along  in the tangent plane; `along` is a unit vector
 /// @param slack_m      maximum depth below the ground at which the ray may start, to allow for height errors: it must
 ///                     then emerge from the ground first
-std::expected<GroundPatch, GroundMiss> IntersectGround(const Ground& ground, const TangentPlane& plane,
-                                                       const Eigen::Vector3d& from, const Eigen::Vector3d& along,
-                                                       double slack_m);
+[[nodiscard]] std::expected<GroundPatch, GroundMiss> IntersectGround(const Ground& ground, const TangentPlane& plane,
+                                                                     const Eigen::Vector3d& from,
+                                                                     const Eigen::Vector3d& along, double slack_m);
 
 }  // namespace victorious

@@ -44,7 +44,7 @@ struct ViewSphereOptions {
 /// The pole, then the rings outwards, each from azimuth 0 on: 253 views at the defaults. The neighbours of a view are
 /// the up to eight adjacent views on the grid; those of the pole are the whole first ring. Error: kInvalidArgument,
 /// options out of range or a step that does not divide 360.
-Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options);
+[[nodiscard]] Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options);
 
 /// The unit vector from the object to the camera, in the model frame.
 [[nodiscard]] Eigen::Vector3d DirectionToCamera(const ViewDirection& direction);
@@ -64,6 +64,7 @@ struct ViewFraming {
 /// The camera that looks at the centre of `sphere` from `direction`; its focal length gives the sphere's outline the
 /// requested diameter. The world frame is the model frame. Error: kInvalidArgument, an impossible framing (distance not
 /// above the radius, or a size not above 0).
-Expected<PosedCamera> CameraForView(const ViewDirection& direction, const Sphere& sphere, const ViewFraming& framing);
+[[nodiscard]] Expected<PosedCamera> CameraForView(const ViewDirection& direction, const Sphere& sphere,
+                                                  const ViewFraming& framing);
 
 }  // namespace victorious

@@ -27,6 +27,6 @@ struct ImageDegradation {
 };
 
 /// Degrades an image (CV_8UC3) in place as a camera and an encoder do. Deterministic by `seed`.
-Status DegradeImage(const ImageDegradation& degradation, std::uint64_t seed, cv::Mat& bgr);
+[[nodiscard]] Status DegradeImage(const ImageDegradation& degradation, std::uint64_t seed, cv::Mat& bgr);
 
 }  // namespace victorious

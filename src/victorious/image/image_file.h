@@ -22,21 +22,21 @@ struct Image {
 /// Reads and decodes an image of at most 2^28 pixels; 16-bit samples are reduced to 8 bits.
 /// Errors: kNotFound, kInvalidArgument (empty file, a folder), kDataLoss (not a decodable image), kUnsupported (too
 /// large, floating point).
-Expected<Image> ReadImage(const std::filesystem::path& path);
+[[nodiscard]] Expected<Image> ReadImage(const std::filesystem::path& path);
 
 /// Decodes an image from memory; `name` is the prefix of error messages. Errors: those of ReadImage.
-Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name);
+[[nodiscard]] Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name);
 
 /// Writes a BGR or grey image atomically; the file extension determines the format (.png, .jpg).
 /// Errors: kInvalidArgument for an unknown extension; those of WriteFileAtomically.
-Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
+[[nodiscard]] Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
 
 /// Encodes a BGR image as JPEG, deterministically.
 /// @param quality  1 to 100; 80 suffices for viewing
-Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr, int quality = 80);
+[[nodiscard]] Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr, int quality = 80);
 
 /// Encodes a BGR image losslessly, as PNG.
-Expected<std::vector<std::byte>> EncodePng(const cv::Mat& bgr);
+[[nodiscard]] Expected<std::vector<std::byte>> EncodePng(const cv::Mat& bgr);
 
 /// Returns the luma that the feature extraction uses: CV_8UC1, BT.601 weights 0.299 R + 0.587 G + 0.114 B.
 cv::Mat GreyFromBgr(const cv::Mat& bgr);

@@ -22,6 +22,6 @@ struct ImportedMesh {
 };
 
 /// Imports the CAD file of `folder`. May throw std::bad_alloc. Errors: kDataLoss, kUnsupported.
-Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format);
+[[nodiscard]] Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format);
 
 }  // namespace victorious

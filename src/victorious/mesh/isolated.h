@@ -19,7 +19,7 @@ struct IsolationLimits {
 /// threads.
 /// Errors: those of `work`; kDataLoss if it crashes; kUnsupported if it exceeds the limits; kInternal if the process
 /// cannot be started. Under a sanitizer only the sanitizer limits the memory.
-Expected<std::string> RunIsolated(const std::function<Expected<std::string>()>& work,
-                                  const IsolationLimits& limits = {});
+[[nodiscard]] Expected<std::string> RunIsolated(const std::function<Expected<std::string>()>& work,
+                                                const IsolationLimits& limits = {});
 
 }  // namespace victorious

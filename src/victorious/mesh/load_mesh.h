@@ -33,7 +33,7 @@ namespace victorious {
 enum class Axis { kPlusX, kMinusX, kPlusY, kMinusY, kPlusZ, kMinusZ };
 
 /// Parses "x", "+x", "-x", …, case-insensitive. Error: kInvalidArgument.
-Expected<Axis> ParseAxis(std::string_view text);
+[[nodiscard]] Expected<Axis> ParseAxis(std::string_view text);
 
 /// True if the file extension is that of one of these formats, case-insensitive.
 bool IsCadFile(const std::filesystem::path& path);
@@ -62,11 +62,11 @@ struct LoadedMesh {
 /// the material's colour, a triangle with a non-finite or missing vertex is skipped.
 /// Errors: kNotFound; kInvalidArgument (options); kDataLoss (no drawable triangle); kUnsupported (unknown format, or
 /// beyond the limits above, e.g. 3 GiB of memory, or the CPU time: 10 s plus 1 s for each 4 MiB).
-Expected<LoadedMesh> LoadMesh(const std::filesystem::path& path, const LoadMeshOptions& options = {});
+[[nodiscard]] Expected<LoadedMesh> LoadMesh(const std::filesystem::path& path, const LoadMeshOptions& options = {});
 
 /// The same from bytes in memory; files that the CAD file refers to are not accessible. The extension of `name` gives
 /// the format; error messages contain `name`.
-Expected<LoadedMesh> DecodeMesh(std::span<const std::byte> bytes, const std::string& name,
-                                const LoadMeshOptions& options = {});
+[[nodiscard]] Expected<LoadedMesh> DecodeMesh(std::span<const std::byte> bytes, const std::string& name,
+                                              const LoadMeshOptions& options = {});
 
 }  // namespace victorious

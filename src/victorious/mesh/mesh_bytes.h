@@ -12,6 +12,6 @@ std::string BytesFromMesh(const LoadedMesh& loaded);
 
 /// The inverse of BytesFromMesh(). Checks sizes and indices, because a hostile CAD file may have taken control of the
 /// writing process. Error: kDataLoss.
-Expected<LoadedMesh> MeshFromBytes(std::string_view bytes);
+[[nodiscard]] Expected<LoadedMesh> MeshFromBytes(std::string_view bytes);
 
 }  // namespace victorious

@@ -14,6 +14,6 @@ namespace victorious {
 /// Decodes a PNG, JPEG, BMP or TGA to CV_8UC4 (blue, green, red, alpha). TGA has no magic number: bytes that match no
 /// other format are read as TGA if `name` ends in .tga. Errors: kUnsupported (another format, wider or higher than
 /// kMaxTextureSide), kDataLoss.
-Expected<cv::Mat> DecodeTexture(std::span<const std::byte> bytes, const std::string& name);
+[[nodiscard]] Expected<cv::Mat> DecodeTexture(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace victorious

@@ -45,7 +45,8 @@ struct CadModelOptions {
 /// Views with fewer features than options.min_features are stored without features; a search cannot match them.
 /// Errors: kInvalidArgument for options out of range, or if no view has enough features; kInternal if no device can
 /// render.
-Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, const std::string& source,
-                                   const CadModelOptions& options, const std::function<void(int, int)>& progress = {});
+[[nodiscard]] Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, const std::string& source,
+                                                 const CadModelOptions& options,
+                                                 const std::function<void(int, int)>& progress = {});
 
 }  // namespace victorious

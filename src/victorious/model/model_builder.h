@@ -36,8 +36,8 @@ void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t
 
 /// Extracts the features that lie on the object. Keypoints are in the pixels of the outline. Errors: those of the
 /// extractor.
-Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& image, const FeatureExtractor& extractor,
-                                           const ObjectFeatureOptions& options);
+[[nodiscard]] Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& image, const FeatureExtractor& extractor,
+                                                         const ObjectFeatureOptions& options);
 
 /// The number of features whose descriptor support region is object by at least the given fraction.
 std::size_t CountObjectFeatures(const ObjectImage& image, const FeatureSet& features, double min_mask_fraction);
@@ -58,8 +58,8 @@ class ModelBuilder {
   /// @param points     3D points of the features in the model frame, one per feature; or empty
   /// @param thumbnail  of ObjectImage
   /// @param surface    the bytes of EncodeSurface(), or empty
-  Status Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points, const cv::Mat& thumbnail,
-             std::vector<std::byte> surface = {});
+  [[nodiscard]] Status Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points,
+                           const cv::Mat& thumbnail, std::vector<std::byte> surface = {});
 
   /// @param model  the other fields of the model
   /// @return `model` with the views, features and their storage

@@ -33,18 +33,18 @@ struct PhotoModelOptions {
 /// the box or the whole photo.
 /// Errors: those of ReadImage; kInvalidArgument if the box is empty or not inside the photo, or if no pixel of the
 /// object is opaque.
-Expected<Photo> LoadPhoto(const std::filesystem::path& path, const std::optional<Box>& box);
+[[nodiscard]] Expected<Photo> LoadPhoto(const std::filesystem::path& path, const std::optional<Box>& box);
 
 /// The same from an image in memory.
 /// @param bgr    CV_8UC3
 /// @param alpha  CV_8UC1 or empty
-Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, const cv::Mat& alpha,
-                             const std::optional<Box>& box);
+[[nodiscard]] Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, const cv::Mat& alpha,
+                                           const std::optional<Box>& box);
 
 /// @param length_m  the object's longest side, if known
 /// Errors: kInvalidArgument for options out of range, no photos, or a photo with fewer than options.min_features
 /// keypoints on the object.
-Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Photo> photos,
-                                     std::optional<double> length_m, const PhotoModelOptions& options);
+[[nodiscard]] Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Photo> photos,
+                                                   std::optional<double> length_m, const PhotoModelOptions& options);
 
 }  // namespace victorious

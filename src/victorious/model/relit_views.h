@@ -18,11 +18,12 @@ namespace victorious {
 /// @param cache  may be shared with other models: one budget for all; templates of about 10 kB (half resolution) and
 ///               30 kB are made again when they have been evicted
 /// Error: kInvalidArgument, the model has options that this version does not know.
-Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(
+[[nodiscard]] Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(
     const ObjectModel& model, std::shared_ptr<RelitViewCache> cache = std::make_shared<RelitViewCache>());
 
 /// The relit views of all models of a search, one entry per model, within one budget of RelitViewCache.
 /// Errors: those of one model.
-Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(std::span<const ObjectModel> models);
+[[nodiscard]] Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(
+    std::span<const ObjectModel> models);
 
 }  // namespace victorious

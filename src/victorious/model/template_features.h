@@ -13,7 +13,8 @@ namespace victorious {
 /// The features on the object that have a depth; empty if there are fewer than options.min_features.
 /// @param depth_map  of the pixels of `image`; its world frame is the model frame
 /// Errors: those of the extractor.
-Expected<RelitTemplate> ExtractTemplateFeatures(const ObjectImage& image, const PosedDepthMap& depth_map,
-                                                const FeatureExtractor& extractor, const CadModelOptions& options);
+[[nodiscard]] Expected<RelitTemplate> ExtractTemplateFeatures(const ObjectImage& image, const PosedDepthMap& depth_map,
+                                                              const FeatureExtractor& extractor,
+                                                              const CadModelOptions& options);
 
 }  // namespace victorious

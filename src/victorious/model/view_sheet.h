@@ -14,6 +14,6 @@ namespace victorious {
 /// @return CV_8UC3
 /// Errors: kInvalidArgument, the model has no thumbnails, or more than 2000 views, or the sheet is too large;
 /// kDataLoss, a damaged thumbnail, or one larger than 256 pixels a side.
-Expected<cv::Mat> DrawViewSheet(const ObjectModel& model);
+[[nodiscard]] Expected<cv::Mat> DrawViewSheet(const ObjectModel& model);
 
 }  // namespace victorious

@@ -21,10 +21,10 @@ struct ViewSurface {
 
 /// @param surface  image and depth map of the same size; depth is quantised to 65534 steps over the range of depths
 /// Errors: those of EncodePng().
-Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface);
+[[nodiscard]] Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface);
 
 /// The inverse of EncodeSurface(). Error: kDataLoss, damaged bytes; the message starts with `name`.
-Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std::string& name);
+[[nodiscard]] Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std::string& name);
 
 /// The part of a rendering that shows the object: a fraction of its pixels.
 struct SurfacePart {
@@ -36,6 +36,6 @@ struct SurfacePart {
 };
 
 /// As DecodeSurface(), without the background.
-Expected<SurfacePart> DecodeSurfacePart(std::span<const std::byte> bytes, const std::string& name);
+[[nodiscard]] Expected<SurfacePart> DecodeSurfacePart(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace victorious

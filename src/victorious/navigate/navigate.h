@@ -76,6 +76,6 @@ struct Navigation {
 /// the square of the landmarks in view. With telemetry, of each model only the landmarks near the predicted position,
 /// and at least 16, are candidates; without telemetry all are, and landmarks are also compared pairwise
 /// (contradiction.h).
-Expected<Navigation> Navigate(const NavigationInput& input, NavigateOptions options);
+[[nodiscard]] Expected<Navigation> Navigate(const NavigationInput& input, NavigateOptions options);
 
 }  // namespace victorious

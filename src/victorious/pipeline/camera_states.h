@@ -32,9 +32,10 @@ class CameraStates {
   /// @param info         of the video
   /// @param consequence  what to report if no state covers the video: "nothing will get a place"
   /// Errors: those of a given file, and of the options.
-  static Expected<CameraStates> Load(const std::string& video, const VideoInfo& info,
-                                     const std::optional<std::string>& file, const TelemetryOptions& options,
-                                     std::string_view consequence, const WarningSink& warn);
+  [[nodiscard]] static Expected<CameraStates> Load(const std::string& video, const VideoInfo& info,
+                                                   const std::optional<std::string>& file,
+                                                   const TelemetryOptions& options, std::string_view consequence,
+                                                   const WarningSink& warn);
 
   /// Telemetry from the packets of a live source; none if it has no data stream.
   static CameraStates ForLive(const VideoInfo& info, const TelemetryOptions& options);

@@ -20,6 +20,7 @@ struct ContactSheetOptions {
 /// Returns a CV_8UC3 image with the tiles in rows, best objects first.
 /// Errors: kInvalidArgument if no object passes the filter; those of reading the videos, which must still be at their
 /// paths.
-Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSheetOptions& options, IndexStore& store);
+[[nodiscard]] Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSheetOptions& options,
+                                                 IndexStore& store);
 
 }  // namespace victorious

@@ -58,15 +58,16 @@ struct FullFrameResult {
 class Follower {
  public:
   /// The references outlive it. Errors: options out of range.
-  static Expected<Follower> Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
-                                   double impulse_fraction, const FollowOptions& options);
+  [[nodiscard]] static Expected<Follower> Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
+                                                 double impulse_fraction, const FollowOptions& options);
 
   /// Processes the next frame.
   /// @param whole  result of the full-frame search; std::nullopt if only regions are searched
   /// @return the objects in the frame: first those of the full-frame search, then by track
   /// Errors: those of feature extraction.
-  Expected<std::vector<ObservedObject>> Follow(const Frame& frame, const std::optional<FullFrameResult>& whole,
-                                               const FrameConditions& conditions);
+  [[nodiscard]] Expected<std::vector<ObservedObject>> Follow(const Frame& frame,
+                                                             const std::optional<FullFrameResult>& whole,
+                                                             const FrameConditions& conditions);
 
  private:
   // State of an active track, apart from its position.

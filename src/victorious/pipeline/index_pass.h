@@ -40,7 +40,7 @@ struct IndexPass {
 /// Reads `reader` to its end, commits to `store` on the way, and adds the counts to `report`. A cancelled live source
 /// counts as ended. Warnings are passed to `warn` in any case.
 /// Errors: those of reading, of feature extraction and of the store; kCancelled, after what was done is stored.
-Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
-                    const WarningSink& warn, IndexReport& report);
+[[nodiscard]] Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToken& cancel,
+                                  IndexStore& store, const WarningSink& warn, IndexReport& report);
 
 }  // namespace victorious

@@ -30,8 +30,9 @@ class Indexer {
   ///                    options.features: the models' engine is used
   /// Errors: kInvalidArgument for parameters out of range, models of different feature engines, or a model and a
   /// category with the same name; those of CategoryFinder and of MakeGround.
-  static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options,
-                                  std::optional<CategoryModel> categories = {}, const WarningSink& warn = {});
+  [[nodiscard]] static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options,
+                                                std::optional<CategoryModel> categories = {},
+                                                const WarningSink& warn = {});
 
   /// Indexes one video. Resumes where an earlier call stopped; in a video indexed before searches for new models only;
   /// stores nothing twice. Commits results and progress together every 2 s, so that a kill loses no more than that. At
@@ -39,27 +40,28 @@ class Indexer {
   /// Errors: those of VideoReader, IndexStore, and of a telemetry file that was given; kInvalidArgument if the video
   /// was indexed with other parameters and `redo` is false; kCancelled, after what was done is stored. A cancelled live
   /// source, which cannot be resumed, ends normally, without an error.
-  Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
-                              const WarningSink& warn = {}) const;
+  [[nodiscard]] Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                            const WarningSink& warn = {}) const;
 
  private:
   struct OpenedVideo;
   struct PlannedPass;
 
   // All steps before data association.
-  Expected<IndexReport> Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
-                               const WarningSink& warn) const;
+  [[nodiscard]] Expected<IndexReport> Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                             const WarningSink& warn) const;
   // Opens the video, reads its telemetry, and registers it in the store.
-  Expected<OpenedVideo> OpenVideo(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
-                                  const WarningSink& warn) const;
-  // Groups the searches that are not finished by their first frame.
-  Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const VideoRecord& video,
-                                                const std::vector<ModelRecord>& models_before, IndexStore& store,
+  [[nodiscard]] Expected<OpenedVideo> OpenVideo(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                                 const WarningSink& warn) const;
-  Expected<Recognizer> MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const;
+  // Groups the searches that are not finished by their first frame.
+  [[nodiscard]] Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const VideoRecord& video,
+                                                              const std::vector<ModelRecord>& models_before,
+                                                              IndexStore& store, const WarningSink& warn) const;
+  [[nodiscard]] Expected<Recognizer> MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const;
   // Estimates the sun's direction, and searches the video.
-  Status RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video, const CancelToken& cancel,
-                 IndexStore& store, const WarningSink& warn, IndexReport& report) const;
+  [[nodiscard]] Status RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video,
+                               const CancelToken& cancel, IndexStore& store, const WarningSink& warn,
+                               IndexReport& report) const;
   [[nodiscard]] VideoReaderOptions MakeReaderOptions(const IndexJob& job) const;
 
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,

@@ -29,11 +29,11 @@ struct LandmarkList {
 /// Parses a list with one JSON object per line (docs/formats/navigate.md). Skips lines that cannot be used, with a
 /// warning.
 /// Errors: kInvalidArgument if no line can be used.
-Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListOptions& options);
+[[nodiscard]] Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListOptions& options);
 
 /// Reads an index or a list.
 /// Errors: those of reading; kInvalidArgument if the index holds no static object with a place, or the list no usable
 /// line.
-Expected<LandmarkList> ReadLandmarks(const std::string& path, const LandmarkListOptions& options);
+[[nodiscard]] Expected<LandmarkList> ReadLandmarks(const std::string& path, const LandmarkListOptions& options);
 
 }  // namespace victorious

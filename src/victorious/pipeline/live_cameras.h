@@ -28,7 +28,7 @@ class LiveCameraTrack final : public PacketReceiver {
   explicit LiveCameraTrack(TelemetryOptions options) : options_(std::move(options)) {}
 
   /// Errors: those of the telemetry options.
-  Status Add(std::vector<DataPacket> packets, double now_s) override;
+  [[nodiscard]] Status Add(std::vector<DataPacket> packets, double now_s) override;
 
   /// True if later packets cannot change the frame's camera state, or after kMaxLiveWait_s.
   [[nodiscard]] bool IsReady(double frame_s, double now_s) const override {
@@ -45,7 +45,7 @@ class LiveCameraTrack final : public PacketReceiver {
   [[nodiscard]] std::vector<std::string> Warnings() const;
 
  private:
-  Status Decode(const std::vector<DataPacket>& packets, int stream);
+  [[nodiscard]] Status Decode(const std::vector<DataPacket>& packets, int stream);
   void AppendStates(std::span<const CameraState> states);
 
   TelemetryOptions options_;

@@ -14,6 +14,7 @@ namespace victorious {
 /// Sets features.engine to the engine of the models; unchanged without models.
 /// @param warn  receives one line if the engine changes; may be null
 /// Errors: kInvalidArgument for models of different engines, with the name of one of each.
-Status AdoptEngineOfModels(std::span<const ObjectModel> models, FeatureOptions& features, const WarningSink& warn);
+[[nodiscard]] Status AdoptEngineOfModels(std::span<const ObjectModel> models, FeatureOptions& features,
+                                         const WarningSink& warn);
 
 }  // namespace victorious

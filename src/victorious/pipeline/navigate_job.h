@@ -69,9 +69,9 @@ struct NavigationResult {
 /// @param models  candidates; models without a landmark are dropped
 /// Errors: kInvalidArgument for options out of range, a list without landmarks, no landmark with a known model, or an
 /// unknown field of view; those of the video, the telemetry and the index; kCancelled.
-Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
-                                         const NavigateVideoOptions& options, const CancelToken& cancel,
-                                         const WarningSink& warn);
+[[nodiscard]] Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
+                                                       const NavigateVideoOptions& options, const CancelToken& cancel,
+                                                       const WarningSink& warn);
 
 /// The telemetry table with additional columns (docs/formats/navigate.md).
 std::string ToCsv(const NavigationResult& result);

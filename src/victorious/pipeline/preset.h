@@ -38,19 +38,19 @@ std::span<const std::string_view> PresetNames();
 
 /// Sets the fields of the preset, whatever their values. Errors: kInvalidArgument if the preset sets none of these
 /// options; then nothing is changed.
-Status ApplyPreset(Preset preset, RecognizeOptions& options);
-Status ApplyPreset(Preset preset, IndexOptions& options);
-Status ApplyPreset(Preset preset, NavigateVideoOptions& options);
-Status ApplyPreset(Preset preset, PhotoModelOptions& options);
-Status ApplyPreset(Preset preset, CadModelOptions& options);
-Status ApplyPreset(Preset preset, CategoryTrainOptions& options);
+[[nodiscard]] Status ApplyPreset(Preset preset, RecognizeOptions& options);
+[[nodiscard]] Status ApplyPreset(Preset preset, IndexOptions& options);
+[[nodiscard]] Status ApplyPreset(Preset preset, NavigateVideoOptions& options);
+[[nodiscard]] Status ApplyPreset(Preset preset, PhotoModelOptions& options);
+[[nodiscard]] Status ApplyPreset(Preset preset, CadModelOptions& options);
+[[nodiscard]] Status ApplyPreset(Preset preset, CategoryTrainOptions& options);
 
 /// The error of options that the preset does not set.
 [[nodiscard]] Error PresetDoesNotApply(Preset preset);
 
 /// All other options: no preset sets them.
 template <typename Options>
-Status ApplyPreset(Preset preset, Options& /*options*/) {
+[[nodiscard]] Status ApplyPreset(Preset preset, Options& /*options*/) {
   return std::unexpected(PresetDoesNotApply(preset));
 }
 

@@ -15,6 +15,7 @@ namespace victorious {
 /// @param region  px, may leave the frame
 /// @return keypoints in pixels of the whole frame; empty if the region lies outside
 /// Errors: those of the extractor.
-Expected<FeatureSet> FeaturesIn(const cv::Mat& grey, const Box& region, const FeatureExtractor& extractor);
+[[nodiscard]] Expected<FeatureSet> FeaturesIn(const cv::Mat& grey, const Box& region,
+                                              const FeatureExtractor& extractor);
 
 }  // namespace victorious

@@ -17,7 +17,7 @@ namespace victorious {
 
 /// Opens a video in colour. Errors: those of VideoReader; kInvalidArgument for a live source, which cannot be read
 /// twice.
-Expected<std::unique_ptr<VideoReader>> OpenRereadable(const std::string& video);
+[[nodiscard]] Expected<std::unique_ptr<VideoReader>> OpenRereadable(const std::string& video);
 
 class ReverseFrameReader {
  public:
@@ -31,11 +31,11 @@ class ReverseFrameReader {
   /// intervals of frames that fit into the memory, each from the key frame before it if the video is seekable there,
   /// else from the beginning.
   /// Errors: those of the video and of `visit`; kCancelled.
-  Status ForEach(std::int64_t end, const std::function<Status(const Frame&)>& visit) const;
+  [[nodiscard]] Status ForEach(std::int64_t end, const std::function<Status(const Frame&)>& visit) const;
 
  private:
-  Expected<std::vector<Frame>> ReadInterval(std::int64_t first, std::int64_t end) const;
-  Expected<std::vector<Frame>> ReadOn(VideoReader& reader, std::int64_t first, std::int64_t end) const;
+  [[nodiscard]] Expected<std::vector<Frame>> ReadInterval(std::int64_t first, std::int64_t end) const;
+  [[nodiscard]] Expected<std::vector<Frame>> ReadOn(VideoReader& reader, std::int64_t first, std::int64_t end) const;
 
   std::string video_;
   std::span<const double> times_s_;

@@ -32,7 +32,7 @@ struct VideoSegment {
 /// @param example  image of the object
 /// @return intervals, best score first
 /// Errors: those of the store; kInvalidArgument if no features are kept, or the example has too few.
-Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const SightingFilter& filter,
-                                                  const RecognizeOptions& options, IndexStore& store);
+[[nodiscard]] Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const SightingFilter& filter,
+                                                                const RecognizeOptions& options, IndexStore& store);
 
 }  // namespace victorious

@@ -54,8 +54,9 @@ struct TrackedBoxes {
 /// too small, a time beyond the end, or a live source; those of VideoReader; kCancelled. Cost: at 640 x 480 some 15 ms
 /// per frame and box. The backward pass reads intervals of frames that fit into options.memory_mb, each from the key
 /// frame before it if the video is seekable there, else from the beginning.
-Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span<const UserBox> boxes,
-                                  const std::optional<std::string>& telemetry, const TrackBoxesOptions& options,
-                                  const CancelToken& cancel, const WarningSink& warn);
+[[nodiscard]] Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span<const UserBox> boxes,
+                                                const std::optional<std::string>& telemetry,
+                                                const TrackBoxesOptions& options, const CancelToken& cancel,
+                                                const WarningSink& warn);
 
 }  // namespace victorious

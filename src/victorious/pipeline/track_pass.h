@@ -80,9 +80,10 @@ class BoxPlacePrior {
 
 /// Makes an object model of an image region, and a recogniser that searches for it by keypoints.
 /// Errors: those of MakePhotoModel: too few keypoints.
-Expected<std::shared_ptr<const Recognizer>> MakeBoxRecognizer(const Frame& frame, const Box& box,
-                                                              const std::string& name, const PhotoModelOptions& model,
-                                                              const RecognizeOptions& recognize);
+[[nodiscard]] Expected<std::shared_ptr<const Recognizer>> MakeBoxRecognizer(const Frame& frame, const Box& box,
+                                                                            const std::string& name,
+                                                                            const PhotoModelOptions& model,
+                                                                            const RecognizeOptions& recognize);
 
 class TrackPass {
  public:
@@ -99,7 +100,7 @@ class TrackPass {
 
   /// Adds a target in the last processed frame. Returns its box, clipped to the frame.
   /// Errors: those of BoxTracker::Start: a box outside the frame, or too small.
-  Expected<Box> Start(const UserBoxTarget& target);
+  [[nodiscard]] Expected<Box> Start(const UserBoxTarget& target);
 
   /// Sets the recogniser of the most recently added target.
   void SetRecognizer(std::shared_ptr<const Recognizer> recognizer);
@@ -111,8 +112,8 @@ class TrackPass {
   /// provisional and are now confirmed.
   /// @param place_prior  place priors, or null
   /// Errors: those of FeatureExtractor::Extract.
-  Status ProcessFrame(const Frame& frame, std::size_t video, const BoxPlacePrior* place_prior,
-                      std::vector<BoxSighting>& sightings);
+  [[nodiscard]] Status ProcessFrame(const Frame& frame, std::size_t video, const BoxPlacePrior* place_prior,
+                                    std::vector<BoxSighting>& sightings);
 
   /// Returns and clears the ground point observations since the last call.
   [[nodiscard]] std::vector<UserBoxGroundPoint> TakeGroundPoints() { return std::exchange(ground_points_, {}); }
@@ -134,8 +135,9 @@ class TrackPass {
   void TrackGroundPoints(const Frame& frame);
   bool ResumeAtPlace(std::size_t target, const Frame& frame, std::size_t video, const BoxPlacePrior& place_prior,
                      std::vector<BoxSighting>& sightings);
-  Status ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
-                             const BoxPlacePrior* place_prior, std::vector<BoxSighting>& sightings);
+  [[nodiscard]] Status ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame,
+                                           std::size_t video, const BoxPlacePrior* place_prior,
+                                           std::vector<BoxSighting>& sightings);
 
   BoxTracker tracker_;
   const FeatureExtractor* extractor_;

@@ -21,23 +21,25 @@ namespace victorious {
 
 /// Reads a telemetry file (KLV, DJI subtitles, a table), or a video's embedded telemetry.
 /// Errors: those of reading; kInvalidArgument if the source holds no telemetry.
-Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options);
+[[nodiscard]] Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options);
 
 /// Finds a video's telemetry. Order: embedded KLV, a file beside it, embedded subtitles. std::nullopt if there is none.
 /// @param warn  receives warnings about telemetry that cannot be read
 /// Errors: those of the options.
-Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
-                                                 const std::function<void(const std::string&)>& warn);
+[[nodiscard]] Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video,
+                                                               const TelemetryOptions& options,
+                                                               const std::function<void(const std::string&)>& warn);
 
 /// Reads the given file, else finds the video's telemetry as FindTelemetry does. std::nullopt for a live source without
 /// a file. Passes warnings to `warn`.
 /// @param info     of the video
 /// @param consequence  the consequence to report if no state covers the video: "nothing will get a place"
 /// Errors: those of ReadTelemetry for a given file, and of the options.
-Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const VideoInfo& info,
-                                                 const std::optional<std::string>& file,
-                                                 const TelemetryOptions& options, std::string_view consequence,
-                                                 const std::function<void(const std::string&)>& warn);
+[[nodiscard]] Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const VideoInfo& info,
+                                                               const std::optional<std::string>& file,
+                                                               const TelemetryOptions& options,
+                                                               std::string_view consequence,
+                                                               const std::function<void(const std::string&)>& warn);
 
 /// Explains why no camera state is usable for any frame of a video; std::nullopt if one may be.
 /// @param duration_s  of the video, if known

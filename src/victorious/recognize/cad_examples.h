@@ -26,7 +26,7 @@ struct CadExampleOptions {
 };
 
 /// Errors: kInvalidArgument if the minimum off-nadir angle exceeds the maximum.
-Status CheckRange(const CadExampleOptions& options);
+[[nodiscard]] Status CheckRange(const CadExampleOptions& options);
 
 /// Reduces a background image to at most 1.5 times the size of the renderings, so that both are equally sharp.
 [[nodiscard]] cv::Mat ResizeBackgroundForCad(const cv::Mat& grey);
@@ -35,8 +35,9 @@ Status CheckRange(const CadExampleOptions& options);
 /// @return             labelled images of `category`, of the backgrounds' sizes, each with the object's box; views that
 ///                     show no pixel of the mesh are left out
 /// Errors: kInvalidArgument for options out of range; kInternal if no renderer is available.
-Expected<std::vector<LabelledImage>> RenderCadExamples(const Mesh& mesh, const std::string& category,
-                                                       std::span<const cv::Mat> backgrounds,
-                                                       const CadExampleOptions& options, std::uint64_t seed);
+[[nodiscard]] Expected<std::vector<LabelledImage>> RenderCadExamples(const Mesh& mesh, const std::string& category,
+                                                                     std::span<const cv::Mat> backgrounds,
+                                                                     const CadExampleOptions& options,
+                                                                     std::uint64_t seed);
 
 }  // namespace victorious

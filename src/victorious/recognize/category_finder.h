@@ -37,7 +37,7 @@ class CategoryFinder {
  public:
   /// Errors: kInvalidArgument for options out of range and if all categories are background; kDataLoss for a model
   /// whose feature options cannot be read.
-  static Expected<CategoryFinder> Create(CategoryModel model, const CategoryFindOptions& options);
+  [[nodiscard]] static Expected<CategoryFinder> Create(CategoryModel model, const CategoryFindOptions& options);
 
   /// The labels of the training images without the background categories.
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }

@@ -63,10 +63,10 @@ struct CategoryTrainOptions {
 class CategoryFeaturizer {
  public:
   /// Errors: kInvalidArgument for options out of range.
-  static Expected<CategoryFeaturizer> Create(const CategoryFeatureOptions& options);
+  [[nodiscard]] static Expected<CategoryFeaturizer> Create(const CategoryFeatureOptions& options);
 
   /// With the options that the model was trained with. Errors: kDataLoss for a model whose options cannot be read.
-  static Expected<CategoryFeaturizer> Of(const CategoryModel& model);
+  [[nodiscard]] static Expected<CategoryFeaturizer> Of(const CategoryModel& model);
 
   [[nodiscard]] const CategoryFeatureOptions& options() const { return options_; }
 
@@ -89,17 +89,18 @@ class CategoryFeaturizer {
 /// @param number            number of the image, shared by all its examples (cross-validation keeps them together)
 /// @param own_surroundings  false: the surroundings belong to another image (a composited background); only the crop is
 ///                          used
-Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& featurizer, const cv::Mat& grey,
-                                                  const Box& box, const std::string& category, int number,
-                                                  bool own_surroundings = true);
+[[nodiscard]] Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& featurizer,
+                                                                const cv::Mat& grey, const Box& box,
+                                                                const std::string& category, int number,
+                                                                bool own_surroundings = true);
 
 /// Reads the images of a list on all cores and calls `use` with each row and its image, in any order and concurrently
 /// from several threads.
 /// @param done  progress callback, with the number of images done
 /// Errors: the first error in the list's order.
-Status ForEachImage(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
-                    const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
-                    const std::function<void(std::size_t)>& done);
+[[nodiscard]] Status ForEachImage(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                                  const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
+                                  const std::function<void(std::size_t)>& done);
 
 /// Trains on the images and CAD files of a list. CAD files are rendered in front of the background images: images of
 /// categories without boxes and without CAD files. For windows (features.windows) an image without a box is background
@@ -108,9 +109,11 @@ Status ForEachImage(const std::filesystem::path& folder, std::span<const Categor
 /// @param warn  warning callback, for damaged parts of CAD files that are left out
 /// Errors: those of reading images and CAD files, of TrainCategories and TrainOnWindows; kInvalidArgument for a row
 /// without a category or with a box outside its image, and for CAD files with a box or without background images.
-Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
-                                    const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done,
-                                    const std::function<void(const std::string&)>& warn = {});
+[[nodiscard]] Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder,
+                                                  std::span<const CategoryListRow> rows,
+                                                  const CategoryTrainOptions& options,
+                                                  const std::function<void(std::size_t)>& done,
+                                                  const std::function<void(const std::string&)>& warn = {});
 
 /// A classified image, or its window with the highest probability of the label.
 struct ClassifiedImage {
@@ -122,7 +125,7 @@ struct ClassifiedImage {
 /// Classifies an image as the model was trained: as a whole, or by windows: the maximum score of each category over the
 /// windows, and for the background category the score of the window that is most likely to show an object.
 /// Errors: kInvalidArgument for CategoryMethod::kWords with a model of windows.
-Expected<ClassifiedImage> ClassifyImage(const CategoryFeaturizer& featurizer, const CategoryModel& model,
-                                        const cv::Mat& grey, CategoryMethod method);
+[[nodiscard]] Expected<ClassifiedImage> ClassifyImage(const CategoryFeaturizer& featurizer, const CategoryModel& model,
+                                                      const cv::Mat& grey, CategoryMethod method);
 
 }  // namespace victorious

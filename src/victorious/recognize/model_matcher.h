@@ -80,7 +80,7 @@ class ModelMatcher {
     double neg_log10_nfa = kNoPose;
   };
 
-  Expected<double> Evaluate(const TemplateVariant& variant);
+  [[nodiscard]] Expected<double> Evaluate(const TemplateVariant& variant);
   [[nodiscard]] std::vector<RankedMatch> Match(const FeatureView& features) const;
   double Vote(const TemplateVariant& variant, std::span<const Keypoint> keypoints, std::span<const Point3> points,
               std::span<const RankedMatch> matches);

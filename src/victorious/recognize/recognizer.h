@@ -29,7 +29,7 @@
 namespace victorious {
 
 /// Errors: kInvalidArgument with the name of the first model whose features come from another engine.
-Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine);
+[[nodiscard]] Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine);
 
 /// Finds the instances of models in scenes. Immutable and thread-safe.
 class Recognizer {
@@ -37,7 +37,7 @@ class Recognizer {
   /// @param engine           feature engine of the scenes (CheckEngine)
   /// @param relit_templates  one source of relit templates per model, null for a model without; empty: none
   /// Errors: kInvalidArgument for options out of range or models of another engine.
-  static Expected<Recognizer> Create(
+  [[nodiscard]] static Expected<Recognizer> Create(
       std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
       const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {});
 

@@ -26,11 +26,10 @@ struct TemplateProposal {
 /// @param cells            of the searched region: the off-nadir angles of its lines of sight
 /// @param nearest          scene keypoints per template keypoint, of those of allowed orientation
 /// Errors: those of RelitTemplateSource.
-Expected<std::vector<TemplateProposal>> ProposeTemplates(const ObjectModel& model,
-                                                         const RelitTemplateSource* relit_templates,
-                                                         const PreparedScene& scene, const AzimuthCells& cells,
-                                                         const VoteSearchOptions& options,
-                                                         std::span<const TemplateVariant> variants, int nearest);
+[[nodiscard]] Expected<std::vector<TemplateProposal>> ProposeTemplates(
+    const ObjectModel& model, const RelitTemplateSource* relit_templates, const PreparedScene& scene,
+    const AzimuthCells& cells, const VoteSearchOptions& options, std::span<const TemplateVariant> variants,
+    int nearest);
 
 /// The most significant proposals, by falling -log10 NFA, at least min_neg_log10_nfa; of each place in the scene at
 /// most two, so that one instance does not crowd out another.

@@ -42,7 +42,8 @@ struct LabelledImage {
 /// Errors: those of TrainCategories; kInvalidArgument for options out of range, without background images, and if more
 /// than one category has no boxes.
 /// Cost: training twice, and one sliding-window search of every image.
-Expected<CategoryModel> TrainOnWindows(const CategoryFeaturizer& featurizer, std::span<const LabelledImage> images,
-                                       const CategoryTrainOptions& options);
+[[nodiscard]] Expected<CategoryModel> TrainOnWindows(const CategoryFeaturizer& featurizer,
+                                                     std::span<const LabelledImage> images,
+                                                     const CategoryTrainOptions& options);
 
 }  // namespace victorious

@@ -11,7 +11,7 @@ class EglContext {
  public:
   /// Creates the context on the first device that supports it. Tries GPUs, then software renderers; software renderers
   /// only if `software`. Error: kInternal, no device supports OpenGL 3.3.
-  static Expected<EglContext> Create(bool software);
+  [[nodiscard]] static Expected<EglContext> Create(bool software);
   ~EglContext();
   EglContext(EglContext&& other) noexcept;
   EglContext& operator=(EglContext&&) = delete;

@@ -16,7 +16,7 @@ class GlProgram {
  public:
   /// Compiles and links. The sources in `fragment` are concatenated. Error: kInternal, with the start of the driver's
   /// log.
-  static Expected<GlProgram> Make(const char* vertex, std::initializer_list<const char*> fragment);
+  [[nodiscard]] static Expected<GlProgram> Make(const char* vertex, std::initializer_list<const char*> fragment);
   ~GlProgram();
   GlProgram(GlProgram&& other) noexcept;
   GlProgram& operator=(GlProgram&&) = delete;

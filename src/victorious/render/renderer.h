@@ -74,7 +74,7 @@ struct RendererOptions {
 class Renderer {
  public:
   /// Error: kInternal, no device supports OpenGL 3.3.
-  static Expected<Renderer> Create(const RendererOptions& options = {});
+  [[nodiscard]] static Expected<Renderer> Create(const RendererOptions& options = {});
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -84,13 +84,13 @@ class Renderer {
 
   /// Copies a mesh to the device, where it stays until Remove() or the end of the renderer. Error: kInternal, e.g. the
   /// device is out of memory.
-  Expected<MeshId> Upload(const Mesh& mesh);
+  [[nodiscard]] Expected<MeshId> Upload(const Mesh& mesh);
   void Remove(MeshId mesh);
 
   /// Draws the instances. Cost in software: about 10 ms for 320 x 320 pixels on two cores.
   /// Errors: kInvalidArgument (camera, light or options out of range, unknown mesh); kInternal.
-  Expected<RenderedView> Render(std::span<const MeshInstance> instances, const PosedCamera& camera,
-                                const Light& light = {}, const RenderOptions& options = {});
+  [[nodiscard]] Expected<RenderedView> Render(std::span<const MeshInstance> instances, const PosedCamera& camera,
+                                              const Light& light = {}, const RenderOptions& options = {});
 
  private:
   class Device;

@@ -32,7 +32,7 @@ class Api {
   /// @param cancel  ends long reading of videos; must outlive the Api
   /// Errors: those of IndexView::Open; kInvalidArgument for telemetry with several videos; kNotFound for a models
   /// folder that is not there.
-  static Expected<std::unique_ptr<Api>> Open(ApiOptions options, const CancelToken& cancel);
+  [[nodiscard]] static Expected<std::unique_ptr<Api>> Open(ApiOptions options, const CancelToken& cancel);
 
   /// @param port  of the server: the Host header must name it
   [[nodiscard]] HttpResponse Handle(const HttpRequest& request, int port);
@@ -57,8 +57,8 @@ class Api {
   ApiExpected<HttpResponse> VideoFrame(const HttpRequest& request, const VideoRecord& video, std::string_view number);
   ApiExpected<HttpResponse> Camera(const IndexLists& lists, const VideoRecord& video);
   ApiExpected<HttpResponse> ViewImage(const HttpRequest& request, Segments segments);
-  Expected<CameraPath> ReadCameraPath(const IndexLists& lists, const VideoRecord& video);
-  Expected<std::optional<SightingRecord>> BestSighting(std::int64_t object);
+  [[nodiscard]] Expected<CameraPath> ReadCameraPath(const IndexLists& lists, const VideoRecord& video);
+  [[nodiscard]] Expected<std::optional<SightingRecord>> BestSighting(std::int64_t object);
 
   ApiOptions options_;
   std::unique_ptr<IndexView> index_;

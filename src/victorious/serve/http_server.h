@@ -30,7 +30,7 @@ struct HttpServerOptions {
 
 /// Parses "ADDRESS:PORT"; "[::1]:8080" for IPv6. Error: kInvalidArgument, also for an address that is not a loopback
 /// address: there are no accounts, so other machines must not reach it.
-Expected<HttpServerOptions> ParseListenAddress(const std::string& text);
+[[nodiscard]] Expected<HttpServerOptions> ParseListenAddress(const std::string& text);
 
 class HttpServer {
  public:
@@ -38,7 +38,7 @@ class HttpServer {
   using Handler = std::function<HttpResponse(const HttpRequest& request, int port)>;
 
   /// Binds the port. Errors: kConflict if another program has it; kPermissionDenied; kInvalidArgument.
-  static Expected<std::unique_ptr<HttpServer>> Listen(const HttpServerOptions& options, Handler handler);
+  [[nodiscard]] static Expected<std::unique_ptr<HttpServer>> Listen(const HttpServerOptions& options, Handler handler);
 
   virtual ~HttpServer() = default;
 

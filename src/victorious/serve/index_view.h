@@ -49,26 +49,26 @@ class IndexView {
  public:
   /// Opens an index; an index of an older schema is migrated. An index that cannot be written is shown, but takes no
   /// reviews. Errors: those of OpenSqliteStore.
-  static Expected<std::unique_ptr<IndexView>> Open(const std::filesystem::path& path);
+  [[nodiscard]] static Expected<std::unique_ptr<IndexView>> Open(const std::filesystem::path& path);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] bool can_review() const { return writer_ != nullptr; }
 
-  Expected<IndexSnapshot> Snapshot();
+  [[nodiscard]] Expected<IndexSnapshot> Snapshot();
 
   /// As IndexStore::VisitSightings.
-  Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit);
+  [[nodiscard]] Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit);
 
   /// Stores the review with the present time and returns it. Errors: kPermissionDenied; those of
   /// IndexStore::PutReview.
-  Expected<Review> PutReview(std::int64_t object, Review review);
+  [[nodiscard]] Expected<Review> PutReview(std::int64_t object, Review review);
 
  private:
   IndexView(std::filesystem::path path, std::unique_ptr<IndexStore> writer, std::unique_ptr<IndexStore> lister)
       : path_(std::move(path)), writer_(std::move(writer)), lister_(std::move(lister)) {}
 
-  Status Refresh();
-  Expected<std::unique_ptr<IndexStore>> TakeReader();
+  [[nodiscard]] Status Refresh();
+  [[nodiscard]] Expected<std::unique_ptr<IndexStore>> TakeReader();
 
   std::filesystem::path path_;
   std::mutex mutex_;                    ///< guards all below but readers_

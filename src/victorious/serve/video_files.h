@@ -27,18 +27,18 @@ class VideoFiles {
   [[nodiscard]] Expected<std::filesystem::path> Find(const VideoRecord& video) const;
 
   /// The frame at a time, as JPEG. Errors: those of Find and of reading; kNotFound beyond the end.
-  Expected<std::shared_ptr<const std::string>> Frame(const VideoRecord& video, double time_s);
+  [[nodiscard]] Expected<std::shared_ptr<const std::string>> Frame(const VideoRecord& video, double time_s);
 
   /// The region of the frame around a box, with a margin, as JPEG of 4:3. Errors: those of Frame.
   /// @param width_px  of the result
-  Expected<std::shared_ptr<const std::string>> Crop(const VideoRecord& video, double time_s, const Box& box,
-                                                    int width_px);
+  [[nodiscard]] Expected<std::shared_ptr<const std::string>> Crop(const VideoRecord& video, double time_s,
+                                                                  const Box& box, int width_px);
 
   /// The presentation times of all frames (video/frame_times.h). Errors: those of Find and of reading.
-  Expected<std::shared_ptr<const std::vector<double>>> Times(const VideoRecord& video);
+  [[nodiscard]] Expected<std::shared_ptr<const std::vector<double>>> Times(const VideoRecord& video);
 
  private:
-  Expected<std::string> Encode(const VideoRecord& video, double time_s, const Box* box, int width_px);
+  [[nodiscard]] Expected<std::string> Encode(const VideoRecord& video, double time_s, const Box* box, int width_px);
 
   std::filesystem::path folder_;
   const CancelToken& cancel_;

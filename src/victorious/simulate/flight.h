@@ -32,7 +32,7 @@ class Flight {
   /// Renders and degrades one frame.
   /// @param frame  from 0 to scene.video.frames - 1
   /// Errors: those of Render.
-  Expected<RenderedFrame> Draw(int frame);
+  [[nodiscard]] Expected<RenderedFrame> Draw(int frame);
 
  private:
   [[nodiscard]] std::vector<MeshInstance> Instances(const std::vector<PlacedMesh>& objects,

@@ -34,8 +34,8 @@ class PlacedScene {
   /// Loads and places everything. `warn` gets one line for each damaged part of a CAD file. `renderer` must outlive the
   /// result.
   /// Errors: those of LoadMesh, with the file's name; kCancelled.
-  static Expected<PlacedScene> Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
-                                     const std::function<void(const std::string&)>& warn);
+  [[nodiscard]] static Expected<PlacedScene> Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
+                                                   const std::function<void(const std::string&)>& warn);
 
   /// The scene's objects in its order, at their poses at a time.
   [[nodiscard]] std::vector<PlacedMesh> ObjectsAt(double time_s) const;
@@ -48,9 +48,9 @@ class PlacedScene {
  private:
   class Loader;
 
-  Status PlaceObjects(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear);
-  Status PlacePieces(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear);
-  Status PlaceTown(const Scene& scene, Loader& loader, const std::vector<ClearZone>& clear);
+  [[nodiscard]] Status PlaceObjects(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear);
+  [[nodiscard]] Status PlacePieces(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear);
+  [[nodiscard]] Status PlaceTown(const Scene& scene, Loader& loader, const std::vector<ClearZone>& clear);
 
   std::vector<SceneObject> objects_;
   std::vector<UploadedMesh> object_meshes_;  ///< of objects_

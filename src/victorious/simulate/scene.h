@@ -147,9 +147,9 @@ struct Scene {
 
 /// Parses a scene; safe for untrusted bytes. Error: kInvalidArgument, one line with `name` and the first wrong list,
 /// list entry or name; if all of these are right, with every key that is unknown, of the wrong type or out of range.
-Expected<Scene> ParseScene(std::string_view text, const std::string& name);
+[[nodiscard]] Expected<Scene> ParseScene(std::string_view text, const std::string& name);
 
 /// The same from a file; relative paths start from its folder. Further errors: those of reading.
-Expected<Scene> ReadScene(const std::filesystem::path& path);
+[[nodiscard]] Expected<Scene> ReadScene(const std::filesystem::path& path);
 
 }  // namespace victorious

@@ -24,7 +24,7 @@ struct SimulateOptions {
 /// a CAD file.
 /// Cost: about 4 frames of 640 x 480 a second in software on two cores.
 /// Errors: kInvalidArgument and those of LoadMesh (the scene), kNotFound, kPermissionDenied, kNoSpace, kCancelled.
-Status Simulate(const Scene& scene, const std::filesystem::path& out, const SimulateOptions& options,
-                const CancelToken& cancel, const std::function<void(const std::string&)>& warn);
+[[nodiscard]] Status Simulate(const Scene& scene, const std::filesystem::path& out, const SimulateOptions& options,
+                              const CancelToken& cancel, const std::function<void(const std::string&)>& warn);
 
 }  // namespace victorious

@@ -37,9 +37,10 @@ struct ObjectTruth {
 /// @param earth             tangent plane at the origin of the town
 /// @param town_heading_rad  heading of the town's y axis at the origin, clockwise from north
 /// Errors: those of Render.
-Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const PlacedMesh> objects, const cv::Mat& instances,
-                                                const PosedCamera& camera, const TangentPlane& earth,
-                                                double town_heading_rad, Renderer& renderer);
+[[nodiscard]] Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const PlacedMesh> objects,
+                                                              const cv::Mat& instances, const PosedCamera& camera,
+                                                              const TangentPlane& earth, double town_heading_rad,
+                                                              Renderer& renderer);
 
 /// One line of truth.jsonl, with the newline.
 [[nodiscard]] std::string FormatTruthLine(const ObjectTruth& truth, const SceneObject& object, int frame,

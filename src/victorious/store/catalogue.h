@@ -14,7 +14,7 @@ namespace victorious {
 class Catalogue {
  public:
   /// Reads all rows and applies the filter's video, model and category names.
-  static Expected<Catalogue> Read(IndexStore& store, const SightingFilter& filter);
+  [[nodiscard]] static Expected<Catalogue> Read(IndexStore& store, const SightingFilter& filter);
 
   [[nodiscard]] const std::vector<VideoRecord>& videos() const { return videos_; }
   [[nodiscard]] const std::vector<ModelRecord>& models() const { return models_; }

@@ -24,11 +24,11 @@ enum class ExportFormat {
 std::string ExportFormatNames();
 
 /// Parses the argument of `export --format`. Error: kInvalidArgument with the list of names.
-Expected<ExportFormat> ParseExportFormat(std::string_view name);
+[[nodiscard]] Expected<ExportFormat> ParseExportFormat(std::string_view name);
 
 /// Writes the rows that match the filter, one by one. Errors: kNotFound for a video or model that is not in the index
 /// (the message lists those that are); kInvalidArgument for kMot with more than one video; kNoSpace and others of
 /// `out`.
-Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out);
+[[nodiscard]] Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out);
 
 }  // namespace victorious

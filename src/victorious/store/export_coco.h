@@ -11,6 +11,7 @@ namespace victorious {
 
 /// Writes one COCO image per frame with a sighting, one category per model and one annotation per sighting. Streams the
 /// annotations as they are read, and writes the images after them.
-Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out);
+[[nodiscard]] Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter,
+                                std::ostream& out);
 
 }  // namespace victorious

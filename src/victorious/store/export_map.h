@@ -10,9 +10,11 @@
 namespace victorious {
 
 /// Writes one feature per object of known place: its point and its horizontal 90 % confidence ellipse.
-Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out);
+[[nodiscard]] Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter,
+                                   std::ostream& out);
 
 /// Writes one placemark per object of known place, with the time span of its sightings and the same ellipse.
-Status ExportKml(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out);
+[[nodiscard]] Status ExportKml(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter,
+                               std::ostream& out);
 
 }  // namespace victorious

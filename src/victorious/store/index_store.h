@@ -213,57 +213,60 @@ class IndexStore {
   virtual ~IndexStore() = default;
 
   /// Adds the video. If its content is known, updates the name, and the start if given. Returns the stored record.
-  virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
+  [[nodiscard]] virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
   /// Deletes the videos of this name with other content (the file was changed). Returns their number.
-  virtual Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& content_id) = 0;
-  virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
-  virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
-  virtual Expected<std::vector<VideoRecord>> Videos() = 0;
+  [[nodiscard]] virtual Expected<std::int64_t> DeleteOtherContent(const std::string& name,
+                                                                  const std::string& content_id) = 0;
+  [[nodiscard]] virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
+  [[nodiscard]] virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
+  [[nodiscard]] virtual Expected<std::vector<VideoRecord>> Videos() = 0;
 
   /// Adds the model, or finds it. A model of the same name with other content replaces the old one; sightings, objects
   /// and progress of the old one are deleted in the same transaction. Returns the stored record.
-  virtual Expected<ModelRecord> PutModel(const ModelRecord& model) = 0;
-  virtual Expected<std::vector<ModelRecord>> Models() = 0;
+  [[nodiscard]] virtual Expected<ModelRecord> PutModel(const ModelRecord& model) = 0;
+  [[nodiscard]] virtual Expected<std::vector<ModelRecord>> Models() = 0;
 
-  virtual Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) = 0;
+  [[nodiscard]] virtual Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) = 0;
   /// Deletes the tracklets and sightings of a model in a video, and the progress of the search.
-  virtual Status DeleteSearch(std::int64_t video, std::int64_t model) = 0;
+  [[nodiscard]] virtual Status DeleteSearch(std::int64_t video, std::int64_t model) = 0;
   /// Deletes the kept features of a video.
-  virtual Status DeleteKeptFrames(std::int64_t video) = 0;
+  [[nodiscard]] virtual Status DeleteKeptFrames(std::int64_t video) = 0;
 
   /// Writes the batch in one transaction. Returns the ids of batch.tracklets, in their order. Does not overwrite kept
   /// frames. Errors: kConflict if another process changed the progress; kNotFound for a tracklet, video or model that
   /// was deleted; kInvalidArgument for a sighting that exists already.
-  virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
+  [[nodiscard]] virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
 
   /// Returns all tracklets, by id.
-  virtual Expected<std::vector<TrackletRecord>> Tracklets() = 0;
+  [[nodiscard]] virtual Expected<std::vector<TrackletRecord>> Tracklets() = 0;
   /// In one transaction, assigns the tracklets of these objects to them, and deletes objects without a tracklet. Uses
   /// only id, model, tracklets, place, heading and rejection of ObjectRecord; ignores tracklets that were deleted.
-  virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
+  [[nodiscard]] virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
 
   /// Returns the matching objects, best first: by score, then by number of frames, then by id.
-  virtual Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) = 0;
+  [[nodiscard]] virtual Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) = 0;
   /// Visits the matching sightings one at a time, by video (in the order they were added), frame, then object. `visit`
   /// returns false to stop.
-  virtual Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) = 0;
+  [[nodiscard]] virtual Status VisitSightings(const SightingFilter& filter,
+                                              const std::function<bool(SightingRecord&&)>& visit) = 0;
   /// Returns all matching sightings; about 300 bytes each.
-  Expected<std::vector<SightingRecord>> Sightings(const SightingFilter& filter);
+  [[nodiscard]] Expected<std::vector<SightingRecord>> Sightings(const SightingFilter& filter);
   /// Visits the kept frames one at a time, by video and frame; `visit` returns false to stop. Ignores the filter's
   /// model.
-  virtual Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) = 0;
+  [[nodiscard]] virtual Status VisitKeptFrames(const SightingFilter& filter,
+                                               const std::function<bool(KeptFrame&&)>& visit) = 0;
 
   /// Replaces the review of an object; an empty one deletes it. A review is stored with the first sighting of each
   /// tracklet of the object (video by content, model by name, frame, box), not with ids: it survives a new search, and
   /// follows the object if its tracklets are joined or parted. Error: kNotFound.
-  virtual Status PutReview(std::int64_t object, const Review& review) = 0;
+  [[nodiscard]] virtual Status PutReview(std::int64_t object, const Review& review) = 0;
   /// Returns the reviews of the present objects, by object id. A stored review belongs to the object of its model with
   /// a sighting in its frame that overlaps its box by half or more (intersection over union); of several, the latest
   /// counts. Cost: proportional to the number of reviews.
-  virtual Expected<std::vector<ReviewedObject>> Reviews() = 0;
+  [[nodiscard]] virtual Expected<std::vector<ReviewedObject>> Reviews() = 0;
 
   /// Returns a number that changes whenever another connection has changed the index. Cheap.
-  virtual Expected<std::int64_t> ChangeNumber() = 0;
+  [[nodiscard]] virtual Expected<std::int64_t> ChangeNumber() = 0;
 };
 
 enum class StoreMode {
@@ -274,6 +277,6 @@ enum class StoreMode {
 /// Opens a SQLite index. Reading leaves no file behind, and works without write permission. Errors: kNotFound;
 /// kDataLoss (not a database, or damaged); kUnsupported (another program's database, or one of a newer version);
 /// kPermissionDenied; kNoSpace.
-Expected<std::unique_ptr<IndexStore>> OpenSqliteStore(const std::filesystem::path& path, StoreMode mode);
+[[nodiscard]] Expected<std::unique_ptr<IndexStore>> OpenSqliteStore(const std::filesystem::path& path, StoreMode mode);
 
 }  // namespace victorious

@@ -23,8 +23,8 @@ struct ListedObject {
 };
 
 /// Returns the objects that match the filter and whose model is in the catalogue, best first.
-Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalogue& catalogue,
-                                                const SightingFilter& filter);
+[[nodiscard]] Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalogue& catalogue,
+                                                              const SightingFilter& filter);
 
 /// One row of the format `objects` (docs/formats/export.md).
 Json ObjectJson(const ListedObject& listed);

@@ -14,10 +14,10 @@ std::string EncodeMetadata(const ObjectModel& model);
 
 /// Returns the model without id, features and storage. Error: kDataLoss for any invalid text; the message does not name
 /// the file.
-Expected<ObjectModel> ParseMetadata(std::string_view json);
+[[nodiscard]] Expected<ObjectModel> ParseMetadata(std::string_view json);
 
 /// Validates everything of a model except its features: texts, sizes, finite numbers, and views whose feature ranges
 /// are contiguous from 0 to `feature_count`. Error: kInvalidArgument with the first fault.
-Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count);
+[[nodiscard]] Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count);
 
 }  // namespace victorious

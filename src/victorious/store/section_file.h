@@ -31,6 +31,6 @@ std::vector<std::byte> EncodeSections(std::span<const Section> sections);
 
 /// Validates sizes, bounds, alignment, checksums and the uniqueness of tags. Never reads outside `bytes`. Errors: as of
 /// ParseModel; the message does not name the file.
-Expected<SectionFile> ParseSections(std::span<const std::byte> bytes);
+[[nodiscard]] Expected<SectionFile> ParseSections(std::span<const std::byte> bytes);
 
 }  // namespace victorious

@@ -23,7 +23,7 @@ struct CameraRows {
 
 /// Rows that cannot be read are skipped with a warning.
 /// Errors: kInvalidArgument for a table that lacks a time or position column or has no readable row.
-Expected<CameraRows> ParseCameraCsv(std::string_view text);
+[[nodiscard]] Expected<CameraRows> ParseCameraCsv(std::string_view text);
 
 /// An additional column.
 struct CsvColumn {

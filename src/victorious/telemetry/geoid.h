@@ -16,11 +16,11 @@ namespace victorious {
 class Geoid {
  public:
   /// Errors: those of ReadFile; kDataLoss for a file that is not a .gtx grid or is truncated.
-  static Expected<Geoid> Read(const std::filesystem::path& path);
+  [[nodiscard]] static Expected<Geoid> Read(const std::filesystem::path& path);
 
   /// @param bytes  content of a .gtx file
   /// Errors: kDataLoss as for Read.
-  static Expected<Geoid> Parse(std::string_view bytes);
+  [[nodiscard]] static Expected<Geoid> Parse(std::string_view bytes);
 
   /// @return the undulation, m, by bilinear interpolation; std::nullopt outside the grid or at "no data"
   [[nodiscard]] std::optional<double> UndulationAt(double latitude_rad, double longitude_rad) const;

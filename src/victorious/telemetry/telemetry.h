@@ -59,11 +59,12 @@ struct Telemetry {
 /// Parses a telemetry file; the content determines the format. The first valid packet of bare KLV defines time 0.
 /// Errors: kInvalidArgument for bytes without readable telemetry and for invalid options; kDataLoss for KLV that is
 /// only truncated units.
-Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOptions& options);
+[[nodiscard]] Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOptions& options);
 
 /// Parses the telemetry of a video: its KLV or, if it has none, its subtitles. `records` is 0 if it has neither.
 /// Errors: kInvalidArgument for invalid options.
-Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, const TelemetryOptions& options);
+[[nodiscard]] Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets,
+                                                       const TelemetryOptions& options);
 
 /// Every item of every KLV packet by number and name, checksums and time stamps; the states; the warnings.
 nlohmann::json ToJson(const Telemetry& telemetry);

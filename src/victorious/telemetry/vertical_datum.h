@@ -12,7 +12,7 @@ namespace victorious {
 /// Converts the heights for which the options or an installed geoid grid suffice. The others keep their datum, with one
 /// warning per datum.
 /// Errors: those of Geoid::Read for a grid that cannot be read.
-Status ConvertToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions& options,
-                          std::vector<std::string>& warnings);
+[[nodiscard]] Status ConvertToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions& options,
+                                        std::vector<std::string>& warnings);
 
 }  // namespace victorious

@@ -36,12 +36,13 @@ struct GroundOptions {
 /// @param warn     gets one line if the file is truncated; the ground is unknown where heights are missing
 /// Errors: kNotFound; kDataLoss, not a GeoTIFF; kInvalidArgument, no georeference, unknown vertical datum or no geoid
 /// grid for it; kUnsupported, unknown unit of height.
-Expected<std::shared_ptr<const Ground>> ReadTerrain(const std::filesystem::path& path, const GroundOptions& options,
-                                                    const std::function<void(const std::string&)>& warn = {});
+[[nodiscard]] Expected<std::shared_ptr<const Ground>> ReadTerrain(
+    const std::filesystem::path& path, const GroundOptions& options,
+    const std::function<void(const std::string&)>& warn = {});
 
 /// Makes flat ground or a terrain; null if the options give neither. Errors: kInvalidArgument if they give both; those
 /// of ReadTerrain.
-Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
-                                                   const std::function<void(const std::string&)>& warn = {});
+[[nodiscard]] Expected<std::shared_ptr<const Ground>> MakeGround(
+    const GroundOptions& options, const std::function<void(const std::string&)>& warn = {});
 
 }  // namespace victorious

@@ -44,7 +44,7 @@ struct BoxTrackStep {
 class BoxTracker {
  public:
   /// Errors: kInvalidArgument for options out of range.
-  static Expected<BoxTracker> Create(const BoxTrackOptions& options);
+  [[nodiscard]] static Expected<BoxTracker> Create(const BoxTrackOptions& options);
 
   /// Makes `frame` the current frame and tracks every target into it, targets in parallel.
   /// Frames are in order of time, or all in reverse order.
@@ -54,7 +54,7 @@ class BoxTracker {
 
   /// Starts a target in the current frame.
   /// Errors: kInvalidArgument for a box with a side below 4 px, or with less than half of it inside the frame.
-  Expected<BoxTrackStep> Start(const Box& box);
+  [[nodiscard]] Expected<BoxTrackStep> Start(const Box& box);
 
   /// The basis for resuming a lost target at a position; sets the minimum confidence.
   enum class ResumeBasis {

@@ -37,7 +37,7 @@ namespace victorious {
 class RegionTracker {
  public:
   /// Errors: kInvalidArgument for options out of range.
-  static Expected<RegionTracker> Create(const TrackOptions& options);
+  [[nodiscard]] static Expected<RegionTracker> Create(const TrackOptions& options);
 
   /// Makes `frame` the current frame and moves every active track to it. Frames are in order of time, or all in reverse
   /// order. A track that becomes inactive is reported once more, then removed.

@@ -27,7 +27,7 @@ class Demuxer {
  public:
   /// Opens a source. Errors: kInvalidArgument (unsupported URL scheme), kNotFound (also a URL without an answer),
   /// kPermissionDenied, kDataLoss (not a video, or without a video stream).
-  static Expected<std::unique_ptr<Demuxer>> Open(const MediaSource& source);
+  [[nodiscard]] static Expected<std::unique_ptr<Demuxer>> Open(const MediaSource& source);
   ~Demuxer();
   Demuxer(const Demuxer&) = delete;
   Demuxer& operator=(const Demuxer&) = delete;
@@ -63,8 +63,8 @@ class Demuxer {
   using Clock = std::chrono::steady_clock;
 
   explicit Demuxer(const MediaSource& source) : source_(source) {}
-  Status OpenContainer();
-  Status SelectVideoStream();
+  [[nodiscard]] Status OpenContainer();
+  [[nodiscard]] Status SelectVideoStream();
   void StartTimer();
   [[nodiscard]] Error OpenError(int result) const;
   [[nodiscard]] bool IsTimedOut() const;

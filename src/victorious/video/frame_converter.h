@@ -22,12 +22,12 @@ class FrameConverter {
 
   /// Returns the image (CV_8UC1 or CV_8UC3 BGR), which owns its pixels.
   /// Errors: kUnsupported (pixel format), kInternal (out of memory).
-  Expected<cv::Mat> Convert(const AVFrame& frame);
+  [[nodiscard]] Expected<cv::Mat> Convert(const AVFrame& frame);
 
  private:
-  Expected<cv::Mat> ConvertAndRotate(const AVFrame& frame);
-  Expected<cv::Mat> ConvertColor(const AVFrame& frame);
-  Expected<cv::Mat> ToBgr(const AVFrame& frame);
+  [[nodiscard]] Expected<cv::Mat> ConvertAndRotate(const AVFrame& frame);
+  [[nodiscard]] Expected<cv::Mat> ConvertColor(const AVFrame& frame);
+  [[nodiscard]] Expected<cv::Mat> ToBgr(const AVFrame& frame);
 
   FrameColor color_;
   Orientation orientation_;

@@ -34,7 +34,7 @@ class PacketReceiver {
 
   /// @param packets  packets since the last call
   /// @param now_s    time of the newest frame
-  virtual Status Add(std::vector<DataPacket> packets, double now_s) = 0;
+  [[nodiscard]] virtual Status Add(std::vector<DataPacket> packets, double now_s) = 0;
 
   /// True if the frame at `frame_s` needs no later packet, or has waited long enough. @param now_s  of the newest frame
   [[nodiscard]] virtual bool IsReady(double frame_s, double now_s) const = 0;
@@ -86,8 +86,8 @@ class FrameLoop {
   /// After an error of a stage, no later frame enters that in-order stage or those behind it; the frames before it pass
   /// all stages. Errors: the first stage's in frame order, else that of reading or of the packet receiver.
   template <typename Work>
-  Expected<FrameLoopEnd> Run(const std::function<std::optional<Work>(Frame)>& select,
-                             const std::vector<FrameStage<Work>>& stages) {
+  [[nodiscard]] Expected<FrameLoopEnd> Run(const std::function<std::optional<Work>(Frame)>& select,
+                                           const std::vector<FrameStage<Work>>& stages) {
     std::vector<ErasedStage> erased;
     for (const FrameStage<Work>& stage : stages) {
       erased.push_back({stage.parallel, [&stage](void* work) { return stage.run(*static_cast<Work*>(work)); }});
@@ -100,7 +100,7 @@ class FrameLoop {
   }
 
   /// Runs one in-order stage on every frame.
-  Expected<FrameLoopEnd> ForEach(const std::function<Status(Frame&)>& visit) {
+  [[nodiscard]] Expected<FrameLoopEnd> ForEach(const std::function<Status(Frame&)>& visit) {
     return Run<Frame>([](Frame frame) { return std::optional(std::move(frame)); }, {InOrder<Frame>(visit)});
   }
 
@@ -119,8 +119,8 @@ class FrameLoop {
     std::function<Status(void*)> run;
   };
 
-  Expected<FrameLoopEnd> RunErased(const std::function<std::shared_ptr<void>(Frame)>& select,
-                                   const std::vector<ErasedStage>& stages);
+  [[nodiscard]] Expected<FrameLoopEnd> RunErased(const std::function<std::shared_ptr<void>(Frame)>& select,
+                                                 const std::vector<ErasedStage>& stages);
 
   VideoReader& reader_;
   const CancelToken& cancel_;

@@ -18,7 +18,8 @@ namespace victorious {
 /// `frame_count`.
 /// @param frame_count  delivered by a VideoReader, if known
 /// Errors: those of VideoReader::Open; kCancelled.
-Expected<std::vector<double>> ReadFrameTimes(const std::string& source, std::optional<std::int64_t> frame_count,
-                                             const CancelToken& cancel);
+[[nodiscard]] Expected<std::vector<double>> ReadFrameTimes(const std::string& source,
+                                                           std::optional<std::int64_t> frame_count,
+                                                           const CancelToken& cancel);
 
 }  // namespace victorious

@@ -12,11 +12,12 @@ namespace victorious {
 
 /// Opens a folder as a video: its images by natural order of their names ("9.png" before "10.png"); other files are
 /// ignored. Errors: those of VideoReader::Open.
-Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const std::filesystem::path& folder,
-                                                       const VideoReaderOptions& options);
+[[nodiscard]] Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const std::filesystem::path& folder,
+                                                                     const VideoReaderOptions& options);
 
 /// Opens a single image as a video of one frame. Errors: those of VideoReader::Open.
-Expected<std::unique_ptr<VideoReader>> OpenImage(const std::filesystem::path& file, const VideoReaderOptions& options);
+[[nodiscard]] Expected<std::unique_ptr<VideoReader>> OpenImage(const std::filesystem::path& file,
+                                                               const VideoReaderOptions& options);
 
 /// Returns true if the first bytes identify an image format (and the extension is not that of Motion JPEG).
 [[nodiscard]] bool IsImageFile(const std::filesystem::path& file);

@@ -10,6 +10,7 @@
 namespace victorious {
 
 /// Opens a source and decodes its first frame. Errors: those of VideoReader::Open.
-Expected<std::unique_ptr<VideoReader>> OpenMedia(const MediaSource& source, const VideoReaderOptions& options);
+[[nodiscard]] Expected<std::unique_ptr<VideoReader>> OpenMedia(const MediaSource& source,
+                                                               const VideoReaderOptions& options);
 
 }  // namespace victorious

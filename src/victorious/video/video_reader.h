@@ -62,7 +62,8 @@ class VideoReader {
   /// @param source  a path (file, folder or single image) or a URL ("rtsp://…", "udp://…", "http://…")
   /// Errors: kNotFound (also a URL without an answer), kInvalidArgument (empty, a folder without images), kDataLoss
   /// (not a video), kUnsupported (no decoder); each message is one line and names the remedy.
-  static Expected<std::unique_ptr<VideoReader>> Open(const std::string& source, const VideoReaderOptions& options);
+  [[nodiscard]] static Expected<std::unique_ptr<VideoReader>> Open(const std::string& source,
+                                                                   const VideoReaderOptions& options);
 
   virtual ~VideoReader() = default;
 
@@ -76,7 +77,7 @@ class VideoReader {
 
   /// Returns the next frame in presentation order; std::nullopt at the end. Damaged parts are skipped and reported by
   /// warnings(). The frame owns its pixels and may be passed to another thread.
-  virtual Expected<std::optional<Frame>> NextFrame() = 0;
+  [[nodiscard]] virtual Expected<std::optional<Frame>> NextFrame() = 0;
 
   /// Returns the data packets read since the last call, in file order; empty unless options.data_packets.
   virtual std::vector<DataPacket> TakeDataPackets() = 0;

@@ -23,16 +23,16 @@ class VideoWriter {
   /// @param path  file extension .mp4 or .mkv determines the container; an existing file is replaced
   /// Errors: kInvalidArgument (another extension, an odd size, …), kNotFound, kPermissionDenied, kNoSpace, kUnsupported
   /// (FFmpeg without libx264). After a failed call the writer can only be destroyed, which removes the temporary file.
-  static Expected<std::unique_ptr<VideoWriter>> Create(const std::filesystem::path& path,
-                                                       const VideoWriterOptions& options);
+  [[nodiscard]] static Expected<std::unique_ptr<VideoWriter>> Create(const std::filesystem::path& path,
+                                                                     const VideoWriterOptions& options);
   virtual ~VideoWriter() = default;
 
   /// Appends a frame (CV_8UC1 or CV_8UC3 BGR, of the size in the options). Frame n, from 0, has the time n / fps.
   /// Errors: kInvalidArgument (size or type), kNoSpace, kInternal.
-  virtual Status Write(const cv::Mat& image) = 0;
+  [[nodiscard]] virtual Status Write(const cv::Mat& image) = 0;
 
   /// Flushes the encoder, closes the file and renames it to `path`. Errors: kInvalidArgument (no frames), kNoSpace, ….
-  virtual Status Finish() = 0;
+  [[nodiscard]] virtual Status Finish() = 0;
 };
 
 }  // namespace victorious

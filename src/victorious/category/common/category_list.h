@@ -33,13 +33,14 @@ struct CategoryListRow {
 /// Parses the CSV text.
 /// Errors: kInvalidArgument, with the line number, for a list without rows or without the column `image`, a row without
 /// an image, a box that is not numeric, is empty or is incomplete, and a mark other than "right" and "wrong".
-Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text, const std::string& name_for_errors);
+[[nodiscard]] Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text,
+                                                                       const std::string& name_for_errors);
 
 /// Reads and parses a list of at most 256 MiB. Errors: those of ReadFile and ParseCategoryList.
-Expected<std::vector<CategoryListRow>> ReadCategoryList(const std::filesystem::path& path);
+[[nodiscard]] Expected<std::vector<CategoryListRow>> ReadCategoryList(const std::filesystem::path& path);
 
 /// Returns the row's box (px) clipped to an image of the given size, or the whole image if the row has no box.
 /// Errors: kInvalidArgument for a box that lies entirely outside the image.
-Expected<Box> ClippedBox(const CategoryListRow& row, int width_px, int height_px);
+[[nodiscard]] Expected<Box> ClippedBox(const CategoryListRow& row, int width_px, int height_px);
 
 }  // namespace victorious

@@ -32,19 +32,19 @@ enum class Access {
 /// An open database. Use from one thread at a time. Must outlive its statements.
 class Connection {
  public:
-  static Expected<std::unique_ptr<Connection>> Open(const std::filesystem::path& path, Access access);
+  [[nodiscard]] static Expected<std::unique_ptr<Connection>> Open(const std::filesystem::path& path, Access access);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
   /// Returns a prepared statement, new or from the cache. Its destructor returns it to the cache.
-  Expected<Statement> Prepare(std::string_view sql);
+  [[nodiscard]] Expected<Statement> Prepare(std::string_view sql);
 
   /// Executes all statements of `sql`; ignores their results.
-  Status Execute(const std::string& sql);
+  [[nodiscard]] Status Execute(const std::string& sql);
 
   /// Returns the single text value that `sql` selects.
-  Expected<std::string> QueryText(std::string_view sql);
+  [[nodiscard]] Expected<std::string> QueryText(std::string_view sql);
 
   [[nodiscard]] std::int64_t LastInsertId() const;
   /// Number of rows that the last statement inserted, changed or deleted.
@@ -71,12 +71,12 @@ class Connection {
 class Transaction {
  public:
   /// Takes the write lock immediately, so that values read inside cannot change before they are written.
-  static Expected<Transaction> Begin(Connection& connection);
+  [[nodiscard]] static Expected<Transaction> Begin(Connection& connection);
   ~Transaction();
   Transaction(Transaction&& other) noexcept : connection_(std::exchange(other.connection_, nullptr)) {}
   Transaction& operator=(Transaction&&) = delete;
 
-  Status Commit();
+  [[nodiscard]] Status Commit();
 
  private:
   explicit Transaction(Connection& connection) : connection_(&connection) {}

@@ -25,9 +25,9 @@ std::span<const Migration> Migrations();
 
 /// Returns the schema version; 0 for an empty database. Errors: kUnsupported (another program's, or newer than
 /// `newest`), kDataLoss (not a database, or damaged). Does not write.
-Expected<int> ReadVersion(Connection& connection, int newest);
+[[nodiscard]] Expected<int> ReadVersion(Connection& connection, int newest);
 
 /// Migrates the database to the last of `migrations`, each in its own transaction. Safe if two processes do so at once.
-Status Migrate(Connection& connection, std::span<const Migration> migrations);
+[[nodiscard]] Status Migrate(Connection& connection, std::span<const Migration> migrations);
 
 }  // namespace victorious::sqlite

@@ -11,6 +11,6 @@
 namespace victorious::sqlite {
 
 /// See OpenSqliteStore. Never modifies another program's database.
-Expected<std::unique_ptr<Connection>> OpenDatabase(const std::filesystem::path& path, StoreMode mode);
+[[nodiscard]] Expected<std::unique_ptr<Connection>> OpenDatabase(const std::filesystem::path& path, StoreMode mode);
 
 }  // namespace victorious::sqlite

@@ -76,13 +76,13 @@ void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::in
 
 VideoRecord ReadVideo(const Statement& row);
 /// Error: kDataLoss for an unknown kind. `name`: the file's, for the message.
-Expected<ModelRecord> ReadModel(const Statement& row, std::string_view name);
+[[nodiscard]] Expected<ModelRecord> ReadModel(const Statement& row, std::string_view name);
 TrackletRecord ReadTracklet(const Statement& row);
 /// Error: kDataLoss if a binary column has the wrong size. `name`: the file's, for the message.
-Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name);
+[[nodiscard]] Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name);
 /// Error: kDataLoss, as for ReadObject, and for an unknown source.
-Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name);
+[[nodiscard]] Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name);
 /// Error: kDataLoss, as for ReadObject, and for an invalid keypoint.
-Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name);
+[[nodiscard]] Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name);
 
 }  // namespace victorious::sqlite

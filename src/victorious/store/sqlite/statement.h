@@ -49,9 +49,9 @@ class Statement {
   }
 
   /// Returns true if a row is available, false after the last row.
-  Expected<bool> Step();
+  [[nodiscard]] Expected<bool> Step();
   /// Steps to the end and resets the statement for the next Bind.
-  Status Run();
+  [[nodiscard]] Status Run();
 
   [[nodiscard]] bool IsNull(int column) const;
   [[nodiscard]] std::int64_t Integer(int column) const;
