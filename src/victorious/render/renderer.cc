@@ -71,17 +71,19 @@ struct Programs {
     VICTORIOUS_ASSIGN_OR_RETURN(GlProgram shaded,
                                 mesh({shaders::kMeshFragmentHead, shaders::kShadow, shaders::kColourFragment}));
     VICTORIOUS_ASSIGN_OR_RETURN(GlProgram depth, mesh({shaders::kMeshFragmentHead, shaders::kDepthFragment}));
+    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram opaque_depth, mesh({shaders::kOpaqueDepthFragment}));
     VICTORIOUS_ASSIGN_OR_RETURN(GlProgram opaque_caster, mesh({shaders::kOpaqueCaster}));
     VICTORIOUS_ASSIGN_OR_RETURN(GlProgram masked_caster, mesh({shaders::kMeshFragmentHead, shaders::kMaskedCaster}));
     VICTORIOUS_ASSIGN_OR_RETURN(GlProgram resolve,
                                 GlProgram::Make(shaders::kScreenVertex, {shaders::kResolveFragment}));
-    return Programs{std::move(colour),        std::move(shaded),        std::move(depth),
+    return Programs{std::move(colour),        std::move(shaded),        std::move(depth),  std::move(opaque_depth),
                     std::move(opaque_caster), std::move(masked_caster), std::move(resolve)};
   }
 
   GlProgram colour;
   GlProgram shaded_colour;
   GlProgram depth;
+  GlProgram opaque_depth;
   GlProgram opaque_caster;  // shadow map of opaque materials
   GlProgram masked_caster;  // shadow map of masked and blended materials
   GlProgram resolve;
@@ -274,25 +276,33 @@ class Renderer::Device {
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.triangles * 3), GL_UNSIGNED_INT, ElementsFrom(offset));
   }
 
-  void Begin(GlProgram& program, const Target& target, float grey) const {
+  static void Begin(const Target& target, float grey) {
     target.Bind();
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
     target.Clear(grey);
-    program.Use();
-    program.Set("clip_from_camera", clip_from_camera_);
   }
 
-  void DrawSolid(GlProgram& program, float min_alpha) const {
+  void Use(GlProgram& program, std::size_t placed) const {
+    program.Use();
+    program.Set("clip_from_camera", clip_from_camera_);
+    program.Set("camera_from_mesh", placed_[placed].camera_from_mesh);
+    program.Set("instance", static_cast<float>(placed));
+  }
+
+  // @param opaque  for opaque materials; may be the same as `program`
+  void DrawSolid(GlProgram& opaque, GlProgram& program, float min_alpha) const {
     for (std::size_t i = 0; i < placed_.size(); ++i) {
       const GpuMesh& mesh = *placed_[i].mesh;
       mesh.BindVertices();
-      program.Set("camera_from_mesh", placed_[i].camera_from_mesh);
-      program.Set("instance", static_cast<float>(i));
+      const GlProgram* used = nullptr;
       for (const MeshPart& part : mesh.parts()) {
-        HideBacks(mesh.MaterialOf(part));
-        DrawPart(program, mesh, part, min_alpha);
+        const Material& material = mesh.MaterialOf(part);
+        GlProgram& needed = material.alpha_mode == AlphaMode::kOpaque ? opaque : program;
+        if (std::exchange(used, &needed) != &needed) Use(needed, i);
+        HideBacks(material);
+        DrawPart(needed, mesh, part, min_alpha);
       }
     }
   }
@@ -389,13 +399,15 @@ class Renderer::Device {
   }
 
   void DrawColour(GlProgram& program, const PosedCamera& camera, const Light& light, int background) {
-    Begin(program, targets_->colour, LinearFromGrey(background));
+    Begin(targets_->colour, LinearFromGrey(background));
+    program.Use();
+    program.Set("clip_from_camera", clip_from_camera_);
     const Eigen::Quaterniond& turn = camera.camera_from_world.rotation;
     program.Set("up_in_camera", Eigen::Vector3f((turn * Vector3d::UnitZ()).cast<float>()));
     program.Set("to_sun_in_camera", Eigen::Vector3f((turn * light.to_sun_in_world.normalized()).cast<float>()));
     program.Set("light", Eigen::Vector3f(Vector3d(light.sky, light.ground, light.sun).cast<float>()));
     program.Set("blended", 0);
-    DrawSolid(program, kOpaqueAlpha);
+    DrawSolid(program, program, kOpaqueAlpha);
     DrawBlended(program);
   }
 
@@ -419,8 +431,8 @@ class Renderer::Device {
   }
 
   void DrawDepth() {
-    Begin(programs_.depth, targets_->depth, 0);
-    DrawSolid(programs_.depth, kMinSolidAlpha);
+    Begin(targets_->depth, 0);
+    DrawSolid(programs_.opaque_depth, programs_.depth, kMinSolidAlpha);
   }
 
   void ReadDepth(RenderedView& view) const {

@@ -127,6 +127,14 @@ void main() {
 }
 )";
 
+// kDepthFragment for opaque materials: without the texture, which costs most of the time in software.
+inline constexpr const char* kOpaqueDepthFragment = R"(#version 330 core
+in vec3 point_in_camera;
+uniform float instance;
+out vec2 result;
+void main() { result = vec2(point_in_camera.z, instance); }
+)";
+
 // Fragment shaders of the shadow map pass, depth only. kMaskedCaster discards by alpha and follows kMeshFragmentHead.
 inline constexpr const char* kOpaqueCaster = R"(#version 330 core
 void main() {}
