@@ -1,6 +1,6 @@
 # A thin door to tools/install_packages.sh, CMake and the program. CMake holds the build; nothing is compiled here.
 
-.PHONY: build victorious web test demo serve bench check format tidy fuzz asan clean
+.PHONY: build victorious web install package test demo serve bench check format tidy fuzz asan clean
 
 # Ninja's progress: files done of all, seconds since the start.
 NINJA_STATUS ?= [%f/%t %es] $(empty)
@@ -27,6 +27,17 @@ victorious:
 web:
 	./tools/install_packages.sh
 	./tools/build_web.sh build/web
+
+# Installs the program, its manual page and its completion for bash below PREFIX.
+PREFIX ?= /usr/local
+install: build
+	cmake --build --preset release --target victorious_pages
+	cmake --install build --prefix $(PREFIX)
+
+# A Debian package of the program, build/victorious_VERSION_ARCHITECTURE.deb.
+package: build
+	cmake --build --preset release --target victorious_pages
+	cpack --config build/CPackConfig.cmake -G DEB -B build
 
 test:
 	$(call say,make test: about 40 minutes on two cores)

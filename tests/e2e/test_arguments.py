@@ -1,5 +1,9 @@
 """Bad usage: exit status 2 and a one-line error with the correct usage; no file is written."""
 
+import os
+import pty
+import re
+import subprocess
 import unittest
 
 import program
@@ -17,6 +21,9 @@ class ArgumentsTest(program.ProgramTest):
     def test_commands(self):
         self.refuses_unchanged("subcommand")
         self.refuses_unchanged("frobnicate", "frobnicate")
+        self.refuses_unchanged("did you mean search?", "serach", "--db", INDEX)
+        self.refuses_unchanged("--modles: did you mean --models?", "index", VIDEO, "--modles", MODELS, "--db", "x")
+        self.refuses_unchanged("shwo: did you mean show?", "model", "shwo", "--models", MODELS)
         self.refuses_unchanged("subcommand is required", "--frobnicate")
         self.refuses_unchanged("subcommand", "model")
         self.refuses_unchanged("subcommand", "model", "rename", "--models", MODELS)
@@ -60,7 +67,9 @@ class ArgumentsTest(program.ProgramTest):
         for words, arguments in (
             ("--every = 0: must be", (*index, "--every", "0")),
             ("--every = -3: must be", (*index, "--every", "-3")),
-            ("--every", (*index, "--every", "two")),
+            ("--every two: give a whole number", (*index, "--every", "two")),
+            ("--every 2.5: give a whole number", (*index, "--every", "2.5")),
+            ("--step wide: give a number", ("model", "add", "x", "x.glb", "--models", out, "--step", "wide")),
             ("--every", (*index, "--every", "99999999999")),
             ("--threads", (*index, "--threads", "-1")),
             ("--threads", (*index, "--threads", "1e3")),
@@ -195,8 +204,41 @@ class ArgumentsTest(program.ProgramTest):
         self.assertIn("speed", self.refuses(2, "mlesac", "bench", "speed", "--json"))
         self.assertIn("--movies", self.succeeds("experiment", "--help").out)
 
+    def test_manual_page_has_every_option(self):
+        page = self.succeeds("manual").out.replace("\\-", "-")
+        for command in ("index", "track", "search", "export", "model add", "category train"):
+            self.assertIn(f".SS {command}\n", page)
+            described = self.succeeds(*command.split(), "--help").out
+            for option in re.findall(r"^  (?:-\w,)?(--[a-z-]+)", described, re.MULTILINE):
+                if option != "--help":
+                    self.assertIn(f"\\fB{option}\\fR", page)
+
+    def test_bash_completion(self):
+        script = self.write("completion", self.succeeds("manual", "bash").out)
+
+        def completed(*words):
+            line = " ".join(f"'{word}'" for word in words)
+            ask = f"source {script}; COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; _victorious; echo ${{COMPREPLY[@]}}"
+            return subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True, cwd=self.scratch).stdout.split()
+
+        self.assertEqual(completed("victorious", "ind"), ["index"])
+        self.assertIn("add", completed("victorious", "model", ""))
+        self.assertEqual(completed("victorious", "model", "add", "--max"), ["--max-off-nadir"])
+        self.assertIn("--telemetry", completed("victorious", "index", "w.mp4", "--te"))
+        self.assertEqual(completed("victorious", "index", "comp"), ["completion"])
+
+    def test_colours_are_off_with_no_color(self):
+        for value, coloured in (("", True), ("1", False)):
+            terminal, other = pty.openpty()
+            with open(terminal, "rb", closefd=True) as seen:
+                subprocess.run([program.PROGRAM, "search", "--db", "none"], stderr=other, check=False,
+                               env=os.environ | {"NO_COLOR": value, "TERM": "xterm-256color"})  # fmt: skip
+                os.close(other)
+                self.assertEqual(b"\x1b[" in os.read(seen.fileno(), 10000), coloured)
+
     def test_help_and_version(self):
-        self.assertRegex(self.succeeds("--version").out, r"^\d+\.\d+\.\d+\n$")
+        for flag in ("--version", "-V"):
+            self.assertRegex(self.succeeds(flag).out, r"^\d+\.\d+\.\d+\n$")
         reported = self.succeeds("--help").out
         for command in ("model", "index", "export", "search", "features", "match", "evaluate", "doctor"):
             self.assertIn(command, reported)

@@ -111,7 +111,7 @@ class InterruptTest(program.ProgramTest):
             if process.returncode == 0:
                 break  # it had finished before
             outcome = program.Outcome(process.returncode, out, err)
-            self.assertEqual(outcome.status, 1, err)
+            self.assertEqual(outcome.status, 128 + stop, err)
             self.assertEqual(len(outcome.messages()), 1, err)
             self.assertRegex(outcome.messages()[0], r"error: .*flight.mkv: stopped at frame \d+; run again to resume")
             self.assertEqual([path.name for path in self.scratch.glob("index*")], ["index.db"])

@@ -130,7 +130,7 @@ class SimulateTest(program.ProgramTest):
             process.send_signal(signal.SIGINT)
             _, err = process.communicate(timeout=program.TIMEOUT_S)
         outcome = program.Outcome(process.returncode, "", err)
-        self.assertEqual(outcome.status, 1, err)
+        self.assertEqual(outcome.status, 130, err)
         self.assertEqual(len(outcome.messages()), 1, err)
         self.assertIn("stopped at frame", outcome.messages()[0])
         self.assertEqual(list(out.iterdir()), [])

@@ -237,10 +237,21 @@ std::string OneLine(std::string text) {
   return text;
 }
 
+namespace {
+
+volatile std::sig_atomic_t interrupt_signal = 0;
+
+}  // namespace
+
+int InterruptSignal() { return interrupt_signal; }
+
 CancelToken& Interrupt() {
   static CancelToken token;
   static const bool installed = [] {
-    const auto handler = [](int) { token.Cancel(); };  // may run before `installed` is set
+    const auto handler = [](int signal) {  // may run before `installed` is set
+      interrupt_signal = signal;
+      token.Cancel();
+    };
     std::signal(SIGINT, handler);
     std::signal(SIGTERM, handler);
     return true;

@@ -102,6 +102,9 @@ std::string OneLine(std::string text);
 /// The token that SIGINT and SIGTERM cancel. The first call installs the signal handlers.
 CancelToken& Interrupt();
 
+/// The signal that cancelled it, SIGINT or SIGTERM; 0 if none did.
+[[nodiscard]] int InterruptSignal();
+
 /// The flags --video, --model, --category, --from, --to, --near and --rejected of the commands that list the content of
 /// an index.
 struct FilterArguments {

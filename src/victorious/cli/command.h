@@ -29,6 +29,7 @@ Action SetUpFeatures(CLI::App& app);
 Action SetUpFrame(CLI::App& app);
 Action SetUpIndex(CLI::App& app);
 Action SetUpLocate(CLI::App& app);
+Action SetUpManual(CLI::App& app);
 Action SetUpMatch(CLI::App& app);
 Action SetUpModel(CLI::App& app);
 Action SetUpNavigate(CLI::App& app);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -13,6 +15,7 @@
 #include "victorious/base/version.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/run_program.h"
+#include "victorious/cli/suggestion.h"
 
 namespace victorious::cli {
 namespace {
@@ -35,6 +38,7 @@ constexpr std::array kCommands = {
     Command{"telemetry", "Look inside", "Print the camera states of a video or telemetry file", &SetUpTelemetry},
     Command{"params", "Look inside", "List every parameter with default, range and reason", &SetUpParams},
     Command{"doctor", "Look inside", "Describe this machine, or the content of a file", &SetUpDoctor},
+    Command{"manual", "Look inside", "Print the manual page, or the completion for bash", &SetUpManual},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
     Command{"experiment", "Measure", "Reproduce a table or figure of the thesis", nullptr, "victorious-experiment"},
     Command{"bench", "Measure", "Measure the speed of each stage against reference implementations", nullptr,
@@ -48,7 +52,7 @@ Expected<int> Main(int argc, char** argv) {
     return std::unexpected(StartSiblingProgram(named->program, {argv + 2, argv + argc}));
   }
   CLI::App app("Finds your object in hours of video.", "victorious");
-  app.set_version_flag("--version", kVersion);
+  app.set_version_flag("-V,--version", kVersion);
   app.require_subcommand(1);
   app.fallthrough(false);
   Action chosen;
@@ -59,8 +63,12 @@ Expected<int> Main(int argc, char** argv) {
   }
   const bool is_command = argc > 1 && argv[1][0] != '-';
   if (is_command && named == kCommands.end()) {
+    std::vector<std::string> names;
+    for (const Command& command : kCommands) names.emplace_back(command.name);
+    const auto nearest = FindNearest(argv[1], names);
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: unknown command; `victorious --help` lists the commands", argv[1]));
+                fmt::format("{}: unknown command{}; `victorious --help` lists the commands", argv[1],
+                            nearest ? fmt::format(": did you mean {}?", *nearest) : ""));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::optional<int> ended,

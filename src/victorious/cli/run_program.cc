@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -13,17 +14,24 @@
 #include <unistd.h>
 
 #include "victorious/cli/arguments.h"
+#include "victorious/cli/suggestion.h"
 
 namespace victorious::cli {
 int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** argv)) {
   std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f`, writing fails as on a full disk
   try {
-    const auto logger = spdlog::stderr_color_mt("victorious");
+    const char* const no_color = std::getenv("NO_COLOR");  // https://no-color.org: set and not empty
+    const bool plain = no_color != nullptr && *no_color != '\0';
+    const auto logger =
+        spdlog::stderr_color_mt("victorious", plain ? spdlog::color_mode::never : spdlog::color_mode::automatic);
     logger->set_pattern("%^%l%$: %v");
     spdlog::set_default_logger(logger);
     const Expected<int> status = body(argc, argv);
     if (status) return *status;
     spdlog::error("{}", OneLine(status.error().message));
+    constexpr int kEndedBySignal = 128;  // a shell's convention
+    if (status.error().code == ErrorCode::kCancelled && InterruptSignal() != 0)
+      return kEndedBySignal + InterruptSignal();
     return ExitStatus(status.error().code);
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "error: out of memory\n");
@@ -33,13 +41,64 @@ int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** arg
   return 1;
 }
 
+namespace {
+
+// The commands that were parsed, outermost first.
+std::vector<CLI::App*> ParsedCommands(CLI::App& app) {
+  std::vector<CLI::App*> commands = {&app};
+  while (!commands.back()->get_subcommands().empty()) commands.push_back(commands.back()->get_subcommands().front());
+  return commands;
+}
+
+// The names that a word of the innermost command can be: its options, or its subcommands.
+std::vector<std::string> KnownNames(const CLI::App& command, bool options) {
+  std::vector<std::string> names;
+  if (!options) {
+    for (const CLI::App* part : command.get_subcommands([](const CLI::App*) { return true; }))
+      names.push_back(part->get_name());
+    return names;
+  }
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+// "; did you mean --models?" for the first word that the parser did not expect; empty if none is near a known name.
+std::string Suggestion(CLI::App& app) {
+  for (const CLI::App* command : ParsedCommands(app)) {
+    for (const std::string& word : command->remaining()) {
+      const auto nearest = FindNearest(word, KnownNames(*command, word.starts_with('-')));
+      if (nearest) return fmt::format("; {}: did you mean {}?", word, *nearest);
+    }
+  }
+  return "";
+}
+
+// "--every 2.5: give a whole number" for CLI11's "Could not convert: --every = 2.5".
+std::optional<std::string> ExplainConversion(CLI::App& app, std::string_view message) {
+  constexpr std::string_view kStart = "Could not convert: ";
+  constexpr std::string_view kBetween = " = ";
+  if (!message.starts_with(kStart)) return std::nullopt;
+  message.remove_prefix(kStart.size());
+  const std::size_t between = message.find(kBetween);
+  if (between == std::string_view::npos) return std::nullopt;
+  const std::string name(message.substr(0, between));
+  const CLI::Option* option = ParsedCommands(app).back()->get_option_no_throw(name);
+  const bool whole = option != nullptr && option->get_type_name() == "N";
+  return fmt::format("{} {}: give a {}number", name, message.substr(between + kBetween.size()), whole ? "whole " : "");
+}
+
+}  // namespace
+
 Expected<std::optional<int>> ParseArguments(CLI::App& app, int argc, char** argv, const std::string& name) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{} (see `{} --help`)", error.what(), name));
+    const std::string what = ExplainConversion(app, error.what()).value_or(error.what());
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}{} (see `{} --help`)", what, Suggestion(app), name));
   }
   return std::nullopt;
 }

@@ -13,10 +13,11 @@ namespace victorious::cli {
 
 /// Sets up the log on stderr, runs `body` and reports its error as one line. Third-party exceptions end here.
 /// @param body  returns the exit status
-/// @return the exit status: that of `body`, or ExitStatus() of its error
+/// @return the exit status: that of `body`, 128 + the signal's number if SIGINT or SIGTERM stopped it (130, 143), else
+///   ExitStatus() of its error
 int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** argv));
 
-/// Parses the arguments.
+/// Parses the arguments. The error of a mistyped option or subcommand names the nearest one.
 /// @param name  of the program and its command, for the hint to --help
 /// @return the exit status if --help or --version ended the program; std::nullopt if it continues
 /// Error: kInvalidArgument.

@@ -1,0 +1,38 @@
+# What `make install` installs, and the Debian package of `make package`. The manual page and the completion are printed by
+# the program itself (`victorious manual`).
+include(GNUInstallDirs)
+
+set(_victorious_pages "${CMAKE_BINARY_DIR}/pages")
+add_custom_command(
+  OUTPUT "${_victorious_pages}/victorious.1.gz" "${_victorious_pages}/victorious"
+  COMMAND "${CMAKE_COMMAND}" -E make_directory "${_victorious_pages}"
+  COMMAND victorious manual man > "${_victorious_pages}/victorious.1"
+  COMMAND gzip -9 -n -f "${_victorious_pages}/victorious.1"
+  COMMAND victorious manual bash > "${_victorious_pages}/victorious"
+  DEPENDS victorious
+  VERBATIM)
+add_custom_target(victorious_pages ALL DEPENDS "${_victorious_pages}/victorious.1.gz" "${_victorious_pages}/victorious")
+
+# Installing takes what is built; it does not build the tests first.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
+
+# `bench` and `experiment` are programs of their own beside the main one.
+install(TARGETS victorious victorious-bench victorious-experiment RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+install(FILES "${_victorious_pages}/victorious.1.gz" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
+install(FILES "${_victorious_pages}/victorious" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
+install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" RENAME copyright)
+
+set(CPACK_PACKAGE_NAME victorious)
+set(CPACK_PACKAGE_VENDOR "VICTORIOUS")
+set(CPACK_PACKAGE_CONTACT "VICTORIOUS maintainers <maintainers@victorious.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "finds objects in video and places them on Earth")
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+# The libraries that the programs are linked with; a software OpenGL renderer is loaded at run time.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl-mesa0, libgl1-mesa-dri")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "proj-data")
+include(CPack)

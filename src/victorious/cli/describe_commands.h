@@ -1,0 +1,18 @@
+// The manual page and the shell completion, made from the same description of commands and options that parses the
+// arguments: neither can name an option that does not exist.
+#pragma once
+
+#include <string>
+
+#include <CLI/App.hpp>
+
+namespace victorious::cli {
+
+/// The manual page of the program, section 1, as roff source: every command with its options.
+/// @param version  of the program
+[[nodiscard]] std::string MakeManualPage(const CLI::App& program, const std::string& version);
+
+/// A completion for bash: commands and subcommands, the options of each, else file names.
+[[nodiscard]] std::string MakeBashCompletion(const CLI::App& program);
+
+}  // namespace victorious::cli

@@ -1,0 +1,29 @@
+"""`cmake --install`, which `make install` and `make package` call: programs, manual page and completion that work."""
+
+import gzip
+import subprocess
+
+import program
+
+BUILD = program.PROGRAM.parent
+
+
+class InstallTest(program.ProgramTest):
+    def test_installed_files_work(self):
+        done = subprocess.run(
+            ["cmake", "--install", BUILD, "--prefix", self.scratch], capture_output=True, text=True, check=False
+        )
+        self.assertEqual(done.returncode, 0, done.stderr)
+        installed = self.scratch / "bin" / "victorious"
+        version = subprocess.run([installed, "-V"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual(version, self.succeeds("--version").out)
+        listed = subprocess.run([installed, "experiment", "list"], capture_output=True, text=True, check=True).stdout
+        self.assertIn("table3.2", listed)
+        page = gzip.decompress((self.scratch / "share/man/man1/victorious.1.gz").read_bytes()).decode()
+        self.assertEqual(page, self.succeeds("manual", "man").out)
+        completion = (self.scratch / "share/bash-completion/completions/victorious").read_text()
+        self.assertEqual(completion, self.succeeds("manual", "bash").out)
+
+
+if __name__ == "__main__":
+    program.main()
