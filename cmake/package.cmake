@@ -20,6 +20,8 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 install(TARGETS victorious victorious-bench victorious-experiment RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 install(FILES "${_victorious_pages}/victorious.1.gz" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
 install(FILES "${_victorious_pages}/victorious" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
+# The page of `victorious serve`, if tools/build_web.sh has built it.
+install(DIRECTORY "${CMAKE_BINARY_DIR}/web" DESTINATION "${CMAKE_INSTALL_DATADIR}/victorious" OPTIONAL)
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" RENAME copyright)
 
 set(CPACK_PACKAGE_NAME victorious)
