@@ -61,14 +61,14 @@ Action SetUpExport(CLI::App& app) {
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
+    std::ostringstream text;
+    VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
     if (!nothing.empty()) spdlog::info("nothing to export: {}", OneLine(nothing));
     if (IsMap(format)) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, *store));
       if (!unplaced.empty()) spdlog::info("{}", OneLine(unplaced));
     }
-    std::ostringstream text;
-    VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     return WriteOutput(arguments->out, text.view());
   };
 }
