@@ -101,7 +101,7 @@ TEST(VideoTelemetry, BadChecksumGivesNoCamera) {
 TEST(VideoTelemetry, NonConformingProducerIsReported) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/raw_packets/DayFlight.klv");
   const Telemetry telemetry = MustRead(path);
-  EXPECT_THAT(telemetry.warnings, Contains(HasSubstr("frame centre disagree")));
+  EXPECT_THAT(telemetry.warnings, Contains(HasSubstr("away from the recorded frame centre")));
   const KlvPacket& packet = telemetry.packets.at(0);
   EXPECT_NEAR(*packet.Number(5), 86.10666056305791, 1e-12);
   EXPECT_NEAR(*packet.Number(18), 46.10314941175821, 1e-12);

@@ -253,7 +253,8 @@ TEST(Recognizer, ShortlistRefinesProposalsOnly) {
   const auto painted = std::make_shared<const Painted>();
   RecognizeOptions options = By(SearchMethod::kShortlist);
   options.shortlist.min_refined_neg_log10_nfa = 4;
-  const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, "opencv", options, {painted}).value();
+  const Recognizer recognizer =
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {painted}).value();
   const FrameConditions conditions{.vertical = vertical, .relative_sun = sun};
   EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, 4)), conditions).value().empty());
   EXPECT_EQ(painted->coarse().size(), kAround / 2);
