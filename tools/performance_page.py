@@ -11,6 +11,8 @@ import json
 import sys
 from pathlib import Path
 
+import pages
+
 STAGES = (  # name, what it does, colour
     ("reading", "decoding", "#7f7f7f"),
     ("features", "keypoints and descriptors of the frame", "#1f77b4"),
@@ -108,14 +110,7 @@ def main() -> int:
     except (OSError, ValueError, KeyError) as error:
         print(f"performance_page.py: {source}: {error!r}", file=sys.stderr)
         return 1
-    for name, text in files.items():
-        target = arguments.root / "docs" / name
-        if not arguments.check:
-            target.write_text(text, encoding="utf-8")
-        elif not target.exists() or target.read_text(encoding="utf-8") != text:
-            print(f"{target} is out of date: tools/performance_page.py", file=sys.stderr)
-            return 1
-    return 0
+    return pages.publish({arguments.root / "docs" / name: text for name, text in files.items()}, arguments.check, "performance_page.py")
 
 
 if __name__ == "__main__":

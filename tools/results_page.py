@@ -12,6 +12,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+import pages
+
 KEYS = ("what", "target", "value", "command", "commit", "note")
 
 
@@ -88,13 +90,7 @@ def main() -> int:
     except (OSError, ValueError) as error:
         print(f"results_page.py: {error}", file=sys.stderr)
         return 1
-    if not arguments.check:
-        target.write_text(text, encoding="utf-8")
-        return 0
-    if not target.exists() or target.read_text(encoding="utf-8") != text:
-        print(f"{target} is out of date: tools/results_page.py", file=sys.stderr)
-        return 1
-    return 0
+    return pages.publish({target: text}, arguments.check, "results_page.py")
 
 
 if __name__ == "__main__":

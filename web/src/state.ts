@@ -38,9 +38,11 @@ export const coordinateStyle = signal<"decimal" | "dms">("decimal");
 export type Theme = "system" | "dark" | "light";
 export const theme = signal<Theme>((localStorage.getItem("theme") as Theme | null) ?? "system");
 
-/** Changes with the colours of the system. */
-export const systemColours = signal(0);
-window.matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => systemColours.value++);
+const lightSystem = window.matchMedia("(prefers-color-scheme: light)");
+const isSystemLight = signal(lightSystem.matches);
+lightSystem.addEventListener("change", (event) => (isSystemLight.value = event.matches));
+/** The colours shown: the chosen ones, or the system's. */
+export const colours = computed(() => (theme.value === "system" ? (isSystemLight.value ? "light" : "dark") : theme.value));
 
 /** Where the video should go. Each request is a new object, also to the same frame. */
 export const seekRequest = signal<{ video: number; time: number } | null>(null);
@@ -191,10 +193,8 @@ effect(() => {
 });
 
 effect(() => {
-  const chosen = theme.value;
-  localStorage.setItem("theme", chosen);
-  if (chosen === "system") delete document.documentElement.dataset["theme"];
-  else document.documentElement.dataset["theme"] = chosen;
+  localStorage.setItem("theme", theme.value);
+  document.documentElement.dataset["theme"] = colours.value;
 });
 
 // ---- the address bar

@@ -349,7 +349,7 @@ Expected<CategoryModel> ParsePayload(std::span<const std::byte> payload) {
 
 Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
   Header header;
-  if (bytes.size() < sizeof(Header) || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
+  if (bytes.size() < sizeof(Header) || !IsCategoryModelFile(bytes))
     return Fail(ErrorCode::kDataLoss, "not a category model");
   std::memcpy(&header, bytes.data(), sizeof(Header));
   if (header.version > kVersion) {
@@ -372,6 +372,10 @@ Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
 }
 
 }  // namespace
+
+bool IsCategoryModelFile(std::span<const std::byte> bytes) {
+  return bytes.size() >= kMagic.size() && std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) == 0;
+}
 
 std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model) {
   Writer payload;

@@ -13,6 +13,9 @@
 
 namespace victorious {
 
+/// True if the bytes start as those of a category model's file.
+[[nodiscard]] bool IsCategoryModelFile(std::span<const std::byte> bytes);
+
 /// Returns the bytes of the file: header and payload.
 std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model);
 

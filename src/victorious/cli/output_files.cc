@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/category/category_file.h"
 #include "victorious/image/image_header.h"
 #include "victorious/pipeline/video_telemetry.h"
 
@@ -125,7 +126,7 @@ bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
     case FileKind::kFeatures:
       return IsFeatures(head);
     case FileKind::kCategoryModel:
-      return head.starts_with("\x8AVCAT\r\n\x1A");
+      return IsCategoryModelFile(std::as_bytes(std::span(head)));
     case FileKind::kSimulation:
       return IsSimulationFolder(path.parent_path());
     case FileKind::kReport:

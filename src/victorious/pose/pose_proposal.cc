@@ -12,6 +12,7 @@
 #include "victorious/geometry/robust/similarity_estimator.h"
 #include "victorious/geometry/similarity.h"
 #include "victorious/pose/match_pairs.h"
+#include "victorious/pose/rank_nfa.h"
 #include "victorious/pose/vote_poses.h"
 
 namespace victorious {
@@ -24,7 +25,7 @@ constexpr double kMaxDensity = 5.0;
 // The fraction of scene keypoints whose scale agrees with a pose within kVoteScaleFactor.
 constexpr double kScaleAgreement = 0.35;
 constexpr double kMinExpectedVotes = 1e-3;
-constexpr int kMinVotes = 4;
+constexpr VoteOptions kVoteOptions;  // as the vote search by default
 constexpr std::size_t kMinFitted = 3;
 constexpr std::size_t kMinInliers = 4;
 constexpr int kMaxProposalSeeds = 12;
@@ -36,12 +37,10 @@ constexpr float kSeedLogScale = 0.3F;
 constexpr double kWideWindows[] = {3.0, 2.0};
 constexpr double kTestedWindows[] = {1.0, 0.5, 0.25};
 constexpr int kRefits = 2;
-// Inliers nearer to each other than this times their scale see the same pixels (VoteOptions::min_separation_scales).
-constexpr float kSeparationScales = 4;
-constexpr double kOctaves = 4;  // of T, as in rank_nfa.cc
+constexpr auto kSeparationScales = static_cast<float>(kVoteOptions.min_separation_scales);
 
 constexpr auto kCircle_rad = static_cast<float>(2 * kPi);
-constexpr float kTurn_rad = 0.5F;  // VoteOptions::turn_rad
+constexpr auto kTurn_rad = static_cast<float>(kVoteOptions.turn_rad);
 
 // A match as a vote: its keypoints, and the centre that it votes for.
 struct Vote {
@@ -131,7 +130,7 @@ class Proposer {
     std::ranges::stable_sort(votes_, {}, &Vote::log_scale);
   }
 
-  // Votes that at least kMinVotes support, by falling log-likelihood ratio.
+  // Votes that at least kVoteOptions.min_votes support, by falling log-likelihood ratio.
   [[nodiscard]] std::vector<Seed> SortedSeeds() const {
     VoteArrays arrays;
     for (const Vote& vote : votes_) {
@@ -156,7 +155,7 @@ class Proposer {
         const float turn = std::min(difference, kCircle_rad - difference);
         count += static_cast<int>(dx * dx + dy * dy < reach2) & static_cast<int>(turn < kTurn_rad);
       }
-      if (count < kMinVotes) continue;
+      if (count < kVoteOptions.min_votes) continue;
       const double chance = std::min(1.0, kPi * reach2 / area_px2_) * turn_chance_;
       const double expected = std::max(kMinExpectedVotes, static_cast<double>(end - begin) * chance);
       if (count <= expected) continue;
@@ -273,11 +272,7 @@ class Proposer {
       const auto k = static_cast<double>(independent.size());
       min_log = std::min(min_log, LogChoose(n, k) + k * std::log(std::min(1.0, MatchOf(inlier).rank * chance)));
     }
-    const double windows = std::max(1.0, area_px2_ / (kPi * radius_px * radius_px));
-    const double rim = std::max(1.0, 0.5 * size_px_ * map.scale / radius_px);
-    const double log10_poses =
-        std::log10(windows) + std::log10(2 * kPi * rim) + std::log10(kOctaves * std::log(2.0) * rim);
-    return -min_log / std::log(10.0) - log10_poses - kDependenceDecades;
+    return -min_log / std::log(10.0) - Log10PoseCount(map, radius_px, size_px_, scene_) - kDependenceDecades;
   }
 
   const FeatureSet& scene_;

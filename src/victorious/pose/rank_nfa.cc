@@ -104,8 +104,8 @@ std::vector<double> InlierChances(const Similarity2& scene_from_template, std::s
   return chances;
 }
 
-// log10 of the number T of distinguishable poses: positions one window min_separation_scales, times rotations (full
-// circle) and scales (four octaves) that move the object's rim by one window.
+}  // namespace
+
 double Log10PoseCount(const Similarity2& scene_from_template, double radius_px, double size_px,
                       const FeatureSet& scene) {
   const double windows = scene.SearchedBox().Area() / (kPi * radius_px * radius_px);
@@ -113,8 +113,6 @@ double Log10PoseCount(const Similarity2& scene_from_template, double radius_px, 
   const double octaves = kScaleRangeOctaves * std::log(2.0);
   return std::log10(std::max(1.0, windows)) + std::log10(2 * kPi * rim) + std::log10(octaves * rim);
 }
-
-}  // namespace
 
 double ComputeRankNegLog10Nfa(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
                               const PoseWindow& window, double size_px, const FeatureSet& scene,

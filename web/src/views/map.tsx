@@ -401,8 +401,7 @@ function connect(map: MapLibre): (() => void)[] {
     }),
     effect(() => {
       // Other colours: another style with the same data.
-      void state.theme.value;
-      void state.systemColours.value;
+      void state.colours.value;
       const style = makeStyle();
       for (const layer of style.layers) {
         for (const [name, value] of Object.entries(layer.paint ?? {})) {
