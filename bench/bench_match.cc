@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstddef>
 #include <span>
 
@@ -11,13 +10,6 @@
 
 namespace victorious::bench {
 namespace {
-
-// 32-bit floats, the fastest type for OpenCV's matcher.
-cv::Mat FloatDescriptors(const FeatureView& features) {
-  cv::Mat descriptors(static_cast<int>(features.size()), static_cast<int>(kDescriptorSize), CV_32F);
-  std::ranges::copy(features.descriptors, descriptors.begin<float>());
-  return descriptors;
-}
 
 std::size_t CountByOpenCv(const cv::Mat& scene, const std::vector<cv::Mat>& templates, double ratio) {
   const cv::BFMatcher matcher(cv::NORM_L2);

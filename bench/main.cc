@@ -30,12 +30,16 @@ Expected<std::vector<Result>> Generated(const Settings& settings) {
   return Run(settings);
 }
 
-constexpr std::array kBenchmarks = {
-    Benchmark{"sift", &Generated<&BenchSift>},       Benchmark{"match", &Generated<&BenchMatch>},
-    Benchmark{"cascade", &Generated<&BenchCascade>}, Benchmark{"mlesac", &Generated<&BenchMlesac>},
-    Benchmark{"frame", &Generated<&BenchFrame>},     Benchmark{"index", &BenchIndex},
-    Benchmark{"search", &Generated<&BenchSearch>},   Benchmark{"locate", &Generated<&BenchLocate>},
-    Benchmark{"track", &Generated<&BenchTrack>}};
+constexpr std::array kBenchmarks = {Benchmark{"sift", &Generated<&BenchSift>},
+                                    Benchmark{"match", &Generated<&BenchMatch>},
+                                    Benchmark{"cascade", &Generated<&BenchCascade>},
+                                    Benchmark{"mlesac", &Generated<&BenchMlesac>},
+                                    Benchmark{"frame", &Generated<&BenchFrame>},
+                                    Benchmark{"growth", &Generated<&BenchGrowth>},
+                                    Benchmark{"index", &BenchIndex},
+                                    Benchmark{"search", &Generated<&BenchSearch>},
+                                    Benchmark{"locate", &Generated<&BenchLocate>},
+                                    Benchmark{"track", &Generated<&BenchTrack>}};
 
 struct Arguments {
   std::string name;  ///< empty: all

@@ -7,7 +7,7 @@ import sys
 import unittest
 
 PROGRAM = ""
-NAMES = ["sift", "match", "cascade", "mlesac", "frame", "index", "search", "locate", "track"]
+NAMES = ["sift", "match", "cascade", "mlesac", "frame", "growth", "index", "search", "locate", "track"]
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess:

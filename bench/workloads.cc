@@ -5,10 +5,13 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "testing/drawn_objects.h"
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
 #include "victorious/features/feature_extractor.h"
@@ -57,6 +60,13 @@ std::vector<Photo> RenderAllRoundPhotos(const cv::Mat& object, int every) {
   return photos;
 }
 
+ObjectModel AllRoundModel(const std::string& name, const cv::Mat& bgra, int every) {
+  PhotoModelOptions options;
+  options.features.max_features = 100;
+  options.min_features = 1;
+  return Unwrap(MakePhotoModel(name, RenderAllRoundPhotos(bgra, every), std::nullopt, options));
+}
+
 // Draws `count` distinct numbers below `bound`.
 std::vector<std::uint32_t> DrawDistinct(std::size_t count, std::size_t bound, Random& random) {
   VICTORIOUS_CHECK(count <= bound);
@@ -101,15 +111,16 @@ ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int object) {
 }
 
 std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flight, int every) {
-  PhotoModelOptions options;
-  options.features.max_features = 100;
-  options.min_features = 1;
   std::vector<ObjectModel> models;
   for (int object = 0; object < flight.options().objects; ++object) {
-    const std::vector<Photo> photos = RenderAllRoundPhotos(flight.ObjectPhoto(object), every);
-    models.push_back(Unwrap(MakePhotoModel(flight.ObjectName(object), photos, std::nullopt, options)));
+    models.push_back(AllRoundModel(flight.ObjectName(object), flight.ObjectPhoto(object), every));
   }
   return models;
+}
+
+ObjectModel MakeAllRoundModel(std::uint64_t seed, int every) {
+  const auto kind = static_cast<testing::ObjectKind>(seed % testing::kNumObjectKinds);
+  return AllRoundModel(fmt::format("{} {}", testing::Name(kind), seed), testing::DrawObject(kind, seed).image, every);
 }
 
 std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models) {
@@ -118,6 +129,12 @@ std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models) {
     for (std::size_t v = 0; v < model.views.size(); ++v) views.push_back(model.ViewFeatures(v));
   }
   return views;
+}
+
+cv::Mat FloatDescriptors(const FeatureView& features) {
+  cv::Mat descriptors(static_cast<int>(features.size()), static_cast<int>(kDescriptorSize), CV_32F);
+  std::ranges::copy(features.descriptors, descriptors.begin<float>());
+  return descriptors;
 }
 
 MatchedScene SimulateMatches(std::size_t true_matches, std::size_t false_matches, std::uint64_t seed) {

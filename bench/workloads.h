@@ -38,8 +38,14 @@ ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int object);
 /// @param every  use only every n-th view
 std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flight, int every = 1);
 
+/// The same views of an object of its own for each seed, which is not in the flight.
+ObjectModel MakeAllRoundModel(std::uint64_t seed, int every = 1);
+
 /// The views of all models, concatenated.
 std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models);
+
+/// One row per keypoint as 32-bit floats (CV_32F), the fastest type for OpenCV's matcher.
+cv::Mat FloatDescriptors(const FeatureView& features);
 
 /// One template's matches in a scene: `true_matches` inliers of a similarity, with noise as of real keypoints, and
 /// `false_matches` random pairs of keypoints.

@@ -74,6 +74,7 @@ std::span<const Experiment> Experiments() {
       Experiment{"figure5.3", "Frame detection density over settings, movies and objects", &RunFigure53},
       Experiment{"figure5.4", "Place errors by kind of object", &RunFigure54},
       Experiment{"figure5.5", "Place errors of the helicopter and of all other kinds", &RunFigure55},
+      Experiment{"table5.1", "Running time of each step of a frame, and of a whole frame with 25 models", &RunTable51},
       Experiment{"table-boxes", "Localisation of categories: boxes of the supporting phrases against annotated boxes",
                  &RunTableBoxes},
       Experiment{"table-windows", "Several small objects in a frame: sliding windows against the whole frame",

@@ -199,6 +199,16 @@ TEST_F(TinyFlight, RegionCostsAFractionOfAFrame) {
   EXPECT_TRUE(fs::exists(*folder_ / "out" / "figure4.1.png"));
 }
 
+TEST_F(TinyFlight, TimesOfTheStepsAddUpToTheTotal) {
+  const Report report = Run("table5.1");
+  const std::size_t total = report.rows.size() - 1;
+  EXPECT_NEAR(NumberAt(report, total, "thesis"), 11.3253, 1e-4) << "as printed";
+  for (const char* column : {"ours: votes", "ours: shortlist"}) {
+    EXPECT_GT(NumberAt(report, 0, column), 0) << column;
+    EXPECT_GT(NumberAt(report, total, column), NumberAt(report, 0, column) + 25 * NumberAt(report, 1, column));
+  }
+}
+
 TEST_F(TinyFlight, RecognizerKeepsTheLock) {
   const Report report = Run("figure4.2");
   ASSERT_THAT(report.rows, SizeIs(1));

@@ -15,5 +15,6 @@ namespace victorious {
 [[nodiscard]] Expected<Report> RunFigure53(const ExperimentSettings& settings);
 [[nodiscard]] Expected<Report> RunFigure54(const ExperimentSettings& settings);
 [[nodiscard]] Expected<Report> RunFigure55(const ExperimentSettings& settings);
+[[nodiscard]] Expected<Report> RunTable51(const ExperimentSettings& settings);
 
 }  // namespace victorious
