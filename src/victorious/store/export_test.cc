@@ -208,6 +208,33 @@ TEST_F(ExportTest, EllipseIsSplitAtTheAntimeridian) {
   }
 }
 
+// Reads the KML back by GDAL.
+TEST_F(ExportTest, KmlHasNamesPointsAndEllipses) {
+  ObjectRecord object = store_->Objects({.model_name = "box"}).value().front();
+  object.place.emplace();
+  object.place->point = {RadiansFromDegrees(52.5), RadiansFromDegrees(13.25), 81.5};
+  object.place->covariance_enu_m2 = 9 * Eigen::Matrix3d::Identity();
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  const std::filesystem::path path = folder_ / "objects.kml";
+  ASSERT_TRUE(WriteFileAtomically(path, Text(ExportFormat::kKml)));
+
+  const std::unique_ptr<GDALDataset> file(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
+  ASSERT_TRUE(file);
+  ASSERT_EQ(file->GetLayerCount(), 1);
+  OGRLayer* objects = file->GetLayer(0);
+  ASSERT_EQ(objects->GetFeatureCount(), 1) << "objects without a place are left out";
+  const std::unique_ptr<OGRFeature> placemark(objects->GetNextFeature());
+  EXPECT_THAT(placemark->GetFieldAsString("Name"), HasSubstr("box"));
+  const OGRGeometryCollection* geometries = placemark->GetGeometryRef()->toGeometryCollection();
+  ASSERT_EQ(geometries->getNumGeometries(), 2);
+  const OGRPoint* point = geometries->getGeometryRef(0)->toPoint();
+  EXPECT_NEAR(point->getX(), 13.25, 1e-9) << "longitude first";
+  EXPECT_NEAR(point->getY(), 52.5, 1e-9);
+  const OGRPolygon* ellipse = geometries->getGeometryRef(1)->toPolygon();
+  EXPECT_TRUE(ellipse->getExteriorRing()->get_IsClosed());
+  EXPECT_TRUE(OGRPoint(point->getX(), point->getY()).Within(ellipse));
+}
+
 // Reads the GeoPackage back by GDAL.
 TEST_F(ExportTest, GeoPackageHasPointsEllipsesAndObjectKeys) {
   ObjectRecord object = store_->Objects({.model_name = "box"}).value().front();

@@ -1,0 +1,55 @@
+"""The command lines in the documents use only commands and flags that the program has."""
+
+import functools
+import re
+import shlex
+import unittest
+from pathlib import Path
+from typing import Iterator
+
+import program
+
+DOCUMENTS = [program.REPOSITORY / "README.md", *sorted((program.REPOSITORY / "docs").rglob("*.md"))]
+FENCED = re.compile(r"^```[a-z]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
+INLINE = re.compile(r"`(?:build/)?victorious ([^`]+)`")
+COMMAND = re.compile(r"^(?:\$ )?(?:build/)?victorious ([^#|>&\n]+)", re.MULTILINE)
+FLAG = re.compile(r"(?<![\w-])(--?[A-Za-z][\w-]*)")
+
+
+def command_lines(document: Path) -> Iterator[str]:
+    """What follows the program's name on each command line of a document."""
+    text = document.read_text(encoding="utf-8")
+    for block in FENCED.findall(text):
+        yield from COMMAND.findall(block.replace("\\\n", " "))
+    yield from INLINE.findall(FENCED.sub("", text))
+
+
+@functools.cache
+def flags_of(*command: str) -> frozenset[str]:
+    """The flags in the help of a command; none if there is no such command."""
+    outcome = program.run(*command, "--help")
+    return frozenset(FLAG.findall(outcome.out)) if outcome.status == 0 else frozenset()
+
+
+class DocumentsTest(unittest.TestCase):
+    def test_every_flag_exists(self):
+        checked = 0
+        for document in DOCUMENTS:
+            for line in command_lines(document):
+                words = shlex.split(line)
+                # `bench` and `experiment` are programs of their own, with names in place of commands.
+                if not words or not words[0].islower() or words[0] in ("bench", "experiment"):
+                    continue
+                command = words[: 2 if words[0] in ("model", "category", "manual") else 1]
+                with self.subTest(document=document.name, line=line):
+                    known = flags_of(*[word for word in command if not word.startswith("-")])
+                    self.assertTrue(known, f"no command {command}")
+                    for word in words:
+                        if FLAG.fullmatch(word.split("=")[0]):
+                            self.assertIn(word.split("=")[0], known)
+                            checked += 1
+        self.assertGreater(checked, 40)
+
+
+if __name__ == "__main__":
+    program.main()
