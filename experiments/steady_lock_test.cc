@@ -7,6 +7,10 @@
 namespace victorious {
 namespace {
 
+using testing::PhotoOf;
+using testing::ShortFlight;
+using testing::WriteVideo;
+
 double OverlapWithTruth(const testing::SyntheticFlight& flight, const TrackingComparisonStep& step,
                         const Polygon& outline) {
   for (const testing::TruthRow& row : flight.Truth(static_cast<int>(step.frame))) {

@@ -18,11 +18,11 @@
 #include "victorious/store/export.h"
 #include "victorious/video/video_writer.h"
 
-namespace victorious {
+namespace victorious::testing {
 
 /// A crate and a truck, both visible more than once; small, so that rendering and searching take a second.
-inline testing::FlightOptions ShortFlight(int frames = 20) {
-  testing::FlightOptions options;
+inline FlightOptions ShortFlight(int frames = 20) {
+  FlightOptions options;
   options.seed = 5;
   options.frames = frames;
   options.width = 256;
@@ -34,8 +34,8 @@ inline testing::FlightOptions ShortFlight(int frames = 20) {
   return options;
 }
 
-inline void WriteVideo(const testing::SyntheticFlight& flight, const std::filesystem::path& path) {
-  const testing::FlightOptions& options = flight.options();
+inline void WriteVideo(const SyntheticFlight& flight, const std::filesystem::path& path) {
+  const FlightOptions& options = flight.options();
   auto writer = VideoWriter::Create(path, {.width = options.width, .height = options.height, .fps = options.fps});
   ASSERT_TRUE(writer) << writer.error().message;
   for (int i = 0; i < options.frames; ++i) ASSERT_TRUE((*writer)->Write(flight.Render(i).image));
@@ -44,7 +44,7 @@ inline void WriteVideo(const testing::SyntheticFlight& flight, const std::filesy
 }
 
 /// Image of an object, masked by its alpha channel, scaled by `factor`.
-inline Photo PhotoOf(const testing::SyntheticFlight& flight, int object, double factor = 1.0) {
+inline Photo PhotoOf(const SyntheticFlight& flight, int object, double factor = 1.0) {
   cv::Mat image;
   cv::resize(flight.ObjectPhoto(object), image, {}, factor, factor, cv::INTER_AREA);
   cv::Mat bgr;
@@ -57,11 +57,9 @@ inline Photo PhotoOf(const testing::SyntheticFlight& flight, int object, double 
 /// The flight of one seed in its own folder, with its video and a library of the requested models.
 class DrawnFlight {
  public:
-  explicit DrawnFlight(const testing::FlightOptions& options) : flight_(options) {
-    WriteVideo(flight_, folder_ / "flight.mkv");
-  }
+  explicit DrawnFlight(const FlightOptions& options) : flight_(options) { WriteVideo(flight_, folder_ / "flight.mkv"); }
 
-  [[nodiscard]] const testing::SyntheticFlight& flight() const { return flight_; }
+  [[nodiscard]] const SyntheticFlight& flight() const { return flight_; }
   [[nodiscard]] std::string video() const { return (folder_ / "flight.mkv").string(); }
   [[nodiscard]] std::filesystem::path operator/(std::string_view name) const { return folder_ / name; }
 
@@ -85,8 +83,8 @@ class DrawnFlight {
   }
 
  private:
-  testing::ScratchFolder folder_;
-  testing::SyntheticFlight flight_;
+  ScratchFolder folder_;
+  SyntheticFlight flight_;
 };
 
 inline std::vector<SightingRecord> SightingsOf(IndexStore& store, const SightingFilter& filter = {}) {
@@ -125,4 +123,4 @@ inline std::string Contents(IndexStore& store) {
   return text.str();
 }
 
-}  // namespace victorious
+}  // namespace victorious::testing

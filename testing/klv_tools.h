@@ -1,4 +1,4 @@
-// telemetry/: makes KLV packets as a producer writes them, for tests and fuzz seeds.
+// KLV packets as a producer writes them, for tests and fuzz seeds.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 #include "victorious/telemetry/klv.h"
 #include "victorious/telemetry/st0601.h"
 
-namespace victorious {
+namespace victorious::testing {
 
 inline constexpr std::string_view kSt0601LabelBytes("\x06\x0E\x2B\x34\x02\x0B\x01\x01\x0E\x01\x03\x01\x01\0\0\0", 16);
 inline constexpr std::string_view kEg0104LabelBytes("\x06\x0E\x2B\x34\x02\x01\x01\x01\x0E\x01\x01\x02\x01\x01\0\0", 16);
@@ -56,4 +56,4 @@ inline std::string CameraPacket(std::uint64_t time_us) {
                        {91, BigEndian(0, 4)}});
 }
 
-}  // namespace victorious
+}  // namespace victorious::testing

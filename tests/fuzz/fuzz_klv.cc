@@ -32,16 +32,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 }
 
 std::vector<std::string> FuzzSeeds() {
-  const std::string camera = victorious::CameraPacket(1'600'000'000'000'000);
+  const std::string camera = victorious::testing::CameraPacket(1'600'000'000'000'000);
   const std::string item = std::string("\x06\x0E\x2B\x34\x01\x01\x01\x03\x07\x01\x02\x01\x02\x04\x02\x00\x08", 17) +
                            "\x40\x43\x14\x78\x96\x13\xD3\x1C";
-  const std::string elder = std::string(victorious::kEg0104LabelBytes) + victorious::BerLength(item.size()) + item;
-  const std::string packs = victorious::St0601Packet({{3, "MISSION"},
-                                                      {47, "\x31"},
-                                                      {48, "\x01\x01\x03"},
-                                                      {74, "\x01\x7F"},
-                                                      {104, "\x12\x34\x56"},
-                                                      {116, "\x03\x07"},
-                                                      {6, "\x80"}});
+  const std::string elder =
+      std::string(victorious::testing::kEg0104LabelBytes) + victorious::testing::BerLength(item.size()) + item;
+  const std::string packs = victorious::testing::St0601Packet({{3, "MISSION"},
+                                                               {47, "\x31"},
+                                                               {48, "\x01\x01\x03"},
+                                                               {74, "\x01\x7F"},
+                                                               {104, "\x12\x34\x56"},
+                                                               {116, "\x03\x07"},
+                                                               {6, "\x80"}});
   return {camera, camera + camera, elder, packs, "\x01\x02" + elder + camera.substr(0, 60), ""};
 }

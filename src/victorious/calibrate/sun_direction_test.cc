@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "testing/painted_views.h"
+#include "testing/textured_scenes.h"
 
 namespace victorious {
 namespace {
@@ -74,7 +74,7 @@ class FailingExtractor final : public FeatureExtractor {
 
 cv::Mat SunlitScene() {
   cv::Mat scene = testing::Texture(640, 480, 4);
-  testing::Paste(testing::Painted::PaintOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
+  testing::Paste(testing::SunDependentTemplates::ImageOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
   return scene;
 }
 
@@ -95,7 +95,7 @@ class EstimateSunDirectionTest : public ::testing::Test {
  protected:
   static const Recognizer& RelightingRecognizer() {
     static const Recognizer recognizer = Recognizer::Create({testing::ModelFromAround()}, FeatureOptions().engine, {},
-                                                            {std::make_shared<const testing::Painted>()})
+                                                            {std::make_shared<const testing::SunDependentTemplates>()})
                                              .value();
     return recognizer;
   }

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "testing/waffle.h"
+#include "testing/small_cad_model.h"
 #include "victorious/evaluate/drawn_clutter.h"
 
 namespace victorious {
@@ -25,8 +25,8 @@ DetectabilityOptions Few(double size_px) {
 }
 
 TEST(Detectability, LargeModelsAreFoundTinyOnesAreNot) {
-  const Detectability large = Measure(testing::WaffleModel(), Few(200)).value();
-  const Detectability tiny = Measure(testing::WaffleModel(), Few(10)).value();
+  const Detectability large = Measure(testing::SmallCadModel(), Few(200)).value();
+  const Detectability tiny = Measure(testing::SmallCadModel(), Few(10)).value();
   EXPECT_GE(large.rate.found, 2);
   EXPECT_EQ(tiny.rate.found, 0);
   EXPECT_EQ(large.rate.tested, 3);
@@ -44,18 +44,18 @@ TEST(Detectability, LargeModelsAreFoundTinyOnesAreNot) {
 // Noise reduces the detections, and the missed images are then repeated without it.
 TEST(Detectability, NoiseLowersTheDetectionRate) {
   DetectabilityOptions options = Few(100);
-  const Detectability without_noise = Measure(testing::WaffleModel(), options).value();
+  const Detectability without_noise = Measure(testing::SmallCadModel(), options).value();
   EXPECT_FALSE(without_noise.without_noise);
   options.noise = 0.6;
-  const Detectability noisy = Measure(testing::WaffleModel(), options).value();
+  const Detectability noisy = Measure(testing::SmallCadModel(), options).value();
   EXPECT_LT(noisy.rate.found, without_noise.rate.found);
   ASSERT_TRUE(noisy.without_noise);
   EXPECT_EQ(noisy.without_noise->found, without_noise.rate.found);
 }
 
 TEST(Detectability, IsDeterministicBySeed) {
-  const Detectability first = Measure(testing::WaffleModel(), Few(60)).value();
-  const Detectability again = Measure(testing::WaffleModel(), Few(60)).value();
+  const Detectability first = Measure(testing::SmallCadModel(), Few(60)).value();
+  const Detectability again = Measure(testing::SmallCadModel(), Few(60)).value();
   EXPECT_EQ(ToJson(first), ToJson(again));
 }
 
@@ -66,7 +66,7 @@ TEST(Detectability, RendersUnderSunWithoutAttitude) {
   int images = 0;
   DetectabilityCallbacks callbacks;
   callbacks.image = [&](const cv::Mat& bgr) { images += bgr.type() == CV_8UC3 ? 1 : 0; };
-  const Detectability sunlit = Measure(testing::WaffleModel(), options, callbacks).value();
+  const Detectability sunlit = Measure(testing::SmallCadModel(), options, callbacks).value();
   EXPECT_EQ(images, 3);
   EXPECT_GT(sunlit.rate.found, 0);
 }
@@ -94,18 +94,19 @@ TEST(Detectability, SuggestsRemedies) {
 
 TEST(Detectability, RefusesInvalidOptionsAndPhotoModels) {
   for (const double size_px : {0.0, 7.0, 1e9, std::nan("")}) {
-    EXPECT_EQ(Measure(testing::WaffleModel(), Few(size_px)).error().code, ErrorCode::kInvalidArgument) << size_px;
+    EXPECT_EQ(Measure(testing::SmallCadModel(), Few(size_px)).error().code, ErrorCode::kInvalidArgument) << size_px;
   }
   DetectabilityOptions low = Few(64);
   low.sun_deg = 2;
-  EXPECT_NE(Measure(testing::WaffleModel(), low).error().message.find("5 to 90"), std::string::npos);
-  ObjectModel photos = testing::WaffleModel();
+  EXPECT_NE(Measure(testing::SmallCadModel(), low).error().message.find("5 to 90"), std::string::npos);
+  ObjectModel photos = testing::SmallCadModel();
   photos.views[2].surface = {};
   EXPECT_NE(Measure(photos, Few(64)).error().message.find("CAD"), std::string::npos);
   CancelToken cancel;
   cancel.Cancel();
-  EXPECT_EQ(MeasureDetectability(testing::WaffleModel(), LowContrastFeatureOptions(), {}, Few(64), cancel).error().code,
-            ErrorCode::kCancelled);
+  EXPECT_EQ(
+      MeasureDetectability(testing::SmallCadModel(), LowContrastFeatureOptions(), {}, Few(64), cancel).error().code,
+      ErrorCode::kCancelled);
 }
 
 TEST(DrawClutter, DependsOnlyOnSeedAndIsFullOfEdges) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "testing/waffle.h"
+#include "testing/small_cad_model.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -27,7 +27,7 @@ double SharedMask(const WarpedView& a, const WarpedView& b) {
 
 // A direction between two views renders alike from both of them, although the views themselves differ.
 TEST(WarpedView, BothNeighboursWarpToTheSameImage) {
-  const ObjectModel& model = testing::WaffleModel();
+  const ObjectModel& model = testing::SmallCadModel();
   const WarpedView left = WarpView(model, FromDegrees(44.9, 40), {}).value();   // from azimuth 30
   const WarpedView right = WarpView(model, FromDegrees(45.1, 40), {}).value();  // from azimuth 60
   const WarpedView before = WarpView(model, FromDegrees(30, 30), {}).value();
@@ -39,7 +39,7 @@ TEST(WarpedView, BothNeighboursWarpToTheSameImage) {
 
 // Holds for small rotations, as between views; larger rotations leave occluded surfaces missing.
 TEST(WarpedView, HasNoGaps) {
-  const WarpedView view = WarpView(testing::WaffleModel(), FromDegrees(0, 4), {}).value();
+  const WarpedView view = WarpView(testing::SmallCadModel(), FromDegrees(0, 4), {}).value();
   const cv::Rect middle(view.mask.cols / 2 - 20, view.mask.rows / 2 - 20, 40, 40);
   EXPECT_EQ(cv::countNonZero(view.mask(middle)), middle.area());
   EXPECT_EQ(view.mask.at<std::uint8_t>(0, 0), 0);
@@ -47,16 +47,16 @@ TEST(WarpedView, HasNoGaps) {
 
 TEST(WarpedView, IsRelitByTheSun) {
   const ViewDirection direction = FromDegrees(100, 45);
-  const WarpedView soft = WarpView(testing::WaffleModel(), direction, {}).value();
-  const WarpedView east = WarpView(testing::WaffleModel(), direction, FromDegrees(90, 50)).value();
-  const WarpedView west = WarpView(testing::WaffleModel(), direction, FromDegrees(270, 50)).value();
+  const WarpedView soft = WarpView(testing::SmallCadModel(), direction, {}).value();
+  const WarpedView east = WarpView(testing::SmallCadModel(), direction, FromDegrees(90, 50)).value();
+  const WarpedView west = WarpView(testing::SmallCadModel(), direction, FromDegrees(270, 50)).value();
   EXPECT_EQ(SharedMask(soft, east), 1);
   EXPECT_GT(MeanDifference(soft, east), 3);
   EXPECT_GT(MeanDifference(east, west), 3);
 }
 
 TEST(WarpedView, DamagedSurfaceIsAnError) {
-  ObjectModel model = testing::WaffleModel();
+  ObjectModel model = testing::SmallCadModel();
   for (ModelView& view : model.views) view.surface = view.surface.first(50);
   const auto result = WarpView(model, FromDegrees(0, 0), {});
   ASSERT_FALSE(result);

@@ -11,19 +11,19 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "testing/waffle.h"
+#include "testing/small_cad_model.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/view_surface.h"
 
 namespace victorious {
 namespace {
 
-using testing::WaffleModel;
+using testing::SmallCadModel;
 
 TEST(ViewSurface, RoundTrips) {
-  const ViewSurface first = DecodeSurface(WaffleModel().views[3].surface, "waffle").value();
+  const ViewSurface first = DecodeSurface(SmallCadModel().views[3].surface, "slab").value();
   const auto bytes = EncodeSurface(first).value();
-  const ViewSurface again = DecodeSurface(bytes, "waffle").value();
+  const ViewSurface again = DecodeSurface(bytes, "slab").value();
   EXPECT_EQ(cv::norm(first.grey, again.grey, cv::NORM_INF), 0);
   const cv::Mat depth_map = first.depth_map.depth_m == first.depth_map.depth_m;
   ASSERT_GT(cv::countNonZero(depth_map), 1000);
@@ -38,9 +38,9 @@ TEST(ViewSurface, RoundTrips) {
 }
 
 TEST(ViewSurface, PartHasTheObjectAndABorderOfBackground) {
-  const std::span<const std::byte> bytes = WaffleModel().views[3].surface;
-  const ViewSurface whole = DecodeSurface(bytes, "waffle").value();
-  const SurfacePart part = DecodeSurfacePart(bytes, "waffle").value();
+  const std::span<const std::byte> bytes = SmallCadModel().views[3].surface;
+  const ViewSurface whole = DecodeSurface(bytes, "slab").value();
+  const SurfacePart part = DecodeSurfacePart(bytes, "slab").value();
   EXPECT_EQ(part.rendering_px, whole.grey.size());
   EXPECT_EQ(part.origin.x % 2, 0);
   EXPECT_EQ(part.origin.y % 2, 0);
@@ -60,23 +60,23 @@ TEST(ViewSurface, PartHasTheObjectAndABorderOfBackground) {
 }
 
 TEST(ViewSurface, DamagedSurfaceIsAnError) {
-  const std::span<const std::byte> sound = WaffleModel().views[3].surface;
+  const std::span<const std::byte> sound = SmallCadModel().views[3].surface;
   for (const std::size_t kept : {std::size_t{0}, std::size_t{50}, std::size_t{120}, sound.size() / 2}) {
-    const auto result = DecodeSurface(sound.first(kept), "model waffle");
+    const auto result = DecodeSurface(sound.first(kept), "model slab");
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::kDataLoss);
-    EXPECT_NE(result.error().message.find("model waffle"), std::string::npos);
+    EXPECT_NE(result.error().message.find("model slab"), std::string::npos);
   }
   std::vector<std::byte> elsewhere(sound.begin(), sound.end());
   elsewhere[104] = std::byte{0x7F};  // the left edge of the stored crop, beyond the rendering's width
   elsewhere[105] = std::byte{0x7F};
-  EXPECT_FALSE(DecodeSurface(elsewhere, "model waffle"));
+  EXPECT_FALSE(DecodeSurface(elsewhere, "model slab"));
 }
 
 // Relit templates have features and points of the same form as the original ones; they depend on the sun, and repeated
 // requests give the same ones.
 TEST(RelitViews, FeaturesDependOnTheSun) {
-  const auto relit = MakeRelitViews(WaffleModel()).value();
+  const auto relit = MakeRelitViews(SmallCadModel()).value();
   ASSERT_NE(relit, nullptr);
   constexpr std::size_t kView = 5;
   const auto east = relit->GetTemplate({7, kView}).value();
@@ -86,7 +86,7 @@ TEST(RelitViews, FeaturesDependOnTheSun) {
   EXPECT_NE(east->features.descriptors, west->features.descriptors);
   EXPECT_EQ(relit->GetTemplate({7, kView}).value(), east);
   for (const Point3& point : east->points_in_model) {
-    EXPECT_LE(std::abs(point.x), 2.15F);  // the extent of the waffle, and the error of a keypoint's place
+    EXPECT_LE(std::abs(point.x), 2.15F);  // the extent of the slab, and the error of a keypoint's place
     EXPECT_LE(std::abs(point.y), 1.65F);
     EXPECT_LE(point.z, 0.55F);
   }
@@ -94,7 +94,7 @@ TEST(RelitViews, FeaturesDependOnTheSun) {
 
 // A coarse template has fewer features than the full one, with larger keypoints, at the projections of their points.
 TEST(RelitViews, CoarseTemplateHasTheSamePixelFrame) {
-  const auto relit = MakeRelitViews(WaffleModel()).value();
+  const auto relit = MakeRelitViews(SmallCadModel()).value();
   constexpr std::size_t kView = 5;
   const auto sharp = relit->GetTemplate({7, kView}).value();
   const auto coarse = relit->GetTemplate({7, kView, true}).value();
@@ -107,7 +107,7 @@ TEST(RelitViews, CoarseTemplateHasTheSamePixelFrame) {
   };
   EXPECT_GT(smallest(*coarse), 1.5F * smallest(*sharp));
   ASSERT_EQ(coarse->features.size(), coarse->points_in_model.size());
-  const PosedDepthMap depth_map = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value().depth_map;
+  const PosedDepthMap depth_map = DecodeSurface(SmallCadModel().views[kView].surface, "slab").value().depth_map;
   for (std::size_t i = 0; i < coarse->features.size(); ++i) {
     const Keypoint& keypoint = coarse->features.keypoints[i];
     const Point3& place = coarse->points_in_model[i];
@@ -122,12 +122,12 @@ TEST(RelitViews, CoarseTemplateHasTheSamePixelFrame) {
 // An evicted template is made again identically; within the budget it is kept.
 TEST(RelitViews, BudgetIsSharedByModels) {
   const auto cache = std::make_shared<RelitViewCache>(3'000'000);
-  const auto relit = MakeRelitViews(WaffleModel(), cache).value();
-  const auto other = MakeRelitViews(WaffleModel(), cache).value();
+  const auto relit = MakeRelitViews(SmallCadModel(), cache).value();
+  const auto other = MakeRelitViews(SmallCadModel(), cache).value();
   const auto first = relit->GetTemplate({7, 1}).value();
   EXPECT_EQ(relit->GetTemplate({7, 1}).value(), first);
   EXPECT_GT(cache->size_bytes(), first->features.descriptors.size());
-  for (std::size_t view = 0; view < WaffleModel().views.size(); ++view) {
+  for (std::size_t view = 0; view < SmallCadModel().views.size(); ++view) {
     static_cast<void>(other->GetTemplate({7, view}).value());
     EXPECT_LE(cache->size_bytes(), 3'000'000U);
   }
@@ -138,7 +138,7 @@ TEST(RelitViews, BudgetIsSharedByModels) {
 
 // Threads that prepare the same views concurrently share them; each is made once.
 TEST(RelitViews, ConcurrentThreadsShareTemplates) {
-  const auto relit = MakeRelitViews(WaffleModel()).value();
+  const auto relit = MakeRelitViews(SmallCadModel()).value();
   std::vector<RelitTemplateKey> wanted;
   for (std::size_t view = 1; view < 7; ++view) wanted.push_back({8, view});
   constexpr std::size_t kThreads = 4;
@@ -162,9 +162,9 @@ TEST(RelitViews, ConcurrentThreadsShareTemplates) {
 
 // Each point lies on the object and projects to a pixel of its brightness.
 TEST(RelitViews, AppearanceMatchesTheRendering) {
-  const auto views = MakeRelitViews(WaffleModel()).value();
+  const auto views = MakeRelitViews(SmallCadModel()).value();
   constexpr std::size_t kView = 5;
-  const ViewSurface surface = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value();
+  const ViewSurface surface = DecodeSurface(SmallCadModel().views[kView].surface, "slab").value();
   cv::Mat blurred;
   cv::GaussianBlur(surface.grey, blurred, {}, kAppearanceBlur_px);
   const auto appearance = views->GetAppearance(kView, 0).value();
@@ -195,13 +195,13 @@ TEST(RelitViews, AppearanceMatchesTheRendering) {
 }
 
 TEST(RelitViews, DamagedRenderingIsAnError) {
-  ObjectModel model = WaffleModel();
+  ObjectModel model = SmallCadModel();
   model.views[3].surface = model.views[3].surface.first(50);
   const auto views = MakeRelitViews(model).value();
   const Expected<std::shared_ptr<const ViewAppearance>> appearance = views->GetAppearance(3, 0);
   ASSERT_FALSE(appearance);
   EXPECT_EQ(appearance.error().code, ErrorCode::kDataLoss);
-  EXPECT_EQ(appearance.error().message, "model waffle: view 3: damaged: make the model again");
+  EXPECT_EQ(appearance.error().message, "model slab: view 3: damaged: make the model again");
   for (const RelitTemplateKey& key : {RelitTemplateKey{7, 3}, RelitTemplateKey{3, 7}}) {
     views->Prepare(std::span(&key, 1));
     const Expected<std::shared_ptr<const RelitTemplate>> relit = views->GetTemplate(key);
@@ -212,7 +212,7 @@ TEST(RelitViews, DamagedRenderingIsAnError) {
 }
 
 TEST(RelitViews, PhotoModelsHaveNoRelitViews) {
-  ObjectModel model = WaffleModel();
+  ObjectModel model = SmallCadModel();
   model.views[2].surface = {};
   EXPECT_EQ(MakeRelitViews(model).value(), nullptr);
 }

@@ -4,16 +4,23 @@
 
 #include <gtest/gtest.h>
 
-#include "testing/staged_sighting.h"
+#include "testing/synthetic_sighting.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/observe/object_pose.h"
 
 namespace victorious {
 namespace {
 
-std::optional<BearingObservation> ObserveStaged(const StagedSighting& staged, const CameraState& camera) {
+using testing::kFocalPx;
+using testing::kHeight;
+using testing::kWidth;
+using testing::LookingDown;
+using testing::MakeSyntheticSighting;
+using testing::SyntheticSighting;
+
+std::optional<BearingObservation> Observe(const SyntheticSighting& sighting, const CameraState& camera) {
   const auto object_pose =
-      EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
+      EstimateObjectPose(sighting.detection, sighting.model, sighting.scene, camera, {}, UpInCamera(camera));
   return object_pose ? MakeBearingObservation(*object_pose, camera) : std::nullopt;
 }
 
@@ -33,8 +40,8 @@ TEST(BearingObservation, MatchesBearingRangeAndHeadingOfAKnownObject) {
   const Eigen::Vector3d object_enu(40, 55, -100);
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
-    const StagedSighting staged = StageSighting(camera, object_enu, heading_deg, {});
-    const auto observation = ObserveStaged(staged, camera);
+    const SyntheticSighting sighting = MakeSyntheticSighting(camera, object_enu, heading_deg, {});
+    const auto observation = Observe(sighting, camera);
     ExpectObservation(observation, object_enu, heading_deg);
     EXPECT_EQ(observation->line.camera, camera.place);
     EXPECT_EQ(observation->line.time_s, 2);
@@ -45,15 +52,15 @@ TEST(BearingObservation, LensDistortionIsRemoved) {
   const Eigen::Vector3d object_enu(47, 60, -100);
   CameraState camera = LookingDown(-55, 38);
   camera.distortion = LensDistortion{-2.5, 8, 0.01, -0.02, 0};
-  const StagedSighting staged = StageSighting(camera, object_enu, 140, *camera.distortion);
-  ExpectObservation(ObserveStaged(staged, camera), object_enu, 140);
+  const SyntheticSighting sighting = MakeSyntheticSighting(camera, object_enu, 140, *camera.distortion);
+  ExpectObservation(Observe(sighting, camera), object_enu, 140);
 }
 
 TEST(BearingObservation, IncompleteCameraStateGivesNone) {
   CameraState camera = LookingDown(-55, 38);
-  const StagedSighting staged = StageSighting(camera, {40, 55, -100}, 10, {});
+  const SyntheticSighting sighting = MakeSyntheticSighting(camera, {40, 55, -100}, 10, {});
   camera.hfov_rad.reset();
-  EXPECT_FALSE(ObserveStaged(staged, camera));
+  EXPECT_FALSE(Observe(sighting, camera));
 }
 
 TEST(BearingObservation, PhotoModelHasARangeOnlyWithKnownLength) {

@@ -5,12 +5,16 @@
 
 #include <gtest/gtest.h>
 
-#include "testing/staged_sighting.h"
+#include "testing/synthetic_sighting.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/view_sphere.h"
 
 namespace victorious {
 namespace {
+
+using testing::LookingDown;
+using testing::MakeSyntheticSighting;
+using testing::SyntheticSighting;
 
 const Eigen::Vector3d kPlaceEnu(40, 55, -100);
 
@@ -27,23 +31,23 @@ double ViewErrorDeg(const ObjectPose& object_pose, const Eigen::Vector3d& truth)
 }
 
 // Noise of keypoint positions.
-void Blur(StagedSighting& staged, double sigma_px, std::uint64_t seed) {
+void Blur(SyntheticSighting& sighting, double sigma_px, std::uint64_t seed) {
   Random random(seed);
-  for (Keypoint& keypoint : staged.scene.keypoints) {
+  for (Keypoint& keypoint : sighting.scene.keypoints) {
     keypoint.x += static_cast<float>(sigma_px * random.Normal());
     keypoint.y += static_cast<float>(sigma_px * random.Normal());
   }
 }
 
-std::optional<ObjectPose> EstimateStagedPose(const StagedSighting& staged, const CameraState& camera) {
-  return EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
+std::optional<ObjectPose> EstimatePose(const SyntheticSighting& sighting, const CameraState& camera) {
+  return EstimateObjectPose(sighting.detection, sighting.model, sighting.scene, camera, {}, UpInCamera(camera));
 }
 
 TEST(ObjectPose, InterpolatesBetweenViews) {
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
-    const StagedSighting staged = StageSighting(camera, kPlaceEnu, heading_deg, {});
-    const auto object_pose = EstimateStagedPose(staged, camera);
+    const SyntheticSighting sighting = MakeSyntheticSighting(camera, kPlaceEnu, heading_deg, {});
+    const auto object_pose = EstimatePose(sighting, camera);
     ASSERT_TRUE(object_pose);
     EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(heading_deg)), 0.7) << "the view that matched is 4 degrees off";
     EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.01 * kPlaceEnu.norm());
@@ -52,7 +56,7 @@ TEST(ObjectPose, InterpolatesBetweenViews) {
 
 TEST(ObjectPose, ViewAndInPlaneRotationGiveTheRotation) {
   const CameraState camera = LookingDown(-55, 38);
-  const auto object_pose = EstimateStagedPose(StageSighting(camera, kPlaceEnu, 200, {}), camera);
+  const auto object_pose = EstimatePose(MakeSyntheticSighting(camera, kPlaceEnu, 200, {}), camera);
   ASSERT_TRUE(object_pose);
   const Rigid3& stands = *object_pose->camera_from_object;
   const Eigen::Quaterniond turned =
@@ -64,16 +68,16 @@ TEST(ObjectPose, ViewAndInPlaneRotationGiveTheRotation) {
 
 TEST(ObjectPose, NeedsOnlyTheFieldOfView) {
   const CameraState camera = LookingDown(-55, 38);
-  const StagedSighting staged = StageSighting(camera, kPlaceEnu, 75, {});
-  const auto object_pose = EstimateStagedPose(staged, CameraState{.hfov_rad = camera.hfov_rad});
+  const SyntheticSighting sighting = MakeSyntheticSighting(camera, kPlaceEnu, 75, {});
+  const auto object_pose = EstimatePose(sighting, CameraState{.hfov_rad = camera.hfov_rad});
   ASSERT_TRUE(object_pose);
   EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 1.5);
   EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.02 * kPlaceEnu.norm());
 }
 
 TEST(ObjectPose, MissingFieldOfViewGivesNoRange) {
-  const StagedSighting staged = StageSighting(LookingDown(-55, 38), kPlaceEnu, 75, {});
-  const auto object_pose = EstimateStagedPose(staged, CameraState{});
+  const SyntheticSighting sighting = MakeSyntheticSighting(LookingDown(-55, 38), kPlaceEnu, 75, {});
+  const auto object_pose = EstimatePose(sighting, CameraState{});
   ASSERT_TRUE(object_pose);
   EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 3);
   EXPECT_FALSE(object_pose->range_m);
@@ -82,13 +86,13 @@ TEST(ObjectPose, MissingFieldOfViewGivesNoRange) {
 TEST(ObjectPose, IsRobustToFalseMatches) {
   const CameraState camera = LookingDown(-55, 38);
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    StagedSighting staged = StageSighting(camera, kPlaceEnu, 75, {});
-    Blur(staged, 0.5, seed);
-    for (std::size_t i = 0; i < staged.scene.keypoints.size(); i += 3) {
-      staged.scene.keypoints[i].x += 9;
-      staged.scene.keypoints[i].y -= 7;
+    SyntheticSighting sighting = MakeSyntheticSighting(camera, kPlaceEnu, 75, {});
+    Blur(sighting, 0.5, seed);
+    for (std::size_t i = 0; i < sighting.scene.keypoints.size(); i += 3) {
+      sighting.scene.keypoints[i].x += 9;
+      sighting.scene.keypoints[i].y -= 7;
     }
-    const auto object_pose = EstimateStagedPose(staged, camera);
+    const auto object_pose = EstimatePose(sighting, camera);
     ASSERT_TRUE(object_pose);
     EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 4) << seed;
     EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.04 * kPlaceEnu.norm()) << seed;
@@ -101,9 +105,9 @@ TEST(ObjectPose, CovarianceIsConsistent) {
   int view_inside = 0;
   int distance_inside = 0;
   for (std::uint64_t seed = 0; seed < kDraws; ++seed) {
-    StagedSighting staged = StageSighting(camera, kPlaceEnu, 300, {});
-    Blur(staged, 1, 50 + seed);
-    const auto object_pose = EstimateStagedPose(staged, camera);
+    SyntheticSighting sighting = MakeSyntheticSighting(camera, kPlaceEnu, 300, {});
+    Blur(sighting, 1, 50 + seed);
+    const auto object_pose = EstimatePose(sighting, camera);
     ASSERT_TRUE(object_pose);
     const double error_rad = RadiansFromDegrees(ViewErrorDeg(*object_pose, TrueDirection(300)));
     view_inside += error_rad < 2.15 * object_pose->view->sigma_rad ? 1 : 0;  // 90 % of a 2-D normal distribution
@@ -129,10 +133,10 @@ TEST(ObjectPose, TrackingDriftGrowsWithFrames) {
 }
 
 TEST(ObjectPose, ModelWithoutPointsHasNoPose) {
-  StagedSighting staged = StageSighting(LookingDown(-55, 38), kPlaceEnu, 75, {});
-  for (FitInlier& inlier : staged.detection.fit.inliers) inlier.point_in_model.reset();
-  EXPECT_FALSE(EstimateStagedPose(staged, LookingDown(-55, 38)));
-  EXPECT_FALSE(EstimateStagedPose(staged, CameraState{}));
+  SyntheticSighting sighting = MakeSyntheticSighting(LookingDown(-55, 38), kPlaceEnu, 75, {});
+  for (FitInlier& inlier : sighting.detection.fit.inliers) inlier.point_in_model.reset();
+  EXPECT_FALSE(EstimatePose(sighting, LookingDown(-55, 38)));
+  EXPECT_FALSE(EstimatePose(sighting, CameraState{}));
 }
 
 TEST(ObjectPose, BoxGivesDirectionToItsCentre) {

@@ -9,8 +9,12 @@ namespace victorious {
 namespace {
 
 using ::testing::AllOf;
+using testing::DrawnFlight;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::ObjectsOf;
+using testing::ShortFlight;
+using testing::SightingsOf;
 
 constexpr ContactSheetOptions kSmallTiles = {.max_tiles = 24, .columns = 2, .tile_width_px = 160};
 

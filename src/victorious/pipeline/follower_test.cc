@@ -11,6 +11,9 @@
 namespace victorious {
 namespace {
 
+using testing::DrawnFlight;
+using testing::ShortFlight;
+
 // One flight and its follower; full-frame searches at a fixed interval.
 class FollowerTest : public ::testing::Test {
  protected:

@@ -6,7 +6,7 @@
 
 #include "testing/category_tools.h"
 #include "testing/drawn_flight.h"
-#include "testing/hooked_store.h"
+#include "testing/fault_injecting_store.h"
 #include "victorious/pipeline/indexer.h"
 #include "victorious/recognize/category_images.h"
 #include "victorious/store/catalogue.h"
@@ -14,7 +14,13 @@
 namespace victorious {
 namespace {
 
+using testing::Contents;
+using testing::DrawnFlight;
+using testing::FaultInjectingStore;
 using ::testing::HasSubstr;
+using testing::ObjectsOf;
+using testing::ShortFlight;
+using testing::SightingsOf;
 
 constexpr int kFrames = 80;
 constexpr int kChange = 40;  // first frame of the second category
@@ -100,7 +106,7 @@ TEST_F(IndexCategoriesTest, ResumedSearchEqualsUninterruptedSearch) {
 
   const auto parts = Store("parts.db");
   CancelToken cancel;
-  HookedStore hooked(*parts, [&]() -> Status {
+  FaultInjectingStore hooked(*parts, [&]() -> Status {
     cancel.Cancel();
     return {};
   });

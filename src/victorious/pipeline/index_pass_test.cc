@@ -15,8 +15,13 @@ namespace victorious {
 namespace {
 
 using ::testing::AllOf;
+using testing::CameraPacket;
+using testing::DrawnFlight;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::ShortFlight;
+using testing::SightingsOf;
+using testing::VideosOf;
 
 constexpr std::int64_t kFrames = 200;
 

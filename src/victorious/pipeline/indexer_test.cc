@@ -8,12 +8,21 @@
 #include <gtest/gtest.h>
 
 #include "testing/drawn_flight.h"
-#include "testing/hooked_store.h"
+#include "testing/fault_injecting_store.h"
 #include "victorious/base/file.h"
 #include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {
+
+using testing::Contents;
+using testing::DrawnFlight;
+using testing::FaultInjectingStore;
+using testing::ObjectsOf;
+using testing::PhotoOf;
+using testing::ShortFlight;
+using testing::SightingsOf;
+using testing::VideosOf;
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -235,7 +244,7 @@ TEST(Indexer, ResumedRunEqualsUninterruptedRun) {
   while (true) {
     ASSERT_LT(++runs, kFrames) << "each does a frame at least";
     CancelToken cancel;
-    HookedStore hooked(*store, [&]() -> Status {
+    FaultInjectingStore hooked(*store, [&]() -> Status {
       cancel.Cancel();
       return {};
     });
@@ -301,7 +310,7 @@ TEST(Indexer, ModelsResumeAtTheirOwnFrame) {
   const DrawnFlight flight(ShortFlight(48));
   const auto store = flight.Store("index.db");
   CancelToken cancel;
-  HookedStore hooked(*store, [&]() -> Status {
+  FaultInjectingStore hooked(*store, [&]() -> Status {
     cancel.Cancel();
     return {};
   });
@@ -460,7 +469,7 @@ TEST(Indexer, StoreErrorsAreReturnedAndTheRunCanResume) {
   const DrawnFlight flight(ShortFlight(48));
   const auto store = flight.Store("index.db");
   int commits = 0;
-  HookedStore full(*store, [&]() -> Status {
+  FaultInjectingStore full(*store, [&]() -> Status {
     if (++commits < 2) return {};
     return Fail(ErrorCode::kNoSpace, "index.db: no space left");
   });
@@ -483,7 +492,7 @@ TEST(Indexer, ConcurrentProcessesStoreNoDuplicates) {
   const auto store = flight.Store("index.db");
   bool first = true;
   // Before this process stores its first batch, another one does all of the work.
-  HookedStore raced(*store, [&]() -> Status {
+  FaultInjectingStore raced(*store, [&]() -> Status {
     if (std::exchange(first, false)) Index(flight.video(), flight.Models(), *store);
     return {};
   });

@@ -15,8 +15,11 @@
 namespace victorious {
 namespace {
 
+using testing::BigEndian;
+using testing::CameraPacket;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::St0601Packet;
 
 constexpr std::uint64_t kStart_us = 1'700'000'000'000'000;
 

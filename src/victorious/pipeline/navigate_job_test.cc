@@ -9,6 +9,9 @@
 namespace victorious {
 namespace {
 
+using testing::DrawnFlight;
+using testing::ShortFlight;
+
 // Real landmarks are tested with the whole command (tests/e2e/test_navigate.py).
 
 constexpr std::string_view kCrate = R"({"model":"crate","latitude_deg":52.5,"longitude_deg":13.4,"altitude_m":75.5})";

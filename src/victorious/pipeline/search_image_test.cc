@@ -11,11 +11,14 @@ namespace victorious {
 namespace {
 
 using ::testing::AllOf;
+using testing::DrawnFlight;
 using ::testing::Each;
 using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using testing::PhotoOf;
+using testing::ShortFlight;
 using ::testing::SizeIs;
 
 // Two frames per second: the crate is absent for longer than the maximum gap of a segment.

@@ -14,6 +14,8 @@ namespace victorious {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::ShortFlight;
+using testing::WriteVideo;
 
 class TrackJobTest : public ::testing::Test {
  protected:

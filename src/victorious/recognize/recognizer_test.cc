@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/flat_view_source.h"
-#include "testing/painted_views.h"
+#include "testing/textured_scenes.h"
 #include "victorious/base/random.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
@@ -23,7 +23,7 @@ using testing::kAround;
 using testing::kOffNadir_rad;
 using testing::ModelFromAround;
 using testing::ModelOf;
-using testing::Painted;
+using testing::SunDependentTemplates;
 using testing::Paste;
 using testing::Texture;
 
@@ -175,10 +175,10 @@ TEST_P(VotesTest, EstimateSunFromRelitTemplates) {
   constexpr std::size_t kView = 2;
   constexpr std::size_t kSunView = 3;
   cv::Mat scene = Texture(640, 480, 4);
-  Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
+  Paste(SunDependentTemplates::ImageOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
   const FeatureSet features = FeaturesOf(scene);
   const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, By(GetParam()),
-                                                   {std::make_shared<const Painted>()})
+                                                   {std::make_shared<const SunDependentTemplates>()})
                                     .value();
   ASSERT_TRUE(recognizer.HasRelitTemplates());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
@@ -203,13 +203,13 @@ TEST_P(VotesTest, SunIsRelativeToTheLineOfSight) {
   constexpr std::size_t kSunView = 3;
   const Eigen::Vector2d at(560, 240);
   cv::Mat scene = Texture(640, 480, 4);
-  Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, at, scene);
+  Paste(SunDependentTemplates::ImageOf(kSunView, kView), 1.0, 0, at, scene);
   const FeatureSet features = FeaturesOf(scene);
   RecognizeOptions options = By(GetParam());
   options.search.max_tilt_rad = 0.6;  // the scene does not model the lean of the object there
   options.search.sun_step_rad = 0.1;  // much finer than the suns of this test
   const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {std::make_shared<const Painted>()})
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {std::make_shared<const SunDependentTemplates>()})
           .value();
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 1.1, 640, 480);
   const double relative_azimuth_rad = vertical.AzimuthAt(at);
@@ -231,34 +231,34 @@ TEST(Recognizer, RelitCoarseViewsHaveHalfResolution) {
   cv::Mat scene = Texture(640, 480, 4);
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
   const Sun sun{.azimuth_rad = -5 * kPi / 6, .elevation_rad = kPi / 4};
-  Paste(Painted::PaintOf(3, kView), 1.0, 0, {320, 240}, scene);
-  const auto painted = std::make_shared<const Painted>();
+  Paste(SunDependentTemplates::ImageOf(3, kView), 1.0, 0, {320, 240}, scene);
+  const auto templates = std::make_shared<const SunDependentTemplates>();
   RecognizeOptions options;
   options.search.max_refined_views = 1;
   const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {painted}).value();
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {templates}).value();
   const std::vector<Detection> found =
       recognizer.Recognize(FeaturesOf(scene), {.vertical = vertical, .relative_sun = sun}).value();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
-  EXPECT_EQ(painted->coarse().size(), kAround / 2);
-  EXPECT_TRUE(painted->coarse().contains(kView));
-  EXPECT_EQ(painted->sharp(), (std::set<std::size_t>{kView, kView + 1}));
+  EXPECT_EQ(templates->coarse().size(), kAround / 2);
+  EXPECT_TRUE(templates->coarse().contains(kView));
+  EXPECT_EQ(templates->sharp(), (std::set<std::size_t>{kView, kView + 1}));
 }
 
 // A model that the scene does not show is not searched at full resolution.
 TEST(Recognizer, ShortlistRefinesProposalsOnly) {
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
   const Sun sun{.azimuth_rad = -5 * kPi / 6, .elevation_rad = kPi / 4};
-  const auto painted = std::make_shared<const Painted>();
+  const auto templates = std::make_shared<const SunDependentTemplates>();
   RecognizeOptions options = By(SearchMethod::kShortlist);
   options.shortlist.min_refined_neg_log10_nfa = 4;
   const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {painted}).value();
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {templates}).value();
   const FrameConditions conditions{.vertical = vertical, .relative_sun = sun};
   EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, 4)), conditions).value().empty());
-  EXPECT_EQ(painted->coarse().size(), kAround / 2);
-  EXPECT_TRUE(painted->sharp().empty());
+  EXPECT_EQ(templates->coarse().size(), kAround / 2);
+  EXPECT_TRUE(templates->sharp().empty());
 }
 
 // The surface samples of a flat object.

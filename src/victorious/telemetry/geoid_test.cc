@@ -11,6 +11,8 @@
 namespace victorious {
 namespace {
 
+using testing::BigEndian;
+
 std::string Number(double value) { return BigEndian(std::bit_cast<std::uint64_t>(value), 8); }
 
 // A global grid in steps of 90 degrees from longitude -180, rows at -90, 0 and 90; heights are 10 row + column.

@@ -11,6 +11,12 @@
 namespace victorious {
 namespace {
 
+using testing::BerLength;
+using testing::BigEndian;
+using testing::CameraPacket;
+using testing::kEg0104LabelBytes;
+using testing::St0601Packet;
+
 KlvPacket Decode(const std::string& text) { return DecodeKlv(AsBytes(text)).packets.at(0); }
 
 std::optional<CameraState> CameraOf(const std::string& text) { return CameraFromKlv(Decode(text)); }

@@ -7,6 +7,9 @@
 namespace victorious {
 namespace {
 
+using testing::kSt0601LabelBytes;
+using testing::St0601Packet;
+
 TEST(Klv, BerLengthsShortAndLong) {
   const std::string text = "\x05\x81\xC8\x82\x01\x00" + std::string("\x8A\0\0\0\0\0\0\0\0\0\x07", 11);
   Bytes bytes = AsBytes(std::string_view("\x05\x81\xC8\x82\x01\x00", 6));

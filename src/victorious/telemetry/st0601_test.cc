@@ -10,6 +10,12 @@
 namespace victorious {
 namespace {
 
+using testing::BerLength;
+using testing::BigEndian;
+using testing::CameraPacket;
+using testing::kSt0601LabelBytes;
+using testing::St0601Packet;
+
 KlvPacket Decode(const std::string& text) {
   const KlvPackets decoded = DecodeKlv(AsBytes(text));
   EXPECT_EQ(decoded.packets.size(), 1U);

@@ -16,8 +16,13 @@
 namespace victorious {
 namespace {
 
+using testing::BerLength;
+using testing::BigEndian;
+using testing::CameraPacket;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using testing::kSt0601LabelBytes;
+using testing::St0601Packet;
 
 constexpr const char* kHeader = "time_s,latitude_deg,longitude_deg,altitude_m,vertical_datum\n";
 

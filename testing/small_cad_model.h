@@ -6,6 +6,6 @@
 namespace victorious::testing {
 
 /// A slab 4 m long with 40 blocks of different sizes and heights; views every 30 degrees, off-nadir angles up to 60.
-const ObjectModel& WaffleModel();
+const ObjectModel& SmallCadModel();
 
 }  // namespace victorious::testing

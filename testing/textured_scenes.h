@@ -1,4 +1,4 @@
-// For tests only: flat textured objects, pasted into random scenes, and a model that every sun paints differently.
+// For tests only: flat textured objects pasted into random scenes, and a model whose templates depend on the sun.
 #pragma once
 
 #include <cstddef>
@@ -78,7 +78,7 @@ inline Similarity2 Paste(const cv::Mat& object, double scale, double rotation_ra
 inline constexpr double kOffNadir_rad = 40 * kPi / 180;
 inline constexpr std::size_t kAround = 12;
 
-/// A CAD model that has one texture from everywhere under diffuse light; Painted gives it another under each sun.
+/// A CAD model that has one texture from everywhere under diffuse light; SunDependentTemplates gives it another under each sun.
 inline ObjectModel ModelFromAround() {
   ObjectModel model = ModelOf("crate", Texture(120, 90, 99));
   model.kind = ModelKind::kCad;
@@ -94,16 +94,16 @@ inline ObjectModel ModelFromAround() {
 
 /// The relit templates of ModelFromAround: a texture of its own for each view and each sun above the azimuth of a view.
 /// Thread-safe.
-class Painted : public RelitTemplateSource {
+class SunDependentTemplates : public RelitTemplateSource {
  public:
-  Painted() {
+  SunDependentTemplates() {
     for (std::size_t i = 0; i < kAround * kAround; ++i) {
       auto lit = std::make_shared<RelitTemplate>();
-      lit->features = FeaturesOf(PaintOf(i / kAround, i % kAround));
+      lit->features = FeaturesOf(ImageOf(i / kAround, i % kAround));
       lit_.push_back(std::move(lit));
     }
   }
-  static cv::Mat PaintOf(std::size_t sun_view, std::size_t view) {
+  static cv::Mat ImageOf(std::size_t sun_view, std::size_t view) {
     return Texture(120, 90, 1000 + kAround * sun_view + view);
   }
 

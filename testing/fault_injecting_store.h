@@ -1,4 +1,4 @@
-// A store for the tests of this folder that can fail or interrupt.
+// An index store that can fail or interrupt, for the tests of jobs.
 #pragma once
 
 #include <functional>
@@ -11,12 +11,12 @@
 
 #include "victorious/store/index_store.h"
 
-namespace victorious {
+namespace victorious::testing {
 
 // Forwards all calls; calls `before_commit` before each commit.
-class HookedStore final : public IndexStore {
+class FaultInjectingStore final : public IndexStore {
  public:
-  HookedStore(IndexStore& store, std::function<Status()> before_commit)
+  FaultInjectingStore(IndexStore& store, std::function<Status()> before_commit)
       : store_(store), before_commit_(std::move(before_commit)) {}
 
   [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name,
@@ -68,4 +68,4 @@ class HookedStore final : public IndexStore {
   std::function<Status()> before_commit_;
 };
 
-}  // namespace victorious
+}  // namespace victorious::testing

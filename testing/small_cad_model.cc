@@ -1,4 +1,4 @@
-#include "testing/waffle.h"
+#include "testing/small_cad_model.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace victorious::testing {
 namespace {
 
-Mesh Waffle() {
+Mesh Slab() {
   Mesh mesh = Box({-2, -1.5F, -0.3F}, {2, 1.5F, 0});
   Random random(7);
   for (int i = 0; i < 40; ++i) {
@@ -26,11 +26,11 @@ Mesh Waffle() {
 
 }  // namespace
 
-const ObjectModel& WaffleModel() {
+const ObjectModel& SmallCadModel() {
   static const ObjectModel model = [] {
     CadModelOptions options;
     options.sphere = {.step_deg = 30, .max_off_nadir_deg = 60};
-    auto made = MakeCadModel("waffle", Waffle(), "waffle.glb", options);
+    auto made = MakeCadModel("slab", Slab(), "slab.glb", options);
     EXPECT_TRUE(made) << made.error().message;
     return made.value_or(ObjectModel{});
   }();
