@@ -122,8 +122,8 @@ std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservat
   for (const GroundPointObservation& ground_point : ground_points) {
     const std::optional<CameraState> camera = cameras.At(ground_point.time_s);
     if (!camera) continue;
-    const Box about{ground_point.place.x() - kPointBox_px / 2, ground_point.place.y() - kPointBox_px / 2, kPointBox_px,
-                    kPointBox_px};
+    const Box about{ground_point.position_px.x() - kPointBox_px / 2, ground_point.position_px.y() - kPointBox_px / 2,
+                    kPointBox_px, kPointBox_px};
     if (auto observation = MakeBoxBearingObservation(about, image_size, *camera, nullptr, 0))
       observations.push_back(*std::move(observation));
   }

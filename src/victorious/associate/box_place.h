@@ -45,7 +45,7 @@ enum class BoxMotion {
 struct GroundPointObservation {
   std::int64_t frame = 0;
   double time_s = 0;
-  Eigen::Vector2d place;  ///< px
+  Eigen::Vector2d position_px;
 };
 
 /// Geolocates a static ground point by the intersection of its lines of sight. std::nullopt if too few of them agree.

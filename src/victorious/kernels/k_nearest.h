@@ -25,13 +25,13 @@ class KNearest {
 
   void Insert(std::int32_t distance, std::uint32_t index) {
     if (distance >= Worst()) return;
-    std::size_t place = k_ - 1;
-    for (; place > 0 && distance < distance_[place - 1]; --place) {
-      distance_[place] = distance_[place - 1];
-      index_[place] = index_[place - 1];
+    std::size_t slot = k_ - 1;
+    for (; slot > 0 && distance < distance_[slot - 1]; --slot) {
+      distance_[slot] = distance_[slot - 1];
+      index_[slot] = index_[slot - 1];
     }
-    distance_[place] = distance;
-    index_[place] = index;
+    distance_[slot] = distance;
+    index_[slot] = index;
   }
 
   void Write(std::int32_t query_squared, Neighbour* out) const {

@@ -173,9 +173,9 @@ TEST(RelitViews, AppearanceMatchesTheRendering) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   double off = 0;
   for (const SurfaceSample& point : appearance->points) {
-    middle += point.place.cast<double>();
+    middle += point.position_m.cast<double>();
     const Eigen::Vector2d at =
-        appearance->centre_px + appearance->pixels_per_m * (turned * point.place.cast<double>()).head<2>();
+        appearance->centre_px + appearance->pixels_per_m * (turned * point.position_m.cast<double>()).head<2>();
     const cv::Point pixel(static_cast<int>(at.x()), static_cast<int>(at.y()));
     ASSERT_TRUE(cv::Rect({0, 0}, blurred.size()).contains(pixel));
     ASSERT_FALSE(std::isnan(surface.depth_map.depth_m.at<float>(pixel)));

@@ -35,15 +35,15 @@ ViewAppearance SampleTemplatePoints(const ViewSurface& surface, double shrink) {
   for (int row = 0; row < inside.rows; row += step) {
     for (int column = 0; column < inside.cols; column += step) {
       if (inside.at<std::uint8_t>(row, column) == 0) continue;
-      const Eigen::Vector3d place = model_from_camera.Apply(static_cast<double>(depth_m.at<float>(row, column)) *
-                                                            camera.pinhole.Unproject({column + 0.5, row + 0.5}));
-      appearance.points.push_back({place.cast<float>(), sum.at<float>(row, column) / weight.at<float>(row, column)});
-      middle += place;
+      const Eigen::Vector3d position = model_from_camera.Apply(static_cast<double>(depth_m.at<float>(row, column)) *
+                                                               camera.pinhole.Unproject({column + 0.5, row + 0.5}));
+      appearance.points.push_back({position.cast<float>(), sum.at<float>(row, column) / weight.at<float>(row, column)});
+      middle += position;
     }
   }
   if (appearance.points.size() < kMinPoints) return {};
   middle /= static_cast<double>(appearance.points.size());
-  for (SurfaceSample& point : appearance.points) point.place -= middle.cast<float>();
+  for (SurfaceSample& point : appearance.points) point.position_m -= middle.cast<float>();
   const Eigen::Vector3d depth_map = camera.camera_from_world.Apply(middle);
   appearance.centre_px = {camera.pinhole.fx * depth_map.x() / depth_map.z() + camera.pinhole.cx,
                           camera.pinhole.fy * depth_map.y() / depth_map.z() + camera.pinhole.cy};

@@ -70,7 +70,7 @@ BoxMotion BoxLocator::ClassifyMotion(std::size_t box_index, const std::vector<Bo
       continue;
     const Box& box = sighting->extent;
     const Eigen::Vector2d centre(box.x + box.width / 2, box.y + box.height / 2);
-    away.push_back((centre - ground_point->second.place).norm() / std::max(box.width, box.height));
+    away.push_back((centre - ground_point->second.position_px).norm() / std::max(box.width, box.height));
   }
   const std::size_t outliers =
       std::max<std::size_t>(3, static_cast<std::size_t>(kMaxOutlierFraction * std::ssize(away)));

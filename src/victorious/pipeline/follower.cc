@@ -161,7 +161,7 @@ ObservedObject Follower::MakeTrackedObject(const TrackStep& step, const Frame& f
     detection.fit.inliers.push_back(last.inliers[point.inlier.value()]);
     detection.fit.inliers.back().scene_keypoint = static_cast<std::uint32_t>(seen.features.size());
     seen.features.keypoints.push_back(
-        {.x = static_cast<float>(point.place.x()), .y = static_cast<float>(point.place.y())});
+        {.x = static_cast<float>(point.position_px.x()), .y = static_cast<float>(point.position_px.y())});
   }
   return seen;
 }

@@ -121,8 +121,8 @@ void TrackPass::TrackGroundPoints(const Frame& frame) {
   const FlowPyramid clean(CleanGrey(frame.image));
   for (TrackedTarget& followed : targets_) {
     if (!followed.ground) continue;
-    if (const auto place = followed.ground->Step(clean, followed.last_box)) {
-      ground_points_.push_back({followed.target.box_index, {frame.index, frame.time_s, *place}});
+    if (const auto position_px = followed.ground->Step(clean, followed.last_box)) {
+      ground_points_.push_back({followed.target.box_index, {frame.index, frame.time_s, *position_px}});
     } else {
       followed.ground.reset();
     }

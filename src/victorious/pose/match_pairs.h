@@ -75,10 +75,10 @@ std::size_t CountTemplateKeypoints(const Matches& matches) {
 
 /// Area of the inliers' convex hull over the outline's area, in the template; 0 to about 1.
 inline double Extent(const std::vector<PointPair>& inliers, const Polygon& outline) {
-  std::vector<Eigen::Vector2d> places;
-  places.reserve(inliers.size());
-  for (const PointPair& pair : inliers) places.push_back(pair.source);
-  return std::abs(SignedArea(ConvexHull(std::move(places)))) / std::max(1e-9, std::abs(SignedArea(outline)));
+  std::vector<Eigen::Vector2d> sources;
+  sources.reserve(inliers.size());
+  for (const PointPair& pair : inliers) sources.push_back(pair.source);
+  return std::abs(SignedArea(ConvexHull(std::move(sources)))) / std::max(1e-9, std::abs(SignedArea(outline)));
 }
 
 }  // namespace victorious

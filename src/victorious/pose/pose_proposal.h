@@ -30,7 +30,7 @@ class KeypointDensity {
  public:
   explicit KeypointDensity(const FeatureSet& scene);
 
-  /// The density in the square around a place, over the scene's mean density; of whole cells of 16 px.
+  /// The density in the square around a point, over the scene's mean density; of whole cells of 16 px.
   /// @param half_side_px  of the square
   [[nodiscard]] double Around(double x, double y, double half_side_px) const;
 

@@ -72,7 +72,7 @@ class NccEvaluator {
     const Eigen::Vector2f middle = Centre(hypothesis);
     std::vector<SurfaceSample> samples_in_frame;
     for (const SurfaceSample& point : appearance_.points) {
-      if (IsInFrame(project * point.place + middle)) samples_in_frame.push_back(point);
+      if (IsInFrame(project * point.position_m + middle)) samples_in_frame.push_back(point);
     }
     return samples_in_frame;
   }
@@ -88,7 +88,7 @@ class NccEvaluator {
     double sum_bb = 0;
     double sum_ab = 0;
     for (const SurfaceSample& point : appearance_.points) {
-      const Eigen::Vector2f at = project * point.place + middle;
+      const Eigen::Vector2f at = project * point.position_m + middle;
       if (!IsInFrame(at)) continue;
       const double a = point.brightness;
       const double b = scene_.at<float>(static_cast<int>(at.y()), static_cast<int>(at.x()));
@@ -254,7 +254,7 @@ std::optional<double> MaxNccScore(const cv::Mat& scene, const std::vector<Neighb
 // Mean distance of the samples from their centroid, in scene px.
 double MeanRadiusPx(const ViewAppearance& appearance, double scale) {
   double sum_m = 0;
-  for (const SurfaceSample& point : appearance.points) sum_m += point.place.norm();
+  for (const SurfaceSample& point : appearance.points) sum_m += point.position_m.norm();
   return scale * appearance.pixels_per_m * sum_m / static_cast<double>(appearance.points.size());
 }
 

@@ -34,8 +34,8 @@ struct RelitTemplateKey {
 
 /// A surface point and its rendered brightness.
 struct SurfaceSample {
-  Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< m, relative to the centroid of the samples, model axes
-  float brightness = 0;                             ///< 0 to 255
+  Eigen::Vector3f position_m = Eigen::Vector3f::Zero();  ///< relative to the centroid of the samples, model axes
+  float brightness = 0;                                  ///< 0 to 255
 };
 
 /// The rendering of a view as 3D surface samples, so that it can be reprojected from nearby directions.

@@ -31,7 +31,7 @@ struct TemplateProposal {
     const AzimuthCells& cells, const VoteSearchOptions& options, std::span<const TemplateVariant> variants,
     int nearest);
 
-/// The most significant proposals, by falling -log10 NFA, at least min_neg_log10_nfa; of each place in the scene at
+/// The most significant proposals, by falling -log10 NFA, at least min_neg_log10_nfa; of each position in the scene at
 /// most two, so that one instance does not crowd out another.
 std::vector<TemplateProposal> BestProposals(std::vector<TemplateProposal> proposals, int max_count,
                                             double min_neg_log10_nfa);

@@ -85,10 +85,10 @@ float SunVisibility(vec3 face) {
   vec3 point = (sun_from_camera * vec4(point_in_camera, 1.0)).xyz - sun_low;
   vec2 slope = normal.xy / max(-normal.z, kMinCosine);
   float bias = dot(abs(slope) + 0.1, texel_m);
-  int places = normal.z < 0.0 ? 9 : 0;
+  int samples = normal.z < 0.0 ? 9 : 0;
   float seen = 0.0;
   float taken = 0.0;
-  for (int i = 0; i < places; ++i) {
+  for (int i = 0; i < samples; ++i) {
     if (i == kFirstSamples && (seen == 0.0 || seen == taken)) break;
     vec2 aside = kSampleOffsets[i] * step_m;
     seen += texture(sun_depth, (point + vec3(aside, dot(slope, aside) - bias)) / sun_size);

@@ -40,9 +40,9 @@ cv::Mat OrientationHistograms(const cv::Mat& image, cv::Size cells) {
   std::array<float, kCell_px> cell_weight;  // weight of the later cell, by the pixel's position in its cell
   std::array<int, kCell_px> step;           // offset of the earlier of the two nearest cells, in the padded grid
   for (int i = 0; i < kCell_px; ++i) {
-    const float place = (static_cast<float>(i) + 0.5F) / kCell_px - 0.5F;  // from the cell's centre, in cells
-    step[i] = place < 0 ? 0 : 1;
-    cell_weight[i] = place < 0 ? place + 1 : place;
+    const float position = (static_cast<float>(i) + 0.5F) / kCell_px - 0.5F;  // from the cell's centre, in cells
+    step[i] = position < 0 ? 0 : 1;
+    cell_weight[i] = position < 0 ? position + 1 : position;
   }
   constexpr auto kBinsPerRad = static_cast<float>(kSignedBins / (2 * std::numbers::pi));
   for (int v = 0; v < height; ++v) {

@@ -86,7 +86,7 @@ struct LocalExpansion {
   cv::Matx22d hessian;
 };
 
-LocalExpansion ExpandAt(const cv::Mat& spectrum, cv::Point2d place) {
+LocalExpansion ExpandAt(const cv::Mat& spectrum, cv::Point2d position) {
   LocalExpansion expansion;
   const int rows = spectrum.rows;
   const int columns = spectrum.cols;
@@ -95,7 +95,7 @@ LocalExpansion ExpandAt(const cv::Mat& spectrum, cv::Point2d place) {
     const Complex* values = reinterpret_cast<const Complex*>(spectrum.ptr<float>(row));
     for (int column = 0; column < columns; ++column) {
       const double fx = 2 * std::numbers::pi * (column <= columns / 2 ? column : column - columns) / columns;
-      const double phase = fx * place.x + fy * place.y;
+      const double phase = fx * position.x + fy * position.y;
       const double c = std::cos(phase);
       const double s = std::sin(phase);
       const double even = values[column].real() * c - values[column].imag() * s;
@@ -114,15 +114,15 @@ LocalExpansion ExpandAt(const cv::Mat& spectrum, cv::Point2d place) {
 
 // Newton iterations from the highest pixel to the sub-pixel maximum.
 cv::Point2d RefinePeak(const cv::Mat& spectrum, cv::Point2d start) {
-  cv::Point2d place = start;
+  cv::Point2d position = start;
   for (int step = 0; step < kNewtonSteps; ++step) {
-    const LocalExpansion expansion = ExpandAt(spectrum, place);
+    const LocalExpansion expansion = ExpandAt(spectrum, position);
     if (!(expansion.hessian(0, 0) < 0 && cv::determinant(expansion.hessian) > 0)) return start;
     const cv::Vec2d move = expansion.hessian.inv() * expansion.gradient;
-    place -= cv::Point2d(move[0], move[1]);
-    if (std::abs(place.x - start.x) > 1 || std::abs(place.y - start.y) > 1) return start;
+    position -= cv::Point2d(move[0], move[1]);
+    if (std::abs(position.x - start.x) > 1 || std::abs(position.y - start.y) > 1) return start;
   }
-  return place;
+  return position;
 }
 
 // The peak-to-sidelobe ratio: (peak - mean) / standard deviation over the map outside the peak.
@@ -237,7 +237,7 @@ FilterResponse CorrelationFilter::ComputeResponse(const CellFeatures& window) co
   cv::minMaxLoc(map, nullptr, &response.height, nullptr, &peak);
   const cv::Point2d refined = RefinePeak(sum, peak);
   // Shifts are periodic: those beyond half the window are negative.
-  const auto centred = [](double place, int count) { return place > count / 2 ? place - count : place; };
+  const auto centred = [](double position, int count) { return position > count / 2 ? position - count : position; };
   response.peak = {centred(refined.x, map.cols), centred(refined.y, map.rows)};
   const cv::Point middle(map.cols / 2, map.rows / 2);
   response.map.create(map.size(), CV_32F);

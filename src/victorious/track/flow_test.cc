@@ -49,17 +49,17 @@ TEST(TrackPointsForwardBackward, FailsForBlankFramesAndFramesOfAnotherSize) {
   const std::vector<Eigen::Vector2d> points = DetectCorners(before, kMiddle, 50);
   for (const cv::Size size : {before.size(), cv::Size(100, 100)}) {
     const cv::Mat blank(size, CV_8UC1, cv::Scalar(70));
-    for (const auto& place : TrackPointsForwardBackward(FlowPyramid(before), FlowPyramid(blank), points, points)) {
-      EXPECT_FALSE(place);
+    for (const auto& position : TrackPointsForwardBackward(FlowPyramid(before), FlowPyramid(blank), points, points)) {
+      EXPECT_FALSE(position);
     }
   }
 }
 
 TEST(Patch, IsInvariantToBrightnessRotationAndScale) {
   const cv::Mat before = GreyTown();
-  const Eigen::Vector2d place(200.5, 150.5);
-  const Patch patch(before, place, 13, Eigen::Matrix2d::Identity());
-  EXPECT_NEAR(patch.NccScore(Patch(before * 0.5 + 40, place, 13, Eigen::Matrix2d::Identity())), 1, 0.02);
+  const Eigen::Vector2d position(200.5, 150.5);
+  const Patch patch(before, position, 13, Eigen::Matrix2d::Identity());
+  EXPECT_NEAR(patch.NccScore(Patch(before * 0.5 + 40, position, 13, Eigen::Matrix2d::Identity())), 1, 0.02);
 
   const Similarity2 turn{1.3, 0.5, {20, -30}};
   const Eigen::Matrix3d matrix = turn.Matrix();
@@ -68,8 +68,8 @@ TEST(Patch, IsInvariantToBrightnessRotationAndScale) {
   const cv::Matx23d affine(matrix(0, 0), matrix(0, 1), offset.x(), matrix(1, 0), matrix(1, 1), offset.y());
   cv::Mat after;
   cv::warpAffine(before, after, affine, before.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
-  EXPECT_GT(patch.NccScore(Patch(after, turn.Apply(place), 13, turn.Linear())), 0.97);
-  EXPECT_LT(patch.NccScore(Patch(after, turn.Apply(place) + Eigen::Vector2d(15, 0), 13, turn.Linear())), 0.5);
+  EXPECT_GT(patch.NccScore(Patch(after, turn.Apply(position), 13, turn.Linear())), 0.97);
+  EXPECT_LT(patch.NccScore(Patch(after, turn.Apply(position) + Eigen::Vector2d(15, 0), 13, turn.Linear())), 0.5);
 }
 
 TEST(Patch, UniformPatchHasZeroNccScore) {

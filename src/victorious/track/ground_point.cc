@@ -23,7 +23,7 @@ Box SquareAround(const Eigen::Vector2d& centre, double side_px) {
 
 GroundPointTracker::GroundPointTracker(FlowPyramid frame, const Box& object)
     : before_(std::move(frame)),
-      place_(object.x + object.width / 2, object.y + object.height / 2),
+      position_px_(object.x + object.width / 2, object.y + object.height / 2),
       side_px_(std::max(object.width, object.height)) {}
 
 std::optional<Eigen::Vector2d> GroundPointTracker::Step(const FlowPyramid& frame, const std::optional<Box>& object) {
@@ -33,16 +33,16 @@ std::optional<Eigen::Vector2d> GroundPointTracker::Step(const FlowPyramid& frame
   const double side_px = std::max(kNeighbourhood * side_px_, kMinNeighbourhood_px);
   std::vector<Eigen::Vector2d> points = DetectCorners(
       before.grey(),
-      BoxCorners(Intersection(SquareAround(place_, side_px), FrameBox(frame.grey().cols, frame.grey().rows))),
+      BoxCorners(Intersection(SquareAround(position_px_, side_px), FrameBox(frame.grey().cols, frame.grey().rows))),
       kMotionCorners);
   if (object) std::erase_if(points, [&](const auto& point) { return object->Contains(point.x(), point.y()); });
   const auto motion =
       EstimateCornerMotion(before, frame, points, {.noise_px = kCornerNoise_px, .outlier_area_px2 = side_px * side_px});
   if (!motion) return std::nullopt;
-  place_ = motion->Apply(place_);
-  if (!FrameBox(frame.grey().cols, frame.grey().rows).Contains(place_.x(), place_.y())) return std::nullopt;
+  position_px_ = motion->Apply(position_px_);
+  if (!FrameBox(frame.grey().cols, frame.grey().rows).Contains(position_px_.x(), position_px_.y())) return std::nullopt;
   before_ = frame;
-  return place_;
+  return position_px_;
 }
 
 }  // namespace victorious

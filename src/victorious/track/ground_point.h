@@ -29,8 +29,8 @@ class GroundPointTracker {
 
  private:
   std::optional<FlowPyramid> before_;  // previous frame; empty: lost
-  Eigen::Vector2d place_;              // px
-  double side_px_;                     // longer side of the object's box
+  Eigen::Vector2d position_px_;
+  double side_px_;  // longer side of the object's box
 };
 
 }  // namespace victorious

@@ -50,9 +50,9 @@ TEST(GroundPointTracker, StaysOnTheGroundWhenTheCarDrivesAway) {
   const Eigen::Vector2d spot(500, 400);
   GroundPointTracker ground(FlowPyramid(view.Draw(0, CarOnGround(0))), CarInFrame(0));
   for (int i = 1; i <= 20; ++i) {
-    const auto place = ground.Step(FlowPyramid(view.Draw(i, CarOnGround(i))), CarInFrame(i - 1));
-    ASSERT_TRUE(place) << i;
-    EXPECT_LT((*place - View::InFrame(spot, i)).norm(), 1.5) << i;
+    const auto position = ground.Step(FlowPyramid(view.Draw(i, CarOnGround(i))), CarInFrame(i - 1));
+    ASSERT_TRUE(position) << i;
+    EXPECT_LT((*position - View::InFrame(spot, i)).norm(), 1.5) << i;
   }
 }
 
@@ -61,10 +61,10 @@ TEST(GroundPointTracker, IsLostOutsideTheFrameOrWithoutFeatures) {
   GroundPointTracker leaves(FlowPyramid(view.Draw(0, CarOnGround(0))), CarInFrame(0));
   int seen = 0;
   for (int i = 1; i <= 60; ++i) {
-    const auto place = leaves.Step(FlowPyramid(view.Draw(i, CarOnGround(0))), std::nullopt);
-    if (!place) continue;
+    const auto position = leaves.Step(FlowPyramid(view.Draw(i, CarOnGround(0))), std::nullopt);
+    if (!position) continue;
     EXPECT_EQ(++seen, i) << "a lost point stays lost";
-    EXPECT_GE(place->x(), 0);
+    EXPECT_GE(position->x(), 0);
   }
   EXPECT_GT(seen, 30);
   EXPECT_LT(seen, 60);

@@ -33,8 +33,8 @@ Patch::Patch(const cv::Mat& grey, const Eigen::Vector2d& centre, int side_px, co
   const int half = side_px / 2;
   for (int y = -half; y <= half; ++y) {
     for (int x = -half; x <= half; ++x) {
-      const Eigen::Vector2d place = centre + linear * Eigen::Vector2d(x, y);
-      values_.push_back(Sample(grey, place.x(), place.y()));
+      const Eigen::Vector2d position = centre + linear * Eigen::Vector2d(x, y);
+      values_.push_back(Sample(grey, position.x(), position.y()));
     }
   }
   const float mean = std::accumulate(values_.begin(), values_.end(), 0.0F) / static_cast<float>(values_.size());

@@ -116,9 +116,9 @@ std::vector<RegionTracker::TemplatePoint> RegionTracker::MakeTemplate(std::span<
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   std::vector<TemplatePoint> usable;
   for (const TrackPoint& point : points) {
-    if (!frame.Contains(point.place.x(), point.place.y())) continue;
-    Patch patch(now_->grey(), point.place, kPatchSide_px, Eigen::Matrix2d::Identity());
-    if (!patch.IsFlat()) usable.push_back({point, std::move(patch), point.place});
+    if (!frame.Contains(point.position_px.x(), point.position_px.y())) continue;
+    Patch patch(now_->grey(), point.position_px, kPatchSide_px, Eigen::Matrix2d::Identity());
+    if (!patch.IsFlat()) usable.push_back({point, std::move(patch), point.position_px});
   }
   return usable;
 }
@@ -141,8 +141,8 @@ RegionTracker::MotionEstimate RegionTracker::EstimateMotion(const Track& track, 
   for (std::size_t i = 0; i < track.points.size(); ++i) {
     if (!track.points[i].is_tracked) continue;
     indices.push_back(i);
-    from.push_back(track.points[i].place);
-    guesses.emplace_back(track.points[i].place + drift);
+    from.push_back(track.points[i].position_px);
+    guesses.emplace_back(track.points[i].position_px + drift);
   }
   const std::vector<std::optional<Eigen::Vector2d>> followed =
       TrackPointsForwardBackward(*track.last, *now_, from, guesses);
@@ -156,7 +156,7 @@ RegionTracker::MotionEstimate RegionTracker::EstimateMotion(const Track& track, 
     const TemplatePoint& point = track.points[indices[k]];
     const Patch seen(now_->grey(), *followed[k], kPatchSide_px, linear);
     if (point.patch.NccScore(seen) < options_.min_ncc) continue;
-    pairs.push_back({point.origin.place, *followed[k]});
+    pairs.push_back({point.origin.position_px, *followed[k]});
     point_index.push_back(indices[k]);
   }
 
@@ -174,8 +174,8 @@ RegionTracker::MotionEstimate RegionTracker::EstimateMotion(const Track& track, 
   // Only points inside the frame count.
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   const auto in_view = std::ranges::count_if(track.points, [&](const TemplatePoint& point) {
-    const Eigen::Vector2d place = result->model.Apply(point.origin.place);
-    return frame.Contains(place.x(), place.y());
+    const Eigen::Vector2d position_px = result->model.Apply(point.origin.position_px);
+    return frame.Contains(position_px.x(), position_px.y());
   });
   const double growth = std::abs(std::log(result->model.scale / track.last_from_template.scale));
   const auto agreeing = static_cast<double>(estimate.inliers.size());
@@ -194,8 +194,8 @@ void RegionTracker::ApplyMotion(Track& track, const MotionEstimate& estimate) co
   track.last_time_s = time_s_;
   track.missed_frames = 0;
   for (TemplatePoint& point : track.points) point.is_tracked = false;
-  for (const auto& [index, place] : estimate.inliers) {
-    track.points[index].place = place;
+  for (const auto& [index, position_px] : estimate.inliers) {
+    track.points[index].position_px = position_px;
     track.points[index].is_tracked = true;
   }
   ReacquirePoints(track);
@@ -206,9 +206,9 @@ void RegionTracker::ReacquirePoints(Track& track) const {
   const Eigen::Matrix2d linear = track.last_from_template.Linear();
   for (TemplatePoint& point : track.points) {
     if (point.is_tracked) continue;
-    point.place = track.last_from_template.Apply(point.origin.place);
-    if (!frame.Contains(point.place.x(), point.place.y())) continue;
-    const Patch seen(now_->grey(), point.place, kPatchSide_px, linear);
+    point.position_px = track.last_from_template.Apply(point.origin.position_px);
+    if (!frame.Contains(point.position_px.x(), point.position_px.y())) continue;
+    const Patch seen(now_->grey(), point.position_px, kPatchSide_px, linear);
     point.is_tracked = point.patch.NccScore(seen) >= options_.min_ncc;
   }
 }
@@ -218,8 +218,8 @@ TrackLoss RegionTracker::ClassifyLoss(const Track& track) const {
   const Eigen::Vector2d drift = PredictShift(track);
   std::size_t num_mismatches = 0;
   for (const TemplatePoint& point : track.points) {
-    const Eigen::Vector2d place = track.last_from_template.Apply(point.origin.place) + drift;
-    const Patch seen(now_->grey(), place, kPatchSide_px, track.last_from_template.Linear());
+    const Eigen::Vector2d position_px = track.last_from_template.Apply(point.origin.position_px) + drift;
+    const Patch seen(now_->grey(), position_px, kPatchSide_px, track.last_from_template.Linear());
     if (!seen.IsFlat() && point.patch.NccScore(seen) < options_.min_ncc) ++num_mismatches;
   }
   return 2 * num_mismatches > track.points.size() ? TrackLoss::kOccluded : TrackLoss::kLostPoints;
@@ -261,7 +261,7 @@ TrackStep RegionTracker::MakeStep(const Track& track, TrackLoss loss) const {
   if (!step.seen()) return step;
   step.box = BoundingBox(ClipToBox(step.outline, frame));
   for (const TemplatePoint& point : track.points) {
-    if (point.is_tracked) step.points.push_back({point.place, point.origin.inlier});
+    if (point.is_tracked) step.points.push_back({point.position_px, point.origin.inlier});
   }
   step.support =
       static_cast<double>(step.points.size()) / static_cast<double>(std::max<std::size_t>(1, track.points.size()));

@@ -60,8 +60,8 @@ class RegionTracker {
   struct TemplatePoint {
     TrackPoint origin;  // in the template's frame
     Patch patch;
-    Eigen::Vector2d place;   // px, in the frame where it was last seen
-    bool is_tracked = true;  // seen in the frame where the track was last seen
+    Eigen::Vector2d position_px;  // in the frame where it was last seen
+    bool is_tracked = true;       // seen in the frame where the track was last seen
   };
 
   struct Track {

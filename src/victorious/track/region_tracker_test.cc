@@ -63,8 +63,8 @@ std::vector<TrackPoint> PointsIn(const cv::Mat& frame, const Polygon& outline, i
   cv::Mat grey;
   cv::cvtColor(frame, grey, cv::COLOR_BGR2GRAY);
   std::vector<TrackPoint> points;
-  for (const Eigen::Vector2d& place : DetectCorners(grey, outline, max_points)) {
-    points.push_back({place, static_cast<std::uint32_t>(points.size())});
+  for (const Eigen::Vector2d& position_px : DetectCorners(grey, outline, max_points)) {
+    points.push_back({position_px, static_cast<std::uint32_t>(points.size())});
   }
   return points;
 }
@@ -105,10 +105,10 @@ TEST(RegionTracker, FollowsAnObjectOverMovingBackground) {
   user_box = {user_box.x - 4, user_box.y - 4, user_box.width + 8, user_box.height + 8};
   follower.Start(world.Draw(At(60, 80)), BoxCorners(user_box));
   for (int i = 1; i <= 30; ++i) {
-    const Similarity2 place = At(60 + 6 * i, 80 + 2 * i);
-    const auto step = follower.Step(world.Draw(place, {200.0 + 5 * i, 200.0 - 3 * i}));
+    const Similarity2 from_object = At(60 + 6 * i, 80 + 2 * i);
+    const auto step = follower.Step(world.Draw(from_object, {200.0 + 5 * i, 200.0 - 3 * i}));
     ASSERT_TRUE(step && step->seen()) << i;
-    EXPECT_GT(IntersectionOverUnion(step->box, BoundingBox(world.Outline(place))), 0.8) << i;
+    EXPECT_GT(IntersectionOverUnion(step->box, BoundingBox(world.Outline(from_object))), 0.8) << i;
     EXPECT_GT(step->support, 0.3) << i;
   }
 }
@@ -116,12 +116,12 @@ TEST(RegionTracker, FollowsAnObjectOverMovingBackground) {
 TEST(RegionTracker, FollowsRotationAndScale) {
   const World world;
   Follower follower;
-  const auto place = [](int i) { return Similarity2{0.5 + 0.008 * i, 0.02 * i, {140, 90}}; };
-  follower.Start(world.Draw(place(0)), world.Outline(place(0)));
+  const auto from_object = [](int i) { return Similarity2{0.5 + 0.008 * i, 0.02 * i, {140, 90}}; };
+  follower.Start(world.Draw(from_object(0)), world.Outline(from_object(0)));
   for (int i = 1; i <= 30; ++i) {
-    const auto step = follower.Step(world.Draw(place(i)));
+    const auto step = follower.Step(world.Draw(from_object(i)));
     ASSERT_TRUE(step && step->seen()) << i;
-    EXPECT_GT(IntersectionOverUnion(step->outline, world.Outline(place(i))), 0.9) << i;
+    EXPECT_GT(IntersectionOverUnion(step->outline, world.Outline(from_object(i))), 0.9) << i;
     EXPECT_NEAR(step->now_from_template.rotation_rad, 0.02 * i, 0.02) << i;
   }
 }
@@ -136,7 +136,7 @@ TEST(RegionTracker, PointsKeepTheIndexOfTheirInlier) {
     ASSERT_TRUE(point.inlier);
     const auto origin = std::ranges::find(first.points, point.inlier, &TrackPoint::inlier);
     ASSERT_NE(origin, first.points.end());
-    EXPECT_LT((point.place - origin->place - Eigen::Vector2d(9, -2)).norm(), 1.5);
+    EXPECT_LT((point.position_px - origin->position_px - Eigen::Vector2d(9, -2)).norm(), 1.5);
   }
 }
 

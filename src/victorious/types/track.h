@@ -15,7 +15,7 @@ namespace victorious {
 
 /// A tracked point on an object.
 struct TrackPoint {
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< px in the frame
+  Eigen::Vector2d position_px = Eigen::Vector2d::Zero();  ///< in the frame
   std::optional<std::uint32_t>
       inlier;  ///< index of the inlier (PlanarFit::inliers) that it was made from; nullopt: none
 };
