@@ -43,6 +43,18 @@ constexpr std::array kScaleCycle = {1.0, 0.8, 1.25};  // of the template, from f
 constexpr double kMinNcc = 0.3;                       // of a candidate
 constexpr int kMaxCandidates = 4;
 
+// Reach of a lost object, in units of its size (square root of the box's area): how far from its predicted or its last
+// position it may be by its own motion and the errors of the camera's. Beyond the reach, only its appearance speaks for
+// it, and other objects look similar: the templates must fit almost as well as they usually do, and better than they fit
+// any other object that was in view together with the target. The sharpness of the response does not tell two objects
+// apart, since it depends on the surroundings.
+constexpr double kReach = 3;
+constexpr double kReachPerFrame = 0.15;
+constexpr double kFarNcc = 0.8;       // of its running mean
+constexpr double kRivalMargin = 0.1;  // between the target's relative NCC and that of a similar object
+constexpr int kRivalInterval = 8;     // updates between two searches for similar objects, which search the whole frame
+constexpr double kRivalDecay = 0.9;   // per such search: a similar object may be hidden for a while
+
 RotatedBox MakeWindow(const RotatedBox& box) {
   const double side = kWindowFactor * std::sqrt(box.Area());
   return {box.centre, side, side, box.rotation_rad};
@@ -101,12 +113,16 @@ BoxTarget::Localisation BoxTarget::Localise(const ImagePyramid& image, const Rot
   return {box, response.sharpness};
 }
 
+// The NCC with the best template relative to its running mean, clipped to [0, 1].
+double BoxTarget::RelativeNcc(const ImagePyramid& image, const RotatedBox& box) const {
+  return std::clamp(appearance_.NccScore(image, box) / mean_ncc_, 0.0, 1.0);
+}
+
 // The geometric mean of sharpness and NCC, each relative to its running mean and clipped to 1.
 double BoxTarget::ComputeConfidence(const ImagePyramid& image, const Localisation& localisation) const {
   if (num_updates_ == 0) return 1;
   const double sharpness = std::clamp(localisation.sharpness / std::max(kMinSharpness, mean_sharpness_), 0.0, 1.0);
-  const double ncc = std::clamp(appearance_.NccScore(image, localisation.box) / mean_ncc_, 0.0, 1.0);
-  return std::sqrt(sharpness * ncc);
+  return std::sqrt(sharpness * RelativeNcc(image, localisation.box));
 }
 
 // Localises the object. If the camera has rotated by 0.1 rad since the last test, also localises with that rotation and
@@ -140,7 +156,7 @@ BoxTarget::TargetObservation BoxTarget::Step(const FrameContext& context) {
   const double confidence = ComputeConfidence(context.image, localisation);
   const bool left = FractionInView(context.image, localisation.box) < options_.min_in_view;
   if (left || confidence < (tentative_ ? options_.redetect_confidence : options_.lost_confidence)) {
-    MarkLost();
+    MarkLost(/*position_known=*/true);
     return {.loss = left ? TrackLoss::kLeftFrame : TrackLoss::kOccluded};
   }
   box_ = localisation.box;
@@ -167,14 +183,28 @@ void BoxTarget::Update(const FrameContext& context, const Localisation& localisa
   if (confidence < kTemplateConfidence) return;
   appearance_.AddTemplate(context.image, box_);
   confident_template_ = CropGrey(context.image, box_);
+  if (num_updates_ % kRivalInterval == 1) {
+    rival_ncc_ = std::max(kRivalDecay * rival_ncc_, MeasureRival(context));
+  }
 }
 
-// The predicted box, every second frame the box where the object was lost, and the best matches (NCC) of the last
-// confident template in the whole frame; the template's scale cycles through three values from frame to frame.
-std::vector<RotatedBox> BoxTarget::FindRedetectionCandidates(const FrameContext& context) const {
-  std::vector<RotatedBox> candidates = {box_};
-  if (lost_frames_ % 2 == 0) candidates.push_back(last_seen_box_);
+// The relative NCC of the most similar object elsewhere in the frame; 0 if there is none.
+double BoxTarget::MeasureRival(const FrameContext& context) const {
+  const double size_px = std::sqrt(box_.Area());
+  double rival = 0;
+  for (const RotatedBox& candidate : FindSimilarPlaces(context)) {
+    const RotatedBox found = Localise(context.image, candidate).box;
+    if ((found.centre - box_.centre).norm() < size_px) continue;
+    if (FractionInView(context.image, found) < options_.min_in_view) continue;
+    rival = std::max(rival, RelativeNcc(context.image, found));
+  }
+  return rival;
+}
 
+// The best matches (NCC) of the last confident template in the whole frame; the template's scale cycles through three
+// values from frame to frame while the object is lost.
+std::vector<RotatedBox> BoxTarget::FindSimilarPlaces(const FrameContext& context) const {
+  std::vector<RotatedBox> candidates;
   const double size = kScaleCycle[static_cast<std::size_t>(lost_frames_) % kScaleCycle.size()];
   const double shrink = std::min(1.0, kSearchSide_px / std::sqrt(box_.Area()));
   const double small_from_frame = shrink / size;
@@ -212,13 +242,25 @@ std::vector<RotatedBox> BoxTarget::FindRedetectionCandidates(const FrameContext&
   return candidates;
 }
 
+bool BoxTarget::IsInReach(const RotatedBox& box) const {
+  if (!position_known_) return true;
+  const double reach_px = (kReach + kReachPerFrame * lost_frames_) * std::sqrt(box_.Area());
+  return std::min((box.centre - box_.centre).norm(), (box.centre - last_seen_box_.centre).norm()) <= reach_px;
+}
+
+// The predicted box, every second frame the box where the object was lost, and the similar places.
 BoxTarget::TargetObservation BoxTarget::Redetect(const FrameContext& context) {
+  std::vector<RotatedBox> candidates = FindSimilarPlaces(context);
+  if (lost_frames_ % 2 == 0) candidates.insert(candidates.begin(), last_seen_box_);
+  candidates.insert(candidates.begin(), box_);
+  const double far_ncc = std::max(kFarNcc, rival_ncc_ + kRivalMargin);
   RotatedBox found;
   TargetObservation best{.loss = TrackLoss::kOccluded};
-  for (const RotatedBox& candidate : FindRedetectionCandidates(context)) {
+  for (const RotatedBox& candidate : candidates) {
     const Localisation localisation = Localise(context.image, candidate);
     const double confidence = ComputeConfidence(context.image, localisation);
     if (confidence < options_.redetect_confidence || confidence <= best.confidence) continue;
+    if (!IsInReach(localisation.box) && RelativeNcc(context.image, localisation.box) < far_ncc) continue;
     if (FractionInView(context.image, localisation.box) < options_.min_in_view) continue;
     found = localisation.box;
     best = {.box = found.EllipseBounds(), .confidence = confidence, .tentative = true};
@@ -249,9 +291,10 @@ BoxTarget::TargetObservation BoxTarget::Resume(const FrameContext& context, cons
   return {.box = box_.EllipseBounds(), .confidence = confidence};
 }
 
-void BoxTarget::MarkLost() {
+void BoxTarget::MarkLost(bool position_known) {
   lost_frames_ = 1;
   last_seen_box_ = box_;
+  position_known_ = position_known;
 }
 
 }  // namespace victorious

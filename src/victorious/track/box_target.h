@@ -47,7 +47,9 @@ class BoxTarget {
 
   /// Marks the target as lost: in another video, or if the tracked object cannot be the target. Step then searches the
   /// whole frame.
-  void MarkLost();
+  /// @param position_known  false in another video, and if the tracked object was another: the target may be anywhere.
+  ///   Else a re-detection beyond the reach of its motion needs a better fit of the templates
+  void MarkLost(bool position_known);
 
   [[nodiscard]] bool lost() const { return lost_frames_ > 0; }
 
@@ -60,10 +62,13 @@ class BoxTarget {
   [[nodiscard]] CellFeatures ExtractWindow(const ImagePyramid& image, const RotatedBox& box) const;
   [[nodiscard]] Localisation Localise(const ImagePyramid& image, const RotatedBox& search_box) const;
   [[nodiscard]] Localisation LocaliseWithRotation(const ImagePyramid& image);
+  [[nodiscard]] double RelativeNcc(const ImagePyramid& image, const RotatedBox& box) const;
   [[nodiscard]] double ComputeConfidence(const ImagePyramid& image, const Localisation& localisation) const;
   void Update(const FrameContext& context, const Localisation& localisation, double confidence);
   [[nodiscard]] TargetObservation Redetect(const FrameContext& context);
-  [[nodiscard]] std::vector<RotatedBox> FindRedetectionCandidates(const FrameContext& context) const;
+  [[nodiscard]] bool IsInReach(const RotatedBox& box) const;
+  [[nodiscard]] double MeasureRival(const FrameContext& context) const;
+  [[nodiscard]] std::vector<RotatedBox> FindSimilarPlaces(const FrameContext& context) const;
 
   BoxTrackOptions options_;
   RotatedBox box_;                     // last seen, moved with the camera since
@@ -76,9 +81,11 @@ class BoxTarget {
   cv::Mat confident_template_;  // grey, from the last confident frame
   double mean_sharpness_ = 0;
   double mean_ncc_ = 1;
+  double rival_ncc_ = 0;  // relative NCC of the most similar other object, decaying
   int num_updates_ = 0;
   int lost_frames_ = 0;
-  bool tentative_ = false;  // re-detected by appearance, and not confirmed since
+  bool tentative_ = false;      // re-detected by appearance, and not confirmed since
+  bool position_known_ = true;  // where it was lost: false in another video
 };
 
 }  // namespace victorious

@@ -56,7 +56,7 @@ BoxTrackStep BoxTracker::Resume(std::size_t target, const Box& box, double rotat
 
 void BoxTracker::MarkLost(std::size_t target) {
   VICTORIOUS_CHECK(target < targets_.size());
-  targets_[target].MarkLost();
+  targets_[target].MarkLost(/*position_known=*/false);
 }
 
 BoxTrackStep BoxTracker::MakeStep(std::size_t target, const BoxTarget::TargetObservation& observation) const {
@@ -72,7 +72,7 @@ BoxTrackStep BoxTracker::MakeStep(std::size_t target, const BoxTarget::TargetObs
 
 void BoxTracker::ChangeVideo() {
   motion_ = {};
-  for (BoxTarget& target : targets_) target.MarkLost();
+  for (BoxTarget& target : targets_) target.MarkLost(/*position_known=*/false);
 }
 
 }  // namespace victorious

@@ -106,13 +106,65 @@ TEST(BoxTracker, ReacquiresAfterOcclusionElsewhere) {
     EXPECT_EQ(step.loss, TrackLoss::kOccluded) << i;
     EXPECT_TRUE(step.box.IsEmpty()) << i;
   }
-  const cv::Point elsewhere(390, 480);
+  const cv::Point elsewhere(390, 480);  // 136 px away: beyond the reach of a lost object of 23 px
   BoxTrackStep step{.loss = TrackLoss::kOccluded};
   for (int i = 21; i <= 26 && !step.seen(); ++i) {
     step = tracker.Step({i, 0.1 * i, drive.Draw(elsewhere, camera)}).front();
   }
   EXPECT_TRUE(step.seen());
   EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(elsewhere, camera)), 0.5);
+}
+
+// A car of another paint stands on plain tarmac, 170 px away, while the target is behind a roof. Nothing beside it
+// disturbs the response of the filter, but it looks less like the target than the target itself.
+TEST(BoxTracker, ASimilarObjectOutOfReachIsNotTheTarget) {
+  const Drive drive;
+  const cv::Point car(500, 400);
+  const cv::Point other(350, 320);
+  const Similarity2 camera = Over(500, 400);
+  const auto around = [&](cv::Point at) {
+    const Box box = Drive::BoxOf(at, camera);
+    return cv::Rect(cvRound(box.x), cvRound(box.y), cvRound(box.width), cvRound(box.height));
+  };
+  const cv::Mat with_car = drive.Draw(car, camera);
+  const cv::Mat paint = testing::DrawTown({60, 60}, 7)(cv::Rect({5, 5}, around(car).size()));
+  for (const double similarity : {0.3, 0.4, 0.5}) {
+    BoxTracker tracker = Started(with_car, Drive::BoxOf(car, camera));
+    for (int i = 1; i <= 8; ++i) tracker.Step({i, 0.1 * i, with_car});
+    cv::Mat without = drive.Draw(std::nullopt, camera);
+    without(around(other) + cv::Size(80, 80) - cv::Point(40, 40)) = cv::Scalar::all(110);
+    cv::addWeighted(with_car(around(car)), similarity, paint, 1 - similarity, 0, without(around(other)));
+    int seen = 0;
+    for (int i = 9; i <= 20; ++i) {
+      const BoxTrackStep step = tracker.Step({i, 0.1 * i, without}).front();
+      seen += step.seen() && !step.tentative ? 1 : 0;
+    }
+    EXPECT_EQ(seen, 0) << similarity;
+    BoxTrackStep step{.loss = TrackLoss::kOccluded};
+    for (int i = 21; i <= 28 && (!step.seen() || step.tentative); ++i)
+      step = tracker.Step({i, 0.1 * i, with_car}).front();
+    EXPECT_TRUE(step.seen() && !step.tentative) << "back where it was";
+  }
+}
+
+// Two cars of one type stand 170 px apart; one of them is the target, and leaves.
+TEST(BoxTracker, ATwinThatWasInViewBesideTheTargetIsNotTheTarget) {
+  const Drive drive;
+  const cv::Point car(500, 400);
+  const cv::Point twin(350, 320);
+  const Similarity2 camera = Over(500, 400);
+  const cv::Mat alone = drive.Draw(twin, camera);
+  const Box box = Drive::BoxOf(car, camera);
+  const cv::Rect around(cvRound(box.x), cvRound(box.y), cvRound(box.width), cvRound(box.height));
+  cv::Mat both = alone.clone();
+  drive.Draw(car, camera)(around).copyTo(both(around));
+  BoxTracker tracker = Started(both, box);
+  for (int i = 1; i <= 12; ++i) ASSERT_TRUE(tracker.Step({i, 0.1 * i, both}).front().seen());
+  for (int i = 13; i <= 30; ++i) EXPECT_FALSE(tracker.Step({i, 0.1 * i, alone}).front().seen()) << i;
+  BoxTrackStep step{.loss = TrackLoss::kOccluded};
+  for (int i = 31; i <= 36 && !step.seen(); ++i) step = tracker.Step({i, 0.1 * i, both}).front();
+  EXPECT_TRUE(step.seen());
+  EXPECT_GT(IntersectionOverUnion(step.box, box), 0.5);
 }
 
 TEST(BoxTracker, ReportsLeavingTheFrame) {
