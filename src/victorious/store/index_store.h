@@ -192,6 +192,7 @@ struct Review {
   std::optional<Verdict> verdict;  ///< std::nullopt: undecided
   std::string note;
   std::int64_t updated_utc_us = 0;  ///< microseconds since 1970
+  std::string reviewer;             ///< who says so; empty: nobody gave a name
 
   /// True if it says nothing: the same as no review.
   [[nodiscard]] bool IsEmpty() const { return !verdict && note.empty(); }
@@ -262,7 +263,7 @@ class IndexStore {
   [[nodiscard]] virtual Status PutReview(std::int64_t object, const Review& review) = 0;
   /// Returns the reviews of the present objects, by object id. A stored review belongs to the object of its model with
   /// a sighting in its frame that overlaps its box by half or more (intersection over union); of several, the latest
-  /// counts. Cost: proportional to the number of reviews.
+  /// counts. Commit and PutObjects assign them; PutObjects at a cost proportional to the number of reviews.
   [[nodiscard]] virtual Expected<std::vector<ReviewedObject>> Reviews() = 0;
 
   /// Returns a number that changes whenever another connection has changed the index. Cheap.

@@ -21,12 +21,18 @@ void Conditions::AddQuery(std::string_view expression, const Conditions& query) 
   values_.insert(values_.end(), query.values_.begin(), query.values_.end());
 }
 
-void Conditions::Bind(Statement& statement) const {
-  int parameter = 0;
+std::string Conditions::Expression() const {
+  constexpr std::string_view kWhere = "WHERE ";
+  return text_.empty() ? "1" : "(" + text_.substr(kWhere.size()) + ")";
+}
+
+int Conditions::Bind(Statement& statement, int first) const {
+  int parameter = first;
   for (const auto& value : values_) {
-    ++parameter;
     std::visit([&](const auto& held) { statement.BindAt(parameter, held); }, value);
+    ++parameter;
   }
+  return parameter;
 }
 
 }  // namespace victorious::sqlite

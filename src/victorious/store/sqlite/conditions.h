@@ -26,7 +26,10 @@ class Conditions {
 
   /// "WHERE … AND … ", or empty.
   [[nodiscard]] const std::string& text() const { return text_; }
-  void Bind(Statement& statement) const;
+  /// The conditions as one expression; "1" if there is none.
+  [[nodiscard]] std::string Expression() const;
+  /// Binds the values from parameter `first` on. Returns the first parameter after them.
+  int Bind(Statement& statement, int first = 1) const;
 
  private:
   void Append(std::string_view expression);

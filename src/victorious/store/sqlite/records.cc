@@ -220,16 +220,33 @@ TrackletRecord ReadTracklet(const Statement& row) {
           .last_time_s = row.Real(kTracklet.Index("last_time_s"))};
 }
 
+Expected<Review> ReadReview(const Statement& row, int first, std::string_view name) {
+  Review review{.note = row.Text(first + 1), .updated_utc_us = row.Integer(first + 3), .reviewer = row.Text(first + 2)};
+  if (row.IsNull(first)) return review;
+  const std::string text = row.Text(first);
+  review.verdict = FromText(kVerdictTexts, text);
+  if (review.verdict) return review;
+  return std::unexpected(DamagedIndex(name, fmt::format("a review with the verdict \"{}\"", text)));
+}
+
 Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name) {
   constexpr int kTracklets = kObject.Size();  // the aggregates over its tracklets
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectRecord object, ReadObjectRow(row, name));
+  object.videos = ReadIds(row.Text(kTracklets + 4));
+  object.tracklets = ReadIds(row.Text(kTracklets + 5));
+  return object;
+}
+
+Expected<ObjectRecord> ReadObjectRow(const Statement& row, std::string_view name) {
+  constexpr int kTracklets = kObject.Size();
   ObjectRecord object{.id = row.Integer(kObject.Index("id")),
                       .model = row.Integer(kObject.Index("model_id")),
                       .score = row.Real(kTracklets),
                       .frames = row.Integer(kTracklets + 1),
                       .first_time_s = row.Real(kTracklets + 2),
                       .last_time_s = row.Real(kTracklets + 3),
-                      .videos = ReadIds(row.Text(kTracklets + 4)),
-                      .tracklets = ReadIds(row.Text(kTracklets + 5)),
+                      .videos = {},
+                      .tracklets = {},
                       .heading_rad = row.OptionalReal(kObject.Index("heading_rad"))};
   const std::string reason = row.Text(kObject.Index("rejection_reason"));
   if (reason.starts_with(kPlaceReason)) {

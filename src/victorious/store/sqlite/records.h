@@ -80,6 +80,10 @@ VideoRecord ReadVideo(const Statement& row);
 TrackletRecord ReadTracklet(const Statement& row);
 /// Error: kDataLoss if a binary column has the wrong size. `name`: the file's, for the message.
 [[nodiscard]] Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name);
+/// Columns from `first` on: verdict, note, reviewer, time; all NULL: no review. Error: kDataLoss for an unknown verdict.
+[[nodiscard]] Expected<Review> ReadReview(const Statement& row, int first, std::string_view name);
+/// The columns kObjectColumns and the aggregates score, frames, first and last time; without videos and tracklets.
+[[nodiscard]] Expected<ObjectRecord> ReadObjectRow(const Statement& row, std::string_view name);
 /// Error: kDataLoss, as for ReadObject, and for an unknown source.
 [[nodiscard]] Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name);
 /// Error: kDataLoss, as for ReadObject, and for an invalid keypoint.

@@ -1,9 +1,9 @@
 // The reviews of an index: bound to a sighting's place in a video, resolved to the object that is there at present.
-#include <map>
-
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/store/sqlite/records.h"
 #include "victorious/store/sqlite/sqlite_store.h"
 
 namespace victorious::sqlite {
@@ -76,13 +76,19 @@ Expected<std::vector<Anchor>> StoredAnchors(Connection& connection, std::int64_t
   }
 }
 
-Expected<Review> ReadReview(const Statement& row, int first_column, std::string_view name) {
-  Review review{.note = row.Text(first_column + 1), .updated_utc_us = row.Integer(first_column + 2)};
-  if (row.IsNull(first_column)) return review;
-  const std::string text = row.Text(first_column);
-  review.verdict = FromText(kVerdictTexts, text);
-  if (review.verdict) return review;
-  return std::unexpected(DamagedIndex(name, fmt::format("a review with the verdict \"{}\"", text)));
+// Writes to objects the latest of the reviews that overlap their sightings. Parameter 1: the overlap that is needed.
+// @param from, where  joins r (reviews), s (sightings) and t (tracklets)
+std::string AssignReviews(std::string_view from, std::string_view where) {
+  // The columns that stand beside max() are those of its row.
+  return fmt::format(
+      "UPDATE objects SET (verdict, note, reviewer, reviewed_utc_us) = (x.verdict, x.note, x.reviewer, x.updated) "
+      "FROM (SELECT object_id, verdict, note, reviewer, max(updated_utc_us) AS updated FROM "
+      "(SELECT t.object_id, r.*, r.box_width_px * r.box_height_px + s.box_width_px * s.box_height_px AS areas, "
+      "max(0, min(r.box_x_px + r.box_width_px, s.box_x_px + s.box_width_px) - max(r.box_x_px, s.box_x_px)) * "
+      "max(0, min(r.box_y_px + r.box_height_px, s.box_y_px + s.box_height_px) - max(r.box_y_px, s.box_y_px)) "
+      "AS common FROM {} WHERE {}) WHERE common >= ?1 * (areas - common) GROUP BY object_id) AS x "
+      "WHERE objects.id = x.object_id",
+      from, where);
 }
 
 }  // namespace
@@ -106,42 +112,72 @@ Status SqliteStore::PutReview(std::int64_t object, const Review& review) {
     }
     VICTORIOUS_ASSIGN_OR_RETURN(
         Statement insert,
-        connection_->Prepare(fmt::format("INSERT OR REPLACE INTO reviews ({}, verdict, note, updated_utc_us) "
-                                         "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        connection_->Prepare(fmt::format("INSERT OR REPLACE INTO reviews ({}, verdict, note, updated_utc_us, reviewer) "
+                                         "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                                          kKey)));
     const auto verdict = review.verdict ? std::optional(std::string(ToText(*review.verdict))) : std::nullopt;
     for (const Anchor& anchor : places) {
       if (review.IsEmpty()) break;
-      anchor.Bind(insert, verdict, review.note, review.updated_utc_us);
+      anchor.Bind(insert, verdict, review.note, review.updated_utc_us, review.reviewer);
       VICTORIOUS_RETURN_IF_ERROR(insert.Run());
     }
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement assign,
+                                connection_->Prepare("UPDATE objects SET verdict = ?, note = ?, reviewer = ?, "
+                                                     "reviewed_utc_us = ? WHERE id = ?"));
+    if (review.IsEmpty()) {
+      assign.Bind(std::nullopt, std::nullopt, std::nullopt, std::nullopt, object);
+    } else {
+      assign.Bind(verdict, review.note, review.reviewer, review.updated_utc_us, object);
+    }
+    VICTORIOUS_RETURN_IF_ERROR(assign.Run());
   }
   return transaction.Commit();
 }
 
-Expected<std::vector<ReviewedObject>> SqliteStore::Reviews() {
+Status SqliteStore::AssignAllReviews() {
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Execute("UPDATE objects SET verdict = NULL, note = NULL, reviewer = NULL, reviewed_utc_us = NULL "
+                           "WHERE reviewed_utc_us IS NOT NULL"));
   // CROSS JOIN: from each review to its frame, in this order.
   VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement assign,
+      connection_->Prepare(AssignReviews("reviews r CROSS JOIN videos v ON v.content_id = r.video_content_id "
+                                         "CROSS JOIN models m ON m.name = r.model_name "
+                                         "CROSS JOIN sightings s ON s.video_id = v.id AND s.frame = r.frame "
+                                         "CROSS JOIN tracklets t ON t.id = s.tracklet_id AND t.model_id = m.id",
+                                         "t.object_id IS NOT NULL")));
+  return assign.Bind(kMinOverlap).Run();
+}
+
+Status SqliteStore::AssignReviewsOf(std::span<const std::int64_t> tracklets) {
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement any, connection_->Prepare("SELECT EXISTS (SELECT 1 FROM reviews)"));
+    VICTORIOUS_RETURN_IF_ERROR(any.Step());
+    if (any.Integer(0) == 0) return {};
+  }
+  // CROSS JOIN: from each tracklet to the reviews of its model in its video, in this order.
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement assign,
+      connection_->Prepare(AssignReviews(
+          "tracklets t CROSS JOIN videos v ON v.id = t.video_id CROSS JOIN models m ON m.id = t.model_id "
+          "CROSS JOIN reviews r ON r.video_content_id = v.content_id AND r.model_name = m.name "
+          "CROSS JOIN sightings s ON s.video_id = t.video_id AND s.frame = r.frame AND s.tracklet_id = t.id",
+          "t.id IN (SELECT value FROM json_each(?2))")));
+  return assign.Bind(kMinOverlap, fmt::format("[{}]", fmt::join(tracklets, ","))).Run();
+}
+
+Expected<std::vector<ReviewedObject>> SqliteStore::Reviews() {
+  VICTORIOUS_ASSIGN_OR_RETURN(
       Statement select,
-      connection_->Prepare(
-          "SELECT t.object_id, r.box_x_px, r.box_y_px, r.box_width_px, r.box_height_px, s.box_x_px, s.box_y_px, "
-          "s.box_width_px, s.box_height_px, r.verdict, r.note, r.updated_utc_us "
-          "FROM reviews r CROSS JOIN videos v ON v.content_id = r.video_content_id "
-          "CROSS JOIN models m ON m.name = r.model_name "
-          "CROSS JOIN sightings s ON s.video_id = v.id AND s.frame = r.frame "
-          "CROSS JOIN tracklets t ON t.id = s.tracklet_id AND t.model_id = m.id WHERE t.object_id IS NOT NULL"));
-  std::map<std::int64_t, Review> latest;
+      connection_->Prepare("SELECT verdict, note, reviewer, reviewed_utc_us, id FROM objects "
+                           "WHERE reviewed_utc_us IS NOT NULL AND coalesce(frames, 0) > 0 ORDER BY id"));
+  std::vector<ReviewedObject> reviews;
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-    if (!has_row) break;
-    if (IntersectionOverUnion(ReadBox(select, 1), ReadBox(select, 5)) < kMinOverlap) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(Review review, ReadReview(select, 9, connection_->name()));
-    const auto [at, is_new] = latest.try_emplace(select.Integer(0), review);
-    if (!is_new && review.updated_utc_us > at->second.updated_utc_us) at->second = std::move(review);
+    if (!has_row) return reviews;
+    VICTORIOUS_ASSIGN_OR_RETURN(Review review, ReadReview(select, 0, connection_->name()));
+    reviews.push_back({select.Integer(4), std::move(review)});
   }
-  std::vector<ReviewedObject> reviews;
-  for (auto& [object, review] : latest) reviews.push_back({object, std::move(review)});
-  return reviews;
 }
 
 Expected<std::int64_t> SqliteStore::ChangeNumber() {

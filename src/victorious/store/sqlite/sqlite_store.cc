@@ -317,6 +317,7 @@ Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch)
   }
   VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
+  VICTORIOUS_RETURN_IF_ERROR(AssignReviewsOf(tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return tracklet_ids;
 }
@@ -344,6 +345,7 @@ Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Execute("DELETE FROM objects WHERE id NOT IN (SELECT object_id FROM tracklets "
                            "WHERE object_id IS NOT NULL)"));
+  VICTORIOUS_RETURN_IF_ERROR(AssignAllReviews());
   return transaction.Commit();
 }
 

@@ -48,6 +48,10 @@ class SqliteStore final : public IndexStore {
   [[nodiscard]] Status PutProgress(const IndexBatch::Progress& progress);
   [[nodiscard]] Expected<std::int64_t> PutTracklet(const IndexBatch::TrackletUpdate& update);
   [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
+  /// Writes to each object its review. Inside a transaction.
+  [[nodiscard]] Status AssignAllReviews();
+  /// Likewise, to the objects of these tracklets, whose former reviews stay.
+  [[nodiscard]] Status AssignReviewsOf(std::span<const std::int64_t> tracklets);
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
   /// Runs a statement that must change exactly one row. Error: kNotFound otherwise.
   [[nodiscard]] Status ExecuteOnRow(Statement& statement, std::string_view what, std::int64_t id);

@@ -197,7 +197,7 @@ TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(path_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 6)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 7)"));
   }
 }
 
@@ -395,6 +395,43 @@ TEST_F(SqliteStoreTest, MigratesIndexOfVersion4) {
   ASSERT_TRUE(store->DeleteOtherContent("a.mp4", "d")) << "the foreign keys were renamed, too";
   EXPECT_TRUE(store->Tracklets()->empty());
   EXPECT_TRUE(store->Sightings({.include_rejected = true})->empty());
+  EXPECT_EQ(IntegrityCheck(path_), "ok");
+}
+
+// An index of schema 6: its objects get what lists ask for, and their reviews.
+TEST_F(SqliteStoreTest, MigratesIndexOfVersion6) {
+  {
+    const auto connection = Connection::Open(path_, Access::kCreate);
+    ASSERT_TRUE(Migrate(**connection, Migrations().first(6)));
+    const Status filled =
+        (*connection)
+            ->Execute(
+                "INSERT INTO videos (id, content_id, name, width_px, height_px) VALUES (1, 'c', 'a.mp4', 640, 480);"
+                "INSERT INTO models (id, name, content_id, kind) VALUES (1, 'm', '1', 'cad');"
+                "INSERT INTO objects (id, model_id, rejection_reason) VALUES (1, 1, NULL), (2, 1, 'place: far'), "
+                "(3, 1, 'it floats');"
+                "INSERT INTO tracklets (id, object_id, video_id, model_id, score, frames, first_time_s, last_time_s) "
+                "VALUES (1, 1, 1, 1, 0.9, 1, 0, 1), (2, 2, 1, 1, 0.5, 2, 3, 4), (3, 3, 1, 1, 0.8, 2, 3, 4), "
+                "(4, 1, 1, 1, 0.7, 4, 7, 9);"
+                "INSERT INTO sightings (video_id, frame, tracklet_id, time_s, box_x_px, box_y_px, box_width_px, "
+                "box_height_px, outline, score, source, matches, view_index, in_plane_rad) VALUES "
+                "(1, 5, 2, 3, 100, 100, 40, 40, x'', 0.5, 'recognised', 5, 0, 0);"
+                "INSERT INTO reviews VALUES ('c', 'm', 5, 110, 100, 40, 40, 'accepted', 'old', 10), "
+                "('c', 'm', 5, 105, 100, 40, 40, 'rejected', 'new', 20), ('c', 'm', 5, 125, 100, 40, 40, NULL, 'far', "
+                "30)");
+    ASSERT_TRUE(filled) << filled.error().message;
+  }
+  const auto store = OpenOrDie(path_);
+  const auto reviews = store->Reviews();
+  ASSERT_EQ(reviews->size(), 1U);
+  EXPECT_EQ(reviews->front().object, 2);
+  EXPECT_EQ(reviews->front().review.note, "new") << "the latest of those that overlap by half";
+  EXPECT_EQ(reviews->front().review.reviewer, "");
+  const auto connection = Connection::Open(path_, Access::kRead);
+  EXPECT_EQ(*(*connection)
+                 ->QueryText("SELECT group_concat(id || ' ' || score || ' ' || frames || ' ' || last_time_s || ' ' || "
+                             "is_listed, ', ') FROM objects"),
+            "1 0.9 5 9.0 1, 2 0.5 2 4.0 1, 3 0.8 2 4.0 0");
   EXPECT_EQ(IntegrityCheck(path_), "ok");
 }
 

@@ -1,0 +1,131 @@
+// The contract of JobQueue.
+#include "victorious/store/job_queue.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::SizeIs;
+
+constexpr std::int64_t kLease = 100;
+
+class JobQueueTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    queue_ = Open();
+    other_ = Open();
+  }
+
+  std::unique_ptr<JobQueue> Open() {
+    auto queue = OpenSqliteJobQueue(folder_ / "index.db");
+    EXPECT_TRUE(queue) << queue.error().message;
+    return *std::move(queue);
+  }
+
+  testing::ScratchFolder folder_;
+  std::unique_ptr<JobQueue> queue_;
+  std::unique_ptr<JobQueue> other_;  // of another process
+};
+
+TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
+  const auto first = queue_->Put("index", R"({"video": "a"})", 1);
+  const auto second = queue_->Put("model", "{}", 2);
+  ASSERT_TRUE(first && second);
+  const auto a = queue_->Claim("A", 10, kLease);
+  const auto b = other_->Claim("B", 10, kLease);
+  ASSERT_TRUE(a && *a && b && *b);
+  EXPECT_EQ((*a)->id, first->id);
+  EXPECT_EQ((*a)->input_json, R"({"video": "a"})");
+  EXPECT_EQ((*a)->state, JobState::kRunning);
+  EXPECT_EQ((*b)->id, second->id);
+  EXPECT_FALSE(*queue_->Claim("C", 10, kLease));
+  EXPECT_EQ(*queue_->CountWaiting(), 2);
+  ASSERT_TRUE(queue_->Finish(first->id, "A", JobState::kDone, "12 sightings", 20));
+  EXPECT_EQ(*queue_->CountWaiting(), 1);
+  const auto done = other_->Find(first->id);
+  EXPECT_EQ((*done)->state, JobState::kDone);
+  EXPECT_EQ((*done)->progress.message, "12 sightings");
+  EXPECT_EQ((*done)->ended_utc_us, 20);
+  EXPECT_EQ(queue_->Finish(first->id, "A", JobState::kFailed, "", 21).error().code, ErrorCode::kConflict);
+}
+
+TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
+  const auto job = queue_->Put("index", "{}", 1);
+  ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+  EXPECT_TRUE(*queue_->Beat(job->id, "A", 100, kLease, {.done = 5, .total = 9, .unit = "frames", .message = "x"}));
+  EXPECT_FALSE(*other_->Claim("B", 150, kLease)) << "the lease was renewed at 100";
+  const auto found = other_->Find(job->id);
+  EXPECT_EQ((*found)->progress.done, 5);
+  EXPECT_EQ((*found)->progress.total, 9);
+  EXPECT_EQ((*found)->progress.unit, "frames");
+}
+
+TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
+  const auto job = queue_->Put("index", "{}", 1);
+  ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+  EXPECT_FALSE(*other_->Claim("B", 110, kLease)) << "the lease runs until 110";
+  const auto again = other_->Claim("B", 111, kLease);
+  ASSERT_TRUE(again && *again);
+  EXPECT_EQ((*again)->id, job->id);
+  EXPECT_EQ((*again)->attempts, 2);
+  EXPECT_EQ(queue_->Beat(job->id, "A", 120, kLease, {}).error().code, ErrorCode::kConflict) << "A was taken for dead";
+  EXPECT_EQ(queue_->Finish(job->id, "A", JobState::kDone, "", 120).error().code, ErrorCode::kConflict);
+}
+
+TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
+  const auto job = queue_->Put("index", "{}", 1);
+  for (int attempt = 0; attempt < JobQueue::kMaxAttempts; ++attempt) {
+    ASSERT_TRUE(*queue_->Claim("A", 1000 * (attempt + 1), kLease)) << attempt;
+  }
+  EXPECT_FALSE(*queue_->Claim("A", 9000, kLease));
+  EXPECT_EQ((*queue_->Find(job->id))->state, JobState::kFailed);
+  EXPECT_THAT((*queue_->Find(job->id))->progress.message, ::testing::HasSubstr("died"));
+}
+
+TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
+  const auto job = queue_->Put("index", "{}", 1);
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+    ASSERT_TRUE(queue_->Release(job->id, "A"));
+  }
+  EXPECT_EQ((*queue_->Find(job->id))->state, JobState::kQueued);
+  EXPECT_EQ(queue_->Release(job->id, "A").error().code, ErrorCode::kConflict);
+}
+
+TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
+  const auto running = queue_->Put("index", "{}", 1);
+  const auto waiting = queue_->Put("index", "{}", 2);
+  ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+  EXPECT_EQ(other_->Cancel(waiting->id, 11)->state, JobState::kCancelled);
+  EXPECT_EQ(other_->Cancel(running->id, 11)->state, JobState::kRunning);
+  EXPECT_FALSE(*queue_->Beat(running->id, "A", 12, kLease, {}));
+  ASSERT_TRUE(queue_->Finish(running->id, "A", JobState::kCancelled, "", 13));
+  EXPECT_EQ(other_->Cancel(running->id, 14)->ended_utc_us, 13) << "it stays as it ended";
+  EXPECT_EQ(queue_->Cancel(99, 1).error().code, ErrorCode::kNotFound);
+  const auto orphan = queue_->Put("index", "{}", 20);
+  ASSERT_TRUE(*queue_->Claim("A", 21, kLease));
+  ASSERT_TRUE(queue_->Cancel(orphan->id, 22));
+  EXPECT_FALSE(*other_->Claim("B", 500, kLease)) << "not begun again after its worker died";
+  EXPECT_EQ((*queue_->Find(orphan->id))->state, JobState::kCancelled);
+}
+
+TEST_F(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {
+  std::vector<std::int64_t> ids;
+  for (int i = 0; i < 5; ++i) {
+    ids.push_back(queue_->Put("index", "{}", i)->id);
+    if (i < 3) ASSERT_TRUE(queue_->Cancel(ids.back(), 10));
+  }
+  const auto jobs = other_->List(2);
+  ASSERT_THAT(*jobs, SizeIs(4));
+  EXPECT_EQ((*jobs)[0].id, ids[3]);
+  EXPECT_EQ((*jobs)[1].id, ids[4]);
+  EXPECT_EQ((*jobs)[2].id, ids[2]);
+  EXPECT_EQ((*jobs)[3].id, ids[1]);
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,191 @@
+// JobQueue in the SQLite file of an index. Each step is one transaction that takes the write lock first.
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/store/job_queue.h"
+#include "victorious/store/sqlite/open_database.h"
+
+namespace victorious::sqlite {
+namespace {
+
+constexpr std::string_view kSelect =
+    "SELECT id, kind, input, state, created_utc_us, started_utc_us, ended_utc_us, owner, attempts, cancel_asked, done, "
+    "total, unit, message FROM jobs ";
+
+Expected<JobRecord> ReadJob(const Statement& row, std::string_view name) {
+  const auto state = FromText(kJobStateTexts, row.Text(3));
+  if (!state) return std::unexpected(DamagedIndex(name, fmt::format("a job in the state \"{}\"", row.Text(3))));
+  return JobRecord{
+      .id = row.Integer(0),
+      .kind = row.Text(1),
+      .input_json = row.Text(2),
+      .state = *state,
+      .created_utc_us = row.Integer(4),
+      .started_utc_us = row.OptionalInteger(5),
+      .ended_utc_us = row.OptionalInteger(6),
+      .owner = row.Text(7),
+      .attempts = static_cast<int>(row.Integer(8)),
+      .cancel_asked = row.Integer(9) != 0,
+      .progress = {
+          .done = row.Integer(10), .total = row.OptionalInteger(11), .unit = row.Text(12), .message = row.Text(13)}};
+}
+
+class SqliteJobQueue final : public JobQueue {
+ public:
+  explicit SqliteJobQueue(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+
+  Expected<JobRecord> Put(const std::string& kind, const std::string& input_json, std::int64_t now_us) override {
+    {
+      VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
+                                  connection_->Prepare("INSERT INTO jobs (kind, input, state, created_utc_us) "
+                                                       "VALUES (?, ?, ?, ?)"));
+      VICTORIOUS_RETURN_IF_ERROR(insert.Bind(kind, input_json, ToText(JobState::kQueued), now_us).Run());
+    }
+    return Get(connection_->LastInsertId());
+  }
+
+  Expected<std::optional<JobRecord>> Claim(const std::string& owner, std::int64_t now_us,
+                                           std::int64_t lease_us) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    VICTORIOUS_RETURN_IF_ERROR(EndAbandoned(now_us));
+    std::int64_t id = 0;
+    {
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          Statement select, connection_->Prepare("SELECT id FROM jobs WHERE state = 'queued' OR (state = 'running' AND "
+                                                 "lease_utc_us < ?) ORDER BY id LIMIT 1"));
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(now_us).Step());
+      if (found) id = select.Integer(0);
+    }
+    std::optional<JobRecord> claimed;
+    if (id != 0) {
+      {
+        VICTORIOUS_ASSIGN_OR_RETURN(
+            Statement claim,
+            connection_->Prepare("UPDATE jobs SET state = 'running', owner = ?, lease_utc_us = ?, started_utc_us = ?, "
+                                 "attempts = attempts + 1, done = 0, total = NULL, unit = '', message = '' "
+                                 "WHERE id = ?"));
+        VICTORIOUS_RETURN_IF_ERROR(claim.Bind(owner, now_us + lease_us, now_us, id).Run());
+      }
+      VICTORIOUS_ASSIGN_OR_RETURN(claimed, Find(id));
+    }
+    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+    return claimed;
+  }
+
+  Expected<bool> Beat(std::int64_t job, const std::string& owner, std::int64_t now_us, std::int64_t lease_us,
+                      const JobProgress& progress) override {
+    {
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          Statement beat, connection_->Prepare("UPDATE jobs SET lease_utc_us = ?, done = ?, total = ?, unit = ?, "
+                                               "message = ? WHERE id = ? AND owner = ? AND state = 'running'"));
+      beat.Bind(now_us + lease_us, progress.done, progress.total, progress.unit, progress.message, job, owner);
+      VICTORIOUS_RETURN_IF_ERROR(RunOwned(beat, job));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord record, Get(job));
+    return !record.cancel_asked;
+  }
+
+  Status Finish(std::int64_t job, const std::string& owner, JobState state, const std::string& message,
+                std::int64_t now_us) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement finish,
+        connection_->Prepare("UPDATE jobs SET state = ?, message = ?, ended_utc_us = ?, owner = NULL, "
+                             "lease_utc_us = NULL WHERE id = ? AND owner = ? AND state = 'running'"));
+    finish.Bind(ToText(state), message, now_us, job, owner);
+    return RunOwned(finish, job);
+  }
+
+  Status Release(std::int64_t job, const std::string& owner) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement release,
+        connection_->Prepare("UPDATE jobs SET state = 'queued', owner = NULL, lease_utc_us = NULL, attempts = attempts "
+                             "- 1 WHERE id = ? AND owner = ? AND state = 'running'"));
+    release.Bind(job, owner);
+    return RunOwned(release, job);
+  }
+
+  Expected<JobRecord> Cancel(std::int64_t job, std::int64_t now_us) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    for (const std::string_view sql :
+         {"UPDATE jobs SET state = 'cancelled', ended_utc_us = ?2 WHERE id = ?1 AND state = 'queued'",
+          "UPDATE jobs SET cancel_asked = 1 WHERE id = ?1 AND state = 'running' AND ?2 IS NOT NULL"}) {
+      VICTORIOUS_ASSIGN_OR_RETURN(Statement update, connection_->Prepare(sql));
+      VICTORIOUS_RETURN_IF_ERROR(update.Bind(job, now_us).Run());
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, Get(job));
+    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+    return record;
+  }
+
+  Expected<std::optional<JobRecord>> Find(std::int64_t job) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelect) + "WHERE id = ?"));
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(job).Step());
+    if (!found) return std::nullopt;
+    VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, ReadJob(select, connection_->name()));
+    return record;
+  }
+
+  Expected<std::vector<JobRecord>> List(std::int64_t limit) override {
+    std::vector<JobRecord> jobs;
+    for (const std::string_view part : {"WHERE state IN ('queued', 'running') ORDER BY id LIMIT 1000",
+                                        "WHERE state IN ('done', 'failed', 'cancelled') ORDER BY id DESC LIMIT ?"}) {
+      VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelect) + std::string(part)));
+      if (part.ends_with('?')) select.Bind(limit);
+      while (true) {
+        VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+        if (!has_row) break;
+        VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, ReadJob(select, connection_->name()));
+        jobs.push_back(std::move(record));
+      }
+    }
+    return jobs;
+  }
+
+  Expected<std::int64_t> CountWaiting() override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
+                                connection_->Prepare("SELECT count(*) FROM jobs WHERE state IN ('queued', 'running')"));
+    VICTORIOUS_RETURN_IF_ERROR(select.Step());
+    return select.Integer(0);
+  }
+
+ private:
+  Expected<JobRecord> Get(std::int64_t job) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<JobRecord> record, Find(job));
+    if (record) return *std::move(record);
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: there is no job {}", connection_->name(), job));
+  }
+
+  Status RunOwned(Statement& statement, std::int64_t job) {
+    VICTORIOUS_RETURN_IF_ERROR(statement.Run());
+    if (connection_->Changes() == 1) return {};
+    return Fail(ErrorCode::kConflict,
+                fmt::format("{}: job {} belongs to another worker now, or has ended", connection_->name(), job));
+  }
+
+  // Ends jobs of dead workers that are not to be tried again.
+  Status EndAbandoned(std::int64_t now_us) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement end,
+        connection_->Prepare("UPDATE jobs SET state = CASE WHEN cancel_asked = 1 THEN 'cancelled' ELSE 'failed' END, "
+                             "message = CASE WHEN cancel_asked = 1 THEN message ELSE ? END, ended_utc_us = ?, "
+                             "owner = NULL, lease_utc_us = NULL "
+                             "WHERE state = 'running' AND lease_utc_us < ? AND (cancel_asked = 1 OR attempts >= ?)"));
+    end.Bind(fmt::format("its worker died {} times", kMaxAttempts), now_us, now_us, kMaxAttempts);
+    return end.Run();
+  }
+
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace
+}  // namespace victorious::sqlite
+
+namespace victorious {
+
+Expected<std::unique_ptr<JobQueue>> OpenSqliteJobQueue(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, sqlite::OpenDatabase(path, StoreMode::kCreate));
+  return std::make_unique<sqlite::SqliteJobQueue>(std::move(connection));
+}
+
+}  // namespace victorious

@@ -1,0 +1,149 @@
+// What a person who reviews an index asks of it: pages of the list of objects, filtered and sorted, their counts, their
+// places on a map. Input: an index (index_store.h writes it). Output: bounded answers, each read by an index of the
+// store, so that an archive of 50,000 objects answers in milliseconds. sqlite/ implements it; a server database can
+// implement it as well.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "victorious/store/index_store.h"
+
+namespace victorious {
+
+/// Selects objects. All conditions that are set must hold. Rejected objects (ObjectRecord::rejected) never match.
+struct ObjectQuery {
+  enum class ReviewState { kAny, kNone, kAccepted, kRejected };
+
+  std::vector<std::string> models;    ///< names; empty: all
+  std::optional<std::int64_t> video;  ///< seen in this video
+  std::optional<double> min_score;    ///< inclusive
+  std::optional<double> from_s;       ///< seen at or after this time
+  std::optional<double> to_s;         ///< seen at or before this time
+  std::optional<GeoCircle> near;      ///< only objects of known place
+  std::vector<std::string> words;  ///< each is part of the model's name, of the id or of the note; ASCII ignores case
+  ReviewState review = ReviewState::kAny;
+
+  [[nodiscard]] bool IsEmpty() const;  ///< selects all objects
+};
+
+enum class ObjectOrder {
+  kRank,    ///< best first: by score, number of frames, id
+  kQueue,   ///< what was not reviewed before a time, then what was; each best first
+  kNewest,  ///< latest id first
+};
+
+/// Where an object stands in an order. Remains usable when the object is gone.
+struct ObjectKey {
+  bool is_done = false;  ///< kQueue: in the second part
+  double score = 0;
+  std::int64_t frames = 0;
+  std::int64_t id = 0;
+};
+
+/// A part of the list. `after` and `before` exclude each other and `offset`.
+struct ObjectSlice {
+  ObjectOrder order = ObjectOrder::kRank;
+  std::int64_t queue_utc_us = INT64_MAX;  ///< kQueue: an object reviewed before is in the second part
+  std::optional<ObjectKey> after;         ///< what follows this position
+  std::optional<ObjectKey> before;        ///< what precedes it, the nearest first
+  std::int64_t offset = 0;                ///< rows to leave out; cost grows with it, in index entries only
+  std::int64_t limit = 100;
+};
+
+/// An object as listed.
+struct TriageObject {
+  ObjectRecord object;  ///< `videos` and `tracklets` are empty: see `moments`
+  Review review;
+  std::vector<TrackletRecord> moments;  ///< its tracklets, by video and time
+};
+
+/// Numbers of the objects that match a query.
+struct ObjectCounts {
+  static constexpr int kBins = 100;
+
+  std::int64_t objects = 0;
+  std::int64_t accepted = 0;
+  std::int64_t rejected = 0;
+  std::array<std::int64_t, kBins> scores{};  ///< objects with a score in [i, i + 1) hundredths; 1 is in the last
+};
+
+/// A region between parallels and meridians, radians; it does not cross the antimeridian.
+struct GeoBox {
+  double south_rad = 0;
+  double west_rad = 0;
+  double north_rad = 0;
+  double east_rad = 0;
+};
+
+/// An object on a map.
+struct PlacedObject {
+  std::int64_t id = 0;
+  std::int64_t model = 0;
+  double score = 0;
+  double latitude_rad = 0;
+  double longitude_rad = 0;
+  std::optional<Verdict> verdict;
+  bool matches = true;  ///< the query of the call
+};
+
+/// What a map draws of an object besides its point.
+struct PlacedShape {
+  std::int64_t id = 0;
+  Geolocation place;
+  std::optional<double> heading_rad;  ///< of its front, clockwise from north
+};
+
+/// Objects of each video and each model, without rejected ones.
+struct ObjectNumbers {
+  std::int64_t id = 0;  ///< of the video or model
+  std::int64_t objects = 0;
+};
+
+/// Reads an index. Not thread-safe: use from one thread at a time.
+class TriageStore {
+ public:
+  virtual ~TriageStore() = default;
+
+  [[nodiscard]] virtual Expected<std::vector<TriageObject>> Objects(const ObjectQuery& query,
+                                                                    const ObjectSlice& slice) = 0;
+  /// Returns these objects, by id; without those that are not in the index or rejected. At most 1000 ids.
+  [[nodiscard]] virtual Expected<std::vector<TriageObject>> ObjectsById(std::span<const std::int64_t> ids) = 0;
+  /// The key of an object in the orders of `slice`; std::nullopt if it is not in the index.
+  [[nodiscard]] virtual Expected<std::optional<ObjectKey>> FindKey(std::int64_t object, const ObjectSlice& slice) = 0;
+  /// The number of objects that match and precede a key.
+  [[nodiscard]] virtual Expected<std::int64_t> CountBefore(const ObjectQuery& query, const ObjectSlice& slice,
+                                                           const ObjectKey& key) = 0;
+  [[nodiscard]] virtual Expected<ObjectCounts> Count(const ObjectQuery& query) = 0;
+
+  /// Visits the objects of known place in a region; `matches` says which of them match the query. `visit` returns false
+  /// to stop.
+  [[nodiscard]] virtual Status VisitPlaces(const GeoBox& region, const ObjectQuery& query,
+                                           const std::function<bool(const PlacedObject&)>& visit) = 0;
+  /// Returns the shapes of these objects, by id; without those that have no place. At most 1000 ids.
+  [[nodiscard]] virtual Expected<std::vector<PlacedShape>> PlaceShapes(std::span<const std::int64_t> ids) = 0;
+  /// The smallest region that holds all objects of known place; std::nullopt if there is none.
+  [[nodiscard]] virtual Expected<std::optional<GeoBox>> PlaceBounds() = 0;
+  /// Heights above the ellipsoid of at most 1000 objects of known place that a video shows, metres.
+  [[nodiscard]] virtual Expected<std::vector<double>> PlaceHeights(std::int64_t video) = 0;
+
+  /// The sighting of an object with most matches, of equal ones the one with the best score.
+  [[nodiscard]] virtual Expected<std::optional<SightingRecord>> BestSighting(std::int64_t object) = 0;
+
+  [[nodiscard]] virtual Expected<std::vector<ObjectNumbers>> ObjectsOfVideos() = 0;
+  [[nodiscard]] virtual Expected<std::vector<ObjectNumbers>> ObjectsOfModels() = 0;
+  /// All searches, by video and model; without their options.
+  [[nodiscard]] virtual Expected<std::vector<SearchRecord>> Searches() = 0;
+};
+
+/// Opens an index for reading. Errors: those of OpenSqliteStore.
+[[nodiscard]] Expected<std::unique_ptr<TriageStore>> OpenSqliteTriageStore(const std::filesystem::path& path);
+
+}  // namespace victorious

@@ -1,0 +1,261 @@
+// The contract of TriageStore.
+#include "victorious/store/triage_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// Six objects of two models in two videos. By rank: ids_[0] to ids_[5]; ids_[2] and ids_[3] have the same score.
+class TriageStoreTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto writer = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+    ASSERT_TRUE(writer) << writer.error().message;
+    writer_ = *std::move(writer);
+    for (const char* name : {"a.mp4", "b.mp4"}) {
+      videos_.push_back(writer_->PutVideo({.content_id = name, .name = name, .width = 640, .height = 480})->id);
+    }
+    for (const char* name : {"jeep", "Crane"}) {
+      models_.push_back(writer_->PutModel({.name = name, .content_id = name, .kind = ModelKind::kCad})->id);
+    }
+    const double scores[] = {0.95, 0.9, 0.8, 0.8, 0.5, 0.1};
+    const int frames[] = {2, 2, 3, 2, 2, 2};
+    for (int i = 0; i < 6; ++i) ids_.push_back(Commit(videos_[i % 2], models_[i / 4], scores[i], frames[i], i));
+    auto store = OpenSqliteTriageStore(folder_ / "index.db");
+    ASSERT_TRUE(store) << store.error().message;
+    store_ = *std::move(store);
+  }
+
+  // One tracklet with sightings from frame 10 * `at` on, at as many seconds.
+  std::int64_t Commit(std::int64_t video, std::int64_t model, double score, int frames, int at) {
+    IndexBatch batch;
+    batch.tracklets.push_back({std::nullopt,
+                               {.video = video,
+                                .model = model,
+                                .score = score,
+                                .frames = frames,
+                                .first_time_s = 1.0 * at,
+                                .last_time_s = at + 0.5}});
+    for (int i = 0; i < frames; ++i) {
+      batch.sightings.push_back({0,
+                                 {.frame = 10 * at + i,
+                                  .time_s = at + 0.1 * i,
+                                  .box = {10, 10, 20, 20},
+                                  .score = score,
+                                  .matches = i == 1 ? 30 : 20}});
+    }
+    const auto ids = writer_->Commit(batch);
+    EXPECT_TRUE(ids) << ids.error().message;
+    return ids->front();
+  }
+
+  void PutPlace(std::int64_t object, double latitude_deg, double longitude_deg, std::string rejected = "") {
+    Geolocation place{.point = {RadiansFromDegrees(latitude_deg), RadiansFromDegrees(longitude_deg), 40}};
+    std::vector<ObjectRecord> records;
+    const auto present = writer_->Objects({.include_rejected = true});
+    ASSERT_TRUE(present) << present.error().message;
+    for (const ObjectRecord& one : *present) {
+      records.push_back(one);
+      if (one.id != object) continue;
+      records.back().place = place;
+      records.back().rejected = rejected;
+    }
+    ASSERT_TRUE(writer_->PutObjects(records));
+  }
+
+  std::vector<std::int64_t> List(const ObjectQuery& query, const ObjectSlice& slice = {}) {
+    std::vector<std::int64_t> ids;
+    const auto objects = store_->Objects(query, slice);
+    EXPECT_TRUE(objects) << objects.error().message;
+    for (const TriageObject& one : *objects) ids.push_back(one.object.id);
+    return ids;
+  }
+
+  testing::ScratchFolder folder_;
+  std::unique_ptr<IndexStore> writer_;
+  std::unique_ptr<TriageStore> store_;
+  std::vector<std::int64_t> videos_;
+  std::vector<std::int64_t> models_;
+  std::vector<std::int64_t> ids_;
+};
+
+TEST_F(TriageStoreTest, ListsWhatTheIndexStoreLists) {
+  const auto expected = writer_->Objects({});
+  const auto listed = store_->Objects({}, {});
+  ASSERT_TRUE(listed) << listed.error().message;
+  ASSERT_EQ(listed->size(), expected->size());
+  for (std::size_t i = 0; i < expected->size(); ++i) {
+    const ObjectRecord& a = (*expected)[i];
+    const ObjectRecord& b = (*listed)[i].object;
+    EXPECT_EQ(a.id, b.id) << i;
+    EXPECT_EQ(std::tie(a.model, a.score, a.frames, a.first_time_s, a.last_time_s),
+              std::tie(b.model, b.score, b.frames, b.first_time_s, b.last_time_s));
+    ASSERT_THAT((*listed)[i].moments, SizeIs(1));
+    EXPECT_EQ((*listed)[i].moments[0].video, a.videos[0]);
+  }
+}
+
+TEST_F(TriageStoreTest, SummaryFollowsTracklets) {
+  // A tracklet grows, is joined to another object, and is deleted.
+  IndexBatch grown;
+  grown.tracklets.push_back(
+      {ids_[5],
+       {.video = videos_[1], .model = models_[1], .score = 0.99, .frames = 7, .first_time_s = 5, .last_time_s = 9}});
+  ASSERT_TRUE(writer_->Commit(grown));
+  EXPECT_EQ(List({}).front(), ids_[5]);
+  const std::vector<ObjectRecord> joined = {{.id = ids_[4], .model = models_[1], .tracklets = {ids_[4], ids_[5]}}};
+  ASSERT_TRUE(writer_->PutObjects(joined));
+  auto listed = store_->Objects({}, {.limit = 1});
+  ASSERT_THAT(*listed, SizeIs(1));
+  EXPECT_EQ(listed->front().object.id, ids_[4]);
+  EXPECT_EQ(listed->front().object.frames, 9);
+  EXPECT_EQ(listed->front().object.first_time_s, 4);
+  EXPECT_EQ(listed->front().object.last_time_s, 9);
+  EXPECT_THAT(listed->front().moments, SizeIs(2));
+  ASSERT_TRUE(writer_->DeleteSearch(videos_[1], models_[1]));
+  listed = store_->Objects({}, {});
+  EXPECT_EQ(listed->back().object.id, ids_[4]);
+  EXPECT_EQ(listed->back().object.score, 0.5);
+  ASSERT_TRUE(writer_->DeleteSearch(videos_[0], models_[1]));
+  EXPECT_THAT(List({}), ElementsAre(ids_[0], ids_[1], ids_[2], ids_[3])) << "without tracklets it is not listed";
+}
+
+TEST_F(TriageStoreTest, KeysWalkTheListBothWays) {
+  for (const ObjectOrder order : {ObjectOrder::kRank, ObjectOrder::kQueue, ObjectOrder::kNewest}) {
+    ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kAccepted, "", 10}));
+    ASSERT_TRUE(writer_->PutReview(ids_[3], {Verdict::kRejected, "", 10}));
+    const ObjectSlice all{.order = order, .queue_utc_us = 50};
+    const std::vector<std::int64_t> whole = List({}, all);
+    ASSERT_THAT(whole, SizeIs(6));
+    if (order == ObjectOrder::kQueue) {
+      EXPECT_THAT(whole, ElementsAre(ids_[0], ids_[2], ids_[4], ids_[5], ids_[1], ids_[3]));
+    }
+    if (order == ObjectOrder::kNewest) EXPECT_EQ(whole.front(), ids_[5]);
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      const auto key = store_->FindKey(whole[i], all);
+      ASSERT_TRUE(key && *key);
+      EXPECT_EQ(*store_->CountBefore({}, all, **key), static_cast<std::int64_t>(i));
+      ObjectSlice after = all;
+      after.after = *key;
+      const auto at = whole.begin() + static_cast<std::ptrdiff_t>(i);
+      EXPECT_EQ(List({}, after), std::vector(at + 1, whole.end()));
+      ObjectSlice before = all;
+      before.before = *key;
+      EXPECT_EQ(List({}, before), std::vector(std::reverse_iterator(at), whole.rend()));
+      ObjectSlice from = all;
+      from.offset = static_cast<std::int64_t>(i);
+      from.limit = 2;
+      EXPECT_EQ(List({}, from), std::vector(at, std::min(at + 2, whole.end())));
+    }
+  }
+  EXPECT_FALSE(*store_->FindKey(12345, {}));
+}
+
+// What is reviewed while the queue is worked off keeps its place in it.
+TEST_F(TriageStoreTest, QueueStaysWhileItIsWorkedOff) {
+  ASSERT_TRUE(writer_->PutReview(ids_[0], {Verdict::kAccepted, "", 100}));
+  const ObjectSlice before{.order = ObjectOrder::kQueue, .queue_utc_us = 50};
+  const ObjectSlice later{.order = ObjectOrder::kQueue, .queue_utc_us = 150};
+  EXPECT_EQ(List({}, before).front(), ids_[0]);
+  EXPECT_EQ(List({}, later).back(), ids_[0]);
+}
+
+TEST_F(TriageStoreTest, FiltersSelect) {
+  PutPlace(ids_[1], 52, 13);
+  ASSERT_TRUE(writer_->PutReview(ids_[2], {Verdict::kAccepted, "By the Barn", 10, "ann"}));
+  using State = ObjectQuery::ReviewState;
+  EXPECT_THAT(List({.models = {"Crane"}}), ElementsAre(ids_[4], ids_[5]));
+  EXPECT_THAT(List({.models = {"none"}}), IsEmpty());
+  EXPECT_THAT(List({.video = videos_[1]}), ElementsAre(ids_[1], ids_[3], ids_[5]));
+  EXPECT_THAT(List({.min_score = 0.9}), ElementsAre(ids_[0], ids_[1]));
+  EXPECT_THAT(List({.from_s = 4.5, .to_s = 4.9}), ElementsAre(ids_[4]));
+  EXPECT_THAT(List({.near = GeoCircle{{RadiansFromDegrees(52), RadiansFromDegrees(13.001), 0}, 100}}),
+              ElementsAre(ids_[1]));
+  EXPECT_THAT(List({.near = GeoCircle{{RadiansFromDegrees(52), RadiansFromDegrees(13.001), 0}, 50}}), IsEmpty());
+  EXPECT_THAT(List({.words = {"crane"}}), ElementsAre(ids_[4], ids_[5])) << "letters' case is ignored";
+  EXPECT_THAT(List({.words = {"BARN", "jee"}}), ElementsAre(ids_[2])) << "all words";
+  EXPECT_THAT(List({.words = {"barn", "crane"}}), IsEmpty());
+  EXPECT_THAT(List({.words = {"' OR 1 --"}}), IsEmpty());
+  EXPECT_THAT(List({.review = State::kAccepted}), ElementsAre(ids_[2]));
+  EXPECT_THAT(List({.review = State::kRejected}), IsEmpty());
+  EXPECT_THAT(List({.review = State::kNone}), SizeIs(5));
+  const auto counts = store_->Count({.models = {"jeep"}});
+  ASSERT_TRUE(counts) << counts.error().message;
+  EXPECT_EQ(std::tuple(counts->objects, counts->accepted, counts->rejected), std::tuple(4, 1, 0));
+  EXPECT_EQ(counts->scores[80], 2);
+  EXPECT_EQ(counts->scores[95], 1);
+}
+
+TEST_F(TriageStoreTest, CirclesCrossTheAntimeridianAndThePole) {
+  PutPlace(ids_[0], 10, 179.9995);
+  PutPlace(ids_[1], 89.9999, -90);
+  EXPECT_THAT(List({.near = GeoCircle{{RadiansFromDegrees(10), RadiansFromDegrees(-179.9995), 0}, 200}}),
+              ElementsAre(ids_[0]));
+  EXPECT_THAT(List({.near = GeoCircle{{RadiansFromDegrees(89.9999), RadiansFromDegrees(90), 0}, 100}}),
+              ElementsAre(ids_[1]));
+}
+
+TEST_F(TriageStoreTest, RejectedObjectsAreNotListed) {
+  PutPlace(ids_[0], 52, 13, "it floats");
+  EXPECT_THAT(List({}), SizeIs(5));
+  EXPECT_EQ(store_->Count({})->objects, 5);
+  EXPECT_THAT(*store_->ObjectsById(ids_), SizeIs(5));
+  EXPECT_FALSE(*store_->FindKey(ids_[0], {}));
+  EXPECT_FALSE(*store_->PlaceBounds());
+  PutPlace(ids_[0], 52, 13);
+  EXPECT_THAT(List({}), SizeIs(6));
+}
+
+TEST_F(TriageStoreTest, PlacesOfARegion) {
+  PutPlace(ids_[0], 52, 13);
+  PutPlace(ids_[1], 52.5, 14);
+  const auto visit = [&](const GeoBox& region, const ObjectQuery& query) {
+    std::vector<std::pair<std::int64_t, bool>> found;
+    EXPECT_TRUE(store_->VisitPlaces(region, query, [&](const PlacedObject& one) {
+      found.emplace_back(one.id, one.matches);
+      return true;
+    }));
+    return found;
+  };
+  const auto degrees = [](double south, double west, double north, double east) {
+    return GeoBox{RadiansFromDegrees(south), RadiansFromDegrees(west), RadiansFromDegrees(north),
+                  RadiansFromDegrees(east)};
+  };
+  EXPECT_THAT(visit(degrees(51, 12, 53, 15), {.min_score = 0.92}),
+              ElementsAre(std::pair(ids_[0], true), std::pair(ids_[1], false)));
+  EXPECT_THAT(visit(degrees(51, 13.5, 53, 15), {}), ElementsAre(std::pair(ids_[1], true)));
+  EXPECT_THAT(visit(degrees(0, 0, 1, 1), {}), IsEmpty());
+  const auto bounds = store_->PlaceBounds();
+  ASSERT_TRUE(bounds && *bounds);
+  EXPECT_DOUBLE_EQ((*bounds)->north_rad, RadiansFromDegrees(52.5));
+  EXPECT_DOUBLE_EQ((*bounds)->west_rad, RadiansFromDegrees(13));
+  EXPECT_THAT(*store_->PlaceHeights(videos_[0]), ElementsAre(40.0));
+  EXPECT_THAT(*store_->PlaceShapes(ids_), SizeIs(2));
+}
+
+TEST_F(TriageStoreTest, BestSightingHasMostMatches) {
+  const auto best = store_->BestSighting(ids_[3]);
+  ASSERT_TRUE(best && *best) << best.error().message;
+  EXPECT_EQ((*best)->frame, 31);
+  EXPECT_EQ((*best)->matches, 30);
+  EXPECT_FALSE(*store_->BestSighting(4711));
+}
+
+TEST_F(TriageStoreTest, NumbersOfVideosAndModels) {
+  ASSERT_THAT(*store_->ObjectsOfVideos(), SizeIs(2));
+  EXPECT_EQ(store_->ObjectsOfVideos()->front().objects, 3);
+  EXPECT_EQ(store_->ObjectsOfModels()->back().objects, 2);
+  EXPECT_THAT(*store_->Searches(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace victorious
