@@ -138,6 +138,12 @@ async function triage(page) {
   const greyed = await page.locator("[role=option].greyed").count();
   assert.equal(greyed, objects.filter((one) => one.model !== second.model).length);
   assert.equal(await page.locator("[role=option]").count(), objects.length, "nothing is hidden");
+  await page.waitForFunction((text) => document.querySelector(".list h2")?.textContent?.startsWith(text), `${objects.length - greyed} of`);
+  // Shown alone, then all again.
+  await page.getByText("matches only").click();
+  await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, objects.length - greyed);
+  await page.getByText("matches only").click();
+  await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, objects.length);
   await page.getByText("Clear filters").click();
 
   // Frames by keys, and the help.
@@ -150,6 +156,62 @@ async function triage(page) {
   await page.waitForSelector("dialog.help[open]");
   await page.keyboard.press("Escape");
   await page.waitForSelector("dialog.help[open]", { state: "detached" });
+}
+
+/** A list of thousands: any part of it, the neighbour that is not loaded, clusters on the map. */
+async function many(page) {
+  await page.goto("/");
+  await page.waitForSelector("[role=option]");
+  const { objects: total } = await api(page, "/objects/counts");
+  assert.ok(total > 2500, `the test needs many objects, not ${total}`);
+  assert.ok((await page.locator(".row").count()) < 60, "only rows that can be seen are in the document");
+
+  // The end of the list, without what lies between.
+  await page.locator(".rows").evaluate((rows) => rows.scrollTo(0, rows.scrollHeight));
+  const { objects: last } = await api(page, `/objects?offset=${total - 1}`);
+  await page.waitForSelector(`#object-${last[0].id}`);
+
+  // An object that the address names is found in the list, wherever it stands.
+  const { objects: middle } = await api(page, "/objects?offset=1234&limit=1");
+  await page.goto(`/?object=${middle[0].id}`);
+  await page.waitForSelector(`#object-${middle[0].id}[aria-selected=true]`);
+
+  // The next match may be far away: the server finds it.
+  const { objects: rare } = await api(page, "/objects?model=rare");
+  assert.ok(rare.length >= 2);
+  await page.keyboard.press("/");
+  await page.keyboard.type("rare");
+  await page.keyboard.press("Escape");
+  await page.waitForFunction((text) => document.querySelector(".list h2")?.textContent?.startsWith(text), `${rare.length} of`);
+  const after = await api(page, `/objects?after=${middle[0].id}&model=rare&limit=1`);
+  await page.keyboard.press("j");
+  await page.waitForSelector(`#object-${after.objects[0].id}[aria-selected=true]`);
+  const before = await api(page, `/objects?before=${after.objects[0].id}&model=rare&limit=1`);
+  await page.keyboard.press("k");
+  await page.waitForSelector(`#object-${before.objects[0].id}[aria-selected=true]`);
+
+  // A decision counts at once, and the server has it.
+  await page.keyboard.press("a");
+  await page.waitForFunction(() => /^1 of/.test(document.querySelector(".progress")?.textContent ?? ""));
+  await page.waitForFunction(async () => (await (await fetch("/api/v1/objects/counts")).json()).accepted === 1);
+
+  // A cluster on the map opens where it is clicked.
+  await page.getByText("Clear filters").click();
+  await page.getByRole("button", { name: "All", exact: true }).click();
+  const tilesBefore = await page.evaluate(() => performance.getEntriesByType("resource").filter((one) => /tiles/.test(one.name)).length);
+  const cluster = await findStillOnMap(page, await page.evaluate(() => {
+    const probe = document.createElement("div");
+    probe.style.color = "var(--accent)";
+    document.body.append(probe);
+    const rgb = getComputedStyle(probe).color.match(/\d+/g).map(Number);
+    probe.remove();
+    return rgb;
+  }));
+  assert.ok(cluster, "the map has no cluster");
+  await page.mouse.click(cluster.x, cluster.y);
+  await page.waitForFunction(
+    (count) => performance.getEntriesByType("resource").filter((one) => /tiles/.test(one.name)).length > count, tilesBefore,
+  );
 }
 
 /** The number that the frame on the page shows, and the number that the page says it has. */
@@ -238,7 +300,7 @@ try {
   page.on("request", (request) => {
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url)) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, images }[scenario](page);
+  await { triage, frames, images, many }[scenario](page);
   assert.deepEqual(faults, []);
 } finally {
   await browser.close();

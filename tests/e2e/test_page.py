@@ -61,6 +61,40 @@ class PageTest(program.ProgramTest):
         self.place_objects(db, video)
         self.drive("triage", db, "--models", program.models())
 
+    def test_many_objects(self):
+        """3000 drawn rows: ten are of the model "rare"."""
+        db = self.scratch / "index.db"
+        db.touch()
+        with program.Server(db):
+            pass  # gives the empty file its tables
+        covariance = struct.pack("<9d", 4, 0, 0, 0, 9, 0, 0, 0, 4)
+        with contextlib.closing(sqlite3.connect(db)) as index, index:
+            index.execute(
+                "INSERT INTO videos (id, content_id, name, width_px, height_px, frame_count, duration_s)"
+                " VALUES (1, 'c', '/videos/none.mp4', 640, 480, 6000, 600)"
+            )
+            for number, name in enumerate(("common", "rare"), 1):
+                index.execute("INSERT INTO models VALUES (?, ?, ?, 'cad')", (number, name, name))
+            for number in range(1, 3001):
+                model = 2 if number % 300 == 7 else 1
+                index.execute(
+                    "INSERT INTO objects (id, model_id, place_time_s, latitude_rad, longitude_rad, altitude_m,"
+                    " covariance_enu_m2, ce90_m, le90_m) VALUES (?, ?, 1, ?, ?, 40, ?, 5, 4)",
+                    (number, model, 0.9 + 1e-6 * (number % 50), 0.2 + 2e-6 * (number // 50), covariance),
+                )
+                index.execute(
+                    "INSERT INTO tracklets (id, object_id, video_id, model_id, score, frames, first_time_s, last_time_s)"
+                    " VALUES (?, ?, 1, ?, ?, 1, ?, ?)",
+                    (number, number, model, 1 - number / 3100, number / 10, number / 10),
+                )
+                index.execute(
+                    "INSERT INTO sightings (video_id, frame, tracklet_id, time_s, box_x_px, box_y_px, box_width_px,"
+                    " box_height_px, outline, score, source, matches, view_index, in_plane_rad)"
+                    " VALUES (1, ?, ?, ?, 10, 10, 40, 40, x'', ?, 'recognised', 9, 0, 0)",
+                    (number, number, number / 10, 1 - number / 3100),
+                )
+        self.drive("many", db)
+
     def test_overlay_belongs_to_its_frame(self):
         video = self.scratch / "numbers.mp4"
         subprocess.run([DRAW_NUMBERS, video], check=True)

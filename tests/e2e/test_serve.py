@@ -83,6 +83,11 @@ class ServeTest(program.ProgramTest):
         shutil.copy(index_of_mp4(), self.db)
         with contextlib.closing(sqlite3.connect(self.db)) as db, db:
             db.execute("UPDATE videos SET name = ?", (str(self.video),))
+            # The drawn flight has no telemetry; the map needs a place.
+            db.execute(
+                "UPDATE objects SET place_time_s = 1, latitude_rad = 0.9, longitude_rad = 0.2, altitude_m = 40,"
+                " covariance_enu_m2 = zeroblob(72), ce90_m = 5, le90_m = 4"
+            )
 
     def serve(self, *flags):
         return program.Server(self.db, *flags)
@@ -116,12 +121,14 @@ class ServeTest(program.ProgramTest):
             video = found["moments"][0]["video_id"]
             for path, item in API["paths"].items():
                 real = path.replace("{view}", str(best["view_index"])).replace("{frame}", "3")
+                wrong = path.replace("{id}", "987654").replace("{z}/{x}/{y}", "3/9/0")
+                real = real.replace("{z}/{x}/{y}", "0/0/0")
                 number = {"videos": video, "objects": found["id"], "models": found["model_id"]}.get(path.split("/")[3])
                 for method in ("get", "put"):
                     if method not in item:
                         continue
                     body = '{"verdict": "accepted", "note": "x"}' if method == "put" else None
-                    for target in {real.replace("{id}", str(number)), real.replace("{id}", "987654")}:
+                    for target in {real.replace("{id}", str(number)), wrong.replace("{view}", "0").replace("{frame}", "3")}:
                         status, headers, text = self.ask(server, target, method.upper(), body)
                         answer = item[method]["responses"].get(str(status))
                         self.assertIsNotNone(answer, f"{target}: {status} is not described: {text[:200]}")

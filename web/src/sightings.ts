@@ -3,6 +3,7 @@ import { effect, signal } from "@preact/signals";
 
 import { listSightings } from "./api/client";
 import type { Sighting } from "./api/types";
+import { needObjects } from "./objects";
 import * as state from "./state";
 
 const CHUNK_S = 10;
@@ -40,6 +41,8 @@ async function loadChunk(video: number, chunk: number) {
       if (!others.some((one) => one.object_id === sighting.object_id)) byFrame.set(sighting.frame, [...others, sighting]);
     }
     sightingsVersion.value++;
+    // Their reviews, and whether the filters grey them out.
+    await needObjects(found.map((one) => one.object_id));
   } catch (error) {
     if (loadedVideo !== video) return;
     chunks.delete(chunk);

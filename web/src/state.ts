@@ -1,15 +1,14 @@
 // The state of the page: one selection rules list, video and map. Views read signals; everything that changes them is a
 // function here.
-import { batch, computed, effect, signal } from "@preact/signals";
+import { batch, computed, effect, signal, untracked } from "@preact/signals";
 
-import { ApiFailure, getCameraPath, getObject, getProject, getTimes, listObjects, listVideos, putReview } from "./api/client";
+import { ApiFailure, getCameraPath, getObject, getProject, getTimes, listVideos, putReview } from "./api/client";
 import type { CameraPath, FoundObject, ObjectDetail, Project, Verdict, Video } from "./api/types";
-import { NO_FILTERS, type Filters, makeMatcher, queueOrder } from "./logic/filters";
+import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
 import { FrameTable } from "./logic/frame_table";
 import { formatUrl, parseUrl } from "./logic/url_state";
+import * as objects from "./objects";
 
-const FIRST_PAGE = 100;
-const PAGE = 1000;
 const RETRY_MS = 3000;
 
 export type Load<T> = { state: "loading" } | { state: "ready"; value: T } | { state: "failed"; message: string };
@@ -18,15 +17,16 @@ export type Load<T> = { state: "loading" } | { state: "ready"; value: T } | { st
 
 export const project = signal<Load<Project>>({ state: "loading" });
 export const videos = signal<Video[]>([]);
-/** In the order of the queue, which stays while the page is open. */
-export const objects = signal<FoundObject[]>([]);
-/** All pages of the list are there. */
-export const isComplete = signal(false);
 export const isConnected = signal(true);
 
 // ---- what the user chose
 
 export const filters = signal<Filters>(NO_FILTERS);
+/** Leaves out of the list what the filters grey out. */
+export const isOnlyMatching = signal(false);
+export const sort = signal<objects.Sort>("queue");
+/** Who reviews: written into each review. */
+export const reviewer = signal(localStorage.getItem("reviewer") ?? "");
 export const selectedId = signal<number | null>(null);
 export const videoId = signal<number | null>(null);
 /** The frame that the video shows; null before it shows one. */
@@ -50,15 +50,15 @@ export const seekRequest = signal<{ video: number; time: number } | null>(null);
 // ---- what follows from both
 
 export const matcher = computed(() => makeMatcher(filters.value));
-export const matchingObjects = computed(() => objects.value.filter(matcher.value));
-export const objectById = computed(() => new Map(objects.value.map((one) => [one.id, one])));
-export const selected = computed(() =>
-  selectedId.value === null ? null : (objectById.value.get(selectedId.value) ?? null),
-);
+export const selected = computed(() => (selectedId.value === null ? null : (objects.objectOf(selectedId.value) ?? null)));
 export const video = computed(() => videos.value.find((one) => one.id === videoId.value) ?? null);
 export const modelNames = computed(() =>
   project.value.state === "ready" ? project.value.value.models.map((one) => one.name) : [],
 );
+const modelById = computed(
+  () => new Map(project.value.state === "ready" ? project.value.value.models.map((one) => [one.id, one.name]) : []),
+);
+export const modelName = (id: number) => modelById.value.get(id) ?? "";
 
 export const frameTable = signal<Load<FrameTable>>({ state: "loading" });
 export const cameraPath = signal<CameraPath | null>(null);
@@ -98,29 +98,18 @@ const messageOf = (error: unknown) => (error instanceof Error ? error.message : 
 
 // ---- loading
 
-/** Loads everything; tries again by itself while the server does not answer. */
+/** Loads what the page begins with; tries again by itself while the server does not answer. */
 export async function load() {
   try {
-    const [summary, found, page] = await Promise.all([getProject(), listVideos(), listObjects(null, FIRST_PAGE)]);
+    const [summary, found] = await Promise.all([getProject(), listVideos()]);
+    objects.setQueueTime(summary.now_utc_us);
+    await objects.loadList(sort.value, filters.value, isOnlyMatching.value);
     batch(() => {
       project.value = { state: "ready", value: summary };
       videos.value = found;
-      objects.value = queueOrder(page.objects);
       isConnected.value = true;
     });
-    openFromUrl();
-    let cursor = page.next_cursor;
-    const rest: FoundObject[] = [];
-    while (cursor !== null) {
-      const next = await listObjects(cursor, PAGE);
-      rest.push(...next.objects);
-      cursor = next.next_cursor;
-    }
-    batch(() => {
-      if (rest.length > 0) objects.value = queueOrder([...objects.value, ...rest]);
-      isComplete.value = true;
-    });
-    if (selectedId.value === null) openFromUrl();
+    await openFromUrl();
   } catch (error) {
     isConnected.value = !(error instanceof ApiFailure && error.status === 0);
     if (project.value.state !== "ready") project.value = { state: "failed", message: messageOf(error) };
@@ -128,20 +117,39 @@ export async function load() {
   }
 }
 
-function openFromUrl() {
+async function openFromUrl() {
   const wanted = parseUrl(location.search);
-  const target = wanted.object === null ? undefined : objectById.value.get(wanted.object);
+  if (wanted.object !== null && !objects.objectOf(wanted.object)) await objects.locate(wanted.object).catch(() => undefined);
+  const target = wanted.object === null ? undefined : objects.objectOf(wanted.object);
   if (target) {
     select(target.id, { seek: wanted.time === null });
-  } else if (wanted.object !== null && isComplete.value) {
+  } else if (wanted.object !== null) {
     notify(`Object ${wanted.object} is not in this index (a new search may have joined or removed it).`, "error");
   }
   const first = wanted.video ?? target?.moments[0]?.video_id ?? videos.value[0]?.id ?? null;
   if (first !== null && wanted.time !== null) return showTime(first, wanted.time);
-  const best = objects.value[0];
-  if (!target && wanted.object === null && best) return select(best.id);
+  const best = objects.list.value?.at(0);
+  if (!target && wanted.object === null && best !== undefined) return select(best);
   if (first !== null && videoId.value === null && !target) showTime(first, 0);
 }
+
+// The list and the counts follow what the user chose.
+effect(() => {
+  const [order, chosen, isOnly] = [sort.value, filters.value, isOnlyMatching.value];
+  if (project.value.state !== "ready") return;
+  untracked(() => objects.follow(order, chosen, isOnly, (error) => notify(messageOf(error), "error")));
+});
+
+// What the time line shows of the video.
+effect(() => {
+  const id = videoId.value;
+  if (id === null) return;
+  const abort = new AbortController();
+  objects.loadVideoObjects(id, abort.signal).catch((error: unknown) => {
+    if (!abort.signal.aborted) notify(messageOf(error), "error");
+  });
+  return () => abort.abort();
+});
 
 // Times and camera of the video that is shown.
 effect(() => {
@@ -192,6 +200,8 @@ effect(() => {
   return () => abort.abort();
 });
 
+effect(() => localStorage.setItem("reviewer", reviewer.value));
+
 effect(() => {
   localStorage.setItem("theme", theme.value);
   document.documentElement.dataset["theme"] = colours.value;
@@ -217,7 +227,7 @@ effect(() => {
   urlTimer = setTimeout(() => writeUrl(false), 250);
 });
 
-window.addEventListener("popstate", openFromUrl);
+window.addEventListener("popstate", () => void openFromUrl());
 
 // ---- actions
 
@@ -237,8 +247,15 @@ function isShown(object: FoundObject) {
 
 /** Selects an object; the video goes to its best sighting unless it shows the object already. */
 export function select(id: number, { seek = true, push = false } = {}) {
-  const object = objectById.value.get(id);
-  if (!object) return;
+  const object = objects.objectOf(id);
+  if (!object) {
+    // Not loaded yet: a find on the map, say.
+    objects
+      .locate(id)
+      .then(() => objects.objectOf(id) && select(id, { seek, push }))
+      .catch((error: unknown) => notify(messageOf(error), "error"));
+    return;
+  }
   if (push && selectedId.value !== null && selectedId.value !== id) writeUrl(true);
   seekToBest = seek && !isShown(object) ? id : null;
   const known = detail.value;
@@ -248,14 +265,24 @@ export function select(id: number, { seek = true, push = false } = {}) {
   selectedId.value = id;
 }
 
-/** The next or previous object of the queue that passes the filters. */
+/** The nearest object of the list before or after the selected one that passes a test; the server knows what is not loaded. */
+async function neighbour(by: 1 | -1, wanted: Filters): Promise<number | null> {
+  const matches = makeMatcher(wanted);
+  const id = selectedId.value;
+  const found = objects.findNeighbour(id, by, matches);
+  if (found === "end") return null;
+  if (found !== "unknown") return found;
+  return objects.askNeighbour(id, by, sort.value, wanted);
+}
+
+/** The next or previous object of the list that passes the filters. */
 export function step(by: 1 | -1) {
-  const list = matchingObjects.value;
-  if (list.length === 0) return;
-  const at = list.findIndex((one) => one.id === selectedId.value);
-  const next = at < 0 ? (by > 0 ? 0 : list.length - 1) : at + by;
-  const object = list[Math.min(Math.max(next, 0), list.length - 1)];
-  if (object) select(object.id, { push: true });
+  const from = selectedId.value;
+  neighbour(by, filters.value)
+    .then((id) => {
+      if (id !== null && selectedId.value === from) select(id, { push: true });
+    })
+    .catch((error: unknown) => notify(messageOf(error), "error"));
 }
 
 /** The next or previous moment of the selected object. */
@@ -298,28 +325,24 @@ export const pendingReviews = signal<ReadonlySet<number>>(new Set());
 const latestWrite = new Map<number, number>();
 let writes = 0;
 
-function setReview(id: number, review: FoundObject["review"]) {
-  objects.value = objects.value.map((one) => (one.id === id ? { ...one, review } : one));
-}
-
 async function writeReview(id: number, verdict: Verdict, note: string) {
   const write = ++writes;
-  const stored = objectById.value.get(id)?.review ?? null;
+  const stored = objects.objectOf(id)?.review ?? null;
   const isLatest = () => latestWrite.get(id) === write;
   latestWrite.set(id, write);
   pendingReviews.value = new Set([...pendingReviews.value, id]);
-  setReview(id, verdict === null && note === "" ? null : { verdict, note, updated_utc_us: Date.now() * 1000 });
+  objects.setReview(id, verdict === null && note === "" ? null : { verdict, note, reviewer: reviewer.value, updated_utc_us: Date.now() * 1000 });
   while (isLatest()) {
     try {
-      const review = await putReview(id, verdict, note);
+      const review = await putReview(id, verdict, note, reviewer.value);
       isConnected.value = true;
-      if (isLatest()) setReview(id, review);
+      if (isLatest()) objects.setReview(id, review);
       break;
     } catch (error) {
       if (!isLatest()) return;
       if (!(error instanceof ApiFailure && error.status === 0)) {
         notify(`The review is not stored: ${messageOf(error)}`, "error");
-        setReview(id, stored);
+        objects.setReview(id, stored);
         break;
       }
       // Nothing typed is lost: the review is kept and sent again once the server answers.
@@ -334,7 +357,7 @@ async function writeReview(id: number, verdict: Verdict, note: string) {
 }
 
 export function review(id: number, verdict: Verdict, note?: string) {
-  const object = objectById.value.get(id);
+  const object = objects.objectOf(id);
   if (!object) return;
   if (project.value.state === "ready" && !project.value.value.can_review) {
     notify("This index cannot be written, so reviews are not kept.", "error");
@@ -345,16 +368,18 @@ export function review(id: number, verdict: Verdict, note?: string) {
   void writeReview(id, verdict, note ?? before.note);
 }
 
-/** Decides about the selected object and goes on to the next one. */
+/** Decides about the selected object and goes on to the next one that is not reviewed. */
 export function decide(verdict: Exclude<Verdict, null>) {
   const object = selected.value;
   if (!object) return;
-  const list = matchingObjects.value;
-  const at = list.findIndex((one) => one.id === object.id);
-  const next = list.slice(at + 1).find((one) => !one.review?.verdict);
+  const next = neighbour(1, { ...filters.value, review: "none" });
   review(object.id, verdict);
   notify(`${object.model} ${object.id}: ${verdict}. U takes it back.`);
-  if (next) select(next.id, { push: true });
+  next
+    .then((id) => {
+      if (id !== null && selectedId.value === object.id) select(id, { push: true });
+    })
+    .catch((error: unknown) => notify(messageOf(error), "error"));
 }
 
 export function undo() {

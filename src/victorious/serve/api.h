@@ -47,18 +47,20 @@ class Api {
   ApiExpected<HttpResponse> RouteObject(const HttpRequest& request, Segments segments, QueryReader& query);
   ApiExpected<HttpResponse> Project();
   ApiExpected<HttpResponse> Videos();
+  // In api_objects.cc.
   ApiExpected<HttpResponse> Objects(QueryReader& query);
-  ApiExpected<HttpResponse> Object(const IndexSnapshot& snapshot, const ListedObject& object);
+  ApiExpected<HttpResponse> Counts(QueryReader& query);
+  ApiExpected<HttpResponse> Tile(const HttpRequest& request, Segments address, QueryReader& query);
+  ApiExpected<HttpResponse> Object(const IndexLists& lists, const TriageObject& object);
   ApiExpected<HttpResponse> Sightings(SightingFilter filter, QueryReader& query);
-  ApiExpected<HttpResponse> Thumbnail(const HttpRequest& request, const IndexSnapshot& snapshot,
-                                      const ListedObject& object, QueryReader& query);
-  ApiExpected<HttpResponse> PutReview(const HttpRequest& request, const ListedObject& object);
+  ApiExpected<HttpResponse> Thumbnail(const HttpRequest& request, const IndexLists& lists, std::int64_t object,
+                                      QueryReader& query);
+  ApiExpected<HttpResponse> PutReview(const HttpRequest& request, std::int64_t object);
   ApiExpected<HttpResponse> VideoFile(const HttpRequest& request, const VideoRecord& video);
   ApiExpected<HttpResponse> VideoFrame(const HttpRequest& request, const VideoRecord& video, std::string_view number);
-  ApiExpected<HttpResponse> Camera(const IndexLists& lists, const VideoRecord& video);
+  ApiExpected<HttpResponse> Camera(const VideoRecord& video);
   ApiExpected<HttpResponse> ViewImage(const HttpRequest& request, Segments segments);
-  [[nodiscard]] Expected<CameraPath> ReadCameraPath(const IndexLists& lists, const VideoRecord& video);
-  [[nodiscard]] Expected<std::optional<SightingRecord>> BestSighting(std::int64_t object);
+  [[nodiscard]] Expected<CameraPath> ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m);
 
   ApiOptions options_;
   std::unique_ptr<IndexView> index_;

@@ -1,13 +1,16 @@
 #include "victorious/serve/api_json.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/version.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/store/listed_object.h"
 
 namespace victorious {
 namespace {
@@ -43,30 +46,28 @@ EllipseAxes ComputeEllipseAxes(const Eigen::Matrix3d& covariance_enu_m2) {
   return {lengths[1], lengths[0], azimuth};
 }
 
-Json ReviewToJson(const Review* review) {
-  if (review == nullptr || review->IsEmpty()) return nullptr;
-  return {{"verdict", review->verdict ? Json(ToText(*review->verdict)) : Json()},
-          {"note", review->note},
-          {"updated_utc_us", review->updated_utc_us}};
+Json ReviewToJson(const Review& review) {
+  if (review.IsEmpty()) return nullptr;
+  return {{"verdict", review.verdict ? Json(ToText(*review.verdict)) : Json()},
+          {"note", review.note},
+          {"reviewer", review.reviewer},
+          {"updated_utc_us", review.updated_utc_us}};
 }
 
-Json ObjectToJson(const ListedObject& listed, const IndexSnapshot& snapshot) {
+Json ObjectToJson(const TriageObject& listed, const IndexLists& lists) {
   const ObjectRecord& object = listed.object;
   Json moments = Json::array();
-  if (const auto found = snapshot.lists->moments.find(object.id); found != snapshot.lists->moments.end()) {
-    for (const TrackletRecord& one : found->second) {
-      moments.push_back({{"video_id", one.video},
-                         {"first_time_s", TimeJson(one.first_time_s)},
-                         {"last_time_s", TimeJson(one.last_time_s)},
-                         {"frames", one.frames},
-                         {"score", ScoreJson(one.score)}});
-    }
+  for (const TrackletRecord& one : listed.moments) {
+    moments.push_back({{"video_id", one.video},
+                       {"first_time_s", TimeJson(one.first_time_s)},
+                       {"last_time_s", TimeJson(one.last_time_s)},
+                       {"frames", one.frames},
+                       {"score", ScoreJson(one.score)}});
   }
-  const auto review = snapshot.reviews->find(object.id);
+  const ModelRecord* model = lists.Model(object.model);
   return {{"id", object.id},
-          {"rank", listed.rank},
           {"model_id", object.model},
-          {"model", listed.model},
+          {"model", model == nullptr ? "" : model->name},
           {"score", ScoreJson(object.score)},
           {"frames", object.frames},
           {"first_time_s", TimeJson(object.first_time_s)},
@@ -75,7 +76,15 @@ Json ObjectToJson(const ListedObject& listed, const IndexSnapshot& snapshot) {
           {"place", object.place ? PlaceToJson(*object.place) : Json()},
           {"heading_deg", OrNull(object.heading_rad, &DegreesJson)},
           {"speed_m_s", OrNull(ComputeSpeed(object), &MetresJson)},
-          {"review", ReviewToJson(review == snapshot.reviews->end() ? nullptr : &review->second)}};
+          {"review", ReviewToJson(listed.review)}};
+}
+
+Json CountsToJson(const ObjectCounts& counts) {
+  return {{"objects", counts.objects},
+          {"accepted", counts.accepted},
+          {"rejected", counts.rejected},
+          {"unreviewed", counts.objects - counts.accepted - counts.rejected},
+          {"scores", counts.scores}};
 }
 
 Json SightingToJson(const SightingRecord& sighting) {
@@ -83,6 +92,7 @@ Json SightingToJson(const SightingRecord& sighting) {
   if (sighting.observation) heading_rad = sighting.observation->heading_rad;
   return {{"video_id", sighting.video},
           {"object_id", sighting.object},
+          {"model_id", sighting.model},
           {"frame", sighting.frame},
           {"time_s", TimeJson(sighting.time_s)},
           {"box", BoxJson(sighting.box)},
@@ -96,55 +106,61 @@ Json SightingToJson(const SightingRecord& sighting) {
           {"heading_deg", OrNull(heading_rad, &DegreesJson)}};
 }
 
-Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing) {
+Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing, bool with_searches) {
   Json searches = Json::array();
+  std::optional<std::int64_t> searched;  // by the search that is behind all others
+  bool is_begun = false;
   for (const SearchRecord& search : std::ranges::equal_range(lists.searches, video.id, {}, &SearchRecord::video)) {
+    is_begun |= search.finished || search.next_frame > 0;
+    if (!search.finished) searched = std::min(searched.value_or(search.next_frame), search.next_frame);
+    if (!with_searches) continue;
     searches.push_back(
         {{"model_id", search.model}, {"searched_frames", search.next_frame}, {"finished", search.finished}});
   }
   const auto objects = lists.objects_of_video.find(video.id);
-  return {{"id", video.id},
-          {"name", video.name},
-          {"width_px", video.width},
-          {"height_px", video.height},
-          {"frame_count", video.frame_count ? Json(*video.frame_count) : Json()},
-          {"duration_s", OrNull(video.duration_s, &TimeJson)},
-          {"start_utc_us", video.start_utc_us ? Json(*video.start_utc_us) : Json()},
-          {"objects", objects == lists.objects_of_video.end() ? 0 : objects->second},
-          {"missing", missing.empty() ? Json() : Json(missing)},
-          {"searches", std::move(searches)}};
+  Json json = {{"id", video.id},
+               {"name", video.name},
+               {"width_px", video.width},
+               {"height_px", video.height},
+               {"frame_count", video.frame_count ? Json(*video.frame_count) : Json()},
+               {"duration_s", OrNull(video.duration_s, &TimeJson)},
+               {"start_utc_us", video.start_utc_us ? Json(*video.start_utc_us) : Json()},
+               {"objects", objects == lists.objects_of_video.end() ? 0 : objects->second},
+               {"missing", missing.empty() ? Json() : Json(missing)},
+               {"is_searched", is_begun},
+               {"searched_frames", searched ? Json(*searched) : Json()}};
+  if (with_searches) json["searches"] = std::move(searches);
+  return json;
 }
 
-Json ProjectToJson(const std::filesystem::path& index, const IndexSnapshot& snapshot, bool can_review, bool has_views) {
-  const IndexLists& lists = *snapshot.lists;
-  std::map<std::int64_t, std::int64_t> objects_of_model;
-  std::int64_t accepted = 0;
-  std::int64_t rejected = 0;
-  for (const ListedObject& one : lists.objects) {
-    ++objects_of_model[one.object.model];
-    const auto review = snapshot.reviews->find(one.object.id);
-    if (review == snapshot.reviews->end()) continue;
-    accepted += review->second.verdict == Verdict::kAccepted;
-    rejected += review->second.verdict == Verdict::kRejected;
-  }
+Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, const ObjectCounts& counts,
+                   bool can_review, bool has_views) {
   Json models = Json::array();
   for (const ModelRecord& model : lists.models) {
+    const auto objects = lists.objects_of_model.find(model.id);
     models.push_back({{"id", model.id},
                       {"name", model.name},
                       {"kind", ToText(model.kind)},
-                      {"objects", objects_of_model[model.id]}});
+                      {"objects", objects == lists.objects_of_model.end() ? 0 : objects->second}});
   }
-  const auto objects = static_cast<std::int64_t>(lists.objects.size());
+  Json bounds;
+  if (lists.places) {
+    bounds = {GeodeticJson(lists.places->west_rad), GeodeticJson(lists.places->south_rad),
+              GeodeticJson(lists.places->east_rad), GeodeticJson(lists.places->north_rad)};
+  }
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
   return {{"name", index.filename().string()},
           {"version", kVersion},
           {"can_review", can_review},
           {"has_views", has_views},
           {"videos", lists.videos.size()},
-          {"objects", objects},
-          {"accepted", accepted},
-          {"rejected", rejected},
-          {"unreviewed", objects - accepted - rejected},
-          {"models", std::move(models)}};
+          {"objects", counts.objects},
+          {"accepted", counts.accepted},
+          {"rejected", counts.rejected},
+          {"unreviewed", counts.objects - counts.accepted - counts.rejected},
+          {"models", std::move(models)},
+          {"bounds", std::move(bounds)},
+          {"now_utc_us", std::chrono::duration_cast<std::chrono::microseconds>(now).count()}};
 }
 
 Json CameraPathToJson(const CameraPath& path) {

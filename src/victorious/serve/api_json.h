@@ -7,20 +7,24 @@
 
 namespace victorious {
 
-/// Null for no review.
-[[nodiscard]] Json ReviewToJson(const Review* review);
+/// Null for an empty review.
+[[nodiscard]] Json ReviewToJson(const Review& review);
 
-[[nodiscard]] Json ObjectToJson(const ListedObject& listed, const IndexSnapshot& snapshot);
+[[nodiscard]] Json ObjectToJson(const TriageObject& listed, const IndexLists& lists);
+
+[[nodiscard]] Json CountsToJson(const ObjectCounts& counts);
 
 [[nodiscard]] Json SightingToJson(const SightingRecord& sighting);
 
 /// @param missing  why the video's file cannot be read; empty: it can
-[[nodiscard]] Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing);
+/// @param with_searches  how far it was searched for each model
+[[nodiscard]] Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing,
+                               bool with_searches);
 
 /// @param index       its file
 /// @param has_views   images of the models' views can be had
-[[nodiscard]] Json ProjectToJson(const std::filesystem::path& index, const IndexSnapshot& snapshot, bool can_review,
-                                 bool has_views);
+[[nodiscard]] Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists,
+                                 const ObjectCounts& counts, bool can_review, bool has_views);
 
 [[nodiscard]] Json CameraPathToJson(const CameraPath& path);
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "testing/data.h"
+#include "testing/vector_tile_reader.h"
 #include "testing/video_tools.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
@@ -130,12 +131,76 @@ TEST_F(ApiTest, CursorWalksTheListOnce) {
   EXPECT_THAT(seen, ElementsAre(ids_[0], ids_[1], ids_[2]));
 }
 
+TEST_F(ApiTest, ListIsReadFromAnyPlace) {
+  const std::string second = std::to_string(ids_[1]);
+  EXPECT_THAT(Listed("after=" + second), ElementsAre(ids_[2]));
+  EXPECT_THAT(Listed("before=" + second), ElementsAre(ids_[0]));
+  EXPECT_THAT(Listed("offset=1&limit=1"), ElementsAre(ids_[1]));
+  EXPECT_THAT(Listed("sort=newest"), ElementsAre(ids_[2], ids_[1], ids_[0]));
+  EXPECT_THAT(Listed("ids=" + second + ",987654," + std::to_string(ids_[0])), ElementsAre(ids_[0], ids_[1]));
+  const json page = Get("/api/v1/objects?limit=2&around=" + std::to_string(ids_[2]));
+  EXPECT_EQ(page["offset"], 2);
+  EXPECT_EQ(page["total"], 3);
+  EXPECT_EQ(page["objects"][0]["id"], ids_[2]);
+  EXPECT_TRUE(page["next_cursor"].is_null());
+  EXPECT_EQ(Get("/api/v1/objects?offset=2&min_score=0.75")["total"], 2);
+  EXPECT_EQ(Get("/api/v1/objects?around=987654", 404)["code"], "not_found");
+  EXPECT_EQ(Get("/api/v1/objects?after=1&offset=2", 400)["field"], "cursor");
+  EXPECT_EQ(Get("/api/v1/objects?sort=best", 400)["field"], "sort");
+  EXPECT_EQ(Get("/api/v1/objects?ids=1,x", 400)["field"], "ids");
+}
+
+TEST_F(ApiTest, QueueStaysWhileItIsWorkedOff) {
+  const std::string since = std::to_string(Get("/api/v1/project")["now_utc_us"].get<std::int64_t>());
+  ASSERT_EQ(Review(ids_[0], R"({"verdict": "accepted"})").status, 200);
+  EXPECT_THAT(Listed("sort=queue&since=" + since), ElementsAre(ids_[0], ids_[1], ids_[2]));
+  EXPECT_THAT(Listed("sort=queue"), ElementsAre(ids_[1], ids_[2], ids_[0]));
+  std::vector<std::int64_t> seen;
+  std::string query = "sort=queue&limit=1";
+  for (int page = 0; page < 5; ++page) {
+    const json answer = Get("/api/v1/objects?" + query);
+    for (const json& one : answer["objects"]) seen.push_back(one["id"]);
+    if (answer["next_cursor"].is_null()) break;
+    query = "sort=queue&limit=1&cursor=" + answer["next_cursor"].get<std::string>();
+  }
+  EXPECT_THAT(seen, ElementsAre(ids_[1], ids_[2], ids_[0]));
+}
+
+TEST_F(ApiTest, CountsFollowFiltersAndReviews) {
+  ASSERT_EQ(Review(ids_[2], R"({"verdict": "rejected"})").status, 200);
+  const json all = Get("/api/v1/objects/counts");
+  EXPECT_EQ(all["objects"], 3);
+  EXPECT_EQ(all["rejected"], 1);
+  EXPECT_EQ(all["unreviewed"], 2);
+  EXPECT_EQ(all["scores"][90], 1);
+  EXPECT_EQ(Get("/api/v1/objects/counts?min_score=0.75")["objects"], 2);
+  EXPECT_EQ(Get("/api/v1/objects/counts?q=jee")["objects"], 3);
+  EXPECT_EQ(Get("/api/v1/objects/counts?q=jee+tank")["objects"], 0);
+  EXPECT_EQ(Get("/api/v1/objects/counts?limit=3", 400)["field"], "limit");
+}
+
+TEST_F(ApiTest, TilesHoldThePlaces) {
+  const HttpResponse tile = Send({.target = "/api/v1/tiles/0/0/0"});
+  EXPECT_EQ(tile.status, 200);
+  EXPECT_EQ(tile.content_type, "application/vnd.mapbox-vector-tile");
+  const auto layers = testing::ReadTile(tile.body);
+  ASSERT_THAT(layers, SizeIs(1));
+  EXPECT_EQ(layers[0].features[0].id, static_cast<std::uint64_t>(ids_[0]));
+  EXPECT_EQ(Send({.target = "/api/v1/tiles/0/0/0", .if_none_match = tile.headers.front().second}).status, 304);
+  EXPECT_EQ(Send({.target = "/api/v1/tiles/1/0/1?v=3"}).body, "");
+  for (const char* target : {"1/2/0", "1/0/2", "19/0/0", "0/0/x", "99/0/0"}) {
+    EXPECT_EQ(Send({.target = std::string("/api/v1/tiles/") + target}).status, 404) << target;
+  }
+}
+
 TEST_F(ApiTest, ObjectHasItsPlaceAndBestSighting) {
   const json object = Get("/api/v1/objects/" + std::to_string(ids_[0]));
   EXPECT_NEAR(object["place"]["latitude_deg"].get<double>(), 52, 1e-9);
   EXPECT_NEAR(object["place"]["ellipse"]["semi_major_m"].get<double>(), 4.292, 1e-3);
   EXPECT_EQ(object["best"]["frame"], 3) << "the sighting with most matches";
   EXPECT_EQ(object["moments"][0]["frames"], 5);
+  EXPECT_EQ(object["rank"], 1);
+  EXPECT_EQ(Get("/api/v1/objects/" + std::to_string(ids_[2]))["rank"], 3);
   EXPECT_TRUE(Get("/api/v1/objects/" + std::to_string(ids_[1]))["place"].is_null());
   EXPECT_EQ(Get("/api/v1/objects/99999", 404)["code"], "not_found");
   EXPECT_EQ(Get("/api/v1/objects/none", 404)["code"], "not_found");
@@ -193,9 +258,10 @@ TEST(CropRegion, ContainsTheBoxInsideTheFrame) {
 }
 
 TEST_F(ApiTest, ReviewIsKept) {
-  const HttpResponse put = Review(ids_[1], R"({"verdict": "accepted", "note": "by the barn"})");
+  const HttpResponse put = Review(ids_[1], R"({"verdict": "accepted", "note": "by the barn", "reviewer": "ann"})");
   ASSERT_EQ(put.status, 200) << put.body;
   EXPECT_EQ(json::parse(put.body)["review"]["verdict"], "accepted");
+  EXPECT_EQ(json::parse(put.body)["review"]["reviewer"], "ann");
   EXPECT_THAT(Listed("review=accepted"), ElementsAre(ids_[1]));
   EXPECT_THAT(Listed("review=none"), ElementsAre(ids_[0], ids_[2]));
   EXPECT_EQ(Get("/api/v1/project")["accepted"], 1);
@@ -214,6 +280,7 @@ TEST_F(ApiTest, MalformedReviewsAreRefused) {
                {R"({"verdict": 3})", "verdict"},
                {R"({"note": 3})", "note"},
                {R"({"note": ")" + std::string(4001, 'x') + R"("})", "note"},
+               {R"({"reviewer": ")" + std::string(101, 'x') + R"("})", "reviewer"},
                {R"({"score": 1})", "score"},
                {"{\"note\": \"\xff\"}", ""}};
   for (const auto& one : cases) {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "victorious/store/catalogue.h"
-
 namespace victorious {
 namespace {
 
@@ -17,30 +15,30 @@ const Record* FindById(const std::vector<Record>& records, std::int64_t id) {
   return found != records.end() && found->id == id ? &*found : nullptr;
 }
 
-Expected<IndexLists> ReadLists(IndexStore& store) {
+std::unordered_map<std::int64_t, std::int64_t> ById(const std::vector<ObjectNumbers>& numbers) {
+  std::unordered_map<std::int64_t, std::int64_t> by_id;
+  for (const ObjectNumbers& one : numbers) by_id[one.id] = one.objects;
+  return by_id;
+}
+
+Expected<IndexLists> ReadLists(const IndexReader& reader) {
   IndexLists lists;
-  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, {}));
-  lists.videos = catalogue.videos();
-  lists.models = catalogue.models();
-  VICTORIOUS_ASSIGN_OR_RETURN(lists.objects, ListObjects(store, catalogue, {}));
-  for (std::size_t i = 0; i < lists.objects.size(); ++i) {
-    lists.object_indices[lists.objects[i].object.id] = i;
-    for (const std::int64_t video : lists.objects[i].object.videos) ++lists.objects_of_video[video];
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> tracklets, store.Tracklets());
-  for (TrackletRecord& tracklet : tracklets) {
-    if (lists.object_indices.contains(tracklet.object)) lists.moments[tracklet.object].push_back(tracklet);
-  }
-  for (auto& [object, moments] : lists.moments) {
-    std::ranges::sort(moments, {}, [](const TrackletRecord& one) { return std::pair(one.video, one.first_time_s); });
-  }
-  for (const VideoRecord& video : lists.videos) {
-    for (const ModelRecord& model : lists.models) {
-      VICTORIOUS_ASSIGN_OR_RETURN(std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
-      if (search) lists.searches.push_back(*std::move(search));
-    }
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(lists.videos, reader.sightings->Videos());
+  VICTORIOUS_ASSIGN_OR_RETURN(lists.models, reader.sightings->Models());
+  VICTORIOUS_ASSIGN_OR_RETURN(lists.searches, reader.objects->Searches());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto of_videos, reader.objects->ObjectsOfVideos());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto of_models, reader.objects->ObjectsOfModels());
+  lists.objects_of_video = ById(of_videos);
+  lists.objects_of_model = ById(of_models);
+  VICTORIOUS_ASSIGN_OR_RETURN(lists.places, reader.objects->PlaceBounds());
   return lists;
+}
+
+Expected<IndexReader> OpenReader(const std::filesystem::path& path) {
+  IndexReader reader;
+  VICTORIOUS_ASSIGN_OR_RETURN(reader.sightings, OpenSqliteStore(path, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(reader.objects, OpenSqliteTriageStore(path));
+  return reader;
 }
 
 }  // namespace
@@ -48,11 +46,6 @@ Expected<IndexLists> ReadLists(IndexStore& store) {
 const VideoRecord* IndexLists::Video(std::int64_t id) const { return FindById(videos, id); }
 
 const ModelRecord* IndexLists::Model(std::int64_t id) const { return FindById(models, id); }
-
-const ListedObject* IndexLists::Object(std::int64_t id) const {
-  const auto found = object_indices.find(id);
-  return found == object_indices.end() ? nullptr : &objects[found->second];
-}
 
 Expected<std::unique_ptr<IndexView>> IndexView::Open(const std::filesystem::path& path) {
   std::error_code error;
@@ -62,9 +55,9 @@ Expected<std::unique_ptr<IndexView>> IndexView::Open(const std::filesystem::path
     if (!opened && opened.error().code != ErrorCode::kPermissionDenied) return std::unexpected(opened.error());
     if (opened) writer = *std::move(opened);
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(auto lister, OpenSqliteStore(path, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(IndexReader lister, OpenReader(path));
   std::unique_ptr<IndexView> view(new IndexView(path, std::move(writer), std::move(lister)));
-  VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const IndexSnapshot first, view->Snapshot());
+  VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const auto first, view->Lists());
   return view;
 }
 
@@ -72,47 +65,46 @@ Status IndexView::Refresh() {
   const auto now = std::chrono::steady_clock::now();
   if (checked_ && now - *checked_ < kMinRefreshInterval) return {};
   // Read before the lists: a change in between is seen by the next call.
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, lister_->ChangeNumber());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, lister_.sightings->ChangeNumber());
   if (!checked_ || number != change_number_) {
-    VICTORIOUS_ASSIGN_OR_RETURN(IndexLists lists, ReadLists(*lister_));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ReviewedObject> reviews, lister_->Reviews());
-    ReviewMap by_object;
-    for (const ReviewedObject& one : reviews) by_object.emplace(one.object, one.review);
-    snapshot_ = {std::make_shared<IndexLists>(std::move(lists)), std::make_shared<ReviewMap>(std::move(by_object))};
+    VICTORIOUS_ASSIGN_OR_RETURN(IndexLists lists, ReadLists(lister_));
+    const std::scoped_lock lock(mutex_);
+    lists.version = lists_ ? lists_->version + 1 : 1;
+    lists_ = std::make_shared<IndexLists>(std::move(lists));
     change_number_ = number;
   }
   checked_ = std::chrono::steady_clock::now();
   return {};
 }
 
-Expected<IndexSnapshot> IndexView::Snapshot() {
+Expected<std::shared_ptr<const IndexLists>> IndexView::Lists() {
+  if (std::unique_lock refreshing(refresh_mutex_, std::try_to_lock); refreshing) {
+    VICTORIOUS_RETURN_IF_ERROR(Refresh());
+  }
   const std::scoped_lock lock(mutex_);
-  VICTORIOUS_RETURN_IF_ERROR(Refresh());
-  return snapshot_;
+  return lists_;
 }
 
-Expected<std::unique_ptr<IndexStore>> IndexView::TakeReader() {
+Expected<IndexView::Loan> IndexView::Borrow() {
   {
-    const std::scoped_lock lock(readers_mutex_);
+    const std::scoped_lock lock(mutex_);
     if (!readers_.empty()) {
-      std::unique_ptr<IndexStore> reader = std::move(readers_.back());
+      std::unique_ptr<IndexReader> reader = std::move(readers_.back());
       readers_.pop_back();
-      return reader;
+      return Loan(*this, std::move(reader));
     }
   }
-  return OpenSqliteStore(path_, StoreMode::kRead);
+  VICTORIOUS_ASSIGN_OR_RETURN(IndexReader reader, OpenReader(path_));
+  return Loan(*this, std::make_unique<IndexReader>(std::move(reader)));
 }
 
-Status IndexView::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
-  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<IndexStore> reader, TakeReader());
-  Status status = reader->VisitSightings(filter, visit);
-  const std::scoped_lock lock(readers_mutex_);
-  if (status && readers_.size() < kMaxIdleReaders) readers_.push_back(std::move(reader));
-  return status;
+void IndexView::Return(std::unique_ptr<IndexReader> reader) {
+  const std::scoped_lock lock(mutex_);
+  if (readers_.size() < kMaxIdleReaders) readers_.push_back(std::move(reader));
 }
 
 Expected<Review> IndexView::PutReview(std::int64_t object, Review review) {
-  const std::scoped_lock lock(mutex_);
+  const std::scoped_lock lock(writer_mutex_);
   if (!writer_) {
     return Fail(ErrorCode::kPermissionDenied,
                 path_.string() +
@@ -121,18 +113,7 @@ Expected<Review> IndexView::PutReview(std::int64_t object, Review review) {
   }
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   review.updated_utc_us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t before, lister_->ChangeNumber());
   VICTORIOUS_RETURN_IF_ERROR(writer_->PutReview(object, review));
-  // The snapshot follows its own write without reading everything again, unless another process wrote, too.
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t after, lister_->ChangeNumber());
-  if (before == change_number_) change_number_ = after;
-  ReviewMap reviews = *snapshot_.reviews;
-  if (review.IsEmpty()) {
-    reviews.erase(object);
-  } else {
-    reviews[object] = review;
-  }
-  snapshot_.reviews = std::make_shared<ReviewMap>(std::move(reviews));
   return review;
 }
 

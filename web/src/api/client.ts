@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, ObjectDetail, Project, Review, Sighting, Verdict, Video } from "./types";
+import type { ApiErrorBody, CameraPath, Counts, ObjectDetail, Project, Review, Sighting, Verdict, Video } from "./types";
 
 const ROOT = "/api/v1";
 
@@ -34,10 +34,11 @@ export const getProject = () => request<Project>("/project");
 export const listVideos = async () =>
   (await request<components["schemas"]["VideoList"]>("/videos")).videos as Video[];
 
-export const listObjects = (cursor: string | null, limit: number) =>
-  request<components["schemas"]["ObjectList"]>(
-    `/objects?limit=${limit}${cursor === null ? "" : `&cursor=${encodeURIComponent(cursor)}`}`,
-  );
+export const listObjects = (params: URLSearchParams, signal?: AbortSignal) =>
+  request<components["schemas"]["ObjectList"]>(`/objects?${params}`, signal ? { signal } : undefined);
+
+export const countObjects = (params: URLSearchParams, signal?: AbortSignal) =>
+  request<Counts>(`/objects/counts?${params}`, signal ? { signal } : undefined);
 
 export const getObject = (id: number, signal: AbortSignal) => request<ObjectDetail>(`/objects/${id}`, { signal });
 
@@ -58,12 +59,12 @@ export const listSightings = async (video: number, from: number, to: number): Pr
 export const getCameraPath = (video: number, signal: AbortSignal) =>
   request<CameraPath>(`/videos/${video}/camera`, { signal });
 
-export const putReview = async (object: number, verdict: Verdict, note: string): Promise<Review | null> =>
+export const putReview = async (object: number, verdict: Verdict, note: string, reviewer: string): Promise<Review | null> =>
   (
     await request<components["schemas"]["ReviewedObject"]>(`/objects/${object}/review`, {
       method: "PUT",
       headers: { "Content-Type": "application/json" },
-      body: JSON.stringify({ verdict, note }),
+      body: JSON.stringify({ verdict, note, reviewer }),
     })
   ).review;
 
@@ -71,3 +72,5 @@ export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
 export const frameUrl = (video: number, frame: number) => `${ROOT}/videos/${video}/frames/${frame}`;
 export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/${object}/thumbnail?width=${width}`;
 export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}/views/${view}`;
+/** An address of MapLibre's tiles. */
+export const tilesUrl = (params: URLSearchParams) => `${location.origin}${ROOT}/tiles/{z}/{x}/{y}?${params}`;

@@ -8,6 +8,7 @@ export type Video = Schemas["Video"];
 export type FoundObject = Schemas["Object"];
 export type ObjectDetail = Schemas["ObjectDetail"];
 export type Sighting = Schemas["Sighting"];
+export type Counts = Schemas["ObjectCounts"];
 export type CameraPath = Schemas["CameraPath"];
 export type CameraPoint = Schemas["CameraPoint"];
 export type Place = Schemas["Place"];

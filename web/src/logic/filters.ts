@@ -78,19 +78,30 @@ export function isFiltered(filters: Filters): boolean {
   );
 }
 
-/** What a threshold costs. A score is the probability that an object is real. */
-export function thresholdCost(objects: readonly FoundObject[], minScore: number) {
-  let falseAlarms = 0;
-  let misses = 0;
-  for (const { score } of objects) {
-    if (score >= minScore) falseAlarms += 1 - score;
-    else misses += score;
-  }
-  return { falseAlarms, misses };
+/** The filters as parameters of the API, for what the page has not loaded. The same meaning as makeMatcher's. */
+export function filterParams(filters: Filters): URLSearchParams {
+  const { words, near } = parseQuery(filters.text);
+  const params = new URLSearchParams();
+  if (filters.models.length > 0) params.set("model", filters.models.join(","));
+  if (filters.video !== null) params.set("video", String(filters.video));
+  if (filters.review !== "all") params.set("review", filters.review);
+  if (filters.minScore > 0) params.set("min_score", String(filters.minScore));
+  if (near !== null) params.set("near", `${near.latitude},${near.longitude},${near.metres}`);
+  if (words.length > 0) params.set("q", words.slice(0, 16).join(" "));
+  return params;
 }
 
-/** Unreviewed objects first, each group by rank. */
-export function queueOrder(objects: readonly FoundObject[]): FoundObject[] {
-  const isDone = (object: FoundObject) => (object.review?.verdict ? 1 : 0);
-  return [...objects].sort((a, b) => isDone(a) - isDone(b) || a.rank - b.rank);
+/**
+ * What a threshold costs. A score is the probability that an object is real.
+ * @param scores how many objects have a score in each part of 0 to 1
+ */
+export function thresholdCost(scores: readonly number[], minScore: number) {
+  let falseAlarms = 0;
+  let misses = 0;
+  scores.forEach((count, i) => {
+    const score = (i + 0.5) / scores.length;
+    if (score >= minScore) falseAlarms += count * (1 - score);
+    else misses += count * score;
+  });
+  return { falseAlarms, misses };
 }

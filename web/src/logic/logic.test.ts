@@ -1,11 +1,12 @@
 import { describe, expect, it } from "vitest";
 
 import type { CameraPath, FoundObject, Place } from "../api/types";
-import { NO_FILTERS, isFiltered, makeMatcher, metresBetween, parseQuery, queueOrder, thresholdCost } from "./filters";
+import { NO_FILTERS, filterParams, isFiltered, makeMatcher, metresBetween, parseQuery, thresholdCost } from "./filters";
 import { formatAngle, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
 import { BINDINGS, actionOf } from "./keys";
+import { PagedList } from "./paged_list";
 import { formatUrl, parseUrl } from "./url_state";
 
 const place = (latitude: number, longitude: number): Place => ({
@@ -20,7 +21,6 @@ const place = (latitude: number, longitude: number): Place => ({
 
 const found = (id: number, change: Partial<FoundObject> = {}): FoundObject => ({
   id,
-  rank: id,
   model_id: 1,
   model: "jeep",
   score: 0.9,
@@ -35,7 +35,7 @@ const found = (id: number, change: Partial<FoundObject> = {}): FoundObject => ({
   ...change,
 });
 
-const accepted = { verdict: "accepted" as const, note: "", updated_utc_us: 0 };
+const accepted = { verdict: "accepted" as const, note: "", reviewer: "", updated_utc_us: 0 };
 
 describe("FrameTable", () => {
   const varied = new FrameTable([0, 0.04, 0.08, 0.28, 0.32, 1.5]);
@@ -108,16 +108,49 @@ describe("filters", () => {
   });
 
   it("say what a threshold costs", () => {
-    const objects = [found(1, { score: 0.9 }), found(2, { score: 0.6 }), found(3, { score: 0.2 })];
-    const cost = thresholdCost(objects, 0.5);
-    expect(cost.falseAlarms).toBeCloseTo(0.5);
-    expect(cost.misses).toBeCloseTo(0.2);
-    expect(thresholdCost(objects, 0).misses).toBe(0);
+    const scores = Array.from({ length: 100 }, (_, i) => ({ 90: 2, 60: 1, 20: 1 })[i] ?? 0);
+    const cost = thresholdCost(scores, 0.5);
+    expect(cost.falseAlarms).toBeCloseTo(2 * 0.095 + 0.395);
+    expect(cost.misses).toBeCloseTo(0.205);
+    expect(thresholdCost(scores, 0).misses).toBe(0);
   });
 
-  it("put what is not reviewed first", () => {
-    const ids = queueOrder([found(1, { review: accepted }), found(2), found(3)]).map((one) => one.id);
-    expect(ids).toEqual([2, 3, 1]);
+  it("are sent to the server", () => {
+    expect(filterParams(NO_FILTERS).toString()).toBe("");
+    const all = { text: "Jeep near 52,13 2 km", models: ["a", "b"], video: 3, review: "none" as const, minScore: 0.5 };
+    expect(Object.fromEntries(filterParams(all))).toEqual({
+      model: "a,b",
+      video: "3",
+      review: "none",
+      min_score: "0.5",
+      near: "52,13,2000",
+      q: "jeep",
+    });
+  });
+});
+
+describe("PagedList", () => {
+  const list = new PagedList(250, 100);
+  list.add(100, Array.from({ length: 100 }, (_, i) => 1000 + i));
+
+  it("knows what is loaded", () => {
+    expect([list.at(99), list.at(100), list.at(199), list.at(200)]).toEqual([undefined, 1000, 1099, undefined]);
+    expect([list.positionOf(1005), list.positionOf(7)]).toEqual([105, undefined]);
+    expect(list.missingPages(90, 210)).toEqual([0, 2]);
+    expect(list.missingPages(120, 150)).toEqual([]);
+    expect(list.missingPages(-20, 999)).toEqual([0, 2]);
+  });
+
+  it("finds neighbours", () => {
+    const even = (id: number) => id % 2 === 0;
+    expect(list.find(100, 1, even)).toBe(1002);
+    expect(list.find(105, -1, even)).toBe(1004);
+    expect(list.find(199, 1, even)).toBe("unknown");
+    expect(list.find(100, -1, even)).toBe("unknown");
+    expect(new PagedList(0, 100).find(-1, 1, even)).toBe("end");
+    const short = new PagedList(2, 100);
+    short.add(0, [1, 3]);
+    expect(short.find(0, 1, even)).toBe("end");
   });
 });
 

@@ -1,23 +1,13 @@
-import { computed } from "@preact/signals";
-
+import { counts } from "../objects";
 import * as state from "../state";
 import { Icon } from "./icons";
-
-const reviewed = computed(() => {
-  let accepted = 0;
-  let rejected = 0;
-  for (const { review } of state.objects.value) {
-    if (review?.verdict === "accepted") accepted++;
-    if (review?.verdict === "rejected") rejected++;
-  }
-  return { accepted, rejected, all: state.objects.value.length };
-});
 
 const NEXT_THEME = { system: "light", light: "dark", dark: "system" } as const;
 
 function Progress() {
-  const { accepted, rejected, all } = reviewed.value;
-  if (all === 0) return null;
+  const known = counts.value;
+  if (!known || known.objects === 0) return null;
+  const { accepted, rejected, objects: all } = known;
   const part = (count: number) => ({ width: `${(100 * count) / all}%` });
   return (
     <div class="progress" title={`${accepted} accepted, ${rejected} rejected`}>

@@ -82,7 +82,8 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
           <span class="swatch" style={{ background: state.colourOf(object.model) }} /> {object.model}
         </h2>
         <span class="muted">
-          object {object.id}, rank {object.rank}
+          object {object.id}
+          {detail?.rank ? `, rank ${detail.rank.toLocaleString("en")}` : ""}
         </span>
         <VerdictMark object={object} />
       </div>

@@ -7,12 +7,14 @@ import { thumbnailUrl } from "../api/client";
 import type { FoundObject } from "../api/types";
 import { NO_FILTERS, isFiltered, thresholdCost } from "../logic/filters";
 import { explainScore, formatMetres, formatSpan, plural } from "../logic/format";
+import type { PagedList } from "../logic/paged_list";
+import * as objects from "../objects";
 import * as state from "../state";
 import { Icon } from "./icons";
 
 const ROW_HEIGHT = 80;
 
-const cost = computed(() => thresholdCost(state.objects.value, state.filters.value.minScore));
+const cost = computed(() => thresholdCost(objects.counts.value?.scores ?? [], state.filters.value.minScore));
 
 function useVirtualizer(count: number) {
   const scroller = useRef<HTMLDivElement>(null);
@@ -46,7 +48,7 @@ export function VerdictMark({ object }: { object: FoundObject }) {
   );
 }
 
-function Row({ object, index, top }: { object: FoundObject; index: number; top: number }) {
+function Row({ object, index, top, total }: { object: FoundObject; index: number; top: number; total: number }) {
   const isSelected = state.selectedId.value === object.id;
   const place = object.place;
   return (
@@ -55,7 +57,7 @@ function Row({ object, index, top }: { object: FoundObject; index: number; top: 
       role="option"
       aria-selected={isSelected}
       aria-posinset={index + 1}
-      aria-setsize={state.objects.value.length}
+      aria-setsize={total}
       class={`row ${state.matcher.value(object) ? "" : "greyed"}`}
       style={{ transform: `translateY(${top}px)` }}
       onClick={() => state.select(object.id, { push: true })}
@@ -144,14 +146,24 @@ function Threshold() {
   );
 }
 
-function Rows() {
-  const objects = state.objects.value;
-  const { scroller, virtualizer } = useVirtualizer(objects.length);
+const fail = (error: unknown) => state.notify(error instanceof Error ? error.message : String(error), "error");
+
+function Rows({ list }: { list: PagedList }) {
+  const { scroller, virtualizer } = useVirtualizer(list.total);
+  void objects.listVersion.value;
   const selected = state.selectedId.value;
+  const position = selected === null ? undefined : list.positionOf(selected);
   useEffect(() => {
-    const index = objects.findIndex((one) => one.id === selected);
-    if (index >= 0) virtualizer.scrollToIndex(index, { align: "auto" });
-  }, [selected, virtualizer, objects.length]);
+    if (position !== undefined) virtualizer.scrollToIndex(position, { align: "auto" });
+    else if (selected !== null) objects.locate(selected).catch(fail);
+  }, [selected, virtualizer, list, position !== undefined]);
+  const items = virtualizer.getVirtualItems();
+  const [first, last] = [items[0]?.index ?? 0, items.at(-1)?.index ?? 0];
+  useEffect(() => {
+    // Not the pages that a fast scroll only passes.
+    const timer = setTimeout(() => objects.need(first, last, fail), 60);
+    return () => clearTimeout(timer);
+  }, [list, first, last]);
   return (
     <div
       class="rows"
@@ -167,17 +179,60 @@ function Rows() {
       }}
     >
       <div role="presentation" style={{ height: virtualizer.getTotalSize(), position: "relative" }}>
-        {virtualizer.getVirtualItems().map((item) => {
-          const object = objects[item.index];
-          return object && <Row key={object.id} object={object} index={item.index} top={item.start} />;
+        {items.map((item) => {
+          const id = list.at(item.index);
+          const object = id === undefined ? undefined : objects.objectOf(id);
+          if (object) return <Row key={id} object={object} index={item.index} top={item.start} total={list.total} />;
+          return (
+            <div key={`at-${item.index}`} class="row" aria-busy="true" style={{ transform: `translateY(${item.start}px)` }}>
+              <div class="thumb skeleton" />
+              <div class="skeleton" style={{ height: "2.2em" }} />
+            </div>
+          );
         })}
       </div>
     </div>
   );
 }
 
+const SORTS: [objects.Sort, string][] = [
+  ["queue", "To review first"],
+  ["rank", "Best first"],
+  ["newest", "Newest first"],
+];
+
+function Order() {
+  return (
+    <div class="order">
+      <label class="hidden" for="sort">
+        Order
+      </label>
+      <select
+        id="sort"
+        class="field"
+        value={state.sort.value}
+        onChange={(event) => (state.sort.value = event.currentTarget.value as objects.Sort)}
+      >
+        {SORTS.map(([value, text]) => (
+          <option key={value} value={value}>
+            {text}
+          </option>
+        ))}
+      </select>
+      <button
+        class="chip"
+        aria-pressed={state.isOnlyMatching.value}
+        title="Leave out of the list what the filters grey out"
+        onClick={() => (state.isOnlyMatching.value = !state.isOnlyMatching.value)}
+      >
+        matches only
+      </button>
+    </div>
+  );
+}
+
 function Nothing() {
-  const isSearched = state.videos.value.some((one) => one.searches.some((search) => search.searched_frames > 0));
+  const isSearched = state.videos.value.some((one) => one.is_searched);
   return (
     <div class="empty">
       <h3>{state.videos.value.length === 0 ? "No video yet" : "Nothing found yet"}</h3>
@@ -209,24 +264,36 @@ function Loading() {
   );
 }
 
+function Empty() {
+  return (
+    <div class="empty">
+      <h3>No object matches</h3>
+      <p>Clear the filters, or show what they grey out, too.</p>
+    </div>
+  );
+}
+
 export function ObjectList() {
   const project = state.project.value;
-  const all = state.objects.value.length;
-  const shown = state.matchingObjects.value.length;
-  const filtered = isFiltered(state.filters.value);
+  const list = objects.list.value;
+  const all = objects.counts.value?.objects ?? 0;
+  const isChosen = isFiltered(state.filters.value);
+  const shown = objects.matching.value;
   return (
     <section class="list" aria-label="Objects found">
       <div class="above">
         <div class="count">
-          <h2>{filtered ? `${shown.toLocaleString("en")} of ${plural(all, "object")}` : plural(all, "object")}</h2>
-          {filtered && (
+          <h2>
+            {isChosen ? `${shown === null ? "…" : shown.toLocaleString("en")} of ${plural(all, "object")}` : plural(all, "object")}
+          </h2>
+          {isChosen && (
             <button class="link" onClick={() => (state.filters.value = NO_FILTERS)}>
               Clear filters
             </button>
           )}
-          {!filtered && !state.isComplete.value && project.state === "ready" && <span class="muted">loading more</span>}
         </div>
         <Chips />
+        {all > 0 && <Order />}
         {all > 0 && <Threshold />}
       </div>
       {project.state === "loading" && <Loading />}
@@ -237,7 +304,7 @@ export function ObjectList() {
           <p>It is tried again every few seconds.</p>
         </div>
       )}
-      {project.state === "ready" && (all > 0 ? <Rows /> : <Nothing />)}
+      {project.state === "ready" && list && (all === 0 ? <Nothing /> : list.total === 0 ? <Empty /> : <Rows list={list} />)}
     </section>
   );
 }

@@ -4,13 +4,18 @@ import "maplibre-gl/dist/maplibre-gl.css";
 
 import { effect, signal } from "@preact/signals";
 import type { Feature, FeatureCollection, Geometry } from "geojson";
-import type { CanvasSource, GeoJSONSource, LngLatBoundsLike, Map as MapLibre, StyleSpecification } from "maplibre-gl";
+import type {
+  CanvasSource, ExpressionSpecification, GeoJSONSource, LngLatBoundsLike, Map as MapLibre, StyleSpecification, VectorTileSource,
+} from "maplibre-gl";
 import { useEffect, useRef } from "preact/hooks";
 import atlasUrl from "world-atlas/countries-50m.json?url";
 
+import { tilesUrl } from "../api/client";
 import type { CameraPath, FoundObject } from "../api/types";
+import { filterParams } from "../logic/filters";
 import { formatMetres, formatPosition } from "../logic/format";
 import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing, whenSeen } from "../logic/geo";
+import { lastReview } from "../objects";
 import { frameCanvas, pictureVersion } from "../player";
 import * as state from "../state";
 import { Icon } from "./icons";
@@ -24,8 +29,7 @@ const failure = signal<string | null>(null);
 
 const EMPTY: FeatureCollection = { type: "FeatureCollection", features: [] };
 const collection = (features: Feature[]): FeatureCollection => ({ type: "FeatureCollection", features });
-const feature = (geometry: Geometry, properties: Record<string, unknown> = {}, id?: number): Feature =>
-  id === undefined ? { type: "Feature", geometry, properties } : { type: "Feature", id, geometry, properties };
+const feature = (geometry: Geometry, properties: Record<string, unknown> = {}): Feature => ({ type: "Feature", geometry, properties });
 const polygon = (ring: Position[]): Geometry => ({ type: "Polygon", coordinates: [[...ring, ring[0] ?? [0, 0]]] });
 
 const token = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -35,7 +39,24 @@ const drape = document.createElement("canvas");
 drape.width = 512;
 drape.height = 384;
 
-function makeStyle(): StyleSpecification {
+/** A text or a colour for each model's id. */
+function byModel(value: (name: string) => string, otherwise: string): ExpressionSpecification | string {
+  const models = state.project.value.state === "ready" ? state.project.value.value.models : [];
+  if (models.length === 0) return otherwise;
+  const cases = models.flatMap((one) => [one.id, value(one.name)] as const);
+  return ["match", ["get", "model"], ...cases, otherwise] as unknown as ExpressionSpecification;
+}
+
+const LAST_TILE_ZOOM = 18;
+const OBJECT_LAYERS = ["chosen", "objects", "names", "clusters"];
+
+const tileAddress = () => tilesUrl(filterParams(state.filters.value));
+
+/** @param tiles  the address of the objects' tiles */
+function makeStyle(tiles: string): StyleSpecification {
+  const colour = byModel(state.colourOf, "#e69f00");
+  const opacity: ExpressionSpecification = ["case", ["to-boolean", ["get", "matches"]], 1, 0.25];
+  const isRejected: ExpressionSpecification = ["==", ["coalesce", ["feature-state", "verdict"], ["get", "verdict"]], "rejected"];
   const geojson = () => ({ type: "geojson" as const, data: EMPTY });
   return {
     version: 8,
@@ -46,8 +67,8 @@ function makeStyle(): StyleSpecification {
       footprint: geojson(),
       path: geojson(),
       camera: geojson(),
-      ellipses: geojson(),
-      objects: geojson(),
+      objects: { type: "vector", tiles: [tiles], minzoom: 0, maxzoom: LAST_TILE_ZOOM },
+      chosen: geojson(),
     },
     layers: [
       { id: "water", type: "background", paint: { "background-color": token("--water") } },
@@ -76,18 +97,23 @@ function makeStyle(): StyleSpecification {
       {
         id: "ellipses",
         type: "fill",
-        source: "ellipses",
-        paint: { "fill-color": ["get", "colour"], "fill-opacity": ["*", 0.22, ["get", "opacity"]] },
+        source: "objects",
+        "source-layer": "ellipses",
+        paint: { "fill-color": colour, "fill-opacity": ["*", 0.22, opacity] },
       },
       {
         id: "ellipse-borders",
         type: "line",
-        source: "ellipses",
-        paint: {
-          "line-color": ["get", "colour"],
-          "line-width": ["case", ["get", "selected"], 2.5, 1],
-          "line-opacity": ["get", "opacity"],
-        },
+        source: "objects",
+        "source-layer": "ellipses",
+        paint: { "line-color": colour, "line-width": 1, "line-opacity": opacity },
+      },
+      {
+        id: "chosen-ellipse",
+        type: "line",
+        source: "chosen",
+        filter: ["==", ["geometry-type"], "Polygon"],
+        paint: { "line-color": colour, "line-width": 2.5 },
       },
       {
         id: "camera",
@@ -101,24 +127,47 @@ function makeStyle(): StyleSpecification {
         },
       },
       {
+        id: "clusters",
+        type: "circle",
+        source: "objects",
+        "source-layer": "clusters",
+        paint: {
+          "circle-color": token("--surface"),
+          "circle-radius": ["interpolate", ["linear"], ["log10", ["get", "count"]], 0, 8, 4, 17],
+          "circle-opacity": ["case", [">", ["get", "matches"], 0], 0.92, 0.35],
+          "circle-stroke-color": token("--accent"),
+          "circle-stroke-width": 1.5,
+          "circle-stroke-opacity": ["case", [">", ["get", "matches"], 0], 1, 0.35],
+        },
+      },
+      {
+        id: "cluster-counts",
+        type: "symbol",
+        source: "objects",
+        "source-layer": "clusters",
+        layout: { "icon-image": ["concat", "count:", ["get", "label"]], "icon-allow-overlap": true, "icon-ignore-placement": true },
+        paint: { "icon-opacity": ["case", [">", ["get", "matches"], 0], 1, 0.5] },
+      },
+      {
         id: "objects",
         type: "circle",
         source: "objects",
-        layout: { "circle-sort-key": ["case", ["get", "selected"], 1, 0] },
+        "source-layer": "objects",
         paint: {
-          "circle-color": ["case", ["get", "rejected"], "transparent", ["get", "colour"]],
-          "circle-radius": ["case", ["get", "selected"], 8, 5],
-          "circle-opacity": ["get", "opacity"],
-          "circle-stroke-width": ["case", ["get", "selected"], 3, 1.5],
-          "circle-stroke-color": ["case", ["get", "selected"], token("--text"), ["get", "rejected"], ["get", "colour"], token("--bg")],
-          "circle-stroke-opacity": ["get", "opacity"],
+          "circle-color": ["case", isRejected, "transparent", colour],
+          "circle-radius": 5,
+          "circle-opacity": opacity,
+          "circle-stroke-width": 1.5,
+          "circle-stroke-color": ["case", isRejected, colour, token("--bg")],
+          "circle-stroke-opacity": opacity,
         },
       },
       {
         id: "headings",
         type: "symbol",
         source: "objects",
-        filter: ["!=", ["get", "heading"], null],
+        "source-layer": "objects",
+        filter: ["has", "heading"],
         layout: {
           "icon-image": "heading",
           "icon-rotate": ["get", "heading"],
@@ -126,20 +175,33 @@ function makeStyle(): StyleSpecification {
           "icon-allow-overlap": true,
           "icon-offset": [0, -14],
         },
-        paint: { "icon-opacity": ["get", "opacity"] },
+        paint: { "icon-opacity": opacity },
       },
       {
         id: "names",
         type: "symbol",
         source: "objects",
+        "source-layer": "objects",
         layout: {
-          "icon-image": ["concat", "name:", ["get", "name"]],
+          "icon-image": ["concat", "name:", byModel((name) => name, "")],
           "icon-anchor": "left",
           "icon-offset": [11, 0],
           "icon-padding": 2,
-          "symbol-sort-key": ["case", ["get", "selected"], 0, 1],
+          "symbol-sort-key": ["-", 0, ["get", "score"]],
         },
-        paint: { "icon-opacity": ["get", "opacity"] },
+        paint: { "icon-opacity": opacity },
+      },
+      {
+        id: "chosen",
+        type: "circle",
+        source: "chosen",
+        filter: ["==", ["geometry-type"], "Point"],
+        paint: {
+          "circle-color": ["case", ["get", "rejected"], "transparent", colour],
+          "circle-radius": 8,
+          "circle-stroke-width": 3,
+          "circle-stroke-color": token("--text"),
+        },
       },
     ],
   };
@@ -174,9 +236,20 @@ function nameImage(name: string) {
   });
 }
 
+function countImage(count: string) {
+  return drawImage(32, 16, (context) => {
+    context.font = "600 11px system-ui, sans-serif";
+    context.textAlign = "center";
+    context.fillStyle = token("--text");
+    context.fillText(count, 16, 12);
+  });
+}
+
 function addImages(map: MapLibre) {
   map.on("styleimagemissing", ({ id }) => {
-    if (id.startsWith("name:") && !map.hasImage(id)) map.addImage(id, nameImage(id.slice(5)), { pixelRatio: 2 });
+    if (map.hasImage(id)) return;
+    if (id.startsWith("name:")) map.addImage(id, nameImage(id.slice(5)), { pixelRatio: 2 });
+    if (id.startsWith("count:")) map.addImage(id, countImage(id.slice(6)), { pixelRatio: 2 });
   });
   const stroke = (context: CanvasRenderingContext2D, colour: string) => {
     context.lineJoin = "round";
@@ -208,40 +281,26 @@ function addImages(map: MapLibre) {
   );
 }
 
-function objectFeatures(objects: readonly FoundObject[]) {
-  const points: Feature[] = [];
-  const ellipses: Feature[] = [];
-  const selected = state.selectedId.value;
-  const matches = state.matcher.value;
-  for (const object of objects) {
-    if (!object.place) continue;
-    const isSelected = object.id === selected;
-    const properties = {
-      id: object.id,
-      name: object.model,
-      colour: state.colourOf(object.model),
-      selected: isSelected,
-      rejected: object.review?.verdict === "rejected",
-      heading: object.heading_deg,
-      opacity: matches(object) || isSelected ? 1 : 0.25,
-    };
-    const position: Position = [object.place.longitude_deg, object.place.latitude_deg];
-    points.push(feature({ type: "Point", coordinates: position }, properties, object.id));
-    const ring = ellipseRing(object.place);
-    if (ring) ellipses.push(feature({ type: "Polygon", coordinates: [ring] }, properties));
-  }
-  return { points: collection(points), ellipses: collection(ellipses) };
+/** The selected object, drawn by itself: above all others, at its exact place, with its whole ellipse. */
+function chosenFeatures(object: FoundObject | null) {
+  if (!object?.place) return EMPTY;
+  const properties = { id: object.id, model: object.model_id, rejected: object.review?.verdict === "rejected" };
+  const position: Position = [object.place.longitude_deg, object.place.latitude_deg];
+  const ring = ellipseRing(object.place);
+  const features = [feature({ type: "Point", coordinates: position }, properties)];
+  if (ring) features.push(feature({ type: "Polygon", coordinates: [ring] }, properties));
+  return collection(features);
 }
 
-function boundsOf(path: CameraPath | null, objects: readonly FoundObject[]): LngLatBoundsLike | null {
+function boundsOf(path: CameraPath | null): LngLatBoundsLike | null {
   const all: Position[] = [];
   for (const point of path?.points ?? []) {
     all.push(point.position as Position, ...((point.footprint as Position[] | null) ?? []));
   }
   if (all.length === 0) {
-    for (const { place } of objects) if (place) all.push([place.longitude_deg, place.latitude_deg]);
+    const project = state.project.peek();
+    return project.state === "ready" ? (project.value.bounds as [number, number, number, number] | null) : null;
   }
-  if (all.length === 0) return null;
   const xs = all.map((one) => one[0]);
   const ys = all.map((one) => one[1]);
   const min = (values: number[]) => values.reduce((a, b) => Math.min(a, b));
@@ -302,7 +361,7 @@ function useMap() {
       if (isGone || !container.current) return;
       const shown = new maplibre.Map({
         container: container.current,
-        style: makeStyle(),
+        style: makeStyle(tileAddress()),
         attributionControl: false,
         center: [10, 30],
         zoom: 0.5,
@@ -338,19 +397,32 @@ function connect(map: MapLibre): (() => void)[] {
   const setData = (source: string, data: FeatureCollection) => map.getSource<GeoJSONSource>(source)?.setData(data);
   const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 150;
   let fittedVideo: number | null = null;
+  let shownTiles = tileAddress();
+  let tileTimer: ReturnType<typeof setTimeout> | undefined;
 
   map.on("moveend", () => updateGrid(map));
   updateGrid(map);
+  let isHoverDue = false;
   map.on("mousemove", (event) => {
     pointer.value = [event.lngLat.lng, event.lngLat.lat];
-    const isOver = map.queryRenderedFeatures(event.point, { layers: ["objects", "ellipses"] }).length > 0;
-    map.getCanvas().style.cursor = isOver ? "pointer" : "crosshair";
+    if (isHoverDue) return;
+    isHoverDue = true;
+    // Once a picture at most: what lies under the pointer is looked for in all tiles.
+    requestAnimationFrame(() => {
+      isHoverDue = false;
+      if (map.isMoving()) return;
+      const isOver = map.queryRenderedFeatures(event.point, { layers: OBJECT_LAYERS }).length > 0;
+      map.getCanvas().style.cursor = isOver ? "pointer" : "crosshair";
+    });
   });
   map.on("mouseout", () => (pointer.value = null));
   map.on("click", (event) => {
     const { x, y } = event.point;
     const near: [[number, number], [number, number]] = [[x - 4, y - 4], [x + 4, y + 4]];
-    const found = map.queryRenderedFeatures(near, { layers: ["objects", "names"] })[0];
+    const found = map.queryRenderedFeatures(near, { layers: OBJECT_LAYERS })[0];
+    if (found?.layer.id === "clusters" && found.geometry.type === "Point") {
+      return map.easeTo({ center: found.geometry.coordinates as Position, zoom: map.getZoom() + 2, duration: calm });
+    }
     const id = Number(found?.properties["id"]);
     if (found && Number.isInteger(id)) return state.select(id, { push: true });
     const path = state.cameraPath.value;
@@ -362,9 +434,22 @@ function connect(map: MapLibre): (() => void)[] {
 
   return [
     effect(() => {
-      const { points, ellipses } = objectFeatures(state.objects.value);
-      setData("objects", points);
-      setData("ellipses", ellipses);
+      setData("chosen", chosenFeatures(state.selected.value));
+    }),
+    effect(() => {
+      // Other tiles when the filters change, not for each letter that is typed.
+      const address = tileAddress();
+      if (address === shownTiles) return;
+      clearTimeout(tileTimer);
+      tileTimer = setTimeout(() => {
+        shownTiles = address;
+        map.getSource<VectorTileSource>("objects")?.setTiles([address]);
+      }, 200);
+    }),
+    effect(() => {
+      const written = lastReview.value;
+      if (!written) return;
+      map.setFeatureState({ source: "objects", sourceLayer: "objects", id: written.id }, { verdict: written.review?.verdict ?? "" });
     }),
     effect(() => {
       const path = state.cameraPath.value;
@@ -375,7 +460,7 @@ function connect(map: MapLibre): (() => void)[] {
       if (footprints.length > 0) map.setPaintProperty("coverage", "fill-opacity", Math.max(0.006, Math.min(0.08, 1.2 / footprints.length)));
       const line = points.map((one) => one.position as Position);
       setData("path", line.length > 1 ? collection([feature({ type: "LineString", coordinates: line })]) : EMPTY);
-      const bounds = boundsOf(path, state.objects.peek());
+      const bounds = boundsOf(path);
       const video = state.videoId.value;
       if (bounds && path && video !== fittedVideo) {
         fittedVideo = video;
@@ -402,17 +487,21 @@ function connect(map: MapLibre): (() => void)[] {
     effect(() => {
       // Other colours: another style with the same data.
       void state.colours.value;
-      const style = makeStyle();
+      const style = makeStyle("");
       for (const layer of style.layers) {
         for (const [name, value] of Object.entries(layer.paint ?? {})) {
           if (layer.id !== "coverage") map.setPaintProperty(layer.id, name, value);
         }
+        if (layer.id === "names") map.setLayoutProperty("names", "icon-image", (layer.layout as { "icon-image": string })["icon-image"]);
       }
-      for (const id of map.listImages()) if (id.startsWith("name:")) map.updateImage(id, nameImage(id.slice(5)));
+      for (const id of map.listImages()) {
+        if (id.startsWith("name:")) map.updateImage(id, nameImage(id.slice(5)));
+        if (id.startsWith("count:")) map.updateImage(id, countImage(id.slice(6)));
+      }
     }),
     effect(() => {
       const show = () => {
-        const bounds = boundsOf(state.cameraPath.peek(), state.objects.peek());
+        const bounds = boundsOf(state.cameraPath.peek());
         if (bounds) map.fitBounds(bounds, { padding: 40, maxZoom: 20, duration: calm });
       };
       if (fitRequest.value > 0) show();
@@ -424,7 +513,7 @@ const fitRequest = signal(0);
 
 function Nowhere() {
   const path = state.cameraPath.value;
-  const hasPlaces = state.objects.value.some((one) => one.place);
+  const hasPlaces = state.project.value.state === "ready" && state.project.value.value.bounds !== null;
   if (path === null || path.source !== null || hasPlaces) return null;
   return (
     <div class="empty">

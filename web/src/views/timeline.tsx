@@ -3,9 +3,9 @@ import { computed } from "@preact/signals";
 import { useRef } from "preact/hooks";
 
 import { formatTime, plural } from "../logic/format";
+import { objectOf, videoObjects } from "../objects";
 import * as state from "../state";
 
-const MAX_LANES = 200;
 const TICK_STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 120, 300, 600, 1800, 3600];
 
 const length = computed(() => {
@@ -14,15 +14,14 @@ const length = computed(() => {
   return state.video.value?.duration_s ?? 0;
 });
 
-const here = computed(() =>
-  state.objects.value.filter((object) => object.moments.some((one) => one.video_id === state.videoId.value)),
-);
+const here = computed(() => (videoObjects.value?.video === state.videoId.value ? videoObjects.value : null));
 
 /** The best objects; the selected one is always among them. */
 const lanes = computed(() => {
-  const best = [...here.value].sort((a, b) => a.rank - b.rank).slice(0, MAX_LANES);
+  const best = (here.value?.ids ?? []).flatMap((id) => objectOf(id) ?? []);
   const selected = state.selected.value;
-  if (selected && here.value.includes(selected) && !best.includes(selected)) best.unshift(selected);
+  const isHere = selected?.moments.some((one) => one.video_id === state.videoId.value);
+  if (selected && isHere && !best.some((one) => one.id === selected.id)) best.unshift(selected);
   return best;
 });
 
@@ -31,9 +30,9 @@ const percent = (time: number) => (length.value > 0 ? `${(100 * Math.min(time, l
 function Searched() {
   const video = state.video.value;
   const frames = video?.frame_count ?? null;
-  const searched = Math.min(...(video?.searches.map((one) => (one.finished ? Infinity : one.searched_frames)) ?? [0]));
-  const end = frames === null || searched === Infinity ? 100 : (100 * searched) / Math.max(frames, 1);
-  const isPart = searched !== Infinity;
+  const searched = video?.is_searched ? video.searched_frames : 0;
+  const isPart = searched !== null;
+  const end = frames === null || !isPart ? 100 : (100 * searched) / Math.max(frames, 1);
   return (
     <div
       class="searched"
@@ -77,7 +76,7 @@ export function Timeline() {
         <div class="playhead" style={{ left: percent(time) }} />
       </div>
       <div class="ruler">
-        <div class="caption">{plural(here.value.length, "object")}</div>
+        <div class="caption">{plural(here.value?.total ?? 0, "object")}</div>
         <div
           class="track"
           ref={track}

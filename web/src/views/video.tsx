@@ -4,6 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { baseName, formatTime } from "../logic/format";
 import { drawSighting, drawTrail, fit, hit } from "../logic/overlay";
+import { objectOf } from "../objects";
 import { frameCanvas, pictureVersion, playbackRate, player, unplayable } from "../player";
 import { sightingsAt, sightingsVersion, trailOf } from "../sightings";
 import * as state from "../state";
@@ -38,13 +39,14 @@ function draw(canvas: HTMLCanvasElement) {
     (a, b) => Number(a.object_id === selected) - Number(b.object_id === selected),
   );
   for (const sighting of sightings) {
-    const object = state.objectById.value.get(sighting.object_id);
-    if (!object) continue;
-    const colour = state.colourOf(object.model);
-    const isSelected = object.id === selected;
-    if (isSelected) drawTrail(context, trailOf(object.id, frame, TRAIL_FRAMES), colour, at);
-    const isRejected = object.review?.verdict === "rejected";
-    const drawn = { sighting, name: object.model, colour, isSelected, isGreyed: !matches(object), isRejected };
+    const object = objectOf(sighting.object_id);
+    const name = state.modelName(sighting.model_id);
+    const colour = state.colourOf(name);
+    const isSelected = sighting.object_id === selected;
+    if (isSelected) drawTrail(context, trailOf(sighting.object_id, frame, TRAIL_FRAMES), colour, at);
+    const isRejected = object?.review?.verdict === "rejected";
+    const isGreyed = object !== undefined && !matches(object);
+    const drawn = { sighting, name, colour, isSelected, isGreyed, isRejected };
     drawSighting(context, drawn, { width: videoWidth, height: videoHeight }, at, width);
   }
 }

@@ -1,0 +1,323 @@
+// The routes of objects: the list and its counts, tiles of the map, one object with its sightings and review.
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/json.h"
+#include "victorious/serve/api.h"
+#include "victorious/serve/api_json.h"
+#include "victorious/serve/api_response.h"
+#include "victorious/serve/object_tiles.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, ObjectOrder>, 3> kOrders = {
+    {{"rank", ObjectOrder::kRank}, {"queue", ObjectOrder::kQueue}, {"newest", ObjectOrder::kNewest}}};
+
+constexpr std::array<std::pair<std::string_view, ObjectQuery::ReviewState>, 3> kReviewStates = {
+    {{"none", ObjectQuery::ReviewState::kNone},
+     {"accepted", ObjectQuery::ReviewState::kAccepted},
+     {"rejected", ObjectQuery::ReviewState::kRejected}}};
+
+// The value of one of the texts of a table. Error: kInvalidArgument that lists them.
+template <typename Value, std::size_t count>
+ApiExpected<std::optional<Value>> ReadChoice(QueryReader& query, std::string_view name,
+                                             const std::array<std::pair<std::string_view, Value>, count>& table) {
+  const auto text = query.Text(name);
+  if (!text) return std::nullopt;
+  std::string choices;
+  for (const auto& [choice, value] : table) {
+    if (*text == choice) return value;
+    choices += fmt::format("{}{}", choices.empty() ? "" : ", ", choice);
+  }
+  return FailField(std::string(name), fmt::format("{} \"{}\": must be one of {}", name, *text, choices));
+}
+
+// The parts of a text between separators, without empty ones.
+std::vector<std::string> Split(std::string_view text, char separator) {
+  std::vector<std::string> parts;
+  while (!text.empty()) {
+    const std::string_view part = text.substr(0, text.find(separator));
+    text.remove_prefix(std::min(part.size() + 1, text.size()));
+    if (!part.empty()) parts.emplace_back(part);
+  }
+  return parts;
+}
+
+std::string CursorOf(const ObjectKey& key) {
+  return fmt::format("{}_{:.17g}_{}_{}", key.is_done ? 1 : 0, key.score, key.frames, key.id);
+}
+
+std::optional<ObjectKey> ParseCursor(std::string_view text) {
+  ObjectKey key;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  const auto parse = [&](auto& value, bool is_last) {
+    const auto [next, error] = std::from_chars(at, end, value);
+    const bool is_valid = error == std::errc() && (is_last ? next == end : next != end && *next == '_');
+    at = is_valid && !is_last ? next + 1 : next;
+    return is_valid;
+  };
+  int is_done = 0;
+  const bool is_valid =
+      parse(is_done, false) && parse(key.score, false) && parse(key.frames, false) && parse(key.id, true);
+  key.is_done = is_done == 1;
+  return is_valid ? std::optional(key) : std::nullopt;
+}
+
+// The filters of the list, of its counts and of tiles.
+ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query) {
+  constexpr std::size_t kMaxWords = 16;
+  ObjectQuery wanted;
+  if (const auto models = query.Text("model")) wanted.models = Split(*models, ',');
+  if (const auto words = query.Text("q")) wanted.words = Split(*words, ' ');
+  if (wanted.words.size() > kMaxWords) return FailField("q", fmt::format("q: at most {} words", kMaxWords));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto review, ReadChoice(query, "review", kReviewStates));
+  wanted.review = review.value_or(ObjectQuery::ReviewState::kAny);
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.video, query.Integer("video", 0, INT64_MAX));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.min_score, query.Number("min_score", 0, 1));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.from_s, query.Number("from", 0, 1e9));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.to_s, query.Number("to", 0, 1e9));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.near, query.Circle("near"));
+  return wanted;
+}
+
+// Which part of the list is wanted.
+struct ListRequest {
+  ObjectSlice slice;
+  std::optional<std::string> cursor;
+  std::optional<std::int64_t> after;
+  std::optional<std::int64_t> before;
+  std::optional<std::int64_t> around;
+  std::optional<std::int64_t> offset;
+};
+
+ApiExpected<ListRequest> ReadListRequest(QueryReader& query) {
+  constexpr std::int64_t kDefaultLimit = 200;
+  ListRequest wanted;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto order, ReadChoice(query, "sort", kOrders));
+  wanted.slice.order = order.value_or(ObjectOrder::kRank);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto since, query.Integer("since", 0, INT64_MAX));
+  wanted.slice.queue_utc_us = since.value_or(INT64_MAX);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto limit, query.Integer("limit", 1, 1000));
+  wanted.slice.limit = limit.value_or(kDefaultLimit);
+  wanted.cursor = query.Text("cursor");
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.after, query.Integer("after", 0, INT64_MAX));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.before, query.Integer("before", 0, INT64_MAX));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.around, query.Integer("around", 0, INT64_MAX));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.offset, query.Integer("offset", 0, INT64_MAX));
+  const std::array is_given = {wanted.cursor.has_value(), wanted.after.has_value(), wanted.before.has_value(),
+                               wanted.around.has_value(), wanted.offset.has_value()};
+  if (std::ranges::count(is_given, true) > 1) {
+    return FailField("cursor", "cursor, after, before, around and offset: give one of them");
+  }
+  return wanted;
+}
+
+Json RowsToJson(const std::vector<TriageObject>& objects, const IndexLists& lists) {
+  Json rows = Json::array();
+  for (const TriageObject& one : objects) rows.push_back(ObjectToJson(one, lists));
+  return rows;
+}
+
+// The body of a review. Error: the field that is wrong.
+ApiExpected<Review> ParseReview(std::string_view body) {
+  constexpr std::size_t kMaxNoteBytes = 4000;
+  constexpr std::size_t kMaxNameBytes = 100;
+  const auto json = ParseJson(body);
+  if (!json) return std::unexpected(ApiError(json.error()));
+  if (!json->is_object()) return FailField("", "the body must be {\"verdict\": …, \"note\": …}");
+  const auto read_text = [](const Json& value, const std::string& key, std::size_t limit,
+                            std::string& text) -> ApiStatus {
+    if (!value.is_string()) return FailField(key, key + ": must be a text");
+    text = value.get<std::string>();
+    if (text.size() <= limit) return {};
+    return FailField(key, fmt::format("{}: has {} bytes, at most {} are kept", key, text.size(), limit));
+  };
+  Review review;
+  for (const auto& [key, value] : json->items()) {
+    if (key == "verdict") {
+      if (value.is_null()) continue;
+      if (value.is_string()) review.verdict = FromText(kVerdictTexts, value.get<std::string>());
+      if (!review.verdict) return FailField("verdict", "verdict: must be \"accepted\", \"rejected\" or null");
+    } else if (key == "note") {
+      VICTORIOUS_RETURN_IF_ERROR(read_text(value, key, kMaxNoteBytes, review.note));
+    } else if (key == "reviewer") {
+      VICTORIOUS_RETURN_IF_ERROR(read_text(value, key, kMaxNameBytes, review.reviewer));
+    } else {
+      return FailField(key, "only verdict, note and reviewer can be set");
+    }
+  }
+  return review;
+}
+
+}  // namespace
+
+ApiExpected<HttpResponse> Api::Objects(QueryReader& query) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query));
+  VICTORIOUS_ASSIGN_OR_RETURN(ListRequest wanted, ReadListRequest(query));
+  const auto ids_text = query.Text("ids");
+  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  TriageStore& store = *reader->objects;
+  if (ids_text) {
+    constexpr std::size_t kMaxIds = 1000;
+    std::vector<std::int64_t> ids;
+    for (const std::string& text : Split(*ids_text, ',')) {
+      const auto id = ParseId(text, "object");
+      if (!id || ids.size() == kMaxIds) return FailField("ids", "ids: must be at most 1000 ids with commas between");
+      ids.push_back(*id);
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TriageObject> objects, store.ObjectsById(ids));
+    return JsonResponse(
+        {{"objects", RowsToJson(objects, *lists)}, {"next_cursor", nullptr}, {"offset", nullptr}, {"total", nullptr}});
+  }
+  ObjectSlice& slice = wanted.slice;
+  if (wanted.cursor) {
+    slice.after = ParseCursor(*wanted.cursor);
+    if (!slice.after) return FailField("cursor", "cursor: must be the next_cursor of another answer");
+  }
+  const auto given = wanted.after ? wanted.after : wanted.before ? wanted.before : wanted.around;
+  if (given) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectKey> key, store.FindKey(*given, slice));
+    if (!key) return NotFound(fmt::format("object {} is not in the index (a search may have joined it)", *given));
+    if (wanted.after) slice.after = key;
+    if (wanted.before) slice.before = key;
+    if (wanted.around) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t position, store.CountBefore(filter, slice, *key));
+      wanted.offset = position - position % slice.limit;
+    }
+  }
+  const bool has_position = !slice.after && !slice.before;
+  if (has_position) slice.offset = wanted.offset.value_or(0);
+  // One more than is given out: whether there is another page.
+  ++slice.limit;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TriageObject> objects, store.Objects(filter, slice));
+  Json next;
+  if (std::ssize(objects) == slice.limit) {
+    objects.pop_back();
+    if (!slice.before) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const auto key, store.FindKey(objects.back().object.id, slice));
+      if (key) next = CursorOf(*key);
+    }
+  }
+  Json total;
+  if (has_position) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, store.Count(filter));
+    total = counts.objects;
+  }
+  return JsonResponse({{"objects", RowsToJson(objects, *lists)},
+                       {"next_cursor", std::move(next)},
+                       {"offset", has_position ? Json(slice.offset) : Json()},
+                       {"total", std::move(total)}});
+}
+
+ApiExpected<HttpResponse> Api::Counts(QueryReader& query) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query));
+  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count(filter));
+  return JsonResponse(CountsToJson(counts));
+}
+
+ApiExpected<HttpResponse> Api::Tile(const HttpRequest& request, Segments address, QueryReader& query) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query));
+  // Another version of the index, or other reviews, are other tiles to a browser that keeps them.
+  [[maybe_unused]] const auto version = query.Text("v");
+  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t zoom, ParseId(address[0], "zoom"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t x, ParseId(address[1], "column"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t y, ParseId(address[2], "row"));
+  if (zoom > kMaxTileZoom || x >> zoom != 0 || y >> zoom != 0) {
+    return NotFound(fmt::format("there is no tile {}/{}/{}: zoom is 0 to {}", zoom, x, y, kMaxTileZoom));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      std::string tile, MakeObjectTile(*reader->objects, {.zoom = static_cast<int>(zoom), .x = x, .y = y}, filter));
+  return TaggedResponse(request, "application/vnd.mapbox-vector-tile", std::move(tile), 0);
+}
+
+ApiExpected<HttpResponse> Api::RouteObject(const HttpRequest& request, Segments segments, QueryReader& query) {
+  if (segments.size() == 1 && segments[0] == "counts") return Counts(query);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(segments[0], "object"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  std::vector<TriageObject> found;
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(found, reader->objects->ObjectsById({&id, 1}));
+  }
+  if (found.empty()) {
+    return NotFound(fmt::format("object {} is not in the index (a search may have joined or removed it)", id));
+  }
+  if (segments.size() == 2 && segments[1] == "sightings") return Sightings({.object = id}, query);
+  if (segments.size() == 2 && segments[1] == "thumbnail") return Thumbnail(request, *lists, id, query);
+  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  if (segments.size() == 1) return Object(*lists, found.front());
+  if (segments.size() == 2 && segments[1] == "review") return PutReview(request, id);
+  return NotFound("there is no such address of an object; api/openapi.json lists them");
+}
+
+ApiExpected<HttpResponse> Api::Object(const IndexLists& lists, const TriageObject& object) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  TriageStore& store = *reader->objects;
+  const std::int64_t id = object.object.id;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SightingRecord> best, store.BestSighting(id));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectKey> key, store.FindKey(id, {}));
+  Json json = ObjectToJson(object, lists);
+  json["best"] = best ? SightingToJson(*best) : Json();
+  json["rank"] = nullptr;
+  if (key) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t better, store.CountBefore({}, {}, *key));
+    json["rank"] = better + 1;
+  }
+  return JsonResponse(json);
+}
+
+ApiExpected<HttpResponse> Api::Sightings(SightingFilter filter, QueryReader& query) {
+  constexpr std::int64_t kDefaultLimit = 2000;
+  VICTORIOUS_ASSIGN_OR_RETURN(filter.from_s, query.Number("from", 0, 1e9));
+  VICTORIOUS_ASSIGN_OR_RETURN(filter.to_s, query.Number("to", 0, 1e9));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto limit, query.Integer("limit", 1, 10'000));
+  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  Json rows = Json::array();
+  bool is_truncated = false;
+  VICTORIOUS_RETURN_IF_ERROR(reader->sightings->VisitSightings(filter, [&](SightingRecord&& sighting) {
+    is_truncated = std::ssize(rows) == limit.value_or(kDefaultLimit);
+    if (!is_truncated) rows.push_back(SightingToJson(sighting));
+    return !is_truncated;
+  }));
+  return JsonResponse({{"sightings", std::move(rows)}, {"truncated", is_truncated}});
+}
+
+ApiExpected<HttpResponse> Api::Thumbnail(const HttpRequest& request, const IndexLists& lists, std::int64_t object,
+                                         QueryReader& query) {
+  constexpr std::int64_t kDefaultWidth = 240;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto width, query.Integer("width", 32, 640));
+  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  std::optional<SightingRecord> best;
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(best, reader->objects->BestSighting(object));
+  }
+  const VideoRecord* video = best ? lists.Video(best->video) : nullptr;
+  if (video == nullptr) return NotFound(fmt::format("object {} has no sighting", object));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const auto bytes, videos_.Crop(*video, best->time_s, best->box, static_cast<int>(width.value_or(kDefaultWidth))));
+  return TaggedResponse(request, "image/jpeg", *bytes, 60);
+}
+
+ApiExpected<HttpResponse> Api::PutReview(const HttpRequest& request, std::int64_t object) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Review review, ParseReview(request.body));
+  VICTORIOUS_ASSIGN_OR_RETURN(review, index_->PutReview(object, std::move(review)));
+  return JsonResponse({{"object_id", object}, {"review", ReviewToJson(review)}});
+}
+
+}  // namespace victorious

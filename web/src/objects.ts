@@ -1,0 +1,198 @@
+// The objects that the page has loaded: pages of the list, those of the video that is shown, those that were selected.
+import { batch, signal } from "@preact/signals";
+
+import { countObjects, listObjects } from "./api/client";
+import type { Counts, FoundObject, Review } from "./api/types";
+import { type Filters, filterParams, isFiltered } from "./logic/filters";
+import { PagedList } from "./logic/paged_list";
+
+export type Sort = "queue" | "rank" | "newest";
+
+const PAGE = 100;
+const MAX_LANES = 200;
+const MAX_PAGES_AT_ONCE = 3;
+
+const known = new Map<number, FoundObject>();
+/** Changes with the objects that are known. */
+export const version = signal(0);
+
+/** The list in its order, which stays while the page is open; null before it is loaded. */
+export const list = signal<PagedList | null>(null);
+/** Changes with the pages that are loaded. */
+export const listVersion = signal(0);
+/** Of all objects. */
+export const counts = signal<Counts | null>(null);
+/** How many objects match the filters; null: not known yet. */
+export const matching = signal<number | null>(null);
+/** The best objects of the video that is shown, best first. */
+export const videoObjects = signal<{ video: number; ids: readonly number[]; total: number } | null>(null);
+/** The last review that was written, for the map. */
+export const lastReview = signal<{ id: number; review: Review | null } | null>(null);
+
+let queueTime = 0;
+let listParams = new URLSearchParams();
+let listKey: string | null = null;
+const pagesUnderWay = new Set<string>();
+
+export function setQueueTime(utc_us: number) {
+  queueTime = utc_us;
+}
+
+export function objectOf(id: number): FoundObject | undefined {
+  void version.value;
+  return known.get(id);
+}
+
+function remember(objects: readonly FoundObject[]) {
+  for (const one of objects) known.set(one.id, one);
+  version.value = version.peek() + 1;
+}
+
+function paramsOf(sort: Sort, filters: Filters | null): URLSearchParams {
+  const params = filters === null ? new URLSearchParams() : filterParams(filters);
+  params.set("sort", sort);
+  if (sort === "queue") params.set("since", String(queueTime));
+  return params;
+}
+
+const withParams = (params: URLSearchParams, more: Record<string, number>) => {
+  const all = new URLSearchParams(params);
+  for (const [name, value] of Object.entries(more)) all.set(name, String(value));
+  return all;
+};
+
+/** Begins the list anew, with its first page. */
+export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boolean) {
+  const params = paramsOf(sort, isOnlyMatching ? filters : null);
+  const key = params.toString();
+  listKey = key;
+  const [page, all] = await Promise.all([
+    listObjects(withParams(params, { offset: 0, limit: PAGE })),
+    counts.peek() ?? countObjects(new URLSearchParams()),
+  ]);
+  if (listKey !== key) return;
+  listParams = params;
+  const fresh = new PagedList(page.total ?? 0, PAGE);
+  fresh.add(0, page.objects.map((one) => one.id));
+  batch(() => {
+    remember(page.objects);
+    list.value = fresh;
+    counts.value = all;
+    listVersion.value++;
+  });
+}
+
+let followTimer: ReturnType<typeof setTimeout> | undefined;
+let followAbort: AbortController | null = null;
+
+/** Follows the user's choice: counts what matches, and loads another list if the choice is one. */
+export function follow(sort: Sort, filters: Filters, isOnlyMatching: boolean, fail: (error: unknown) => void) {
+  followAbort?.abort();
+  clearTimeout(followTimer);
+  const isOther = paramsOf(sort, isOnlyMatching ? filters : null).toString() !== listKey;
+  if (!isFiltered(filters)) matching.value = null;
+  if (!isFiltered(filters) && !isOther) return;
+  const abort = new AbortController();
+  followAbort = abort;
+  // Not for each letter that is typed.
+  followTimer = setTimeout(() => {
+    if (isFiltered(filters)) {
+      countObjects(filterParams(filters), abort.signal)
+        .then((found) => (matching.value = found.objects))
+        .catch((error: unknown) => !abort.signal.aborted && fail(error));
+    }
+    if (isOther) loadList(sort, filters, isOnlyMatching).catch(fail);
+  }, 150);
+}
+
+/** Loads the pages of the list that hold these positions. */
+export function need(first: number, last: number, fail: (error: unknown) => void) {
+  const shown = list.peek();
+  if (!shown) return;
+  const params = listParams;
+  for (const page of shown.missingPages(first, last).slice(0, MAX_PAGES_AT_ONCE)) {
+    const wanted = withParams(params, { offset: page * PAGE, limit: PAGE });
+    const key = wanted.toString();
+    if (pagesUnderWay.has(key)) continue;
+    pagesUnderWay.add(key);
+    listObjects(wanted)
+      .then((found) => addPage(shown, found))
+      .catch(fail)
+      .finally(() => pagesUnderWay.delete(key));
+  }
+}
+
+function addPage(shown: PagedList, page: { objects: FoundObject[]; offset: number | null }) {
+  batch(() => {
+    remember(page.objects);
+    if (page.offset === null) return;
+    shown.add(page.offset, page.objects.map((one) => one.id));
+    if (shown === list.peek()) listVersion.value++;
+  });
+}
+
+/** Loads the page of the list that holds an object. */
+export async function locate(id: number) {
+  const shown = list.peek();
+  if (shown) addPage(shown, await listObjects(withParams(listParams, { around: id, limit: PAGE })));
+  // It may be one that the list leaves out.
+  if (!known.has(id)) await needObjects([id]);
+}
+
+/** Loads objects by id, unless they are known. */
+export async function needObjects(ids: readonly number[]) {
+  const missing = [...new Set(ids)].filter((id) => !known.has(id));
+  for (let i = 0; i < missing.length; i += 500) {
+    remember((await listObjects(new URLSearchParams({ ids: missing.slice(i, i + 500).join(",") }))).objects);
+  }
+}
+
+export async function loadVideoObjects(video: number, signal: AbortSignal) {
+  const params = withParams(new URLSearchParams(), { video, limit: MAX_LANES, offset: 0 });
+  const page = await listObjects(params, signal);
+  batch(() => {
+    remember(page.objects);
+    videoObjects.value = { video, ids: page.objects.map((one) => one.id), total: page.total ?? 0 };
+  });
+}
+
+/** The nearest loaded object of the list before or after another one that passes a test. */
+export function findNeighbour(id: number | null, by: 1 | -1, test: (object: FoundObject) => boolean) {
+  const shown = list.peek();
+  if (!shown) return "end";
+  const from = id === null ? (by > 0 ? -1 : shown.total) : shown.positionOf(id);
+  if (from === undefined) return "unknown";
+  return shown.find(from, by, (one) => {
+    const object = known.get(one);
+    return object !== undefined && test(object);
+  });
+}
+
+/** The same, of all objects: the server looks. */
+export async function askNeighbour(id: number | null, by: 1 | -1, sort: Sort, filters: Filters): Promise<number | null> {
+  const from = id === null ? undefined : { [by > 0 ? "after" : "before"]: id };
+  const found = await listObjects(withParams(paramsOf(sort, filters), { ...from, limit: 1 }));
+  remember(found.objects);
+  return found.objects[0]?.id ?? null;
+}
+
+export function setReview(id: number, review: Review | null) {
+  const before = known.get(id);
+  if (!before) return;
+  known.set(id, { ...before, review });
+  batch(() => {
+    version.value++;
+    lastReview.value = { id, review };
+    const all = counts.peek();
+    if (!all) return;
+    const change = (verdict: Review["verdict"] | undefined, by: number) => {
+      if (verdict === "accepted") next.accepted += by;
+      else if (verdict === "rejected") next.rejected += by;
+      else next.unreviewed += by;
+    };
+    const next = { ...all };
+    change(before.review?.verdict, -1);
+    change(review?.verdict, 1);
+    counts.value = next;
+  });
+}
