@@ -32,10 +32,10 @@ async function open(page, path) {
 }
 
 /** The same once it stands still; null if there is none or it keeps moving. */
-async function findStillOnMap(page, colour) {
+async function findStillOnMap(page, colour, below = 0) {
   let before = null;
   for (let tries = 0; tries < 30; tries++) {
-    const found = await findOnMap(page, colour);
+    const found = await findOnMap(page, colour, below);
     if (found && before && Math.hypot(found.x - before.x, found.y - before.y) < 1) return found;
     before = found;
     await page.waitForTimeout(200);
@@ -43,13 +43,13 @@ async function findStillOnMap(page, colour) {
   return null;
 }
 
-/** The middle of the northernmost mark of a colour on the map, in the page; null if there is none. */
-async function findOnMap(page, [red, green, blue]) {
+/** The middle of the northernmost mark of a colour on the map, `below` px from its top on, in the page; null if there is none. */
+async function findOnMap(page, [red, green, blue], below = 0) {
   await page.waitForSelector(".map .canvas[data-ready=true]");
   const box = await page.locator(".map").boundingBox();
   const image = (await page.screenshot({ clip: box })).toString("base64");
   const found = await page.evaluate(
-    async ([bytes, wanted]) => {
+    async ([bytes, wanted, below]) => {
       const picture = new Image();
       picture.src = `data:image/png;base64,${bytes}`;
       await picture.decode();
@@ -59,7 +59,7 @@ async function findOnMap(page, [red, green, blue]) {
       const { data } = context.getImageData(0, 0, picture.width, picture.height);
       let [count, x, y] = [0, 0, 0];
       let top = null;
-      for (let at = 0; at < data.length; at += 4) {
+      for (let at = 4 * picture.width * below; at < data.length; at += 4) {
         if (wanted.some((value, i) => Math.abs(data[at + i] - value) > 6)) continue;
         const here = { x: (at / 4) % picture.width, y: Math.floor(at / 4 / picture.width) };
         top ??= here;
@@ -70,7 +70,7 @@ async function findOnMap(page, [red, green, blue]) {
       }
       return count < 20 ? null : { x: x / count, y: y / count };
     },
-    [image, [red, green, blue]],
+    [image, [red, green, blue], below],
   );
   return found && { x: box.x + found.x, y: box.y + found.y };
 }
@@ -130,6 +130,43 @@ async function triage(page) {
     const object = await (await fetch(`/api/v1/objects/${id}`)).json();
     return object.review?.note === "next to a shed";
   }, second.id);
+
+  // Who reviews is kept with the review.
+  await page.fill("#reviewer", "Ann");
+  await page.keyboard.press("Escape");
+  await page.click(`#object-${second.id}`);
+  await page.keyboard.press("a");
+  await page.waitForSelector(`#object-${second.id} .verdict.accepted:not(.pending)`);
+  assert.equal((await api(page, `/objects/${second.id}`)).review.reviewer, "Ann");
+  assert.equal(await page.locator(`#object-${second.id} .verdict`).getAttribute("title"), "accepted by Ann");
+
+  // Some at once: marked by key and by Shift and click, decided by one key, taken back by one.
+  const ids = objects.map((one) => one.id);
+  await page.click(`#object-${ids[0]}`);
+  await page.keyboard.press("m");
+  await page.locator(`#object-${ids.at(-1)}`).click({ modifiers: ["Shift"] });
+  assert.equal(await page.locator(".row.marked").count(), objects.length);
+  await page.keyboard.press("x");
+  await page.waitForFunction((count) => document.querySelectorAll(".row .verdict.rejected:not(.pending)").length === count, objects.length);
+  assert.equal((await api(page, "/objects/counts")).rejected, objects.length);
+  await page.keyboard.press("u");
+  await page.waitForFunction(() => document.querySelectorAll(".row .verdict.rejected").length === 0);
+  await page.waitForFunction(async () => (await (await fetch("/api/v1/objects/counts")).json()).rejected === 0);
+  assert.equal((await api(page, `/objects/${second.id}`)).review.verdict, "accepted");
+
+  // Coordinates as MGRS.
+  await page.getByLabel("Coordinates as").selectOption("mgrs");
+  assert.match(await page.locator(".facts-grid .wide dd").innerText(), /^33U UU \d{5} \d{5}/);
+
+  // The next sighting is the next frame that the object was found in.
+  await page.click(`#object-${objects[0].id}`);
+  const { sightings } = await api(page, `/objects/${objects[0].id}/sightings`);
+  const frameNumbers = sightings.map((one) => one.frame);
+  await page.waitForFunction((wanted) => wanted.includes(Number(document.querySelector(".stage canvas").dataset.frame)), frameNumbers);
+  const sighted = frameNumbers.indexOf(await shownFrame(page));
+  const by = sighted > 0 ? -1 : 1;
+  await page.keyboard.press(by < 0 ? "[" : "]");
+  await waitForFrame(page, frameNumbers[sighted + by]);
 
   // A filter greys out; j and k skip what it greys.
   await page.keyboard.press("/");
@@ -206,7 +243,7 @@ async function many(page) {
     const rgb = getComputedStyle(probe).color.match(/\d+/g).map(Number);
     probe.remove();
     return rgb;
-  }));
+  }), 50); // below the map's buttons
   assert.ok(cluster, "the map has no cluster");
   const gridBefore = await grid();
   await page.mouse.click(cluster.x, cluster.y);

@@ -2,9 +2,10 @@
 // function here.
 import { batch, computed, effect, signal, untracked } from "@preact/signals";
 
-import { ApiFailure, getCameraPath, getObject, getProject, getTimes, listVideos, putReview } from "./api/client";
+import { ApiFailure, getCameraPath, getObject, getProject, getTimes, listObjectSightings, listVideos, putReview } from "./api/client";
 import type { CameraPath, FoundObject, ObjectDetail, Project, Verdict, Video } from "./api/types";
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
+import { COORDINATE_STYLES, type CoordinateStyle, plural } from "./logic/format";
 import { FrameTable } from "./logic/frame_table";
 import { formatUrl, parseUrl } from "./logic/url_state";
 import * as objects from "./objects";
@@ -34,7 +35,11 @@ export const shownFrame = signal<number | null>(null);
 export const isPlaying = signal(false);
 export const isOverlayHidden = signal(false);
 export const isHelpOpen = signal(false);
-export const coordinateStyle = signal<"decimal" | "dms">("decimal");
+export const coordinateStyle = signal<CoordinateStyle>(
+  COORDINATE_STYLES.find((one) => one === localStorage.getItem("coordinates")) ?? "decimal",
+);
+/** Objects that the next decision is about, together. */
+export const marked = signal<ReadonlySet<number>>(new Set());
 export type Theme = "system" | "dark" | "light";
 export const theme = signal<Theme>((localStorage.getItem("theme") as Theme | null) ?? "system");
 
@@ -68,7 +73,8 @@ export const shownTime = computed(() =>
 );
 
 // Okabe and Ito's colours, which people with any colour vision tell apart; a name stands beside each.
-const COLOURS = ["#e69f00", "#56b4e9", "#00b98a", "#f0e442", "#d55e00", "#cc79a7", "#7fa7ff"];
+// Their sky blue is the accent of the page, and left out.
+const COLOURS = ["#e69f00", "#00b98a", "#cc79a7", "#f0e442", "#d55e00", "#9f8cff", "#c2a878"];
 export function colourOf(model: string): string {
   const at = modelNames.value.indexOf(model);
   return COLOURS[Math.max(at, 0) % COLOURS.length] ?? "#e69f00";
@@ -201,6 +207,7 @@ effect(() => {
 });
 
 effect(() => localStorage.setItem("reviewer", reviewer.value));
+effect(() => localStorage.setItem("coordinates", coordinateStyle.value));
 
 effect(() => {
   localStorage.setItem("theme", theme.value);
@@ -301,6 +308,36 @@ export function stepMoment(by: 1 | -1) {
   else notify(by > 0 ? "This is the last moment of the object." : "This is the first moment of the object.");
 }
 
+/** The next or previous frame in which the selected object was sighted, in any of its videos. */
+export async function stepSighting(by: 1 | -1) {
+  const object = selected.value;
+  const video = videoId.value;
+  if (!object || video === null) return;
+  try {
+    const all = await sightingTimes(object.id);
+    const time = shownTime.value ?? 0;
+    const isBeyond = (one: { video: number; time: number }) =>
+      one.video === video ? by * (one.time - time) > 5e-4 : by * (one.video - video) > 0;
+    const next = by > 0 ? all.find(isBeyond) : [...all].reverse().find(isBeyond);
+    if (next && selectedId.value === object.id) showTime(next.video, next.time);
+    else if (!next) notify(by > 0 ? "This is the last sighting of the object." : "This is the first sighting of the object.");
+  } catch (error) {
+    notify(messageOf(error), "error");
+  }
+}
+
+let sightingsOf: { id: number; times: Promise<{ video: number; time: number }[]> } | null = null;
+
+/** Of one object, by video and time; kept for the last one that was asked for. */
+function sightingTimes(id: number) {
+  if (sightingsOf?.id !== id) {
+    const times = listObjectSightings(id).then((all) => all.map((one) => ({ video: one.video_id, time: one.time_s })));
+    times.catch(() => (sightingsOf = null));
+    sightingsOf = { id, times };
+  }
+  return sightingsOf.times;
+}
+
 export function stepFrame(by: number) {
   const table = frameTable.value;
   const id = videoId.value;
@@ -319,7 +356,7 @@ interface Decision {
   id: number;
   before: { verdict: Verdict; note: string };
 }
-const undoStack: Decision[] = [];
+const undoStack: Decision[][] = [];
 /** Objects whose review the server does not have yet. */
 export const pendingReviews = signal<ReadonlySet<number>>(new Set());
 const latestWrite = new Map<number, number>();
@@ -356,20 +393,60 @@ async function writeReview(id: number, verdict: Verdict, note: string) {
   pendingReviews.value = left;
 }
 
+function canReview() {
+  const isAllowed = project.value.state !== "ready" || project.value.value.can_review;
+  if (!isAllowed) notify("This index cannot be written, so reviews are not kept.", "error");
+  return isAllowed;
+}
+
 export function review(id: number, verdict: Verdict, note?: string) {
   const object = objects.objectOf(id);
   if (!object) return;
-  if (project.value.state === "ready" && !project.value.value.can_review) {
-    notify("This index cannot be written, so reviews are not kept.", "error");
-    return;
+  if (!canReview()) return;
+  undoStack.push([decisionBefore(object)]);
+  void writeReview(id, verdict, note ?? object.review?.note ?? "");
+}
+
+const decisionBefore = (object: FoundObject): Decision => ({
+  id: object.id,
+  before: { verdict: object.review?.verdict ?? null, note: object.review?.note ?? "" },
+});
+
+/** Marks the selected object, or takes its mark back. */
+export function toggleMark(id: number | null) {
+  if (id === null) return;
+  const next = new Set(marked.value);
+  if (!next.delete(id)) next.add(id);
+  marked.value = next;
+}
+
+/** Marks what lies between two objects of the list, as far as it is loaded and matches the filters. */
+export function markRange(from: number, to: number) {
+  const list = objects.list.value;
+  const [a, b] = [list?.positionOf(from), list?.positionOf(to)];
+  if (!list || a === undefined || b === undefined) return toggleMark(to);
+  const next = new Set(marked.value);
+  for (let at = Math.min(a, b); at <= Math.max(a, b); at++) {
+    const id = list.at(at);
+    const object = id === undefined ? undefined : objects.objectOf(id);
+    if (object && matcher.value(object)) next.add(object.id);
   }
-  const before = { verdict: object.review?.verdict ?? null, note: object.review?.note ?? "" };
-  undoStack.push({ id, before });
-  void writeReview(id, verdict, note ?? before.note);
+  marked.value = next;
+}
+
+/** One decision about all marked objects; one step of undo. */
+function decideMarked(verdict: Exclude<Verdict, null>) {
+  const all = [...marked.value].flatMap((id) => objects.objectOf(id) ?? []);
+  undoStack.push(all.map(decisionBefore));
+  for (const object of all) void writeReview(object.id, verdict, object.review?.note ?? "");
+  marked.value = new Set();
+  notify(`${plural(all.length, "object")} ${verdict}. U takes it back.`);
 }
 
 /** Decides about the selected object and goes on to the next one that is not reviewed. */
 export function decide(verdict: Exclude<Verdict, null>) {
+  if (!canReview()) return;
+  if (marked.value.size > 0) return decideMarked(verdict);
   const object = selected.value;
   if (!object) return;
   const next = neighbour(1, { ...filters.value, review: "none" });
@@ -388,6 +465,6 @@ export function undo() {
     notify("There is nothing to take back.");
     return;
   }
-  void writeReview(last.id, last.before.verdict, last.before.note);
-  select(last.id);
+  for (const one of last) void writeReview(one.id, one.before.verdict, one.before.note);
+  if (last[0]) select(last[0].id);
 }

@@ -56,6 +56,10 @@ export const listSightings = async (video: number, from: number, to: number): Pr
   return [...first, ...second.filter((one) => one.time_s > middle)];
 };
 
+/** At most 10,000, by video and frame. */
+export const listObjectSightings = async (object: number) =>
+  (await request<components["schemas"]["SightingList"]>(`/objects/${object}/sightings?limit=10000`)).sightings;
+
 export const getCameraPath = (video: number, signal: AbortSignal) =>
   request<CameraPath>(`/videos/${video}/camera`, { signal });
 

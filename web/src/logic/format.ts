@@ -1,5 +1,7 @@
 // Numbers as texts. Unknown is a dash.
 
+import { formatMgrs, formatUtm } from "./mgrs";
+
 export const DASH = "–";
 
 /** m:ss.cc, with hours from one hour on. */
@@ -29,7 +31,8 @@ export function formatAngle(degrees: number | null): string {
   return degrees === null ? DASH : `${((Math.round(degrees) % 360) + 360) % 360}°`;
 }
 
-export type CoordinateStyle = "decimal" | "dms";
+export const COORDINATE_STYLES = ["decimal", "dms", "mgrs", "utm"] as const;
+export type CoordinateStyle = (typeof COORDINATE_STYLES)[number];
 
 function dms(degrees: number, positive: string, negative: string): string {
   const hundredths = Math.round(Math.abs(degrees) * 360_000);
@@ -40,14 +43,27 @@ function dms(degrees: number, positive: string, negative: string): string {
 }
 
 export function formatPosition(latitude: number, longitude: number, style: CoordinateStyle): string {
-  return style === "dms"
-    ? `${dms(latitude, "N", "S")} ${dms(longitude, "E", "W")}`
-    : `${latitude.toFixed(6)}, ${longitude.toFixed(6)}`;
+  const decimal = `${latitude.toFixed(6)}, ${longitude.toFixed(6)}`;
+  switch (style) {
+    case "decimal":
+      return decimal;
+    case "dms":
+      return `${dms(latitude, "N", "S")} ${dms(longitude, "E", "W")}`;
+    case "mgrs":
+      return formatMgrs(latitude, longitude) ?? `${decimal} (no MGRS there)`;
+    case "utm":
+      return formatUtm(latitude, longitude) ?? `${decimal} (no UTM there)`;
+  }
 }
 
 /** Of 100 objects with such a score, how many are real. */
 export function explainScore(score: number): string {
   return `Of 100 objects with this score, about ${Math.round(score * 100)} are real`;
+}
+
+/** An expected number of objects. */
+export function formatExpected(count: number): string {
+  return count >= 100 ? Math.round(count).toLocaleString("en") : count.toFixed(1);
 }
 
 export function baseName(path: string): string {

@@ -13,9 +13,13 @@ export const BINDINGS = {
   previous: { keys: ["k"], label: "K", what: "Previous object", group: "Move" },
   nextMoment: { keys: ["l"], label: "L", what: "Next moment of the object", group: "Move" },
   previousMoment: { keys: ["h"], label: "H", what: "Previous moment of the object", group: "Move" },
+  nextSighting: { keys: ["L", "]"], label: "Shift+L or ]", what: "Next sighting, frame by frame", group: "Move" },
+  previousSighting: { keys: ["H", "["], label: "Shift+H or [", what: "Previous sighting", group: "Move" },
   accept: { keys: ["a"], label: "A", what: "Accept, and go on", group: "Review" },
   reject: { keys: ["x"], label: "X", what: "Reject, and go on", group: "Review" },
   note: { keys: ["n"], label: "N", what: "Write a note", group: "Review" },
+  mark: { keys: ["m"], label: "M", what: "Mark for a decision together; Shift+click: from the last mark on", group: "Review" },
+  unmark: { keys: ["M"], label: "Shift+M", what: "Take all marks back", group: "Review" },
   undo: { keys: ["u"], label: "U", what: "Take the last decision back", group: "Review" },
   play: { keys: [" "], label: "Space", what: "Play or pause", group: "Video" },
   frameBack: { keys: [",", "ArrowLeft"], label: ", or ←", what: "One frame back (Shift: ten)", group: "Video" },
@@ -38,7 +42,9 @@ interface KeyPress {
 /** The action of a key; null for a combination of the browser's or the system's. */
 export function actionOf(press: KeyPress): Action | null {
   if (press.ctrlKey || press.metaKey || press.altKey) return null;
-  const key = press.key.length === 1 ? press.key.toLowerCase() : press.key;
+  // A capital letter is a binding of its own, or that of the letter.
+  const isBound = Object.values(BINDINGS).some((one) => (one.keys as readonly string[]).includes(press.key));
+  const key = press.key.length === 1 && !isBound ? press.key.toLowerCase() : press.key;
   // Shift changes these two on many keyboards; ten frames are asked for with it.
   const plain = key === "<" ? "," : key === ">" ? "." : key;
   for (const action of Object.keys(BINDINGS) as Action[]) {

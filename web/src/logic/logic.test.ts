@@ -2,10 +2,11 @@ import { describe, expect, it } from "vitest";
 
 import type { CameraPath, FoundObject, Place } from "../api/types";
 import { NO_FILTERS, filterParams, isFiltered, makeMatcher, metresBetween, parseQuery, thresholdCost } from "./filters";
-import { formatAngle, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
+import { formatAngle, formatExpected, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
 import { BINDINGS, actionOf } from "./keys";
+import { formatMgrs, utmOf } from "./mgrs";
 import { PagedList } from "./paged_list";
 import { formatUrl, parseUrl } from "./url_state";
 
@@ -169,10 +170,55 @@ describe("format", () => {
     expect([null, 0, 359.8, -90].map(formatAngle)).toEqual(["–", "0°", "0°", "270°"]);
   });
 
+  it("writes expected numbers", () => {
+    expect([0, 3.14, 13899.2].map(formatExpected)).toEqual(["0.0", "3.1", "13,899"]);
+  });
+
   it("writes positions", () => {
     expect(formatPosition(52.5, -13.25, "decimal")).toBe("52.500000, -13.250000");
     expect(formatPosition(52.5, -13.25, "dms")).toBe("52°30′00.00″N 13°15′00.00″W");
     expect(formatPosition(-0.9999999999, 0, "dms")).toBe("1°00′00.00″S 0°00′00.00″E");
+  });
+});
+
+describe("mgrs", () => {
+  // By GeographicLib: latitude, longitude, MGRS, easting, northing.
+  const places = [
+    [52.5, 13.4, "33UUU9139017855", 391390.7313, 5817855.2408],
+    [-33.8568, 151.2153, "56HLH3490052288", 334900.5697, 6252288.7529],
+    [60.5, 5.3, "32VKN9681712810", 296817.4247, 6712810.0719],
+    [75, 20, "33XXD4429329692", 644293.4334, 8329692.6507],
+    [0.0001, 0.0001, "31NAA6603200011", 166032.5860, 11.0683],
+    [-0.0001, -0.0001, "30MZE3396799988", 833967.4140, 9999988.9317],
+    [83.9, -179.9, "01XDP6560917795", 465609.1687, 9317795.7533],
+    [-79.5, 179.9, "60CWS5897472753", 558974.6426, 1172753.1372],
+    [64.1, -21.9, "27WVM5613708467", 456137.5541, 7108467.4170],
+    [-68.31526458211692, 122.38165528861185, "51DVE7450221857", 474502.6919, 2421857.9817],
+    [43.30053692417647, -138.1620274113538, "07TGH3019398101", 730193.5948, 4798101.3167],
+    [-30.350779824097664, -141.86817898706482, "07JDG1656042024", 416560.6237, 6642024.9205],
+    [-75.80085870146624, -156.28684175662374, "04CEA7426585330", 574265.1741, 1585330.2888],
+    [19.582903700267167, 164.16833626460658, "58QDG1277465538", 412774.3920, 2165538.6981],
+    [29.22090416710992, -148.03883520830203, "06RUT9903032907", 399030.4872, 3232907.1899],
+    [40.45068893460916, 137.63933811950346, "53TQE2381781127", 723817.6388, 4481127.1130],
+    [-72.41209063952272, -172.22302291207274, "02CME5875464681", 458754.2125, 1964681.6164],
+    [49.773685817556924, -98.89076346395237, "14UNA0786513474", 507865.3504, 5513474.2754],
+    [-37.147567101365745, -135.3313742097181, "08HMD7057288705", 470572.6577, 5888705.9390],
+  ] as const;
+
+  it("agrees with GeographicLib", () => {
+    for (const [latitude, longitude, text, easting, northing] of places) {
+      const utm = utmOf(latitude, longitude);
+      expect(utm?.easting).toBeCloseTo(easting, 3);
+      expect(utm?.northing).toBeCloseTo(northing, 3);
+      expect(formatMgrs(latitude, longitude)?.replaceAll(" ", "").padStart(15, "0")).toBe(text);
+    }
+  });
+
+  it("ends where UPS begins", () => {
+    expect([formatMgrs(84, 10), formatMgrs(-80.1, 10), formatMgrs(NaN, 0)]).toEqual([null, null, null]);
+    expect(formatPosition(89, 10, "mgrs")).toBe("89.000000, 10.000000 (no MGRS there)");
+    expect(formatPosition(52.5, 13.4, "mgrs")).toBe("33U UU 91390 17855");
+    expect(formatPosition(52.5, 13.4, "utm")).toBe("33U 391390.7 5817855.2");
   });
 });
 
@@ -254,6 +300,7 @@ describe("keys", () => {
   it("leave the browser's combinations alone", () => {
     expect(press("a")).toBe("accept");
     expect(press("A")).toBe("accept");
+    expect([press("l"), press("L"), press("m"), press("M")]).toEqual(["nextMoment", "nextSighting", "mark", "unmark"]);
     expect(press(">")).toBe("frameOn");
     expect(press("a", { ctrlKey: true })).toBeNull();
     expect(press("q")).toBeNull();

@@ -32,6 +32,15 @@ function run(action: Action, shift: boolean) {
       return state.stepMoment(1);
     case "previousMoment":
       return state.stepMoment(-1);
+    case "nextSighting":
+      return void state.stepSighting(1);
+    case "previousSighting":
+      return void state.stepSighting(-1);
+    case "mark":
+      return state.toggleMark(state.selectedId.value);
+    case "unmark":
+      state.marked.value = new Set();
+      return;
     case "accept":
       return state.decide("accepted");
     case "reject":

@@ -50,6 +50,19 @@ export function Header() {
         />
       </form>
       <Progress />
+      <label class="hidden" for="reviewer">
+        Your name, kept with your reviews
+      </label>
+      <input
+        id="reviewer"
+        class="field reviewer"
+        autocomplete="name"
+        maxLength={80}
+        placeholder="Your name"
+        title="Your name, kept with your reviews"
+        value={state.reviewer.value}
+        onInput={(event) => (state.reviewer.value = event.currentTarget.value)}
+      />
       <div class="tools">
         <button
           class="button icon plain"

@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 
 import { thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail } from "../api/types";
-import { DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatSpan, formatTime, plural } from "../logic/format";
+import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatSpan, formatTime, plural } from "../logic/format";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { VerdictMark } from "./list";
@@ -39,6 +39,8 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
   );
 }
 
+const STYLE_NAMES: Record<CoordinateStyle, string> = { decimal: "decimal", dms: "° ′ ″", mgrs: "MGRS", utm: "UTM" };
+
 async function copy(text: string) {
   try {
     await navigator.clipboard.writeText(text);
@@ -62,9 +64,18 @@ function Position({ object }: { object: FoundObject }) {
       <button class="link" aria-label="Copy the position" title="Copy" onClick={() => void copy(text)}>
         copy
       </button>{" "}
-      <button class="link" onClick={() => (state.coordinateStyle.value = style === "decimal" ? "dms" : "decimal")}>
-        {style === "decimal" ? "as ° ′ ″" : "as decimal"}
-      </button>
+      <select
+        class="link"
+        aria-label="Coordinates as"
+        value={style}
+        onChange={(event) => (state.coordinateStyle.value = event.currentTarget.value as CoordinateStyle)}
+      >
+        {COORDINATE_STYLES.map((one) => (
+          <option key={one} value={one}>
+            {STYLE_NAMES[one]}
+          </option>
+        ))}
+      </select>
     </dd>
   );
 }
@@ -151,7 +162,7 @@ function Review({ object }: { object: FoundObject }) {
   const status = isPending
     ? "Saving"
     : object.review
-      ? `Saved ${new Date(object.review.updated_utc_us / 1000).toLocaleString()}`
+      ? `Saved ${new Date(object.review.updated_utc_us / 1000).toLocaleString()}${object.review.reviewer ? ` by ${object.review.reviewer}` : ""}`
       : canReview
         ? "Not reviewed"
         : "This index cannot be written: reviews are not kept";

@@ -6,7 +6,7 @@ import { useEffect, useLayoutEffect, useReducer, useRef, useState } from "preact
 import { thumbnailUrl } from "../api/client";
 import type { FoundObject } from "../api/types";
 import { NO_FILTERS, isFiltered, thresholdCost } from "../logic/filters";
-import { explainScore, formatMetres, formatSpan, plural } from "../logic/format";
+import { explainScore, formatExpected, formatMetres, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
 import * as objects from "../objects";
 import * as state from "../state";
@@ -41,7 +41,10 @@ export function VerdictMark({ object }: { object: FoundObject }) {
   if (!verdict) return null;
   const isPending = state.pendingReviews.value.has(object.id);
   return (
-    <span class={`verdict ${verdict} ${isPending ? "pending" : ""}`}>
+    <span
+      class={`verdict ${verdict} ${isPending ? "pending" : ""}`}
+      title={object.review?.reviewer ? `${verdict} by ${object.review.reviewer}` : verdict}
+    >
       <Icon name={verdict === "accepted" ? "accept" : "reject"} />
       {isPending ? "saving" : verdict}
     </span>
@@ -50,6 +53,7 @@ export function VerdictMark({ object }: { object: FoundObject }) {
 
 function Row({ object, index, top, total }: { object: FoundObject; index: number; top: number; total: number }) {
   const isSelected = state.selectedId.value === object.id;
+  const isMarked = state.marked.value.has(object.id);
   const place = object.place;
   return (
     <div
@@ -58,12 +62,26 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
       aria-selected={isSelected}
       aria-posinset={index + 1}
       aria-setsize={total}
-      class={`row ${state.matcher.value(object) ? "" : "greyed"}`}
+      class={`row ${state.matcher.value(object) ? "" : "greyed"} ${isMarked ? "marked" : ""}`}
       style={{ transform: `translateY(${top}px)` }}
-      onClick={() => state.select(object.id, { push: true })}
+      onClick={(event) => {
+        const from = state.selectedId.value;
+        if (event.shiftKey && from !== null) state.markRange(from, object.id);
+        else if (event.ctrlKey || event.metaKey) state.toggleMark(object.id);
+        else state.select(object.id, { push: true });
+      }}
     >
       <div class="thumb">
-        <img src={thumbnailUrl(object.id, 168)} alt="" loading="lazy" decoding="async" width="84" height="63" />
+        {isMarked && <span class="mark"><Icon name="accept" /></span>}
+        <img
+          src={thumbnailUrl(object.id, 168)}
+          alt=""
+          loading="lazy"
+          decoding="async"
+          width="84"
+          height="63"
+          onError={(event) => (event.currentTarget.style.visibility = "hidden")}
+        />
       </div>
       <div>
         <div class="name">
@@ -140,7 +158,7 @@ function Threshold() {
       />
       <output for="threshold">≥ {minScore.toFixed(2)}</output>
       <span class="cost" title="From the scores: each is the probability that its object is real">
-        expected: {falseAlarms.toFixed(1)} false shown, {misses.toFixed(1)} real hidden
+        expected: {formatExpected(falseAlarms)} false shown, {formatExpected(misses)} real hidden
       </span>
     </div>
   );
@@ -264,6 +282,23 @@ function Loading() {
   );
 }
 
+function Marked() {
+  return (
+    <div class="marked-bar" role="group" aria-label="Marked objects">
+      <strong>{state.marked.value.size.toLocaleString("en")} marked</strong>
+      <button class="button" onClick={() => state.decide("accepted")}>
+        <Icon name="accept" /> Accept
+      </button>
+      <button class="button" onClick={() => state.decide("rejected")}>
+        <Icon name="reject" /> Reject
+      </button>
+      <button class="link" onClick={() => (state.marked.value = new Set())}>
+        Clear
+      </button>
+    </div>
+  );
+}
+
 function Empty() {
   return (
     <div class="empty">
@@ -292,6 +327,7 @@ export function ObjectList() {
             </button>
           )}
         </div>
+        {state.marked.value.size > 0 && <Marked />}
         <Chips />
         {all > 0 && <Order />}
         {all > 0 && <Threshold />}
