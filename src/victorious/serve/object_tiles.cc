@@ -72,6 +72,36 @@ std::string ShortCount(std::int64_t count) {
   return fmt::format("{}M", round(count, 1'000'000) / 1'000'000);
 }
 
+// Joins cells whose means lie closer than their circles are wide: a group that the border of two cells cuts is one.
+void MergeNeighbours(std::array<Cell, kCells * kCells>& cells) {
+  constexpr double kMinDistance = 0.9 * kExtent / kCells;
+  const auto mean = [](const Cell& cell) {
+    return std::pair(cell.sum_x / static_cast<double>(cell.count), cell.sum_y / static_cast<double>(cell.count));
+  };
+  for (int i = 0; i < kCells * kCells; ++i) {
+    // The four neighbours that come later in the order of the loop.
+    for (const auto& [right, down] : {std::pair(1, 0), {-1, 1}, {0, 1}, {1, 1}}) {
+      const int column = i % kCells + right;
+      const int row = i / kCells + down;
+      if (column < 0 || column >= kCells || row >= kCells) continue;
+      Cell& here = cells[static_cast<std::size_t>(i)];
+      Cell& other = cells[static_cast<std::size_t>(row * kCells + column)];
+      if (here.count == 0 || other.count == 0) continue;
+      const auto [x, y] = mean(here);
+      const auto [other_x, other_y] = mean(other);
+      if (std::hypot(x - other_x, y - other_y) >= kMinDistance) continue;
+      Cell& larger = here.count >= other.count ? here : other;
+      Cell& smaller = here.count >= other.count ? other : here;
+      larger.count += smaller.count;
+      larger.matches += smaller.matches;
+      larger.sum_x += smaller.sum_x;
+      larger.sum_y += smaller.sum_y;
+      larger.best = std::max(larger.best, smaller.best);
+      smaller = {};
+    }
+  }
+}
+
 TileAttributes AttributesOf(const PlacedObject& placed) {
   return {{"id", placed.id},
           {"model", placed.model},
@@ -159,6 +189,7 @@ Expected<std::string> MakeObjectTile(TriageStore& store, const TileAddress& tile
     near.resize(kept);
     return MakeSingles(store, tile, std::move(near));
   }
+  MergeNeighbours(cells);
   TileLayer clusters("clusters", kExtent);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Cell& cell = cells[i];

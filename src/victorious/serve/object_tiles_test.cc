@@ -125,6 +125,19 @@ TEST_F(ObjectTilesTest, ManyObjectsBecomeBoundedClusters) {
   EXPECT_EQ(matches, 501) << "scores from 0.9 down to 0.65";
 }
 
+TEST_F(ObjectTilesTest, GroupOnTheBorderOfCellsIsOneCluster) {
+  // Around the middle of the tile 0/0/0, where four cells meet.
+  std::vector<std::pair<double, double>> places;
+  for (int i = 0; i < 400; ++i) places.emplace_back(0.01 * (i % 20) - 0.095, 0.01 * (i / 20) - 0.095);
+  Place(places, 1);
+  const auto tile = Tile({0, 0, 0});
+  const ReadLayer* clusters = Find(tile, "clusters");
+  ASSERT_NE(clusters, nullptr);
+  ASSERT_THAT(clusters->features, SizeIs(1));
+  EXPECT_EQ(std::get<std::int64_t>(*clusters->Find(0, "count")), 400);
+  EXPECT_EQ(std::get<std::string>(*clusters->Find(0, "label")), "400");
+}
+
 TEST_F(ObjectTilesTest, LastLevelShowsTheBestOfTooMany) {
   Place(std::vector<std::pair<double, double>>(kMaxLastTileObjects * 4 + 10, {0.0005, 0.0005}), 0.1);
   const auto tile = Tile({18, 131'072, 131'071});
