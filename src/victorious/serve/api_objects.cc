@@ -210,8 +210,7 @@ ApiExpected<HttpResponse> Api::Objects(QueryReader& query) {
   }
   Json total;
   if (has_position) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, store.Count(filter));
-    total = counts.objects;
+    VICTORIOUS_ASSIGN_OR_RETURN(total, store.CountObjects(filter));
   }
   return JsonResponse({{"objects", RowsToJson(objects, *lists)},
                        {"next_cursor", std::move(next)},

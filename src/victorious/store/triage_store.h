@@ -121,6 +121,7 @@ class TriageStore {
   /// The number of objects that match and precede a key.
   [[nodiscard]] virtual Expected<std::int64_t> CountBefore(const ObjectQuery& query, const ObjectSlice& slice,
                                                            const ObjectKey& key) = 0;
+  [[nodiscard]] virtual Expected<std::int64_t> CountObjects(const ObjectQuery& query) = 0;
   [[nodiscard]] virtual Expected<ObjectCounts> Count(const ObjectQuery& query) = 0;
 
   /// Visits the objects of known place in a region; `matches` says which of them match the query. `visit` returns false

@@ -139,7 +139,9 @@ TEST_F(TriageStoreTest, KeysWalkTheListBothWays) {
     if (order == ObjectOrder::kQueue) {
       EXPECT_THAT(whole, ElementsAre(ids_[0], ids_[2], ids_[4], ids_[5], ids_[1], ids_[3]));
     }
-    if (order == ObjectOrder::kNewest) EXPECT_EQ(whole.front(), ids_[5]);
+    if (order == ObjectOrder::kNewest) {
+      EXPECT_EQ(whole.front(), ids_[5]);
+    }
     for (std::size_t i = 0; i < whole.size(); ++i) {
       const auto key = store_->FindKey(whole[i], all);
       ASSERT_TRUE(key && *key);
@@ -188,6 +190,7 @@ TEST_F(TriageStoreTest, FiltersSelect) {
   EXPECT_THAT(List({.review = State::kAccepted}), ElementsAre(ids_[2]));
   EXPECT_THAT(List({.review = State::kRejected}), IsEmpty());
   EXPECT_THAT(List({.review = State::kNone}), SizeIs(5));
+  EXPECT_EQ(*store_->CountObjects({.models = {"jeep"}}), 4);
   const auto counts = store_->Count({.models = {"jeep"}});
   ASSERT_TRUE(counts) << counts.error().message;
   EXPECT_EQ(std::tuple(counts->objects, counts->accepted, counts->rejected), std::tuple(4, 1, 0));

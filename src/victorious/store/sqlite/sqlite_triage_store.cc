@@ -99,24 +99,26 @@ class SqliteTriageStore final : public TriageStore {
     return count + rest;
   }
 
+  Expected<std::int64_t> CountObjects(const ObjectQuery& query) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(const Conditions matching, MakeConditions(query));
+    return CountPart(matching, {}, std::nullopt);
+  }
+
   Expected<ObjectCounts> Count(const ObjectQuery& query) override {
     VICTORIOUS_ASSIGN_OR_RETURN(const Conditions matching, MakeConditions(query));
-    // Without a loop over rows here: one group for each bin and verdict.
+    // Counted here: a GROUP BY takes three times as long.
     VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select,
-        connection_->Prepare(fmt::format("SELECT min(max(CAST(-{} * o.order_score AS INTEGER), 0), {}) AS bin, "
-                                         "o.verdict, count(*) FROM objects o {}GROUP BY bin, o.verdict",
-                                         ObjectCounts::kBins, ObjectCounts::kBins - 1, matching.text())));
+        Statement select, connection_->Prepare("SELECT o.order_score, o.verdict FROM objects o " + matching.text()));
     matching.Bind(select);
     ObjectCounts counts;
     while (true) {
       VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
       if (!has_row) return counts;
-      const std::int64_t objects = select.Integer(2);
-      counts.objects += objects;
-      counts.scores[static_cast<std::size_t>(select.Integer(0))] += objects;
+      const double part = std::clamp(-select.Real(0) * ObjectCounts::kBins, 0.0, ObjectCounts::kBins - 1.0);
+      ++counts.objects;
+      ++counts.scores[static_cast<std::size_t>(part)];
       if (select.IsNull(1)) continue;
-      (select.Text(1) == ToText(Verdict::kAccepted) ? counts.accepted : counts.rejected) += objects;
+      ++(select.Text(1) == ToText(Verdict::kAccepted) ? counts.accepted : counts.rejected);
     }
   }
 
@@ -202,8 +204,9 @@ class SqliteTriageStore final : public TriageStore {
 
   Expected<std::vector<ObjectNumbers>> ObjectsOfVideos() override {
     return ReadNumbers(
-        "SELECT t.video_id, count(DISTINCT t.object_id) FROM tracklets t JOIN objects o ON o.id = t.object_id "
-        "WHERE o.is_listed = 1 GROUP BY t.video_id");
+        // CROSS JOIN: in the order of the index, so that nothing is sorted.
+        "SELECT t.video_id, count(DISTINCT t.object_id) FROM tracklets t INDEXED BY tracklets_by_video "
+        "CROSS JOIN objects o ON o.id = t.object_id WHERE o.is_listed = 1 GROUP BY t.video_id");
   }
 
   Expected<std::vector<ObjectNumbers>> ObjectsOfModels() override {
