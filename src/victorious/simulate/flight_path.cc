@@ -76,6 +76,41 @@ double PathLength(std::span<const Vector2d> path) {
   return length;
 }
 
+// Slopes of a monotone cubic through points (Fritsch and Carlson 1980): 0 beside a level section, else the weighted
+// harmonic mean of the slopes of the two sections; at the ends, that of the section.
+std::vector<double> MonotoneSlopes(std::span<const double> at, std::span<const double> values) {
+  const std::size_t sections = at.size() - 1;
+  const auto step = [&](std::size_t i) { return at[i + 1] - at[i]; };
+  const auto slope = [&](std::size_t i) { return (values[i + 1] - values[i]) / step(i); };
+  std::vector<double> slopes(at.size(), 0);
+  slopes.front() = slope(0);
+  slopes.back() = slope(sections - 1);
+  for (std::size_t i = 1; i < sections; ++i) {
+    if (slope(i - 1) <= 0 || slope(i) <= 0) continue;
+    const double before = step(i - 1) + 2 * step(i);
+    const double after = 2 * step(i - 1) + step(i);
+    slopes[i] = (before + after) / (before / slope(i - 1) + after / slope(i));
+  }
+  return slopes;
+}
+
+// The distance driven along a path with times, from its first point.
+double DistanceAt(const SceneObject& object, double time_s) {
+  const std::vector<double>& times_s = object.times_s;
+  if (time_s <= times_s.front()) return 0;
+  std::vector<double> driven_m = {0};
+  for (std::size_t i = 1; i < object.path_m.size(); ++i)
+    driven_m.push_back(driven_m.back() + (object.path_m[i] - object.path_m[i - 1]).norm());
+  if (time_s >= times_s.back()) return driven_m.back();
+  const std::vector<double> slopes = MonotoneSlopes(times_s, driven_m);
+  const auto i = static_cast<std::size_t>(std::ranges::upper_bound(times_s, time_s) - times_s.begin()) - 1;
+  const double section_s = times_s[i + 1] - times_s[i];
+  const double t = (time_s - times_s[i]) / section_s;
+  const double u = 1 - t;
+  return driven_m[i] * (1 + 2 * t) * u * u + driven_m[i + 1] * (3 - 2 * t) * t * t +
+         section_s * t * u * (slopes[i] * u - slopes[i + 1] * t);
+}
+
 double HeadingFromDirection(const Vector2d& direction) { return std::atan2(direction.x(), direction.y()); }
 
 }  // namespace
@@ -104,10 +139,17 @@ Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s,
 
 GroundPose ComputeGroundPose(const SceneObject& object, double length_m, double time_s) {
   if (object.path_m.empty()) return {{object.x_m, object.y_m}, RadiansFromDegrees(object.heading_deg)};
-  const double driven_m = std::min(object.speed_m_s * time_s, PathLength(object.path_m));
+  const double driven_m = object.times_s.empty() ? std::min(object.speed_m_s * time_s, PathLength(object.path_m))
+                                                 : DistanceAt(object, time_s);
   const Vector2d rear = PointAlong(object.path_m, driven_m - length_m / 2);
   const Vector2d front = PointAlong(object.path_m, driven_m + length_m / 2);
   return {(rear + front) / 2, HeadingFromDirection(front - rear)};
+}
+
+Eigen::Vector2d ComputeGroundVelocity(const SceneObject& object, double length_m, double time_s) {
+  constexpr double kStep_s = 1e-3;
+  const auto place_at = [&](double at_s) { return ComputeGroundPose(object, length_m, at_s).place_m; };
+  return (place_at(time_s + kStep_s / 2) - place_at(time_s - kStep_s / 2)) / kStep_s;
 }
 
 }  // namespace victorious

@@ -35,9 +35,14 @@ struct GroundPose {
   double heading_rad = 0;  ///< clockwise from the town's y axis
 };
 
-/// Pose of an object at a time. An object with a path drives along it at constant speed and stops at its end. The path
-/// must have at least two different points.
+/// Pose of an object at a time. An object with a path drives along it at constant speed and stops at its end; one with
+/// times is at each point of the path at its time, and its speed is continuous: the distance driven is a monotone cubic
+/// of time (Fritsch and Carlson 1980), so that it stands still between two equal points. The path must have at least
+/// two different points.
 /// @param length_m  of the object: its front and its rear follow the path, so that it turns smoothly at corners
 [[nodiscard]] GroundPose ComputeGroundPose(const SceneObject& object, double length_m, double time_s);
+
+/// Velocity of that position, m/s in the town frame.
+[[nodiscard]] Eigen::Vector2d ComputeGroundVelocity(const SceneObject& object, double length_m, double time_s);
 
 }  // namespace victorious

@@ -148,6 +148,40 @@ TEST(GroundPose, FollowsTheRouteToItsEnd) {
   EXPECT_LT((ComputeGroundPose(Driver(), 4, 100).place_m - Vector2d(40, 40)).norm(), 1e-9);
 }
 
+// Rests for 2 s, drives, and rests for 3 s at the corner.
+TEST(GroundPose, PathWithTimesStartsFromRestAndStops) {
+  SceneObject object = Driver();
+  object.speed_m_s = 0;
+  object.path_m = {{0, 0}, {0, 0}, {0, 40}, {0, 40}, {40, 40}};
+  object.times_s = {0, 2, 10, 13, 20};
+  const auto place = [&](double time_s) { return ComputeGroundPose(object, 4, time_s).place_m; };
+  const auto speed = [&](double time_s) { return ComputeGroundVelocity(object, 4, time_s).norm(); };
+  EXPECT_LT(place(-1).norm(), 1e-9);
+  EXPECT_LT(place(2).norm(), 1e-9);
+  EXPECT_EQ(speed(1), 0);
+  EXPECT_LT((place(10) - place(12.9)).norm(), 1e-9);
+  EXPECT_EQ(speed(11), 0);
+  EXPECT_LT((place(20) - Vector2d(40, 40)).norm(), 1e-9);
+  EXPECT_NEAR(speed(6), 1.5 * 40 / 8, 1e-6) << "from rest to rest, at most 1.5 times the mean";
+  double fastest_change = 0;
+  for (double time_s = 0; time_s < 19.9; time_s += 0.01) {
+    if (time_s > 8.5 && time_s < 14.5) continue;  // around the corner
+    fastest_change = std::max(fastest_change, std::abs(speed(time_s + 0.01) - speed(time_s)));
+  }
+  EXPECT_LT(fastest_change, 0.08) << "the speed is continuous";
+}
+
+TEST(GroundPose, EquidistantTimesGiveConstantSpeed) {
+  SceneObject object = Driver();
+  object.speed_m_s = 0;
+  object.times_s = {0, 4, 8};
+  for (double time_s = 0.1; time_s < 8; time_s += 0.3) {
+    EXPECT_LT((ComputeGroundPose(object, 4, time_s).place_m - ComputeGroundPose(Driver(), 4, time_s).place_m).norm(),
+              1e-9)
+        << time_s;
+  }
+}
+
 TEST(GroundPose, DuplicateRoutePointsChangeNothing) {
   SceneObject twice = Driver();
   twice.path_m = {{0, 0}, {0, 0}, {0, 40}, {0, 40}, {40, 40}, {40, 40}, {40, 40}};

@@ -64,8 +64,13 @@ void AddClearZones(const SceneObject& object, const UploadedMesh& mesh, double l
   const double radius_m = mesh.box.sizes().head<2>().norm() / 2;
   const double length_m = mesh.box.sizes().x();
   constexpr double kMinStepS = 0.01;
-  const double step_s =
-      object.speed_m_s > 0 ? std::max({radius_m / object.speed_m_s, last_s / 1000, kMinStepS}) : last_s + 1;
+  double fastest_m_s = object.speed_m_s;
+  constexpr double kSteepest = 1.5;  // of a monotone cubic between two points, over its mean slope
+  for (std::size_t i = 1; i < object.times_s.size(); ++i) {
+    const double section_m = (object.path_m[i] - object.path_m[i - 1]).norm();
+    fastest_m_s = std::max(fastest_m_s, kSteepest * section_m / (object.times_s[i] - object.times_s[i - 1]));
+  }
+  const double step_s = fastest_m_s > 0 ? std::max({radius_m / fastest_m_s, last_s / 1000, kMinStepS}) : last_s + 1;
   for (double time_s = 0; time_s <= last_s; time_s += step_s) {
     clear.push_back({ComputeGroundPose(object, length_m, time_s).place_m, radius_m});
   }
@@ -167,8 +172,10 @@ std::vector<PlacedMesh> PlacedScene::ObjectsAt(double time_s) const {
   std::vector<PlacedMesh> instances;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const UploadedMesh& mesh = object_meshes_[i];
-    const GroundPose pose = ComputeGroundPose(objects_[i], mesh.box.sizes().x(), time_s);
-    instances.push_back({mesh, TownFromMesh(mesh, pose, objects_[i].z_m)});
+    const double length_m = mesh.box.sizes().x();
+    const GroundPose pose = ComputeGroundPose(objects_[i], length_m, time_s);
+    instances.push_back(
+        {mesh, TownFromMesh(mesh, pose, objects_[i].z_m), ComputeGroundVelocity(objects_[i], length_m, time_s)});
   }
   return instances;
 }

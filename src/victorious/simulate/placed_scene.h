@@ -27,6 +27,7 @@ struct UploadedMesh {
 struct PlacedMesh {
   UploadedMesh mesh;
   Rigid3 town_from_mesh;
+  Eigen::Vector2d velocity_in_town = Eigen::Vector2d::Zero();  ///< over the ground, m/s
 };
 
 class PlacedScene {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 #include <utility>
@@ -22,6 +23,7 @@ using Json = nlohmann::json;
 constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 24;
 constexpr std::size_t kMaxListed = 10000;  // objects, pieces, points
 constexpr double kMaxReachM = 20000;       // maximum distance from the origin, per coordinate
+constexpr double kMaxTimeS = 1e6;          // maximum time of a point of a path, before and after the first frame
 constexpr int kMaxSquare = 50;             // maximum column and row of a town, in each direction from the origin
 constexpr const char* kDefaultAssets = "../assets";
 constexpr auto kPathTexts = std::to_array<EnumText<PathInterpolation>>(
@@ -123,9 +125,23 @@ bool IsAssetName(std::string_view name) {
   return !name.empty() && name.front() != '/' && name.find_first_not_of(kLetters) == std::string_view::npos;
 }
 
+// Checks the times at which an object is at the points of its path.
+Status CheckTimes(const std::vector<double>& times_s, const std::vector<Eigen::Vector2d>& path_m, double speed_m_s) {
+  if (times_s.empty()) return {};
+  if (speed_m_s != 0) return InvalidScene("speed_m_s: times_s gives it, leave one of them out");
+  if (times_s.size() != path_m.size())
+    return InvalidScene(
+        fmt::format("times_s: {} times for {} points of path_m: must be one each", times_s.size(), path_m.size()));
+  if (std::ranges::adjacent_find(times_s, std::greater_equal()) != times_s.end())
+    return InvalidScene("times_s: must increase from point to point");
+  return {};
+}
+
 Expected<SceneObject> ReadObject(Json& json) {
   std::vector<Eigen::Vector2d> path_m;
+  std::vector<double> times_s;
   VICTORIOUS_RETURN_IF_ERROR(TakePoints(json, "path_m", 2, path_m));
+  VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(json, "times_s", {-kMaxTimeS, kMaxTimeS}, times_s));
   for (const char* key : {"x_m", "y_m", "heading_deg"}) {
     if (!path_m.empty() && json.contains(key))
       return InvalidScene(fmt::format("{}: path_m gives it, leave one of them out", key));
@@ -139,7 +155,9 @@ Expected<SceneObject> ReadObject(Json& json) {
       !path_m.empty() && std::ranges::all_of(path_m, [&](const auto& point) { return point == path_m[0]; });
   if (stays) return InvalidScene("path_m: all points are the same: must have at least two different points");
   if (path_m.empty() && object.speed_m_s != 0) return InvalidScene("speed_m_s: needs a path_m to drive along");
+  VICTORIOUS_RETURN_IF_ERROR(CheckTimes(times_s, path_m, object.speed_m_s));
   object.path_m = std::move(path_m);
+  object.times_s = std::move(times_s);
   return object;
 }
 

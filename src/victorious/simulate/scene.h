@@ -94,7 +94,8 @@ struct SceneObject {
   double z_m = 0;  ///< height of its lowest point
   double heading_deg = 0;
   std::vector<Eigen::Vector2d> path_m;  ///< not empty: it drives along this; x_m, y_m and heading_deg must not be given
-  double speed_m_s = 0;
+  double speed_m_s = 0;                 ///< constant; 0 if there are times
+  std::vector<double> times_s;          ///< not empty: when it is at each point of the path; the speed follows
 
   void ListFields(FieldList& fields);
 };

@@ -110,6 +110,12 @@ TEST(Scene, ErrorsNameTheObject) {
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "x_m": 4, "path_m": [[0, 0], [1, 1]]}]})"),
               AllOf(HasSubstr("x_m"), HasSubstr("path_m")));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[0, 0]]}]})"), HasSubstr("2 or more"));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "times_s": [0, 1]}]})"), HasSubstr("path_m"));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[0, 0], [1, 1]], "times_s": [1, 1]}]})"),
+              AllOf(HasSubstr("times_s"), HasSubstr("increase")));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[0, 0], [1, 1]], "times_s": [0, 1],
+                          "speed_m_s": 2}]})"),
+              AllOf(HasSubstr("times_s"), HasSubstr("speed_m_s")));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[2, 3], [2, 3], [2, 3]]}]})"),
               AllOf(HasSubstr("path_m"), HasSubstr("two different points")));
   EXPECT_THAT(ErrorOf(R"({"objects": {}})"), HasSubstr("objects: must be a list"));

@@ -119,14 +119,20 @@ Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const PlacedMesh> obje
     const Vector3d centre_in_town = object.town_from_mesh.Apply(object.mesh.box.center());
     const Vector3d centre_in_enu = enu_from_town * centre_in_town;
     const Eigen::Quaterniond mesh_from_town = object.town_from_mesh.rotation.conjugate();
-    const Vector3d front =
-        earth.LocalEnuFromEnu(centre_in_enu) * (enu_from_town * (object.town_from_mesh.rotation * Vector3d::UnitX()));
+    const Eigen::Quaterniond local_from_town = earth.LocalEnuFromEnu(centre_in_enu) * enu_from_town;
+    const Vector3d front = local_from_town * (object.town_from_mesh.rotation * Vector3d::UnitX());
+    const Vector2d velocity = object.velocity_in_town;
+    const Vector3d moving = local_from_town * Vector3d(velocity.x(), velocity.y(), 0);
+    constexpr double kAtRest_m_s = 1e-6;
+    const bool at_rest = velocity.norm() < kAtRest_m_s;
     rows.push_back({.object = static_cast<int>(i),
                     .box = seen[i].BoundingBox(),
                     .pixels = seen[i].count,
                     .visible = std::min(1.0, seen[i].count / std::max(1.0, alone)),
                     .place = earth.GeodeticFromEnu(centre_in_enu),
                     .heading_rad = WrapTo2Pi(std::atan2(front.x(), front.y())),
+                    .speed_m_s = velocity.norm(),
+                    .course_rad = at_rest ? std::nullopt : std::optional(WrapTo2Pi(std::atan2(moving.x(), moving.y()))),
                     .view = DirectionFromVector(mesh_from_town * (camera_in_town - centre_in_town))});
   }
   return rows;
@@ -149,6 +155,8 @@ std::string FormatTruthLine(const ObjectTruth& truth, const SceneObject& object,
       {"longitude_deg", Rounded(DegreesFromRadians(truth.place.longitude_rad), kNanoDegrees)},
       {"altitude_m", Rounded(truth.place.altitude_m, kTenThousandths)},
       {"heading_deg", degrees(truth.heading_rad)},
+      {"speed_m_s", Rounded(truth.speed_m_s, kTenThousandths)},
+      {"course_deg", truth.course_rad ? nlohmann::ordered_json(degrees(*truth.course_rad)) : nlohmann::ordered_json()},
       {"view",
        {{"azimuth_deg", degrees(truth.view.azimuth_rad)}, {"off_nadir_deg", degrees(truth.view.off_nadir_rad)}}},
   };

@@ -6,6 +6,7 @@
 // it is rendered at a smaller scale and the count is rescaled. Angles are those of geometry/view_sphere.h.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,13 +23,15 @@ namespace victorious {
 
 /// One object in one frame.
 struct ObjectTruth {
-  int object = 0;          ///< its index in the scene
-  Box box;                 ///< bounding box of the visible pixels, px
-  int pixels = 0;          ///< number of visible pixels, > 0
-  double visible = 0;      ///< visible fraction, (0, 1]
-  GeodeticPoint place;     ///< position of the centre of its 3D bounding box
-  double heading_rad = 0;  ///< heading of its front, clockwise from true north, [0, 2 pi)
-  ViewDirection view;      ///< direction from the centre of its 3D bounding box to the camera
+  int object = 0;                    ///< its index in the scene
+  Box box;                           ///< bounding box of the visible pixels, px
+  int pixels = 0;                    ///< number of visible pixels, > 0
+  double visible = 0;                ///< visible fraction, (0, 1]
+  GeodeticPoint place;               ///< position of the centre of its 3D bounding box
+  double heading_rad = 0;            ///< heading of its front, clockwise from true north, [0, 2 pi)
+  double speed_m_s = 0;              ///< of that centre, over the ground
+  std::optional<double> course_rad;  ///< direction of its motion, clockwise from true north, [0, 2 pi); none at rest
+  ViewDirection view;                ///< direction from the centre of its 3D bounding box to the camera
 };
 
 /// The truth of all objects with at least one visible pixel, in the scene's order.

@@ -64,6 +64,18 @@ TEST_F(Truth, SingleObjectHasBoxPlaceHeadingAndView) {
   EXPECT_LT((kEarth.EnuFromGeodetic(truth[0].place) - Vector3d(0, 0, 0.5)).norm(), 1e-6);
   EXPECT_NEAR(truth[0].heading_rad, kPi / 2 + kTownHeadingRad, 1e-9);
   EXPECT_NEAR(truth[0].view.off_nadir_rad, 0, 1e-6);
+  EXPECT_EQ(truth[0].speed_m_s, 0);
+  EXPECT_FALSE(truth[0].course_rad);
+}
+
+TEST_F(Truth, MotionIsRelativeToNorth) {
+  PlacedMesh box = BoxAt({0, 0, 0});
+  box.velocity_in_town = {3, 3};  // 45 degrees clockwise from the town's y axis
+  const auto truth = TruthOfBoxes({box}, 1);
+  ASSERT_EQ(truth.size(), 1U);
+  EXPECT_NEAR(truth[0].speed_m_s, 3 * std::sqrt(2), 1e-9);
+  ASSERT_TRUE(truth[0].course_rad);
+  EXPECT_NEAR(*truth[0].course_rad, kPi / 4 + kTownHeadingRad, 1e-6);
 }
 
 TEST_F(Truth, HalfOccludedObjectIsHalfVisible) {
