@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -89,7 +91,8 @@ std::optional<Distance> ComputeDistance(const ObjectHypothesis& a, const ObjectH
                                         const ObjectOptions& options) {
   std::optional<Geolocation> of_a = a.estimate.place;
   std::optional<Geolocation> of_b = b.estimate.place;
-  if (!HasCommonVideo(a, b) || !IsInOneVideo(a) || !IsInOneVideo(b)) {  // flights have independent common errors
+  const bool of_one_flight = HasCommonVideo(a, b) && IsInOneVideo(a) && IsInOneVideo(b);
+  if (!of_one_flight) {  // flights have independent common errors
     of_a = EstimatePlace(a, options, 1).place;
     of_b = EstimatePlace(b, options, 1).place;
     if (!of_a || !of_b || of_a->IsMoving() || of_b->IsMoving()) return std::nullopt;
@@ -98,8 +101,8 @@ std::optional<Distance> ComputeDistance(const ObjectHypothesis& a, const ObjectH
   const bool a_first = FirstTime(a) <= FirstTime(b);
   const double between_s = (LastTime(a_first ? a : b) + FirstTime(a_first ? b : a)) / 2;
   const TangentPlane plane(of_a->point);
-  const Geolocation at_a = PropagatePlace(*of_a, between_s);
-  const Geolocation at_b = PropagatePlace(*of_b, between_s);
+  const Geolocation at_a = of_one_flight ? PlaceAt(a.estimate, between_s) : PropagatePlace(*of_a, between_s);
+  const Geolocation at_b = of_one_flight ? PlaceAt(b.estimate, between_s) : PropagatePlace(*of_b, between_s);
   const double slack_m2 = 2 * kMergeSlack_m * kMergeSlack_m;
   const Eigen::Matrix3d covariance =
       at_a.covariance_enu_m2 + at_b.covariance_enu_m2 + slack_m2 * Eigen::Matrix3d::Identity();
@@ -200,6 +203,85 @@ class HeightStatistics {
   std::map<std::int64_t, std::vector<double>> of_video_;
 };
 
+bool IsSizeContradicted(const ObjectPlace& estimate, const ObjectOptions& options) {
+  const double ratio = estimate.size_ratio.value_or(1);
+  return ratio > options.max_size_ratio || ratio < 1 / options.max_size_ratio;
+}
+
+// The height of an object's centre, as the other objects of its flight show the ground.
+struct Level {
+  double altitude_m = 0;
+  double sigma_m = 0;
+};
+
+// Standard deviations of the heights of objects' centres above the ground (a car, an aircraft), and of the ground's
+// slope. Chosen, not fitted.
+constexpr double kCentreHeightSpread_m = 1;
+constexpr double kSlope = 0.03;
+
+// The weighted median over the other objects of the flight, which a flying one does not move.
+std::optional<Level> LevelUnder(const ObjectHypothesis& driving, std::span<const ObjectHypothesis> all,
+                                const ObjectOptions& options) {
+  struct Sample {
+    double altitude_m;
+    double weight;
+  };
+  std::vector<Sample> samples;
+  double total = 0;
+  const TangentPlane plane(driving.estimate.place->point);
+  for (const ObjectHypothesis& other : all) {
+    if (&other == &driving || !other.estimate.place || other.tracklets[0]->is_category) continue;
+    if (!HasCommonVideo(driving, other) || !IsInOneVideo(other)) continue;
+    if (other.estimate.inlier_fraction < options.min_inlier_fraction) continue;
+    const bool drives = !other.estimate.path.empty();
+    if (!drives && (!other.estimate.size_ratio || IsSizeContradicted(other.estimate, options))) continue;
+    const Geolocation& place = *other.estimate.place;
+    const double slope_m = kSlope * plane.EnuFromGeodetic(place.point).head<2>().norm();
+    const double variance_m2 =
+        place.covariance_enu_m2(2, 2) + kCentreHeightSpread_m * kCentreHeightSpread_m + slope_m * slope_m;
+    samples.push_back({place.point.altitude_m, 1 / variance_m2});
+    total += samples.back().weight;
+  }
+  if (samples.empty()) return std::nullopt;
+  std::ranges::sort(samples, {}, &Sample::altitude_m);
+  double below = 0;
+  for (const Sample& sample : samples) {
+    below += sample.weight;
+    if (below >= total / 2) return Level{sample.altitude_m, 1 / std::sqrt(total)};
+  }
+  return Level{samples.back().altitude_m, 1 / std::sqrt(total)};
+}
+
+// The absolute place: the relative one of the flight with its full common errors, which are those of `absolute` beyond
+// those of `relative`.
+Geolocation WithCommonErrors(Geolocation place, const Geolocation& relative, const Geolocation& absolute) {
+  place.covariance_enu_m2 += absolute.covariance_enu_m2 - relative.covariance_enu_m2;
+  if (Eigen::LLT<Eigen::Matrix3d>(place.covariance_enu_m2).info() != Eigen::Success)
+    place.covariance_enu_m2 = absolute.covariance_enu_m2;
+  return PropagatePlace(place, place.time_s);
+}
+
+// The final estimate. An object that drives is placed on the ground that the other objects of its flight show, unless
+// the ground is given: its height then fixes the distance better than its size.
+ObjectPlace EstimateFinalPlace(const ObjectHypothesis& hypothesis, std::span<const ObjectHypothesis> all,
+                               const ObjectOptions& options) {
+  ObjectPlace estimate = EstimatePlace(hypothesis, options, 1);
+  if (options.ground || estimate.path.empty() || hypothesis.estimate.path.size() != estimate.path.size()) {
+    return estimate;
+  }
+  const std::optional<Level> level = LevelUnder(hypothesis, all, options);
+  if (!level) return estimate;
+  ObjectOptions on_ground = options;
+  on_ground.ground = std::make_shared<const FlatGround>(level->altitude_m - options.centre_height_m);
+  on_ground.locate.ground_sigma_m = level->sigma_m;
+  const ObjectPlace placed = EstimatePlace(hypothesis, on_ground, kFlightErrorFraction);
+  if (placed.path.size() != estimate.path.size()) return estimate;
+  for (std::size_t i = 0; i < placed.path.size(); ++i)
+    estimate.path[i] = WithCommonErrors(placed.path[i], hypothesis.estimate.path[i], estimate.path[i]);
+  estimate.place = estimate.path.back();
+  return estimate;
+}
+
 // Scores beyond it, and below its complement, have the log odds of it: they stay finite.
 constexpr double kMaxScore = 1 - 1e-12;
 
@@ -249,6 +331,11 @@ bool IsBelowLowestGround(const Geolocation& place) {
 // Fewer lines of sight than this are not rejected for not intersecting: two always have a nearest point.
 constexpr std::size_t kMinObservations = 3;
 
+std::string SizeReason(double size_ratio) {
+  return size_ratio > 1 ? fmt::format("{:.1f} times too large for its distance", size_ratio)
+                        : fmt::format("{:.1f} times too small for its distance", 1 / size_ratio);
+}
+
 // The reason why an estimated place is wrong; empty if nothing contradicts it. Wrong telemetry is as good an
 // explanation as a false detection: the place is rejected, and the object stands or falls by its significance without
 // one.
@@ -256,11 +343,8 @@ std::string PlaceRejectionReason(const ObjectPlace& estimate, std::size_t observ
   if (estimate.place && IsBelowLowestGround(*estimate.place)) {
     return fmt::format("{:.0f} m below the sea, below any ground", -estimate.place->point.altitude_m);
   }
-  if (estimate.size_ratio &&
-      (*estimate.size_ratio > options.max_size_ratio || *estimate.size_ratio < 1 / options.max_size_ratio)) {
-    return *estimate.size_ratio > 1 ? fmt::format("{:.1f} times too large for its distance", *estimate.size_ratio)
-                                    : fmt::format("{:.1f} times too small for its distance", 1 / *estimate.size_ratio);
-  }
+  // An object that drives is placed by its size: the distance of its lines, as if it stood still, contradicts nothing.
+  if (estimate.path.empty() && IsSizeContradicted(estimate, options)) return SizeReason(*estimate.size_ratio);
   if (observations >= kMinObservations && estimate.inlier_fraction < options.min_inlier_fraction)
     return "its lines of sight do not intersect";
   return {};
@@ -273,18 +357,22 @@ void RejectPlace(std::string reason, ObjectRecord& object) {
   object.heading_rad.reset();
 }
 
-// Rejects the place of an object whose height follows from its size only and is far from the median height.
+// Rejects the place of an object whose height follows from its size only and is far from the median height. If a place
+// of another size fits its lines, the object does not drive at that height, but stands and is of that size.
 void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& heights, const ObjectOptions& options,
                     ObjectRecord& object) {
-  if (hypothesis.estimate.size_ratio || !object.place || !object.rejected.empty() ||
+  const ObjectPlace& estimate = hypothesis.estimate;
+  const bool other_size = !estimate.path.empty() && IsSizeContradicted(estimate, options);
+  if ((estimate.size_ratio && !other_size) || !object.place || !object.rejected.empty() ||
       hypothesis.tracklets[0]->is_category)
     return;
   const std::optional<double> median_m = heights.MedianHeight(hypothesis);
   if (!median_m) return;
   const double above_m = object.place->point.altitude_m - *median_m;
   if (std::abs(above_m) < options.max_height_deviation_m) return;
-  RejectPlace(fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
-                          above_m > 0 ? "above" : "below"),
+  RejectPlace(other_size ? SizeReason(*estimate.size_ratio)
+                         : fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
+                                       above_m > 0 ? "above" : "below"),
               object);
 }
 
@@ -345,8 +433,12 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
 
   std::vector<ObjectRecord> objects;
   HeightStatistics heights;
-  for (ObjectHypothesis& hypothesis : hypotheses) {
-    hypothesis.estimate = EstimatePlace(hypothesis, options, 1);
+  std::vector<ObjectPlace> estimates;
+  for (const ObjectHypothesis& hypothesis : hypotheses)
+    estimates.push_back(EstimateFinalPlace(hypothesis, hypotheses, options));
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    ObjectHypothesis& hypothesis = hypotheses[i];
+    hypothesis.estimate = std::move(estimates[i]);
     ObjectRecord object{.id = hypothesis.tracklets[0]->record.id,
                         .model = hypothesis.tracklets[0]->record.model,
                         .place = hypothesis.estimate.place,
@@ -360,7 +452,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
           fmt::format("not significant: as strong a false detection is expected by chance in {} frames of one model",
                       frames_searched);
     }
-    if (object.place && object.rejected.empty() && hypothesis.estimate.size_ratio) {
+    if (object.place && object.rejected.empty() && hypothesis.estimate.size_ratio && hypothesis.estimate.path.empty()) {
       heights.Add(hypothesis, object.place->point.altitude_m);
     }
     objects.push_back(std::move(object));

@@ -1,6 +1,7 @@
 #include "victorious/associate/associate_objects.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -185,18 +186,101 @@ void ExpectPlaced(const ObjectRecord& object) {
   EXPECT_TRUE(object.place);
 }
 
+// From a straight flight, an object five times too large for where its lines meet is one that drives along, five times
+// nearer. The object beside it shows that nothing drives at that height.
+const SimulatedTracklet kParked{.id = 1};
+const SimulatedTracklet kTooLarge{.id = 2, .model = 2, .place_enu = {4, 6, 1}, .too_large = 5};
+
+TEST(AssociateTracklets, SizeOfADrivingObjectIsRejectedOnlyByItsHeight) {
+  ExpectPlaceRejected(ObjectsFrom({kParked, kTooLarge})[1], "5.0 times too large");
+  ExpectPlaced(ObjectsFrom({kParked, kTooLarge}, {.max_height_deviation_m = 1000})[1]);
+  const ObjectRecord alone = ObjectsFrom({kTooLarge})[0];
+  ExpectPlaced(alone);
+  EXPECT_NEAR(alone.place->velocity_enu->norm(), 0.8 * 12, 0.3) << "as fast as the camera, but for a fifth";
+}
+
+// The camera turns about the object: its lines meet at one place only, and the size contradicts it.
 TEST(AssociateTracklets, ApparentSizeAboveMaxRatioCostsThePlace) {
-  ExpectPlaceRejected(ObjectsFrom({{.id = 1, .too_large = 5}})[0], "5.0 times too large");
-  ExpectPlaced(ObjectsFrom({{.id = 1, .too_large = 5}}, {.max_size_ratio = 6})[0]);
+  const auto seen = [](double max_size_ratio) {
+    ObservedTracklet tracklet = SimulateTracklet(kParked);
+    const TangentPlane plane(kOrigin);
+    for (BearingObservation& observation : tracklet.observations) {
+      const double angle_rad = 0.02 * observation.line.time_s / kFrameS;
+      const Eigen::Vector3d camera(70 * std::sin(angle_rad), -70 * std::cos(angle_rad), 100);
+      const Eigen::Vector3d line = kParked.place_enu - camera;
+      observation.line.camera = plane.GeodeticFromEnu(camera);
+      observation.line.azimuth_rad = std::atan2(line.x(), line.y());
+      observation.line.elevation_rad = std::asin(line.z() / line.norm());
+      observation.line.range_m = line.norm() / 1.9;
+      observation.line.sigma_range_m = 0.2 * *observation.line.range_m;  // too inaccurate for a path
+    }
+    return AssociateTracklets({tracklet}, 100, {.max_size_ratio = max_size_ratio})[0];
+  };
+  ExpectPlaceRejected(seen(1.6), "1.9 times too large");
+  ExpectPlaced(seen(3));
+}
+
+// Cameras that fly straight see three vehicles: what the size says of their distance places them.
+TEST(AssociateTracklets, DrivingObjectsArePlacedFromAStraightFlight) {
+  const std::array<Eigen::Vector3d, 3> velocities = {Eigen::Vector3d(7, 0, 0), {-6, 1, 0}, {3, 5, 0}};
+  std::vector<SimulatedTracklet> simulated = {{.id = 9, .model = 9, .place_enu = {20, 3, 1}, .frames = 40}};
+  for (std::int64_t i = 0; i < 3; ++i) {
+    simulated.push_back({.id = i + 1,
+                         .model = i + 1,
+                         .place_enu = {-10, 4.0 * static_cast<double>(i), 1},
+                         .velocity_enu = velocities.at(static_cast<std::size_t>(i)),
+                         .frames = 40});
+  }
+  const auto objects = ObjectsFrom(simulated);
+  ASSERT_EQ(objects.size(), 4U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    ExpectPlaced(objects[i]);
+    const Eigen::Vector3d velocity = velocities.at(i);
+    EXPECT_LT((*objects[i].place->velocity_enu - velocity).norm(), 0.4) << i;
+    const Eigen::Vector3d truth = simulated[i + 1].place_enu + 3.9 * velocity;
+    EXPECT_LT((EstimatePlace(objects[i]) - truth).norm(), 1.5) << i;
+    EXPECT_LT((EstimatePlace(objects[i]) - truth).head<2>().norm(), objects[i].place->ce90_m) << i;
+  }
+  EXPECT_EQ(objects[3].place->velocity_enu->norm(), 0);
+}
+
+// A common error of the ranges puts a vehicle above or below the road; the parked ones show where that is.
+TEST(AssociateTracklets, OtherObjectsShowTheGroundUnderADrivingOne) {
+  const SimulatedTracklet driving{.id = 1, .velocity_enu = {6, 2, 0}, .frames = 40, .too_large = 1.04};
+  const Eigen::Vector3d truth = driving.place_enu + 3.9 * driving.velocity_enu;
+  const auto error_m = [&](const std::vector<SimulatedTracklet>& seen) {
+    return (EstimatePlace(ObjectsFrom(seen)[0]) - truth).norm();
+  };
+  const SimulatedTracklet parked{.id = 2, .model = 2, .place_enu = {10, 3, 1}};
+  const SimulatedTracklet other{.id = 3, .model = 3, .place_enu = {-10, -3, 1}};
+  const double alone_m = error_m({driving});
+  EXPECT_GT(alone_m, 3);
+  EXPECT_LT(error_m({driving, parked, other}), alone_m / 2);
+}
+
+// Hidden for two seconds, in which it turns.
+TEST(AssociateTracklets, DrivingObjectKeepsItsIdentityThroughALoss) {
+  const Eigen::Vector3d before(5, 0, 0);
+  const Eigen::Vector3d after(3.5, 3.5, 0);
+  const Eigen::Vector3d corner(-5, 2, 1);  // at 2.95 s
+  const SimulatedTracklet first{.id = 1, .place_enu = corner - 2.95 * before, .velocity_enu = before, .frames = 20};
+  const SimulatedTracklet second{
+      .id = 2, .place_enu = corner - 2.95 * after, .velocity_enu = after, .first_frame = 40, .frames = 25};
+  const auto objects = ObjectsFrom({first, second});
+  EXPECT_THAT(TrackletsOf(objects), ElementsAre(ElementsAre(1, 2)));
+  EXPECT_LT((*objects[0].place->velocity_enu - after).norm(), 0.5);
+  const SimulatedTracklet elsewhere{
+      .id = 2, .place_enu = {0, 14, 1}, .velocity_enu = after, .first_frame = 40, .frames = 25};
+  EXPECT_EQ(ObjectsFrom({first, elsewhere}).size(), 2U) << "another one, 20 m beside it";
 }
 
 // Without its place, the object is as significant as without telemetry: 30 frames, not those that agree in place.
 TEST(AssociateTracklets, WithoutAPlaceTheObjectIsJudgedByRecognition) {
-  const SimulatedTracklet clear{.id = 1, .score = 0.9, .too_large = 5};
-  ExpectPlaceRejected(ObjectsFrom({clear}, {}, 1000)[0], "too large");
-  const ObjectRecord faint = ObjectsFrom({{.id = 1, .score = 0.5, .too_large = 5}}, {}, 1000)[0];
-  EXPECT_THAT(faint.rejected, HasSubstr("not significant"));
-  EXPECT_FALSE(faint.place);
+  SimulatedTracklet seen = kTooLarge;
+  seen.score = 0.9;
+  ExpectPlaceRejected(ObjectsFrom({kParked, seen}, {}, 1000)[1], "too large");
+  seen.score = 0.5;
+  EXPECT_THAT(ObjectsFrom({kParked, seen}, {}, 1000)[1].rejected, HasSubstr("not significant"));
 }
 
 TEST(AssociateTracklets, HeightDeviationFromOtherObjectsCostsThePlace) {

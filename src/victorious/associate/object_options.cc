@@ -30,8 +30,8 @@ void ObjectOptions::ListFields(FieldList& fields) {
              {.min = 1,
               .max = 1e6,
               .unit = "",
-              .reason = "an object whose apparent size is too large or too small for its distance by more than this "
-                        "factor is rejected"});
+              .reason = "the place of an object whose apparent size is too large or too small for its distance by more "
+                        "than this factor is rejected, unless the object drives at the distance of its size"});
   fields.Add("false_alarm_rate", false_alarm_rate,
              {.min = 0,
               .max = 1,

@@ -161,9 +161,11 @@ std::optional<double> EstimateSizeRatio(std::vector<LineOfSight> lines, LocateOp
   return Median(std::move(factors));
 }
 
-// Number of inliers whose headings agree: for a static object with the common heading, for a moving one with the
-// previous heading. Subtracts the observations that a moving model fits in any case: two with ranges, three without.
-int CountConsistent(std::span<const BearingObservation> observations, const GeoFix& fix,
+// Number of inliers whose headings agree: with the common heading for a static object and for one on a path, whose
+// headings are turned to its end; else with the previous heading. Subtracts the observations that a moving model fits
+// in any case: two with ranges, three without.
+int CountConsistent(std::span<const BearingObservation> observations,
+                    const std::vector<std::optional<double>>& headings_rad, const GeoFix& fix, bool has_path,
                     std::optional<double> heading_rad) {
   if (!fix.place) return 0;
   bool ranged = false;
@@ -171,12 +173,78 @@ int CountConsistent(std::span<const BearingObservation> observations, const GeoF
   for (std::size_t i = 0; i < observations.size(); ++i) {
     if (!fix.inliers[i]) continue;
     ranged = ranged || observations[i].line.range_m;
-    const std::optional<double>& own_rad = observations[i].heading_rad;
+    const std::optional<double>& own_rad = headings_rad[i];
     if (!own_rad || std::abs(WrapAngle(*own_rad - *heading_rad)) <= kHeadingGate_rad) ++consistent;
-    if (own_rad && fix.place->IsMoving()) heading_rad = own_rad;
+    if (own_rad && fix.place->IsMoving() && !has_path) heading_rad = own_rad;
   }
   const int needed = fix.place->IsMoving() ? (ranged ? 1 : 2) : 0;
   return std::max(1, consistent - needed);
+}
+
+// The motion of an object whose ranges place each observation; std::nullopt for any other, and for one that is static
+// by definition.
+std::optional<MotionPath> EstimateMotion(std::span<const BearingObservation> observations,
+                                         std::span<const LineOfSight> lines, const LocateOptions& locate) {
+  if (locate.motion == MotionModel::kStatic) return std::nullopt;
+  std::vector<double> fractions;
+  for (const BearingObservation& observation : observations) {
+    const LineOfSight& line = observation.line;
+    if (!line.range_m) return std::nullopt;
+    fractions.push_back(line.sigma_range_m.value_or(locate.line.range_fraction * *line.range_m) / *line.range_m);
+  }
+  if (Median(std::move(fractions)) > kMaxPathRangeFraction) return std::nullopt;
+  return EstimatePath(lines, locate);
+}
+
+// The fix, corrected by the decision on motion that uses the ranges.
+GeoFix ApplyMotion(const MotionPath& motion, std::span<const LineOfSight> lines, LocateOptions locate, GeoFix fix) {
+  if (motion.is_moving) {
+    const bool plausible = motion.acceleration_m_s2 <= kMaxAcceleration_m_s2;
+    fix.place = plausible ? std::optional(motion.places.back()) : std::nullopt;
+    fix.inliers = plausible ? motion.inliers : std::vector<bool>(lines.size(), false);
+    return fix;
+  }
+  if (!fix.place || !fix.place->IsMoving()) return fix;
+  const std::optional<Eigen::Matrix3d> velocity_covariance = fix.place->velocity_covariance_enu;
+  locate.motion = MotionModel::kStatic;
+  fix = LocateChecked(lines, locate);
+  fix.inliers = motion.inliers;
+  if (fix.place) {
+    fix.place->velocity_enu = Eigen::Vector3d::Zero();
+    fix.place->velocity_covariance_enu = velocity_covariance;
+  }
+  return fix;
+}
+
+// The course of an object along its path; at rest its last one, and before it starts the first.
+std::vector<double> CoursesAlong(std::span<const Geolocation> path) {
+  constexpr double kMinSpeed_m_s = 1;  // below it the course is uncertain
+  std::vector<double> courses;
+  std::optional<double> course;
+  for (const Geolocation& place : path) {
+    const Eigen::Vector3d velocity = place.velocity_enu.value_or(Eigen::Vector3d::Zero());
+    if (velocity.head<2>().norm() >= kMinSpeed_m_s) {
+      const bool first = !course;
+      course = std::atan2(velocity.x(), velocity.y());
+      if (first) std::ranges::fill(courses, *course);
+    }
+    courses.push_back(course.value_or(0));
+  }
+  return courses;
+}
+
+// The observed headings; those of an object on a path are turned by its change of course until the end.
+std::vector<std::optional<double>> HeadingsAtEnd(std::span<const BearingObservation> observations,
+                                                 std::span<const Geolocation> path) {
+  const std::vector<double> courses = CoursesAlong(path);
+  std::vector<std::optional<double>> headings_rad;
+  std::size_t at = 0;
+  for (const BearingObservation& observation : observations) {
+    headings_rad.push_back(observation.heading_rad);
+    while (at + 1 < path.size() && path[at].time_s < observation.line.time_s) ++at;
+    if (headings_rad.back() && !path.empty()) *headings_rad.back() += courses.back() - courses[at];
+  }
+  return headings_rad;
 }
 
 }  // namespace
@@ -191,6 +259,17 @@ Geolocation PropagatePlace(const Geolocation& place, double time_s) {
   constexpr double kProbability = 0.9;
   then.ce90_m = CircularError(then.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
   then.le90_m = LinearError90(then.covariance_enu_m2(2, 2));
+  return then;
+}
+
+Geolocation PlaceAt(const ObjectPlace& estimate, double time_s) {
+  const std::vector<Geolocation>& path = estimate.path;
+  if (path.empty()) return PropagatePlace(*estimate.place, time_s);
+  const auto distance_s = [&](const Geolocation& place) { return std::abs(place.time_s - time_s); };
+  const Geolocation& nearest = *std::ranges::min_element(path, {}, distance_s);
+  Geolocation then = PropagatePlace(nearest, time_s);
+  constexpr double kManoeuvre_m_s2 = 1.5;  // standard deviation of an acceleration that lasts until then
+  then.covariance_enu_m2.diagonal().head<2>().array() += Square(kManoeuvre_m_s2 * Square(distance_s(nearest)) / 2);
   return then;
 }
 
@@ -254,19 +333,27 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
   if (observations.empty()) return result;
   const LocateOptions locate = MakeLocateOptions(observations, options, common_fraction);
   const std::vector<LineOfSight> lines = MakeLines(observations, locate.line);
-  const GeoFix fix = LocateChecked(lines, locate);
+  GeoFix fix = LocateChecked(lines, locate);
+  if (std::optional<MotionPath> motion = EstimateMotion(observations, lines, locate)) {
+    fix = ApplyMotion(*motion, lines, locate, std::move(fix));
+    if (fix.place) result.path = std::move(motion->places);
+  }
   result.place = fix.place;
-  if (fix.place && fix.place->IsMoving()) result.place = EstimateLastPlace(lines, *fix.place, locate, options);
+  if (fix.place && fix.place->IsMoving() && result.path.empty()) {
+    result.place = EstimateLastPlace(lines, *fix.place, locate, options);
+  }
   result.inlier_fraction =
       static_cast<double>(std::ranges::count(fix.inliers, true)) / static_cast<double>(lines.size());
   result.size_ratio = EstimateSizeRatio(lines, locate, options.min_inlier_fraction);
+  const std::vector<std::optional<double>> headings_at_end = HeadingsAtEnd(observations, result.path);
   std::vector<double> headings;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (observations[i].heading_rad && (fix.inliers[i] || !fix.place)) headings.push_back(*observations[i].heading_rad);
+    if (headings_at_end[i] && (fix.inliers[i] || !fix.place)) headings.push_back(*headings_at_end[i]);
   }
   result.heading_rad = EstimateHeadingMode(headings);
   result.consistent_fraction =
-      CountConsistent(observations, fix, result.heading_rad) / static_cast<double>(lines.size());
+      CountConsistent(observations, headings_at_end, fix, !result.path.empty(), result.heading_rad) /
+      static_cast<double>(lines.size());
   return result;
 }
 

@@ -7,12 +7,22 @@
 
 #include "victorious/associate/object_options.h"
 #include "victorious/geolocate/locate.h"
+#include "victorious/geolocate/motion_path.h"
 #include "victorious/types/bearing_observation.h"
 
 namespace victorious {
 
+/// Lines of sight of a track are placed one by one, and smoothed to a path, if the median standard deviation of their
+/// ranges is at most this fraction: those of CAD models are, those of boxes and photos are not.
+inline constexpr double kMaxPathRangeFraction = 0.1;
+
+/// An object whose path has a larger median acceleration has no place: no vehicle changes its velocity so all the time.
+inline constexpr double kMaxAcceleration_m_s2 = 6;
+
 struct ObjectPlace {
-  std::optional<Geolocation> place;
+  std::optional<Geolocation> place;  ///< at the time of the last observation
+  /// Only of a moving object with accurate ranges: its place and velocity at its observations (motion_path.h).
+  std::vector<Geolocation> path;
   std::optional<double> heading_rad;  ///< clockwise from north, [0, 2 pi)
   double inlier_fraction = 0;         ///< fraction of observations that are inliers of the place
   double consistent_fraction = 0;  ///< fraction of observations that are inliers and agree in heading, less those that
@@ -34,6 +44,10 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
 /// Propagates a place to another time with its velocity; the covariance grows with that of the velocity. A static place
 /// only gets the new time.
 Geolocation PropagatePlace(const Geolocation& place, double time_s);
+
+/// The place of an estimate that has one, at any time: from the nearest place of its path, if there is one, with the
+/// error that turns and changes of speed may add until then.
+Geolocation PlaceAt(const ObjectPlace& estimate, double time_s);
 
 /// Mahalanobis distance between an observation and a place: 2 degrees of freedom across the line of sight, and a third
 /// along it if the observation has a range. The covariance is the sum of those of the place, of the observation and of

@@ -49,6 +49,9 @@ constexpr auto kColumns = std::to_array<Column>({{"model", OFTString},
                                                  {"le90_m", OFTReal},
                                                  {"heading_deg", OFTReal},
                                                  {"speed_m_s", OFTReal},
+                                                 {"sigma_speed_m_s", OFTReal},
+                                                 {"course_deg", OFTReal},
+                                                 {"sigma_course_deg", OFTReal},
                                                  {"rejected", OFTString}});
 
 // Keeps GDAL's messages on this thread from stderr, and its clock out of the file.

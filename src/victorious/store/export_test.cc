@@ -84,11 +84,12 @@ TEST_F(ExportTest, ObjectsHaveTheDocumentedLines) {
           R"({"object_id":2,"model":"shed","category":null,"rank":1,"score":0.97,"videos":["b.mp4"],"frames":1,)"
           R"("first_time_s":0.0,"last_time_s":0.0,"place_time_s":null,"latitude_deg":null,"longitude_deg":null,)"
           R"("altitude_m":null,"covariance_enu_m2":null,"ce90_m":null,"le90_m":null,"heading_deg":null,)"
-          R"("speed_m_s":null})",
+          R"("speed_m_s":null,"sigma_speed_m_s":null,"course_deg":null,"sigma_course_deg":null})",
           R"({"object_id":1,"model":"box","category":null,"rank":2,"score":0.9123,"videos":["flight/a.mp4"],)"
           R"("frames":2,"first_time_s":1.48,"last_time_s":1.52,"place_time_s":null,"latitude_deg":null,)"
           R"("longitude_deg":null,"altitude_m":null,"covariance_enu_m2":null,"ce90_m":null,"le90_m":null,)"
-          R"("heading_deg":null,"speed_m_s":null})"));
+          R"("heading_deg":null,"speed_m_s":null,"sigma_speed_m_s":null,"course_deg":null,)"
+          R"("sigma_course_deg":null})"));
 }
 
 TEST_F(ExportTest, RanksCountTheListedObjects) {

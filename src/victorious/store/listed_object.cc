@@ -1,8 +1,12 @@
 #include "victorious/store/listed_object.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <nlohmann/json.hpp>
+
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalogue& catalogue,
@@ -29,6 +33,21 @@ std::optional<double> ComputeSpeed(const ObjectRecord& object) {
   return object.place->velocity_enu->norm();
 }
 
+std::optional<GroundMotion> ComputeGroundMotion(const ObjectRecord& object) {
+  if (!object.place || !object.place->IsMoving() || !object.place->velocity_covariance_enu) return std::nullopt;
+  const Eigen::Vector2d velocity = object.place->velocity_enu->head<2>();
+  const double speed_m_s = velocity.norm();
+  if (!(speed_m_s > 0)) return std::nullopt;
+  const Eigen::Matrix2d covariance = object.place->velocity_covariance_enu->topLeftCorner<2, 2>();
+  const Eigen::Vector2d along = velocity / speed_m_s;
+  const Eigen::Vector2d across(along.y(), -along.x());
+  const double course_rad = std::atan2(velocity.x(), velocity.y());
+  return GroundMotion{.speed_m_s = speed_m_s,
+                      .sigma_speed_m_s = std::sqrt(along.dot(covariance * along)),
+                      .course_rad = course_rad < 0 ? course_rad + 2 * kPi : course_rad,
+                      .sigma_course_rad = std::min(kPi, std::sqrt(across.dot(covariance * across)) / speed_m_s)};
+}
+
 Json ObjectJson(const ListedObject& listed) {
   const ObjectRecord& object = listed.object;
   Json json = {{"object_id", object.id},
@@ -48,7 +67,15 @@ Json ObjectJson(const ListedObject& listed) {
                {"ce90_m", nullptr},
                {"le90_m", nullptr},
                {"heading_deg", OrNull(object.heading_rad, &DegreesJson)},
-               {"speed_m_s", OrNull(ComputeSpeed(object), &MetresJson)}};
+               {"speed_m_s", OrNull(ComputeSpeed(object), &MetresJson)},
+               {"sigma_speed_m_s", nullptr},
+               {"course_deg", nullptr},
+               {"sigma_course_deg", nullptr}};
+  if (const std::optional<GroundMotion> motion = ComputeGroundMotion(object)) {
+    json["sigma_speed_m_s"] = MetresJson(motion->sigma_speed_m_s);
+    json["course_deg"] = DegreesJson(motion->course_rad);
+    json["sigma_course_deg"] = DegreesJson(motion->sigma_course_rad);
+  }
   if (object.place) {
     const Geolocation& place = *object.place;
     json["place_time_s"] = TimeJson(place.time_s);
