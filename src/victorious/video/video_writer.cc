@@ -12,6 +12,7 @@
 #include <opencv2/core.hpp>
 #include <unistd.h>
 
+#include "victorious/base/check.h"
 #include "victorious/base/text.h"
 #include "victorious/video/ffmpeg_handles.h"
 
@@ -59,12 +60,14 @@ class H264Writer : public VideoWriter {
 
   Status Start(const char* muxer);
   Status Write(const cv::Mat& image) override;
+  Status WriteAt(const cv::Mat& image, double time_s) override;
   Status Finish() override;
 
  private:
   Status OpenEncoder(AVRational rate);
   Status OpenFile(const char* muxer, AVRational rate);
   Status FillFrame(const cv::Mat& image);
+  Status WriteFrame(const cv::Mat& image, std::int64_t pts);
   Status Encode(const AVFrame* frame);
   [[nodiscard]] Status Sync() const;
   void Discard();
@@ -83,7 +86,9 @@ class H264Writer : public VideoWriter {
   PacketHandle packet_;
   FrameHandle frame_;
   ScalerHandle scaler_;
-  std::int64_t next_pts_ = 0;
+  std::int64_t frames_ = 0;
+  std::int64_t next_pts_ = 0;  ///< the earliest possible, in units of the encoder's time base
+  std::int64_t duration_ = 1;  ///< of a packet, likewise
 };
 
 Status H264Writer::Start(const char* muxer) {
@@ -105,7 +110,9 @@ Status H264Writer::OpenEncoder(AVRational rate) {
   encoder_->pix_fmt = AV_PIX_FMT_YUV420P;
   encoder_->color_range = AVCOL_RANGE_MPEG;
   encoder_->colorspace = AVCOL_SPC_SMPTE170M;
-  encoder_->time_base = av_inv_q(rate);
+  constexpr AVRational kFineTimeBase = {1, 90'000};
+  encoder_->time_base = options_.timed ? kFineTimeBase : av_inv_q(rate);
+  duration_ = std::max<std::int64_t>(1, av_rescale_q(1, av_inv_q(rate), encoder_->time_base));
   encoder_->framerate = rate;
   encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   av_opt_set(encoder_->priv_data, "preset", "fast", 0);
@@ -129,16 +136,34 @@ Status H264Writer::OpenFile(const char* muxer, AVRational rate) {
 }
 
 Status H264Writer::Write(const cv::Mat& image) {
+  VICTORIOUS_CHECK(!options_.timed);
+  return WriteFrame(image, next_pts_);
+}
+
+Status H264Writer::WriteAt(const cv::Mat& image, double time_s) {
+  VICTORIOUS_CHECK(options_.timed);
+  constexpr double kMaxTime_s = 1e9;
+  const double pts = time_s / av_q2d(encoder_->time_base);
+  if (!(time_s >= 0 && time_s <= kMaxTime_s) || std::llround(pts) < next_pts_) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: frame {} at {:g} s: must be later than the frame before",
+                                                         path_.string(), frames_, time_s));
+  }
+  return WriteFrame(image, std::llround(pts));
+}
+
+Status H264Writer::WriteFrame(const cv::Mat& image, std::int64_t pts) {
   if (container_ == nullptr) return Fail(ErrorCode::kInternal, fmt::format("{}: already finished", path_.string()));
   if (image.cols != options_.width || image.rows != options_.height ||
       (image.type() != CV_8UC1 && image.type() != CV_8UC3)) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: frame {} is {} x {} of type {}; it must be {} x {}, 8-bit grey or BGR", path_.string(),
-                            next_pts_, image.cols, image.rows, cv::typeToString(image.type()), options_.width,
-                            options_.height));
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: frame {} is {} x {} of type {}; it must be {} x {}, 8-bit grey or BGR", path_.string(),
+                    frames_, image.cols, image.rows, cv::typeToString(image.type()), options_.width, options_.height));
   }
   VICTORIOUS_RETURN_IF_ERROR(FillFrame(image));
-  frame_->pts = next_pts_++;
+  frame_->pts = pts;
+  next_pts_ = pts + 1;
+  ++frames_;
   return Encode(frame_.get());
 }
 
@@ -165,7 +190,7 @@ Status H264Writer::Encode(const AVFrame* frame) {
     if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return {};
     VICTORIOUS_RETURN_IF_ERROR(Check(result, "encode"));
     const AVStream& stream = *container_->streams[0];
-    packet_->duration = 1;
+    packet_->duration = duration_;
     packet_->stream_index = stream.index;
     av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream.time_base);
     VICTORIOUS_RETURN_IF_ERROR(Check(av_interleaved_write_frame(container_, packet_.get()), "write"));
@@ -174,7 +199,7 @@ Status H264Writer::Encode(const AVFrame* frame) {
 
 Status H264Writer::Finish() {
   if (container_ == nullptr) return Fail(ErrorCode::kInternal, fmt::format("{}: already finished", path_.string()));
-  if (next_pts_ == 0) {
+  if (frames_ == 0) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a video needs at least one frame", path_.string()));
   }
   VICTORIOUS_RETURN_IF_ERROR(Encode(nullptr));

@@ -1,5 +1,5 @@
 // Encodes frames as a video file (MP4 or MKV, H.264), for rendered scenes and drawn results; never writes to the user's
-// own videos.
+// own videos. Frames have a constant rate, or each its own time.
 #pragma once
 
 #include <filesystem>
@@ -15,6 +15,8 @@ struct VideoWriterOptions {
   int height = 480;   ///< px, even, 2 to 16384
   double fps = 10.0;  ///< frames/s, above 0, at most 1000
   int crf = 18;       ///< x264's constant rate factor, 0 (lossless) to 51
+  /// Each frame is written with its own time (WriteAt); `fps` is then only the nominal rate.
+  bool timed = false;
 };
 
 /// Not thread-safe. Writes to a temporary file; `path` is created or replaced only when Finish() succeeds.
@@ -30,6 +32,11 @@ class VideoWriter {
   /// Appends a frame (CV_8UC1 or CV_8UC3 BGR, of the size in the options). Frame n, from 0, has the time n / fps.
   /// Errors: kInvalidArgument (size or type), kNoSpace, kInternal.
   [[nodiscard]] virtual Status Write(const cv::Mat& image) = 0;
+
+  /// Appends a frame with its presentation time; only with VideoWriterOptions::timed, and Write only without.
+  /// @param time_s  from 0, at least 1/90000 s later than the frame before. MKV stores times with a resolution of 1 ms
+  /// Errors: those of Write; kInvalidArgument for a time that is not later.
+  [[nodiscard]] virtual Status WriteAt(const cv::Mat& image, double time_s) = 0;
 
   /// Flushes the encoder, closes the file and renames it to `path`. Errors: kInvalidArgument (no frames), kNoSpace, ….
   [[nodiscard]] virtual Status Finish() = 0;

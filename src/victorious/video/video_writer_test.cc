@@ -3,6 +3,7 @@
 #include <csignal>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -56,6 +57,32 @@ TEST(VideoWriter, CountTimesAndPixelsRoundTrip) {
     }
     EXPECT_EQ(count, 30) << name;
     EXPECT_TRUE((*reader)->warnings().empty()) << (*reader)->warnings().front();
+  }
+}
+
+TEST(VideoWriter, FramesKeepTheirOwnTimes) {
+  const ScratchFolder folder;
+  const std::vector<double> times_s = {0, 0.04, 0.1, 0.5, 0.533, 2.25};
+  VideoWriterOptions options = kSmall;
+  options.timed = true;
+  for (const std::string name : {"video.mp4", "video.mkv"}) {
+    auto writer = VideoWriter::Create(folder / name, options);
+    ASSERT_TRUE(writer) << writer.error().message;
+    for (std::size_t i = 0; i < times_s.size(); ++i) {
+      ASSERT_TRUE((*writer)->WriteAt(NumberedImage(static_cast<int>(i), {96, 64}), times_s[i]));
+    }
+    EXPECT_THAT((*writer)->WriteAt(NumberedImage(9, {96, 64}), 2.25).error().message, HasSubstr("must be later"));
+    ASSERT_TRUE((*writer)->Finish());
+    const auto reader = VideoReader::Open((folder / name).string(), {.color = FrameColor::kBgr});
+    ASSERT_TRUE(reader) << reader.error().message;
+    std::size_t count = 0;
+    while (const auto frame = (*reader)->NextFrame().value()) {
+      ASSERT_LT(count, times_s.size());
+      EXPECT_NEAR(frame->time_s, times_s[count], 0.0006) << name;
+      EXPECT_EQ(DecodeImageNumber(frame->image), static_cast<int>(count));
+      ++count;
+    }
+    EXPECT_EQ(count, times_s.size()) << name;
   }
 }
 
