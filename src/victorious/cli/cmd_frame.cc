@@ -11,6 +11,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
 #include "victorious/image/image_file.h"
+#include "victorious/image/pixel_grid.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -20,6 +21,7 @@ struct Arguments {
   std::string video;
   std::optional<double> at_s;
   std::optional<std::int64_t> number;
+  bool grid = false;
   std::string out;
 };
 
@@ -34,7 +36,10 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
     if (!frame) break;
     const bool reached = arguments.at_s ? frame->time_s >= *arguments.at_s - 1e-6 : frame->index >= *arguments.number;
-    if (reached) return WriteImage(arguments.out, frame->image);
+    if (reached) {
+      if (arguments.grid) DrawPixelGrid(frame->image);
+      return WriteImage(arguments.out, frame->image);
+    }
     last = std::move(frame);
   }
   const std::string why = reader->warnings().empty() ? "" : fmt::format(" ({})", reader->warnings().back());
@@ -54,6 +59,7 @@ Action SetUpFrame(CLI::App& app) {
   app.add_option("--number", arguments->number, "Frame number, from 0")
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
+  app.add_flag("--grid", arguments->grid, "Draw a grid of pixel coordinates, to read off the X,Y,W,H of a box");
   app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
   AddForce(app);
   return [=, &app] { return Run(*arguments, app); };
