@@ -1,4 +1,4 @@
-// victorious model show --findable: the detectability of a CAD model
+// victorious model show --findable: the detectability of a model
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,9 +16,9 @@
 namespace victorious::cli {
 
 void AddDetectabilityFlags(CLI::App& app, DetectabilityArguments& arguments) {
-  CLI::Option* wanted =
-      app.add_flag("--findable", arguments.wanted,
-                   "Measure the fraction of rendered test images in which the search finds the model");
+  CLI::Option* wanted = app.add_flag(
+      "--findable", arguments.wanted,
+      "Measure the fraction of test images, rendered or made of the photos, in which the search finds the model");
   const auto add = [&](CLI::Option* option) {
     option->needs(wanted);
     return option;

@@ -53,6 +53,8 @@ struct Sample {
   double relative_sun_azimuth_rad;  // as FrameConditions::relative_sun
   Eigen::Vector2d place;            // 0 to 1, position within the range that keeps the object in the image
   std::uint64_t seed;
+  std::size_t photo = 0;  // of a model of photos: the view; `direction` is then how far it is turned out of its plane,
+                          // and the direction of the axis
 };
 
 // The imaging conditions of a sample.
@@ -73,14 +75,33 @@ struct TrialResult {
 // The result of a sample.
 struct SampleResult {
   TrialResult at_size;
-  std::size_t min_size = kSizeLadder_px.size();  // index of the minimum detected size in the ladder; its length if none
+  std::size_t min_size = 0;  // index of the minimum detected size in the ladder; its length if none
 };
+
+bool IsOfPhotos(const ObjectModel& model) { return model.kind == ModelKind::kPhotos; }
+
+// A photo cannot be shown larger than it is stored.
+std::vector<double> MakeSizeLadder(const ObjectModel& model) {
+  std::vector<double> sizes_px(kSizeLadder_px.begin(), kSizeLadder_px.end());
+  if (!IsOfPhotos(model)) return sizes_px;
+  constexpr double kStored_px = 160;
+  double max_px = 0;
+  for (const ModelView& view : model.views) {
+    const Box box = BoundingBox(view.outline);
+    max_px = std::max(max_px, std::min(kStored_px, std::max(box.width, box.height)));
+  }
+  std::erase_if(sizes_px, [&](double size_px) { return size_px > max_px && size_px > kSizeLadder_px.front(); });
+  return sizes_px;
+}
 
 std::vector<DetectabilityBand> MakeBands(const ObjectModel& model) {
   constexpr double kWidth_deg = 25;
+  constexpr double kMaxTurned_deg = 50;  // beyond, hardly any planar object is recognised by SIFT
   double max_rad = 0;
-  for (const ModelView& view : model.views) max_rad = std::max(max_rad, view.angles->off_nadir_rad);
-  const double max_deg = DegreesFromRadians(max_rad);
+  for (const ModelView& view : model.views) {
+    if (view.angles) max_rad = std::max(max_rad, view.angles->off_nadir_rad);
+  }
+  const double max_deg = IsOfPhotos(model) ? kMaxTurned_deg : DegreesFromRadians(max_rad);
   const int count = std::max(1, static_cast<int>(std::lround(max_deg / kWidth_deg)));
   std::vector<DetectabilityBand> bands;
   for (int i = 0; i < count; ++i) {
@@ -92,7 +113,8 @@ std::vector<DetectabilityBand> MakeBands(const ObjectModel& model) {
   return bands;
 }
 
-std::vector<Sample> DrawSamples(std::span<const DetectabilityBand> bands, const DetectabilityOptions& options) {
+std::vector<Sample> DrawSamples(const ObjectModel& model, std::span<const DetectabilityBand> bands,
+                                const DetectabilityOptions& options) {
   std::vector<Sample> samples;
   for (int i = 0; i < options.directions; ++i) {
     Random random(MixSeed(options.seed, static_cast<std::uint64_t>(i)));
@@ -103,12 +125,13 @@ std::vector<Sample> DrawSamples(std::span<const DetectabilityBand> bands, const 
         RadiansFromDegrees(random.Uniform(bands[sample.band].min_deg, bands[sample.band].max_deg));
     // The camera is never upside down, except near nadir, where every in-plane rotation occurs.
     constexpr double kFromAbove_rad = 0.35;
-    const double max_turn_rad = sample.direction.off_nadir_rad < kFromAbove_rad ? kPi : kPi / 2;
+    const double max_turn_rad = IsOfPhotos(model) || sample.direction.off_nadir_rad < kFromAbove_rad ? kPi : kPi / 2;
     sample.turn_rad = random.Uniform(-max_turn_rad, max_turn_rad);
     sample.relative_sun_azimuth_rad = random.Uniform(-kPi, kPi);
     sample.place.x() = random.Uniform();
     sample.place.y() = random.Uniform();
     sample.seed = random.Next();
+    if (IsOfPhotos(model)) sample.photo = static_cast<std::size_t>(random.Below(model.views.size()));
     samples.push_back(sample);
   }
   return samples;
@@ -155,9 +178,17 @@ FrameConditions MakeFrameConditions(const Sample& sample, const Setting& setting
 class Search {
  public:
   Search(const ObjectModel& model, Recognizer recognizer, std::unique_ptr<const FeatureExtractor> extractor)
-      : model_(&model), recognizer_(std::move(recognizer)), extractor_(std::move(extractor)) {}
+      : model_(&model),
+        ladder_px_(MakeSizeLadder(model)),
+        recognizer_(std::move(recognizer)),
+        extractor_(std::move(extractor)) {}
+
+  [[nodiscard]] const std::vector<double>& ladder_px() const { return ladder_px_; }
 
   [[nodiscard]] Expected<WarpedView> RenderSample(const Sample& sample, const std::optional<double>& sun_deg) const {
+    if (IsOfPhotos(*model_)) {
+      return WarpPhoto(*model_, sample.photo, sample.direction.off_nadir_rad, sample.direction.azimuth_rad);
+    }
     std::optional<ViewDirection> sun;
     if (sun_deg) {
       sun = ViewDirection{sample.direction.azimuth_rad + kPi + sample.relative_sun_azimuth_rad,
@@ -179,14 +210,17 @@ class Search {
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor_->Extract(GreyFromBgr(trial_result.bgr)));
     // Only the votes decide, without the image: it is made from the model's own rendering, so that its NCC score would
     // be higher than in any video.
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections,
-                                recognizer_.Recognize(features, MakeFrameConditions(sample, setting)));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        const std::vector<Detection> detections,
+        recognizer_.Recognize(features,
+                              IsOfPhotos(*model_) ? FrameConditions{} : MakeFrameConditions(sample, setting)));
     for (const Detection& detection : detections) {
       if (IntersectionOverUnion(detection.box, trial_result.box) < kMinOverlap) continue;
-      const ViewAngles& angles = *model_->views[detection.view].angles;
+      const std::optional<ViewAngles>& angles = model_->views[detection.view].angles;
       trial_result.found = true;
-      trial_result.correct_view =
-          AngleBetween(angles, {sample.direction.azimuth_rad, sample.direction.off_nadir_rad}) <= kCorrectView_rad;
+      trial_result.correct_view = angles ? AngleBetween(*angles, {sample.direction.azimuth_rad,
+                                                                  sample.direction.off_nadir_rad}) <= kCorrectView_rad
+                                         : detection.view == sample.photo;
       break;  // the best detection
     }
     return trial_result;
@@ -199,15 +233,15 @@ class Search {
     VICTORIOUS_ASSIGN_OR_RETURN(outcome.at_size, RunTrial(view, sample, setting));
     const double asked_px = setting.size_px;
     std::size_t low = 0;
-    std::size_t high = kSizeLadder_px.size();
+    std::size_t high = ladder_px_.size();
     if (outcome.at_size.found) {
-      high = static_cast<std::size_t>(std::ranges::lower_bound(kSizeLadder_px, asked_px) - kSizeLadder_px.begin());
+      high = static_cast<std::size_t>(std::ranges::lower_bound(ladder_px_, asked_px) - ladder_px_.begin());
     } else {
-      low = static_cast<std::size_t>(std::ranges::upper_bound(kSizeLadder_px, asked_px) - kSizeLadder_px.begin());
+      low = static_cast<std::size_t>(std::ranges::upper_bound(ladder_px_, asked_px) - ladder_px_.begin());
     }
     while (low < high) {
       const std::size_t middle = (low + high) / 2;
-      setting.size_px = kSizeLadder_px[middle];
+      setting.size_px = ladder_px_[middle];
       VICTORIOUS_ASSIGN_OR_RETURN(const TrialResult trial_result, RunTrial(view, sample, setting));
       (trial_result.found ? high : low) = trial_result.found ? middle : middle + 1;
     }
@@ -217,6 +251,7 @@ class Search {
 
  private:
   const ObjectModel* model_;
+  std::vector<double> ladder_px_;
   Recognizer recognizer_;
   std::unique_ptr<const FeatureExtractor> extractor_;
 };
@@ -259,13 +294,13 @@ void AddToRate(const SampleResult& outcome, DetectionRate& rate) {
 }
 
 // Computes the sizes from the minimum detected rung of each direction.
-DetectableSizes ComputeDetectableSizes(std::vector<std::size_t> rungs) {
+DetectableSizes ComputeDetectableSizes(std::vector<std::size_t> rungs, std::span<const double> ladder_px) {
   std::ranges::sort(rungs);
   const auto at = [&](double rate) -> std::optional<double> {
     if (rungs.empty()) return std::nullopt;
     const std::size_t rung = rungs[static_cast<std::size_t>(std::ceil(rate * static_cast<double>(rungs.size()))) - 1];
-    if (rung == kSizeLadder_px.size()) return std::nullopt;
-    return kSizeLadder_px[rung];
+    if (rung == ladder_px.size()) return std::nullopt;
+    return ladder_px[rung];
   };
   return {.size_50_px = at(0.5), .size_90_px = at(0.9)};
 }
@@ -276,12 +311,21 @@ Status CheckArguments(const ObjectModel& model, const DetectabilityOptions& opti
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("sun = {:g}: must be an elevation of 5 to 90 degrees, or off", *options.sun_deg));
   }
+  if (IsOfPhotos(model)) {
+    if (options.sun_deg) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("model {}: is of photos, which cannot be relit: leave the sun off", model.name));
+    }
+    if (!model.views.empty() && std::ranges::none_of(model.views, [](const ModelView& view) {
+          return view.thumbnail.empty() || view.outline.size() < 3;
+        })) {
+      return {};
+    }
+  }
   const auto rendered = [](const ModelView& view) { return view.angles && !view.surface.empty(); };
   if (model.views.empty() || !std::ranges::all_of(model.views, rendered)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("model {}: has no view renderings: must be made of a CAD file by this version; evaluate a "
-                            "model of photos on videos",
-                            model.name));
+                fmt::format("model {}: stores no images of its views: make it again by this version", model.name));
   }
   return {};
 }
@@ -302,14 +346,15 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
   const Search search(model, std::move(recognizer), std::move(extractor));
 
   Detectability result{.options = options,
+                       .of_photos = IsOfPhotos(model),
                        .bands = MakeBands(model),
                        .rate = {},
                        .min_size = {},
-                       .max_size_px = kSizeLadder_px.back(),
+                       .max_size_px = search.ladder_px().back(),
                        .without_noise = {},
                        .in_diffuse_light = {},
                        .with_attitude = {}};
-  const std::vector<Sample> samples = DrawSamples(result.bands, options);
+  const std::vector<Sample> samples = DrawSamples(model, result.bands, options);
   const Setting tested{options.size_px, options.noise, options.sun_deg, options.attitude_known};
   std::vector<SampleResult> outcomes(samples.size());
   ParallelRunner runner(cancel, callbacks);
@@ -329,13 +374,14 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
       AddToRate(outcomes[i], band.rate);
       AddToRate(outcomes[i], result.rate);
       own.push_back(outcomes[i].min_size);
-      counts.push_back(static_cast<double>(model.views[NearestView(model, samples[i].direction)].feature_count));
+      const std::size_t view = result.of_photos ? samples[i].photo : NearestView(model, samples[i].direction);
+      counts.push_back(static_cast<double>(model.views[view].feature_count));
     }
-    band.min_size = ComputeDetectableSizes(own);
+    band.min_size = ComputeDetectableSizes(own, search.ladder_px());
     band.features = Median(counts);
     std::ranges::copy(own, std::back_inserter(rungs));
   }
-  result.min_size = ComputeDetectableSizes(rungs);
+  result.min_size = ComputeDetectableSizes(rungs, search.ladder_px());
 
   // Ablation: repeats the missed samples without one of the difficulties.
   const auto RepeatMissed = [&](const Setting& setting) -> Expected<DetectionRate> {
@@ -365,8 +411,8 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
   VICTORIOUS_RETURN_IF_ERROR(repeat_missed_without(tested.noise > 0, &Setting::noise, 0.0, result.without_noise));
   VICTORIOUS_RETURN_IF_ERROR(
       repeat_missed_without(tested.sun_deg.has_value(), &Setting::sun_deg, std::nullopt, result.in_diffuse_light));
-  VICTORIOUS_RETURN_IF_ERROR(
-      repeat_missed_without(!tested.attitude_known, &Setting::attitude_known, true, result.with_attitude));
+  VICTORIOUS_RETURN_IF_ERROR(repeat_missed_without(!tested.attitude_known && !result.of_photos,
+                                                   &Setting::attitude_known, true, result.with_attitude));
 
   if (callbacks.image) {
     for (SampleResult& outcome : outcomes) {

@@ -1,9 +1,12 @@
-// Detectability of a CAD model before there is a video (`model show --findable`).
+// Detectability of a model before there is a video (`model show --findable`).
 //
 // Method: a Monte Carlo test. The object is rendered from random directions between the model's views (warped_view.h),
 // at a given size, light and noise, and pasted onto synthetic clutter (drawn_clutter.h). The recogniser searches each
 // image as it searches a frame. The fraction of detections estimates the recall of a flight; it is an upper limit,
 // because the images come from the model's own renderings.
+//
+// A model of photos is tested likewise: a photo, reduced to the size that the model stores (160 px), is turned in the
+// image and out of it, as a plane.
 //
 // The minimum size is found for each direction by bisection on a ladder of sizes. The bisection assumes that an object
 // detected at one size is also detected at all larger sizes.
@@ -42,7 +45,7 @@ struct DetectabilityOptions {
 struct DetectionRate {
   int tested = 0;
   int found = 0;         ///< detections whose box has an IoU of 0.4 or more with the true box
-  int correct_view = 0;  ///< detections whose view lies within 10 degrees of the true direction
+  int correct_view = 0;  ///< detections whose view lies within 10 degrees of the true direction, or is the photo
 
   [[nodiscard]] double Fraction() const { return tested > 0 ? static_cast<double>(found) / tested : 0; }
 };
@@ -54,7 +57,7 @@ struct DetectableSizes {
   std::optional<double> size_90_px;  ///< 90 %
 };
 
-/// The directions within one interval of the off-nadir angle, degrees.
+/// The directions within one interval of the off-nadir angle, degrees (of photos: see Detectability::of_photos).
 struct DetectabilityBand {
   double min_deg = 0;
   double max_deg = 0;
@@ -65,6 +68,7 @@ struct DetectabilityBand {
 
 struct Detectability {
   DetectabilityOptions options;
+  bool of_photos = false;  ///< the bands are then of the angle by which a photo is turned out of the image
   std::vector<DetectabilityBand> bands;  ///< by rising off-nadir angle; the directions are spread evenly over them
   DetectionRate rate;
   DetectableSizes min_size;
@@ -84,11 +88,11 @@ struct DetectabilityCallbacks {
   std::function<void(const cv::Mat& bgr)> image;
 };
 
-/// Measures the detectability. Deterministic by `options.seed`. Cost: about five searches of a 640 x 480 px image per
+/// Measures the detectability. The attitude matters to CAD models only. Deterministic by `options.seed`. Cost: about five searches of a 640 x 480 px image per
 /// direction, on all cores.
 /// @param features  for the test images, by the engine of the model
-/// Errors: kInvalidArgument for options out of range, for a model without renderings (made from photos, or by an early
-/// version); kCancelled; kDataLoss for a damaged model.
+/// Errors: kInvalidArgument for options out of range, for a sun and a model of photos, or for a CAD model without
+/// renderings (of an early version); kCancelled; kDataLoss for a damaged model.
 [[nodiscard]] Expected<Detectability> MeasureDetectability(const ObjectModel& model, const FeatureOptions& features,
                                                            const RecognizeOptions& recognize,
                                                            const DetectabilityOptions& options,

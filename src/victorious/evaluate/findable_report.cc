@@ -43,19 +43,27 @@ std::string Row(const std::string& name, const DetectionRate& rate, const Detect
                      SizeText(min_size.size_90_px), features);
 }
 
-std::string SettingText(const DetectabilityOptions& options) {
+std::string SettingText(const DetectabilityOptions& options, bool of_photos) {
+  if (of_photos) {
+    return fmt::format("{:g} px, {}", options.size_px,
+                       options.noise > 0 ? fmt::format("noise {:g}", options.noise) : "no noise");
+  }
   return fmt::format("{:g} px, {}, {}, camera attitude {}", options.size_px,
                      options.sun_deg ? fmt::format("sun elevation {:g} degrees", *options.sun_deg) : "diffuse light",
                      options.noise > 0 ? fmt::format("noise {:g}", options.noise) : "no noise",
                      options.attitude_known ? "known" : "unknown");
 }
 
-std::string BandText(const DetectabilityBand& band, double max_size_px) {
-  const std::string where = fmt::format("{:.0f} to {:.0f} degrees off nadir", band.min_deg, band.max_deg);
+std::string BandText(const DetectabilityBand& band, const Detectability& findable) {
+  const double max_size_px = findable.max_size_px;
+  const std::string where = fmt::format("{:.0f} to {:.0f} degrees {}", band.min_deg, band.max_deg,
+                                        findable.of_photos ? "from the photo's direction" : "off nadir");
   if (band.min_size.size_90_px)
     return fmt::format("At {}, 90 % are detected from {:g} px.", where, *band.min_size.size_90_px);
-  const std::string why = fmt::format("The model has {:.0f} features per view there: {}", band.features,
-                                      "add texture, or use larger templates (`model add --params`, min_size_px)");
+  const std::string why =
+      fmt::format("The model has {:.0f} features per view there: {}", band.features,
+                  findable.of_photos ? "use a larger, sharper photo of a textured side, and photos from more directions"
+                                     : "add texture, or use larger templates (`model add --params`, min_size_px)");
   if (band.min_size.size_50_px) {
     return fmt::format("At {}, 50 % are detected from {:g} px, and 90 % at no size up to {:g} px. {}.", where,
                        *band.min_size.size_50_px, max_size_px, why);
@@ -65,7 +73,7 @@ std::string BandText(const DetectabilityBand& band, double max_size_px) {
 
 std::vector<std::string> Advice(const Detectability& findable) {
   std::vector<std::string> advice;
-  for (const DetectabilityBand& band : findable.bands) advice.push_back(BandText(band, findable.max_size_px));
+  for (const DetectabilityBand& band : findable.bands) advice.push_back(BandText(band, findable));
   const auto would = [&](const std::optional<DetectionRate>& rate, const char* how) {
     if (!rate || rate->found <= findable.rate.found) return;
     advice.push_back(fmt::format("{0}, the detected fraction at {3:g} px rises from {2:.2f} to {1:.2f}.", how,
@@ -80,7 +88,7 @@ std::vector<std::string> Advice(const Detectability& findable) {
                                  *findable.min_size.size_90_px));
   }
   const std::optional<double> right = CorrectViewFraction(findable.rate);
-  if (right && *right < kHighRate) {
+  if (right && *right < kHighRate && !findable.of_photos) {
     advice.push_back(
         fmt::format("The view, and with it the heading, is within 10 degrees for a fraction {:.2f} of the detections: "
                     "the object's sides look similar, or lack detail at this size.",
@@ -105,7 +113,8 @@ nlohmann::ordered_json ToJson(const Detectability& findable) {
   json["found_with_attitude"] = RateOrNull(findable.with_attitude);
   json["bands"] = nlohmann::ordered_json::array();
   for (const DetectabilityBand& band : findable.bands) {
-    nlohmann::ordered_json row = {{"off_nadir_deg", {band.min_deg, band.max_deg}}, {"features", band.features}};
+    nlohmann::ordered_json row = {{findable.of_photos ? "turned_deg" : "off_nadir_deg", {band.min_deg, band.max_deg}},
+                                  {"features", band.features}};
     row.update(ToJson(band.rate, band.min_size));
     json["bands"].push_back(std::move(row));
   }
@@ -114,18 +123,19 @@ nlohmann::ordered_json ToJson(const Detectability& findable) {
 }
 
 std::string ToText(const Detectability& findable) {
-  std::string text = fmt::format(
-      "  findable  at {}; {} directions between the model's views\n    {:<14} {:>12} {:>10} {:>10} {:>10} {:>9}\n",
-      SettingText(findable.options), findable.rate.tested, "off nadir", "found", "right view", "50 % from", "90 % from",
-      "features");
+  std::string text = fmt::format("  findable  at {}; {} directions {}\n    {:<14} {:>12} {:>10} {:>10} {:>10} {:>9}\n",
+                                 SettingText(findable.options, findable.of_photos), findable.rate.tested,
+                                 findable.of_photos ? "around those of the photos" : "between the model's views",
+                                 findable.of_photos ? "turned" : "off nadir", "found", "right view", "50 % from",
+                                 "90 % from", "features");
   for (const DetectabilityBand& band : findable.bands) {
     text += Row(fmt::format("{:.0f} to {:.0f} deg", band.min_deg, band.max_deg), band.rate, band.min_size,
                 fmt::format("{:.0f}", band.features));
   }
   if (findable.bands.size() > 1) text += Row("all", findable.rate, findable.min_size, "");
   for (const std::string& line : Advice(findable)) text += fmt::format("    {}\n", line);
-  text +=
-      "    An upper limit: a flight detects less, as object, light and ground differ from the model's renderings.\n";
+  text += fmt::format("    An upper limit: a flight detects less, as object, light and ground differ from the {}.\n",
+                      findable.of_photos ? "photos" : "model's renderings");
   return text;
 }
 

@@ -1,13 +1,19 @@
 #include "victorious/evaluate/findable.h"
 
 #include <cmath>
+#include <memory>
+#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "testing/small_cad_model.h"
 #include "victorious/evaluate/drawn_clutter.h"
+#include "victorious/model/photo_model.h"
+#include "victorious/store/model_file.h"
 
 namespace victorious {
 namespace {
@@ -92,16 +98,47 @@ TEST(Detectability, SuggestsRemedies) {
   EXPECT_EQ(json["advice"].size(), 3U);
 }
 
-TEST(Detectability, RefusesInvalidOptionsAndPhotoModels) {
+// A model of photos is tested by its photos, turned; one without texture is found at no size.
+TEST(Detectability, MeasuresModelsOfPhotos) {
+  cv::Mat textured;
+  cv::cvtColor(DrawClutter({200, 150}, 3), textured, cv::COLOR_GRAY2BGR);
+  cv::Mat plain(150, 200, CV_8UC3, cv::Scalar::all(120));
+  for (int i = 0; i < 4; ++i) cv::circle(plain, {40 + 40 * i, 75}, 8, cv::Scalar::all(200), cv::FILLED);
+  const auto model_of = [](const cv::Mat& bgr) {
+    const Photo photo = PreparePhoto("photo.png", bgr, {}, std::nullopt).value();
+    const ObjectModel made = MakePhotoModel("board", std::span(&photo, 1), std::nullopt, {}).value();
+    auto bytes = std::make_shared<std::vector<std::byte>>(EncodeModel(made).value());
+    return ParseModel(*bytes, bytes, "board").value();
+  };
+  DetectabilityOptions options = Few(120);
+  options.directions = 6;
+  std::vector<cv::Mat> images;
+  DetectabilityCallbacks callbacks;
+  callbacks.image = [&](const cv::Mat& bgr) { images.push_back(bgr); };
+  const Detectability rich = Measure(model_of(textured), options, callbacks).value();
+  EXPECT_TRUE(rich.of_photos);
+  EXPECT_EQ(images.size(), 6U);
+  EXPECT_GE(rich.bands.front().rate.found, 3) << ToText(rich);
+  EXPECT_EQ(rich.bands.front().rate.correct_view, rich.bands.front().rate.found);
+  EXPECT_EQ(rich.max_size_px, 128);
+  EXPECT_NE(ToText(rich).find("0 to 25 degrees from the photo's direction"), std::string::npos) << ToText(rich);
+  EXPECT_TRUE(ToJson(rich)["bands"][0].contains("turned_deg"));
+  const Detectability poor = Measure(model_of(plain), options).value();
+  EXPECT_LT(poor.rate.found, rich.rate.found);
+  options.sun_deg = 40;
+  EXPECT_NE(Measure(model_of(textured), options).error().message.find("photos"), std::string::npos);
+}
+
+TEST(Detectability, RefusesInvalidOptionsAndModelsWithoutImages) {
   for (const double size_px : {0.0, 7.0, 1e9, std::nan("")}) {
     EXPECT_EQ(Measure(testing::SmallCadModel(), Few(size_px)).error().code, ErrorCode::kInvalidArgument) << size_px;
   }
   DetectabilityOptions low = Few(64);
   low.sun_deg = 2;
   EXPECT_NE(Measure(testing::SmallCadModel(), low).error().message.find("5 to 90"), std::string::npos);
-  ObjectModel photos = testing::SmallCadModel();
-  photos.views[2].surface = {};
-  EXPECT_NE(Measure(photos, Few(64)).error().message.find("CAD"), std::string::npos);
+  ObjectModel bare = testing::SmallCadModel();
+  bare.views[2].surface = {};
+  EXPECT_NE(Measure(bare, Few(64)).error().message.find("stores no images"), std::string::npos);
   CancelToken cancel;
   cancel.Cancel();
   EXPECT_EQ(

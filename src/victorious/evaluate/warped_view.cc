@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
+#include "victorious/geometry/polygon.h"
+#include "victorious/image/image_file.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/nearest_view.h"
 #include "victorious/model/view_surface.h"
@@ -114,6 +119,44 @@ Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& dir
   FillGaps(view);
   FillGaps(view);
   return view;
+}
+
+Expected<WarpedView> WarpPhoto(const ObjectModel& model, std::size_t photo, double turned_rad, double axis_rad) {
+  const ModelView& view = model.views[photo];
+  Expected<Image> thumbnail = DecodeImage(view.thumbnail, model.name);
+  if (!thumbnail) return std::unexpected(std::move(thumbnail).error());
+  const cv::Mat grey = GreyFromBgr(thumbnail->bgr);
+  const Box box = BoundingBox(view.outline);
+  if (box.IsEmpty()) return Fail(ErrorCode::kDataLoss, fmt::format("model {}: a view without an outline", model.name));
+  const Eigen::Matrix2d axis = Eigen::Rotation2Dd(axis_rad).toRotationMatrix();
+  const Eigen::Matrix2d turned = axis * Eigen::Vector2d(1, std::cos(turned_rad)).asDiagonal() * axis.transpose();
+  const Eigen::Vector2d scale(grey.cols / box.width, grey.rows / box.height);
+  // The corners of the thumbnail, and those of the object, turned about the thumbnail's centre.
+  const Eigen::Vector2d middle(grey.cols / 2.0, grey.rows / 2.0);
+  const auto turn = [&](const Eigen::Vector2d& point) -> Eigen::Vector2d { return turned * (point - middle); };
+  Polygon corners;
+  for (const Eigen::Vector2d& corner : BoxCorners(FrameBox(grey.cols, grey.rows))) corners.push_back(turn(corner));
+  constexpr double kMargin_px = 2;
+  const Box bounds = BoundingBox(corners);
+  const Eigen::Vector2d shift(kMargin_px - bounds.x, kMargin_px - bounds.y);
+  const cv::Size size(static_cast<int>(std::ceil(bounds.width + 2 * kMargin_px)),
+                      static_cast<int>(std::ceil(bounds.height + 2 * kMargin_px)));
+  std::vector<cv::Point> outline;
+  for (const Eigen::Vector2d& corner : view.outline) {
+    const Eigen::Vector2d in_thumbnail = (corner - Eigen::Vector2d(box.x, box.y)).cwiseProduct(scale);
+    const Eigen::Vector2d to = turn(in_thumbnail) + shift;
+    outline.emplace_back(cv::Point2d(to.x(), to.y()));
+  }
+  // Pixel centres lie at 0.5, in OpenCV's matrices at 0.
+  const Eigen::Vector2d half(0.5, 0.5);
+  const Eigen::Vector2d offset = turned * (half - middle) + shift - half;
+  WarpedView warped;
+  cv::warpAffine(grey, warped.grey,
+                 cv::Matx23d(turned(0, 0), turned(0, 1), offset.x(), turned(1, 0), turned(1, 1), offset.y()), size,
+                 cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  warped.mask = cv::Mat::zeros(size, CV_8UC1);
+  cv::fillPoly(warped.mask, std::vector{outline}, cv::Scalar(255));
+  return warped;
 }
 
 }  // namespace victorious

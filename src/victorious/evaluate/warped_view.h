@@ -1,10 +1,12 @@
 // Novel view synthesis for the detectability test (findable.h): the appearance of a CAD model from a direction between
-// its views. The test must not use the images that the model was built from, and it does not need the CAD file.
+// its views, or of a photo that is turned. The test must not use the images that the model was built from, and it needs
+// neither the CAD file nor the photos.
 //
-// Method: depth-image-based rendering. The nearest view's stored rendering (grey image and depth) is relit if a sun is
+// Method for CAD models: depth-image-based rendering. The nearest view's stored rendering (grey image and depth) is relit if a sun is
 // given, then forward-warped by 3 x 3 splats per pixel with a depth test; small gaps take the mean of their neighbours.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include <opencv2/core/mat.hpp>
@@ -27,5 +29,12 @@ struct WarpedView {
 /// Errors: kDataLoss for a damaged surface; kInvalidArgument for unknown options stored in the model.
 [[nodiscard]] Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& direction,
                                             const std::optional<ViewDirection>& sun);
+
+/// Renders a photo of the object as a plane seen from afar, turned out of the image by `turned_rad` about an axis in the
+/// image at `axis_rad` from +x towards +y. The photo is the thumbnail that the model stores, of at most 160 px.
+/// @param photo  index of the view
+/// Error: kDataLoss for a damaged thumbnail or outline.
+[[nodiscard]] Expected<WarpedView> WarpPhoto(const ObjectModel& model, std::size_t photo, double turned_rad,
+                                             double axis_rad);
 
 }  // namespace victorious
