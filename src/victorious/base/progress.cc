@@ -1,6 +1,7 @@
 #include "victorious/base/progress.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -20,6 +21,15 @@ Progress::~Progress() {
   if (first_done_) Draw(true);
 }
 
+std::string TimeLeftText(double seconds) {
+  constexpr double kLongest_s = 360'000;
+  if (!(seconds >= 0 && seconds < kLongest_s)) return "";
+  const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
+  const std::int64_t hours = whole / 3600;
+  return hours > 0 ? fmt::format("{}:{:02}:{:02} left", hours, whole / 60 % 60, whole % 60)
+                   : fmt::format("{}:{:02} left", whole / 60, whole % 60);
+}
+
 void Progress::Update(std::int64_t done) {
   if (!first_done_) first_done_ = done;
   done_ = done;
@@ -34,6 +44,11 @@ void Progress::Draw(bool last) {
   const double seconds = std::max(1e-3, std::chrono::duration<double>(Clock::now() - start_).count());
   const double rate = static_cast<double>(done_ - *first_done_) / seconds;
   const std::string of_total = total_ ? fmt::format("{} of {}", done_, *total_) : fmt::format("{}", done_);
+  std::string left;
+  if (total_ && *total_ > done_ && rate > 0 && !last) {
+    left = TimeLeftText(static_cast<double>(*total_ - done_) / rate);
+    if (!left.empty()) left = ", " + left;
+  }
   std::string line;
   if (on_terminal_) {
     std::string bar;
@@ -42,9 +57,10 @@ void Progress::Draw(bool last) {
       const auto filled = static_cast<std::size_t>(std::clamp<std::int64_t>(done_ * kWidth / *total_, 0, kWidth));
       bar = "[" + std::string(filled, '#') + std::string(kWidth - filled, ' ') + "] ";
     }
-    line = fmt::format("\r{}: {}{} {}, {:.1f} a second\x1b[K{}", label_, bar, of_total, unit_, rate, last ? "\n" : "");
+    line = fmt::format("\r{}: {}{} {}, {:.1f} a second{}\x1b[K{}", label_, bar, of_total, unit_, rate, left,
+                       last ? "\n" : "");
   } else {
-    line = fmt::format("{}: {} {}, {:.1f} a second\n", label_, of_total, unit_, rate);
+    line = fmt::format("{}: {} {}, {:.1f} a second{}\n", label_, of_total, unit_, rate, left);
   }
   // Not fmt::print, which throws: a closed stderr must not stop the work.
   std::fputs(line.c_str(), stderr);

@@ -1,4 +1,5 @@
-// Reports the progress of long work on stderr: a bar on a terminal, plain lines every few seconds otherwise.
+// Reports the progress of long work on stderr: a bar on a terminal, plain lines every few seconds otherwise,
+// with the time left at the rate so far.
 #pragma once
 
 #include <chrono>
@@ -7,6 +8,9 @@
 #include <string>
 
 namespace victorious {
+
+/// "1:05 left", "2:01:00 left"; empty for a time that is negative, not finite or longer than 100 hours.
+[[nodiscard]] std::string TimeLeftText(double seconds);
 
 /// Not thread-safe: report from one thread. The destructor ends the line.
 class Progress {

@@ -1,6 +1,7 @@
 #include "victorious/base/progress.h"
 
 #include <cstdlib>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -51,6 +52,20 @@ TEST(Progress, ClosedStderrIsHarmless) {
     std::_Exit(0);
   };
   EXPECT_EXIT(work(), ::testing::ExitedWithCode(0), "");
+}
+
+TEST(TimeLeftText, IsMinutesOrHours) {
+  EXPECT_EQ(TimeLeftText(0), "0:00 left");
+  EXPECT_EQ(TimeLeftText(4.2), "0:05 left");
+  EXPECT_EQ(TimeLeftText(65), "1:05 left");
+  EXPECT_EQ(TimeLeftText(7260), "2:01:00 left");
+}
+
+TEST(TimeLeftText, UnknownTimesAreNotShown) {
+  for (const double seconds :
+       {-1.0, 1e9, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_EQ(TimeLeftText(seconds), "");
+  }
 }
 
 }  // namespace
