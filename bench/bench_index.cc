@@ -158,6 +158,7 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
                        .searches = records.searches,
                        .recognizer = recognizer,
                        .extractor = *extractor,
+                       .kept_extractor = *extractor,
                        .options = options,
                        .cameras = cameras,
                        .sun = sun,

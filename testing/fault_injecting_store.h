@@ -19,9 +19,9 @@ class FaultInjectingStore final : public IndexStore {
   FaultInjectingStore(IndexStore& store, std::function<Status()> before_commit)
       : store_(store), before_commit_(std::move(before_commit)) {}
 
-  [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name,
+  [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                           const std::string& content_id) override {
-    return store_.DeleteOtherContent(name, content_id);
+    return store_.DeleteOtherContent(name, folder, content_id);
   }
   [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override { return store_.PutVideo(video); }
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frames, double duration_s) override {
@@ -61,6 +61,7 @@ class FaultInjectingStore final : public IndexStore {
     return store_.PutReview(object, review);
   }
   [[nodiscard]] Expected<std::vector<ReviewedObject>> Reviews() override { return store_.Reviews(); }
+  [[nodiscard]] Expected<std::vector<std::string>> FindFaults() override { return store_.FindFaults(); }
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override { return store_.ChangeNumber(); }
 
  private:

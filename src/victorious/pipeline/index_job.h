@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "victorious/base/warning_sink.h"
 #include "victorious/geometry/sun.h"
 #include "victorious/recognize/relit_templates.h"
 
@@ -18,6 +19,9 @@ struct IndexJob {
   std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
   bool redo = false;                     ///< drop the stored results of these models in this video, and search again
   int threads = 0;                       ///< 0: one per hardware thread
+  std::optional<double> from_s = {};     ///< only frames at this time or later are searched
+  std::optional<double> to_s = {};       ///< only frames up to this time
+  WarningSink inform = {};               ///< receives what is no warning: the expected size of the kept features
   /// Relit templates (MakeRelitViews), one entry per model. The caller keeps them, to share them between jobs with the
   /// same models. If empty, they are made for this video and released after it.
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates = {};
@@ -29,6 +33,7 @@ struct IndexReport {
   std::int64_t sightings = 0;        ///< number found by this call
   bool stopped_live = false;         ///< true if a cancelled live source ends here
   std::optional<Sun> sun;            ///< sun direction, azimuth from north, if relit templates were used
+  bool sun_by_clock = false;         ///< by the ephemeris for the telemetry's clock; else estimated from the image
 };
 
 }  // namespace victorious

@@ -4,11 +4,18 @@ namespace victorious {
 
 void KeepOptions::ListFields(FieldList& fields) {
   fields.Add("interval_s", interval_s,
-             {.min = 0,
+             {.min = -1,
               .max = 1e6,
               .unit = "s",
               .reason = "interval at which the features of a frame are kept for search by example image; 0 keeps every "
-                        "searched frame (docs/formats/index.md gives their size)"});
+                        "searched frame, -1 none (docs/formats/index.md gives their size)"});
+}
+
+FeatureOptions MakeKeptFeatureOptions(const FeatureOptions& search) {
+  constexpr int kMaxFeatures = 4000;
+  FeatureOptions kept = search;
+  kept.max_features = kMaxFeatures;
+  return kept;
 }
 
 void VideoOptions::ListFields(FieldList& fields) {

@@ -18,10 +18,15 @@ namespace victorious {
 
 /// Which frames' features the index keeps for search by example image.
 struct KeepOptions {
-  double interval_s = 1.0;  ///< between kept frames, s; 0 keeps every searched frame
+  double interval_s = 1.0;  ///< between kept frames, s; 0 keeps every searched frame, below 0 none
 
   void ListFields(FieldList& fields);
 };
+
+/// The options of the kept features: those of the search, but at most 4000 keypoints a frame, of the highest contrast,
+/// which bounds the size of the index (docs/formats/index.md). A higher contrast threshold would cost what is found in
+/// videos of low contrast, which take little space anyway.
+[[nodiscard]] FeatureOptions MakeKeptFeatureOptions(const FeatureOptions& search);
 
 /// How video sources are read.
 struct VideoOptions {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "victorious/associate/tracklet_linker.h"
+#include "victorious/base/count_text.h"
 #include "victorious/base/stage_time.h"
 #include "victorious/calibrate/sun_direction.h"
 #include "victorious/observe/bearing_observation.h"
@@ -30,6 +31,7 @@ struct FrameTask {
   std::optional<Similarity2> now_from_before;  // camera motion from the previous frame
   std::optional<CameraState> camera;
   FeatureSet features;
+  FeatureSet kept;  // set with `keep`
   std::vector<Detection> detections;
   std::vector<FoundCategory> categories;
   std::vector<SightingRecord> sightings;
@@ -41,7 +43,8 @@ class KeptFrameSelector {
   explicit KeptFrameSelector(double interval_s) : interval_s_(interval_s) {}
 
   bool IsSelected(double time_s) {
-    if (interval_s_ <= 0) return true;
+    if (interval_s_ < 0) return false;
+    if (interval_s_ == 0) return true;
     const double slot = std::floor(time_s / interval_s_ + 1e-9);
     return std::exchange(last_slot_, slot) != slot;
   }
@@ -55,6 +58,9 @@ class KeptFrameSelector {
 bool IsTrackingEnabled(const IndexPass& pass) {
   return pass.options.follow.enabled && !pass.recognizer.models().empty();
 }
+
+// True if the frame lies beyond the interval of time to search.
+bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) { return pass.to_s && frame.time_s > *pass.to_s + 1e-6; }
 
 // Selects the frames to search or track. Called in frame order.
 class FrameSelector {
@@ -71,6 +77,7 @@ class FrameSelector {
     const std::int64_t index = frame.index;
     const bool whole = IsWhole(index);
     const bool keep = whole && kept_frames_.IsSelected(frame.time_s);
+    if (pass_.from_s && frame.time_s < *pass_.from_s - 1e-6) return std::nullopt;
     if (index < first_frame_ || (!whole && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
     task.camera = pass_.cameras.At(frame.time_s);
@@ -140,9 +147,9 @@ SightingRecord ToSighting(const IndexPass& pass, const FrameTask& work, const Fo
           .observation = object_pose ? MakeBearingObservation(*object_pose, known) : std::nullopt};
 }
 
-Expected<FeatureSet> ExtractFeatures(const IndexPass& pass, const Frame& frame) {
+Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Frame& frame) {
   const StageScope scope(Stage::kFeatures);
-  return pass.extractor.Extract(frame.image);
+  return extractor.Extract(frame.image);
 }
 
 // Features, recognition and categories of full frames. Parallel.
@@ -152,8 +159,11 @@ Status Search(const IndexPass& pass, FrameTask& work) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->Find(work.frame.image));
     std::erase_if(work.categories, [&](const FoundCategory& one) { return !pass.category_ids[one.category]; });
   }
-  if (pass.recognizer.models().empty() && !work.keep) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass, work.frame));
+  if (work.keep) {
+    VICTORIOUS_ASSIGN_OR_RETURN(work.kept, ExtractFeatures(pass.kept_extractor, work.frame));
+  }
+  if (pass.recognizer.models().empty()) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.frame));
   VICTORIOUS_ASSIGN_OR_RETURN(
       work.detections,
       pass.recognizer.Recognize(work.features, MakeFrameConditions(work.camera, work.frame.image.size(), pass.sun),
@@ -215,7 +225,7 @@ class ResultWriter {
              std::ranges::find(pass_.searches, tracklet.model, &SearchRecord::model) == pass_.searches.end();
     });
     if (tracklets.empty()) return {};
-    SightingFilter filter{.video_name = pass_.video.name, .include_rejected = true};
+    SightingFilter filter{.include_rejected = true, .video = pass_.video.id};
     filter.from_s =
         std::ranges::max(tracklets, {}, &TrackletRecord::last_time_s).last_time_s - linker_.HistorySeconds();
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store_.Sightings(filter));
@@ -231,10 +241,11 @@ class ResultWriter {
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
     linker_.Link(std::move(work.sightings), batch_);
     if (work.keep) {
+      InformOfSize(work.kept);
       batch_.kept_frames.push_back({.video = pass_.video.id,
                                     .frame = work.frame.index,
                                     .time_s = work.frame.time_s,
-                                    .features = std::move(work.features)});
+                                    .features = std::move(work.kept)});
     }
     next_frame_ = work.frame.index + 1;
     constexpr auto kInterval = std::chrono::seconds(2);
@@ -269,6 +280,24 @@ class ResultWriter {
   [[nodiscard]] std::optional<std::int64_t> FirstRequiredFrame() const { return linker_.FirstRequiredFrame(); }
 
  private:
+  // Tells the expected size of the features, once, if it matters.
+  void InformOfSize(const FeatureSet& kept) {
+    constexpr double kBytesPerFeature = 80;  // docs/formats/index.md
+    constexpr double kWorthSaying = 100e6;
+    constexpr double kShortest_s = 0.01;
+    const double interval_s = pass_.options.keep.interval_s;
+    if (informed_ || !pass_.inform || !pass_.duration_s || kept.size() == 0 || interval_s <= kShortest_s) return;
+    informed_ = true;
+    const double until_s = std::min(*pass_.duration_s, pass_.to_s.value_or(*pass_.duration_s));
+    const double frames = (until_s - pass_.from_s.value_or(0)) / interval_s;
+    const double bytes = frames * static_cast<double>(kept.size()) * kBytesPerFeature;
+    if (bytes < kWorthSaying) return;
+    pass_.inform(
+        fmt::format("the features kept for `search --image` will take about {:.1f} GB ({} of a frame, one frame "
+                    "each {:g} s); --keep-features sets the interval, or none",
+                    bytes / 1e9, CountText(kept.size(), "feature"), interval_s));
+  }
+
   using Clock = std::chrono::steady_clock;
 
   const IndexPass& pass_;
@@ -279,6 +308,7 @@ class ResultWriter {
   std::int64_t next_frame_;
   std::int64_t committed_frame_;
   Clock::time_point last_commit_;
+  bool informed_ = false;
   bool can_commit_ = true;
 };
 
@@ -299,11 +329,15 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
   }
   FrameLoop loop(reader, cancel,
                  {.label = pass.video.name, .threads = pass.threads, .packets = pass.cameras.packet_receiver()});
-  const Expected<FrameLoopEnd> end =
-      loop.Run<FrameTask>([&](Frame frame) { return selector.Select(std::move(frame)); },
-                          {Parallel<FrameTask>([&](FrameTask& task) { return Search(pass, task); }),
-                           InOrder<FrameTask>([&](FrameTask& task) { return Follow(pass, follower, motion, task); }),
-                           InOrder<FrameTask>([&](FrameTask& task) { return sink.Add(task); })});
+  const Expected<FrameLoopEnd> end = loop.Run<FrameTask>(
+      [&](Frame frame) -> std::optional<FrameTask> {
+        if (!IsBeyondEnd(pass, frame)) return selector.Select(std::move(frame));
+        loop.Stop();
+        return std::nullopt;
+      },
+      {Parallel<FrameTask>([&](FrameTask& task) { return Search(pass, task); }),
+       InOrder<FrameTask>([&](FrameTask& task) { return Follow(pass, follower, motion, task); }),
+       InOrder<FrameTask>([&](FrameTask& task) { return sink.Add(task); })});
   if (warn) {
     std::ranges::for_each(reader.warnings(), warn);
     for (const std::string& warning : pass.cameras.LiveWarnings()) warn("telemetry: " + warning);
@@ -320,6 +354,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
     return Fail(ErrorCode::kCancelled,
                 fmt::format("{}: stopped at frame {}; run again to resume", pass.video.name, sink.next_frame()));
   }
+  if (*end == FrameLoopEnd::kStopped) return {};  // the video goes on
   return store.SetVideoLength(pass.video.id, loop.frames_read(), loop.last_time_s());
 }
 

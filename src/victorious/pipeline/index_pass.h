@@ -31,10 +31,15 @@ struct IndexPass {
   /// Database id of each category of the finder; std::nullopt for those that this pass does not search for.
   std::span<const std::optional<std::int64_t>> category_ids = {};
   const FeatureExtractor& extractor;
+  const FeatureExtractor& kept_extractor;  ///< of the features that are kept
   const IndexOptions& options;
   CameraStates& cameras;
-  std::optional<Sun> sun;  ///< sun direction, if known (sun_direction.h)
-  int threads = 0;         ///< 0: one per hardware thread
+  std::optional<Sun> sun;             ///< sun direction, if known (sun_direction.h)
+  int threads = 0;                    ///< 0: one per hardware thread
+  std::optional<double> from_s = {};  ///< see IndexJob
+  std::optional<double> to_s = {};
+  std::optional<double> duration_s = {};  ///< of the video, if it is known before
+  WarningSink inform = {};
 };
 
 /// Reads `reader` to its end, commits to `store` on the way, and adds the counts to `report`. A cancelled live source

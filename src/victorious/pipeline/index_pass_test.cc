@@ -96,6 +96,7 @@ class IndexPassTest : public ::testing::Test {
                          .searches = searches,
                          .recognizer = recognizer,
                          .extractor = *extractor,
+                         .kept_extractor = *extractor,
                          .options = options,
                          .cameras = cameras,
                          .threads = 2};

@@ -1,9 +1,11 @@
 #include "victorious/pipeline/indexer.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <ranges>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -32,8 +34,11 @@ std::string DescribeDifference(const std::string& before, const std::string& now
   const auto flat_a = a.flatten();
   const auto flat_b = b.flatten();
   std::vector<std::string> changes;
-  for (const auto& [key, value] : flat_b.items()) {
+  auto keys = flat_a;
+  keys.update(flat_b);
+  for (const auto& [key, unused] : keys.items()) {
     const auto old = flat_a.value(key, nlohmann::json());
+    const auto value = flat_b.value(key, nlohmann::json());
     if (old == value) continue;
     std::string name = key.substr(1);
     std::ranges::replace(name, '/', '.');
@@ -85,10 +90,23 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
   return {};
 }
 
-std::string SearchOptionsText(IndexOptions options) {
+// @param job  its interval of time belongs to what was searched
+std::string SearchOptionsText(IndexOptions options, const IndexJob& job) {
   FieldList fields;
   options.ListSearchFields(fields);
-  return ToJsonText(fields.fields());
+  std::string text = ToJsonText(fields.fields());
+  if (!job.from_s && !job.to_s) return text;
+  auto json = nlohmann::json::parse(text);
+  if (job.from_s) json["searched"]["from_s"] = *job.from_s;
+  if (job.to_s) json["searched"]["to_s"] = *job.to_s;
+  return json.dump();
+}
+
+// The folder that a relative name is relative to; empty for absolute names and URLs.
+std::string FolderOf(const std::string& name) {
+  if (name.contains("://") || std::filesystem::path(name).is_absolute()) return "";
+  std::error_code unknown;
+  return std::filesystem::current_path(unknown).string();
 }
 
 // The index identifies models and categories by name, so one would overwrite the other.
@@ -116,10 +134,12 @@ void WarnIfChanged(const ModelRecord& target, const std::vector<ModelRecord>& mo
 }  // namespace
 
 Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
-                 std::unique_ptr<const FeatureExtractor> extractor, std::optional<CategoryFinder> categories)
+                 std::unique_ptr<const FeatureExtractor> extractor,
+                 std::unique_ptr<const FeatureExtractor> kept_extractor, std::optional<CategoryFinder> categories)
     : models_(std::move(models)),
       options_(options),
       extractor_(std::move(extractor)),
+      kept_extractor_(std::move(kept_extractor)),
       categories_(std::move(categories)) {
   for (const ObjectModel& model : models_)
     targets_.push_back({.name = model.name, .content_id = model.id, .kind = model.kind});
@@ -134,12 +154,13 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   IndexOptions used = options;
   VICTORIOUS_RETURN_IF_ERROR(AdoptEngineOfModels(models, used.features, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(used.features));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto kept_extractor, MakeFeatureExtractor(MakeKeptFeatureOptions(used.features)));
   VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
   std::optional<CategoryFinder> finder;
   if (categories) {
     VICTORIOUS_ASSIGN_OR_RETURN(finder, CategoryFinder::Create(*std::move(categories), options.categories));
   }
-  Indexer indexer(std::move(models), used, std::move(extractor), std::move(finder));
+  Indexer indexer(std::move(models), used, std::move(extractor), std::move(kept_extractor), std::move(finder));
   indexer.options_.objects.ground = std::move(ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.targets_, indexer.targets_));
   return indexer;
@@ -206,11 +227,13 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   }
   video.cameras.SetFallbackFieldOfView(GivenFieldOfView(options_.telemetry));
   if (!info.live) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.DeleteOtherContent(job.video, content_id));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten,
+                                store.DeleteOtherContent(job.video, FolderOf(job.video), content_id));
     if (forgotten > 0) warn("the video has changed since it was indexed: its earlier results are replaced");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(video.record, store.PutVideo({.content_id = content_id,
                                                             .name = job.video,
+                                                            .folder = FolderOf(job.video),
                                                             .width = info.width,
                                                             .height = info.height,
                                                             .frame_count = {},
@@ -223,7 +246,8 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
 Expected<std::vector<Indexer::PlannedPass>> Indexer::PlanPasses(const IndexJob& job, const VideoRecord& video,
                                                                 const std::vector<ModelRecord>& models_before,
                                                                 IndexStore& store, const WarningSink& warn) const {
-  const StoredParameters parameters{SearchOptionsText(options_), OptionsToJsonText(options_.features)};
+  const StoredParameters parameters{SearchOptionsText(options_, job),
+                                    OptionsToJsonText(MakeKeptFeatureOptions(options_.features))};
   if (job.redo) {
     // The frames to be kept, and their features, may now be others.
     VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.id));
@@ -278,6 +302,7 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
   }
   const CameraTrajectory* trajectory = video.cameras.trajectory();
   report.sun.reset();
+  report.sun_by_clock = video.cameras.start_utc_us().has_value();
   if (trajectory != nullptr && !recognizer.models().empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         report.sun, EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.sun_direction}, *video.reader,
@@ -293,10 +318,15 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
                        .categories = with_categories ? &*categories_ : nullptr,
                        .category_ids = category_ids,
                        .extractor = *extractor_,
+                       .kept_extractor = *kept_extractor_,
                        .options = options_,
                        .cameras = video.cameras,
                        .sun = report.sun,
-                       .threads = job.threads};
+                       .threads = job.threads,
+                       .from_s = job.from_s,
+                       .to_s = job.to_s,
+                       .duration_s = video.reader->info().duration_s,
+                       .inform = job.inform};
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *video.reader, cancel, store, warn, report));
   video.reader.reset();
   return {};

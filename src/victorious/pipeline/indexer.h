@@ -37,8 +37,9 @@ class Indexer {
   /// Indexes one video. Resumes where an earlier call stopped; in a video indexed before searches for new models only;
   /// stores nothing twice. Commits results and progress together every 2 s, so that a kill loses no more than that. At
   /// the end, finished or cancelled, recomputes the objects of the whole index (associate_objects.h).
+  /// The video is stored by its name as given, with the current folder if that is relative.
   /// Errors: those of VideoReader, IndexStore, and of a telemetry file that was given; kInvalidArgument if the video
-  /// was indexed with other parameters and `redo` is false; kCancelled, after what was done is stored. A cancelled live
+  /// was indexed with other parameters and `redo` is false; kConflict if another process is indexing the same video; kCancelled, after what was done is stored. A cancelled live
   /// source, which cannot be resumed, ends normally, without an error.
   [[nodiscard]] Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                             const WarningSink& warn = {}) const;
@@ -65,11 +66,13 @@ class Indexer {
   [[nodiscard]] VideoReaderOptions MakeReaderOptions(const IndexJob& job) const;
 
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
-          std::unique_ptr<const FeatureExtractor> extractor, std::optional<CategoryFinder> categories);
+          std::unique_ptr<const FeatureExtractor> extractor, std::unique_ptr<const FeatureExtractor> kept_extractor,
+          std::optional<CategoryFinder> categories);
 
   std::vector<ObjectModel> models_;
   IndexOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
+  std::unique_ptr<const FeatureExtractor> kept_extractor_;  // of the features kept for search by example image
   std::optional<CategoryFinder> categories_;
   std::vector<ModelRecord> targets_;  // models, then categories, as stored
 };

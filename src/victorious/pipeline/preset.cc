@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "victorious/model/cad_model.h"
 #include "victorious/model/photo_model.h"
@@ -127,6 +128,27 @@ Status ApplyPreset(Preset preset, CadModelOptions& options) {
 Status ApplyPreset(Preset preset, CategoryTrainOptions& options) {
   if (preset == Preset::kLearnt) return std::unexpected(PresetDoesNotApply(preset));
   preset == Preset::kThesis ? SetThesisCategories(options) : SetWindows(options);
+  return {};
+}
+
+std::span<const std::string_view> QualityNames() {
+  static constexpr std::array<std::string_view, 3> kQualities = {"fast", "normal", "thorough"};
+  return kQualities;
+}
+
+Status ApplyQuality(std::string_view name, bool cad_only, IndexOptions& options) {
+  constexpr int kFastInterval_frames = 5;
+  constexpr int kThoroughNearest = 8;
+  if (std::ranges::find(QualityNames(), name) == QualityNames().end()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--quality {}: give one of {}", name, fmt::join(QualityNames(), ", ")));
+  }
+  if (name == "fast") {
+    options.every = kFastInterval_frames;
+    options.follow.search_interval_frames = kFastInterval_frames;
+    if (cad_only) options.recognize.method = SearchMethod::kShortlist;
+  }
+  if (name == "thorough") options.recognize.search.nearest = kThoroughNearest;
   return {};
 }
 

@@ -97,5 +97,32 @@ TEST(Preset, IsFoundByName) {
   EXPECT_FALSE(FindPreset("nonsense"));
 }
 
+TEST(Quality, TradesTimeForCompleteness) {
+  const IndexOptions defaults;
+  IndexOptions normal;
+  ASSERT_TRUE(ApplyQuality("normal", true, normal));
+  EXPECT_EQ(OptionsToJsonText(normal), OptionsToJsonText(defaults));
+  IndexOptions fast;
+  ASSERT_TRUE(ApplyQuality("fast", true, fast));
+  EXPECT_GT(fast.every, defaults.every);
+  EXPECT_GT(fast.follow.search_interval_frames, defaults.follow.search_interval_frames);
+  EXPECT_EQ(fast.recognize.method, SearchMethod::kShortlist);
+  IndexOptions fast_for_photos;
+  ASSERT_TRUE(ApplyQuality("fast", false, fast_for_photos));
+  EXPECT_EQ(fast_for_photos.recognize.method, SearchMethod::kAuto) << "photos are searched for by the grammar";
+  IndexOptions thorough;
+  ASSERT_TRUE(ApplyQuality("thorough", true, thorough));
+  EXPECT_GT(thorough.recognize.search.nearest, defaults.recognize.search.nearest);
+  EXPECT_EQ(ApplyQuality("best", true, thorough).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(KeptFeatures, AreThoseOfTheSearchButBounded) {
+  const FeatureOptions search = LowContrastFeatureOptions();
+  const FeatureOptions kept = MakeKeptFeatureOptions(search);
+  EXPECT_EQ(OptionsToJsonText(kept), OptionsToJsonText(search)) << "an index goes on with the features it has";
+  EXPECT_EQ(search.max_features, 0);
+  EXPECT_EQ(kept.max_features, 4000);
+}
+
 }  // namespace
 }  // namespace victorious

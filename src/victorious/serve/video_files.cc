@@ -77,7 +77,7 @@ Expected<std::filesystem::path> VideoFiles::Find(const VideoRecord& video) const
     return Fail(ErrorCode::kUnsupported, video.name + ": a live source: its frames are not kept");
   }
   std::error_code error;
-  const std::filesystem::path path = video.name;
+  const std::filesystem::path path = FindVideoFile(video);
   if (std::filesystem::exists(path, error)) return path;
   if (path.is_relative() && std::filesystem::exists(folder_ / path, error)) return folder_ / path;
   return Fail(ErrorCode::kNotFound,

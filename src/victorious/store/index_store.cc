@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ranges>
+#include <system_error>
 
 namespace victorious {
 namespace {
@@ -29,6 +30,13 @@ std::vector<VideoRecord> FindVideosByName(const std::vector<VideoRecord>& videos
   std::ranges::copy_if(videos, std::back_inserter(found),
                        [&](const VideoRecord& video) { return IsPathSuffix(PathComponents(video.name), end); });
   return found;
+}
+
+std::string FindVideoFile(const VideoRecord& video) {
+  if (video.folder.empty() || video.name.contains("://") || fs::path(video.name).is_absolute()) return video.name;
+  const fs::path path = fs::path(video.folder) / video.name;
+  std::error_code error;
+  return fs::exists(path, error) ? path.string() : video.name;
 }
 
 Expected<std::vector<SightingRecord>> IndexStore::Sightings(const SightingFilter& filter) {

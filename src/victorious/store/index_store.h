@@ -30,8 +30,9 @@ struct VideoRecord {
   std::int64_t id = 0;     ///< assigned by the store
   std::string content_id;  ///< see base/file.h: ContentId
   std::string name;
-  int width = 0;                             ///< px
-  int height = 0;                            ///< px
+  std::string folder;  ///< that a relative name is relative to; empty: the name is absolute or a URL, or not known
+  int width = 0;       ///< px
+  int height = 0;      ///< px
   std::optional<std::int64_t> frame_count;   ///< set once the video was read to its end
   std::optional<double> duration_s;          ///< presentation time of the last frame; set together with frame_count
   std::optional<std::int64_t> start_utc_us;  ///< UTC of the first frame, microseconds since 1970, if telemetry gives it
@@ -208,6 +209,10 @@ struct ReviewedObject {
 /// `name`: "flight/video.mp4" matches "/data/flight/video.mp4", "deo.mp4" does not.
 std::vector<VideoRecord> FindVideosByName(const std::vector<VideoRecord>& videos, std::string_view name);
 
+/// Where to open a video: its name; if that is relative, in its folder, from whatever folder the program is started. If
+/// it is not in its folder any more, the name alone.
+std::string FindVideoFile(const VideoRecord& video);
+
 /// Not thread-safe: use from one thread at a time. Other processes may read while one writes.
 class IndexStore {
  public:
@@ -215,8 +220,9 @@ class IndexStore {
 
   /// Adds the video. If its content is known, updates the name, and the start if given. Returns the stored record.
   [[nodiscard]] virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
-  /// Deletes the videos of this name with other content (the file was changed). Returns their number.
-  [[nodiscard]] virtual Expected<std::int64_t> DeleteOtherContent(const std::string& name,
+  /// Deletes the videos of this name and folder with other content (the file was changed). An unknown folder equals any.
+  /// Returns their number.
+  [[nodiscard]] virtual Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                                   const std::string& content_id) = 0;
   [[nodiscard]] virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
   [[nodiscard]] virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
@@ -234,7 +240,7 @@ class IndexStore {
   [[nodiscard]] virtual Status DeleteKeptFrames(std::int64_t video) = 0;
 
   /// Writes the batch in one transaction. Returns the ids of batch.tracklets, in their order. Does not overwrite kept
-  /// frames. Errors: kConflict if another process changed the progress; kNotFound for a tracklet, video or model that
+  /// frames, and stores their descriptors with 4 bits an element (docs/formats/index.md). Errors: kConflict if another process changed the progress; kNotFound for a tracklet, video or model that
   /// was deleted; kInvalidArgument for a sighting that exists already.
   [[nodiscard]] virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
 
@@ -265,6 +271,10 @@ class IndexStore {
   /// a sighting in its frame that overlaps its box by half or more (intersection over union); of several, the latest
   /// counts. Commit and PutObjects assign them; PutObjects at a cost proportional to the number of reviews.
   [[nodiscard]] virtual Expected<std::vector<ReviewedObject>> Reviews() = 0;
+
+  /// Reads everything and returns the faults that it finds, one line each: damaged pages, rows that refer to missing
+  /// rows, values that cannot be read; empty for a sound index. Cost: that of reading the whole file.
+  [[nodiscard]] virtual Expected<std::vector<std::string>> FindFaults() = 0;
 
   /// Returns a number that changes whenever another connection has changed the index. Cheap.
   [[nodiscard]] virtual Expected<std::int64_t> ChangeNumber() = 0;

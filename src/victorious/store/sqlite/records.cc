@@ -1,7 +1,9 @@
 #include "victorious/store/sqlite/records.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <span>
@@ -59,6 +61,8 @@ template <typename Matrix>
 std::span<const std::byte> NumberBytes(const Matrix& numbers) {
   return std::as_bytes(std::span(numbers.data(), static_cast<std::size_t>(numbers.size())));
 }
+
+constexpr unsigned kMaxLevel = 15;  // of an element of a packed descriptor: 4 bits
 
 constexpr const auto& kObject = kObjectColumns;
 constexpr const auto& kSighting = kSightingColumns;
@@ -130,7 +134,8 @@ void BindPlace(const Geolocation& place, Statement& insert) {
 
 std::string SelectVideos() {
   return "SELECT v.id, v.content_id, v.name, v.width_px, v.height_px, v.frame_count, v.duration_s, "
-         "coalesce(o.json, ''), v.start_utc_us FROM videos v LEFT JOIN options o ON o.id = v.features_options_id ";
+         "coalesce(o.json, ''), v.start_utc_us, v.folder FROM videos v LEFT JOIN options o ON o.id = "
+         "v.features_options_id ";
 }
 
 std::string SelectModels() { return "SELECT id, name, content_id, kind FROM models "; }
@@ -194,6 +199,7 @@ VideoRecord ReadVideo(const Statement& row) {
   return {.id = row.Integer(0),
           .content_id = row.Text(1),
           .name = row.Text(2),
+          .folder = row.Text(9),
           .width = ReadInt(row, 3),
           .height = ReadInt(row, 4),
           .frame_count = row.OptionalInteger(5),
@@ -290,6 +296,38 @@ Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view nam
   return sighting;
 }
 
+std::vector<std::uint8_t> PackDescriptors(std::span<const std::uint8_t> descriptors) {
+  static const auto kLevelOf = [] {
+    std::array<std::uint8_t, 256> levels{};
+    for (std::size_t value = 0; value < levels.size(); ++value) {
+      levels[value] = static_cast<std::uint8_t>(std::lround(kMaxLevel * std::sqrt(static_cast<double>(value) / 255)));
+    }
+    return levels;
+  }();
+  std::vector<std::uint8_t> packed(descriptors.size() / 2);
+  for (std::size_t i = 0; i < packed.size(); ++i) {
+    packed[i] = static_cast<std::uint8_t>(kLevelOf[descriptors[2 * i]] | (kLevelOf[descriptors[2 * i + 1]] << 4));
+  }
+  return packed;
+}
+
+std::vector<std::uint8_t> UnpackDescriptors(std::span<const std::uint8_t> packed) {
+  static const auto kValueOf = [] {
+    std::array<std::uint8_t, kMaxLevel + 1> values{};
+    for (std::size_t level = 0; level < values.size(); ++level) {
+      const double root = static_cast<double>(level) / kMaxLevel;
+      values[level] = static_cast<std::uint8_t>(std::lround(255 * root * root));
+    }
+    return values;
+  }();
+  std::vector<std::uint8_t> descriptors(packed.size() * 2);
+  for (std::size_t i = 0; i < packed.size(); ++i) {
+    descriptors[2 * i] = kValueOf[packed[i] & kMaxLevel];
+    descriptors[2 * i + 1] = kValueOf[packed[i] >> 4];
+  }
+  return descriptors;
+}
+
 Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name) {
   constexpr const auto& kKept = kKeptFrameColumns;
   KeptFrame kept{.video = row.Integer(kKept.Index("video_id")),
@@ -302,6 +340,9 @@ Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name) {
                               ReadItems<Keypoint>(row.Blob(kKept.Index("keypoints")), "keypoints", name));
   VICTORIOUS_ASSIGN_OR_RETURN(features.descriptors,
                               ReadItems<std::uint8_t>(row.Blob(kKept.Index("descriptors")), "descriptors", name));
+  if (!features.descriptors.empty() && features.descriptors.size() == features.size() * kPackedDescriptorSize) {
+    features.descriptors = UnpackDescriptors(features.descriptors);
+  }
   if (features.descriptors.size() != features.size() * kDescriptorSize) {
     return std::unexpected(
         DamagedIndex(name, fmt::format("{} keypoints with {} bytes of descriptors, expected {} each", features.size(),

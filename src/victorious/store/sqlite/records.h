@@ -1,9 +1,12 @@
 // Conversion between records and SQLite rows. docs/formats/index.md describes the tables and their binary columns.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "victorious/base/error.h"
 #include "victorious/store/index_store.h"
@@ -87,6 +90,12 @@ TrackletRecord ReadTracklet(const Statement& row);
 /// Error: kDataLoss, as for ReadObject, and for an unknown source.
 [[nodiscard]] Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name);
 /// Error: kDataLoss, as for ReadObject, and for an invalid keypoint.
+/// Descriptors as stored: 4 bits an element, the lower half of a byte first. Level n of 0 to 15 stands for the value
+/// 255 (n / 15)^2: the levels are dense where elements are frequent. An element changes by at most 17 of 255.
+inline constexpr std::size_t kPackedDescriptorSize = kDescriptorSize / 2;
+std::vector<std::uint8_t> PackDescriptors(std::span<const std::uint8_t> descriptors);
+std::vector<std::uint8_t> UnpackDescriptors(std::span<const std::uint8_t> packed);
+
 [[nodiscard]] Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name);
 
 }  // namespace victorious::sqlite

@@ -138,13 +138,13 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
     VICTORIOUS_ASSIGN_OR_RETURN(features_options, PutOptions(video.features_json));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement put,
-      connection_->Prepare("INSERT INTO videos (content_id, name, width_px, height_px, frame_count, duration_s, "
-                           "features_options_id, start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?) "
-                           "ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, "
-                           "start_utc_us = coalesce(excluded.start_utc_us, start_utc_us)"));
-  VICTORIOUS_RETURN_IF_ERROR(put.Bind(video.content_id, video.name, video.width, video.height, video.frame_count,
-                                      video.duration_s, features_options, video.start_utc_us)
+      Statement put, connection_->Prepare(
+                         "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
+                         "features_options_id, start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) "
+                         "ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, folder = excluded.folder, "
+                         "start_utc_us = coalesce(excluded.start_utc_us, start_utc_us)"));
+  VICTORIOUS_RETURN_IF_ERROR(put.Bind(video.content_id, video.name, video.folder, video.width, video.height,
+                                      video.frame_count, video.duration_s, features_options, video.start_utc_us)
                                  .Run());
   VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(SelectVideos() + "WHERE v.content_id = ?"));
   VICTORIOUS_RETURN_IF_ERROR(find.Bind(video.content_id).Step());
@@ -153,11 +153,13 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
   return stored;
 }
 
-Expected<std::int64_t> SqliteStore::DeleteOtherContent(const std::string& name, const std::string& content_id) {
+Expected<std::int64_t> SqliteStore::DeleteOtherContent(const std::string& name, const std::string& folder,
+                                                       const std::string& content_id) {
   // Deletes the dependent rows as well (ON DELETE CASCADE).
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement forget,
-                              connection_->Prepare("DELETE FROM videos WHERE name = ? AND content_id <> ?"));
-  VICTORIOUS_RETURN_IF_ERROR(forget.Bind(name, content_id).Run());
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement forget,
+      connection_->Prepare("DELETE FROM videos WHERE name = ? AND folder IN ('', ?) AND content_id <> ?"));
+  VICTORIOUS_RETURN_IF_ERROR(forget.Bind(name, folder, content_id).Run());
   return connection_->Changes();
 }
 
@@ -299,8 +301,9 @@ Status SqliteStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
   for (const KeptFrame& kept : frames) {
     const FeatureSet& features = kept.features;
     VICTORIOUS_CHECK(features.descriptors.size() == features.size() * kDescriptorSize);
+    const std::vector<std::uint8_t> packed = PackDescriptors(features.descriptors);
     insert.Bind(kept.video, kept.frame, kept.time_s, features.image_width, features.image_height,
-                std::as_bytes(std::span(features.keypoints)), std::as_bytes(std::span(features.descriptors)));
+                std::as_bytes(std::span(features.keypoints)), std::as_bytes(std::span(packed)));
     VICTORIOUS_RETURN_IF_ERROR(insert.Run());
   }
   return {};
@@ -393,6 +396,37 @@ Status SqliteStore::VisitKeptFrames(const SightingFilter& filter, const std::fun
       Statement select, connection_->Prepare(SelectKeptFrames() + conditions.text() + "ORDER BY video_id, frame"));
   conditions.Bind(select);
   return VisitAll<KeptFrame>(select, connection_->name(), &ReadKeptFrame, visit);
+}
+
+Expected<std::vector<std::string>> SqliteStore::FindFaults() {
+  std::vector<std::string> faults;
+  constexpr std::size_t kMaxFaults = 100;  // the default number of messages of SQLite's own check
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement pages, connection_->Prepare("PRAGMA integrity_check"));
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool row, pages.Step());
+    if (!row) break;
+    if (pages.Text(0) != "ok") faults.push_back(pages.Text(0));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement references,
+                              connection_->Prepare("SELECT \"table\", count(*), parent FROM pragma_foreign_key_check "
+                                                   "GROUP BY \"table\", parent"));
+  while (faults.size() < kMaxFaults) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool row, references.Step());
+    if (!row) break;
+    faults.push_back(fmt::format("rows of {} without their row of {}: {}", references.Text(0), references.Text(2),
+                                 references.Integer(1)));
+  }
+  // Reads every value: what cannot be read is named by the error.
+  const auto add = [&](const Status& status) {
+    if (!status) faults.push_back(status.error().message);
+  };
+  const auto models = Models();
+  const auto objects = Objects({.include_rejected = true});
+  if (!models) faults.push_back(models.error().message);
+  if (!objects) faults.push_back(objects.error().message);
+  add(VisitSightings({.include_rejected = true}, [](SightingRecord&&) { return true; }));
+  add(VisitKeptFrames({}, [](KeptFrame&&) { return true; }));
+  return faults;
 }
 
 }  // namespace victorious::sqlite

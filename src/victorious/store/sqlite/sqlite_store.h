@@ -15,7 +15,7 @@ class SqliteStore final : public IndexStore {
   explicit SqliteStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
   [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override;
-  [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name,
+  [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                           const std::string& content_id) override;
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
   [[nodiscard]] Status SetVideoFeatures(std::int64_t video, const std::string& features_json) override;
@@ -41,6 +41,7 @@ class SqliteStore final : public IndexStore {
 
   [[nodiscard]] Status PutReview(std::int64_t object, const Review& review) override;
   [[nodiscard]] Expected<std::vector<ReviewedObject>> Reviews() override;
+  [[nodiscard]] Expected<std::vector<std::string>> FindFaults() override;
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override;
 
  private:

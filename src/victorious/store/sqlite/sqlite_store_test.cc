@@ -227,6 +227,40 @@ TEST_F(SqliteStoreTest, DamagedBytesNeverCrash) {
   EXPECT_GT(refused, 0);
 }
 
+TEST_F(SqliteStoreTest, FaultsAreFound) {
+  const auto store = OpenSqliteStore(path_, StoreMode::kCreate).value();
+  const VideoRecord video = store->PutVideo({.content_id = "c", .name = "a.mp4"}).value();
+  IndexBatch batch;
+  batch.kept_frames.push_back({.video = video.id, .frame = 0});
+  batch.kept_frames.back().features = {
+      .keypoints = {{1, 2, 3, 0}}, .descriptors = {}, .image_width = 9, .image_height = 9};
+  batch.kept_frames.back().features.descriptors.resize(kDescriptorSize, 7);
+  ASSERT_TRUE(store->Commit(batch));
+  EXPECT_THAT(store->FindFaults().value(), ::testing::IsEmpty());
+  const auto connection = Connection::Open(path_, Access::kWrite).value();
+  ASSERT_TRUE(
+      connection->Execute("PRAGMA foreign_keys = OFF; UPDATE kept_frames SET descriptors = x'0102'; "
+                          "INSERT INTO searches (video_id, model_id, next_frame, finished, options_id, "
+                          "program_version) VALUES (7, 8, 0, 0, 9, '')"));
+  const std::vector<std::string> faults = store->FindFaults().value();
+  EXPECT_THAT(faults, ::testing::Contains(HasSubstr("rows of searches without their row of models: 1")));
+  EXPECT_THAT(faults, ::testing::Contains(HasSubstr("descriptors")));
+}
+
+// An index of schema 7 does not know the folders of its videos.
+TEST_F(SqliteStoreTest, MigratesIndexOfVersion7) {
+  {
+    const auto connection = Connection::Open(path_, Access::kCreate).value();
+    ASSERT_TRUE(Migrate(*connection, Migrations().first(7)));
+    ASSERT_TRUE(connection->Execute(
+        "INSERT INTO videos (content_id, name, width_px, height_px) VALUES ('c', 'flights/a.mp4', 640, 480)"));
+  }
+  const auto store = OpenSqliteStore(path_, StoreMode::kCreate).value();
+  EXPECT_EQ(store->Videos().value().front().folder, "");
+  EXPECT_EQ(store->PutVideo({.content_id = "c", .name = "a.mp4", .folder = "/data/flights"}).value().folder,
+            "/data/flights");
+}
+
 TEST_F(SqliteStoreTest, TruncatedFileIsDataLoss) {
   ASSERT_TRUE(CommitBatches(path_, 2000));
   fs::resize_file(path_, fs::file_size(path_) / 2);
@@ -392,7 +426,7 @@ TEST_F(SqliteStoreTest, MigratesIndexOfVersion4) {
   ASSERT_TRUE(store->VisitKeptFrames({}, [&](KeptFrame&& kept) { return kept.frame == 50 && ++kept_frames > 0; }));
   EXPECT_EQ(kept_frames, 1);
 
-  ASSERT_TRUE(store->DeleteOtherContent("a.mp4", "d")) << "the foreign keys were renamed, too";
+  ASSERT_TRUE(store->DeleteOtherContent("a.mp4", "", "d")) << "the foreign keys were renamed, too";
   EXPECT_TRUE(store->Tracklets()->empty());
   EXPECT_TRUE(store->Sightings({.include_rejected = true})->empty());
   EXPECT_EQ(IntegrityCheck(path_), "ok");
