@@ -17,8 +17,10 @@
 #include <unistd.h>
 
 #include "victorious/base/check.h"
+#include "victorious/base/count_text.h"
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/telemetry/camera_csv.h"
@@ -231,6 +233,15 @@ Status CheckOutput(const std::string& path) {
   return std::unexpected(ErrorFromErrno(fs::is_directory(status) ? EISDIR : errno, fmt::format("write {}", path)));
 }
 
+Status CheckDrawnVideo(const std::string& path) {
+  if (path.empty()) return {};
+  const std::string extension = LowerCase(std::filesystem::path(path).extension().string());
+  if (extension != ".mp4" && extension != ".mkv") {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a video's name must end in .mp4 or .mkv", path));
+  }
+  return CheckOutput(path);
+}
+
 std::string OneLine(std::string text) {
   constexpr char kDelete = 0x7f;
   std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; }, '?');
@@ -309,15 +320,6 @@ Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& sto
   return fmt::format("--near: {} of the {} matching objects have a place, and all are farther away", placed,
                      matching.size());
 }
-
-namespace {
-
-// "1 object", "2 objects"
-std::string CountText(std::size_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
-}  // namespace
 
 Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> found, store.Objects(filter));

@@ -96,6 +96,10 @@ struct FieldFlag {
 /// Checks that WriteOutput can write to `path`. Called before long work.
 [[nodiscard]] Status CheckOutput(const std::string& path);
 
+/// Checks the path of a drawn video: CheckOutput, and its extension. Error: kInvalidArgument unless it is empty or ends
+/// in .mp4 or .mkv.
+[[nodiscard]] Status CheckDrawnVideo(const std::string& path);
+
 /// Replaces control characters (for instance of a file name) by '?', so that a message stays one line.
 std::string OneLine(std::string text);
 

@@ -24,9 +24,9 @@ namespace {
 // Checks that the file still has the indexed content; else frames of another video would be shown.
 Status CheckContent(const VideoRecord& video) {
   std::error_code failed;
-  if (!std::filesystem::exists(video.name, failed))
-    return {};  // opening it reports that; a URL has no content id to check
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video.name, {}));
+  const std::string path = FindVideoFile(video);
+  if (!std::filesystem::exists(path, failed)) return {};  // opening it reports that; a URL has no content id to check
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(path, {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, reader->ContentId(Interrupt(), {}));
   if (content_id == video.content_id) return {};
   return Fail(ErrorCode::kInvalidArgument,
@@ -63,18 +63,22 @@ Action SetUpSheet(CLI::App& app) {
   app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
   app.add_option("--most", arguments->options.max_tiles, "Largest number of objects to show, best first")
       ->type_name("N");
+  app.add_option("--moments", arguments->options.moments,
+                 "Number of moments at which each object is cut out, spread over its sightings (default 3)")
+      ->type_name("N");
   app.add_option("--columns", arguments->options.columns, "Images per row")->type_name("N");
   arguments->filter.AddTo(app);
   AddForce(app);
   return [=, &app]() -> Status {
     VICTORIOUS_RETURN_IF_ERROR(
-        CheckFlags(CollectFields(arguments->options), {{"max_tiles", "--most"}, {"columns", "--columns"}}));
+        CheckFlags(CollectFields(arguments->options),
+                   {{"max_tiles", "--most"}, {"columns", "--columns"}, {"moments", "--moments"}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
     VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
     std::vector<std::string> videos;
-    for (const VideoRecord& video : catalogue.videos()) videos.push_back(video.name);
+    for (const VideoRecord& video : catalogue.videos()) videos.push_back(FindVideoFile(video));
     VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments->out, FileKind::kImage}}, videos));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string no_object_reason, ExplainNoObjectNear(filter, *store));
     if (!no_object_reason.empty()) return Fail(ErrorCode::kInvalidArgument, no_object_reason);

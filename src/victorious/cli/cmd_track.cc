@@ -10,14 +10,18 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "victorious/base/count_text.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/observe/object_type.h"
+#include "victorious/pipeline/drawn_video.h"
 #include "victorious/pipeline/track_job.h"
+#include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
 namespace {
@@ -34,6 +38,8 @@ struct Arguments {
   GroundArguments ground;
   std::string params;
   std::string out;
+  std::string draw;
+  bool json = false;
 };
 
 // Assigns the object types: one for all boxes, or one for each.
@@ -75,7 +81,7 @@ void LogSightingTimes(const std::vector<BoxSighting>& sightings, const std::vect
       spdlog::info("{}: not seen in {}", BoxName(box_index), OneLine(videos[video]));
       continue;
     }
-    spdlog::info("{}: seen in {} frames of {}, {:.2f} to {:.2f} s", BoxName(box_index), seen.size(),
+    spdlog::info("{}: seen in {} of {}, {:.2f} to {:.2f} s", BoxName(box_index), CountText(seen.size(), "frame"),
                  OneLine(videos[video]), seen.front()->time_s, seen.back()->time_s);
   }
 }
@@ -94,6 +100,30 @@ void LogPlace(const TrackedBoxes& tracked, std::size_t box_index) {
                last->time_s, DegreesFromRadians(place.point.latitude_rad),
                DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
                place.IsMoving() ? fmt::format("; moving at {:.1f} m/s", place.velocity_enu->norm()) : "");
+}
+
+// One JSON object per box: in how many frames of which videos it was seen, and its last place.
+std::string SummaryLines(const TrackedBoxes& tracked, const std::vector<std::string>& videos,
+                         const std::vector<UserBox>& boxes) {
+  std::string lines;
+  for (std::size_t box_index = 0; box_index < boxes.size(); ++box_index) {
+    std::vector<std::size_t> frames(videos.size(), 0);
+    const Geolocation* place = nullptr;
+    for (const BoxSighting& one : tracked.sightings) {
+      if (one.box_index != box_index) continue;
+      ++frames[one.video];
+      if (one.place) place = &*one.place;
+    }
+    nlohmann::ordered_json json = {{"model", BoxName(box_index)}, {"frames", nlohmann::ordered_json::object()}};
+    for (std::size_t video = 0; video < videos.size(); ++video) json["frames"][videos[video]] = frames[video];
+    json["latitude_deg"] = place ? nlohmann::ordered_json(DegreesFromRadians(place->point.latitude_rad)) : nullptr;
+    json["longitude_deg"] = place ? nlohmann::ordered_json(DegreesFromRadians(place->point.longitude_rad)) : nullptr;
+    json["ce90_m"] = place ? nlohmann::ordered_json(place->ce90_m) : nullptr;
+    const std::string& failure = tracked.place_failures[box_index];
+    json["no_place"] = failure.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(failure);
+    lines += json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  }
+  return lines;
 }
 
 // Sightings in a video that is given twice would be counted twice.
@@ -119,8 +149,10 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   const auto telemetry = arguments.telemetry.empty() ? std::nullopt : std::optional(arguments.telemetry);
   std::vector<std::string> read = ListTelemetryBeside(videos, telemetry);
   if (!options.ground.terrain.empty()) read.push_back(options.ground.terrain);
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, FileKind::kSightings}}, read));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(
+      app, {{"--out", arguments.out, FileKind::kSightings}, {"--draw", arguments.draw, FileKind::kVideo}}, read));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
+  VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   if (arguments.boxes.size() != arguments.at_s.size()) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{} --box and {} --at: give one --at for each --box",
                                                          arguments.boxes.size(), arguments.at_s.size()));
@@ -138,6 +170,11 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
                               TrackBoxes(videos, boxes, telemetry, options, Interrupt(), warn));
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(tracked.sightings, videos, boxes)));
+  if (!arguments.draw.empty()) {
+    VICTORIOUS_RETURN_IF_ERROR(DrawVideo(arguments.video, ListBoxDrawing(tracked.sightings, boxes),
+                                         VideoReaderOptions().folder_frame_rate, arguments.draw, Interrupt()));
+  }
+  if (arguments.json) VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", SummaryLines(tracked, videos, boxes)));
   LogUnknownTypes(arguments.types);
   for (std::size_t box_index = 0; box_index < boxes.size(); ++box_index) {
     LogSightingTimes(tracked.sightings, videos, box_index);
@@ -179,6 +216,10 @@ Action SetUpTrack(CLI::App& app) {
   app.add_option("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)")
       ->required()
       ->type_name("FILE");
+  app.add_option("--draw", arguments->draw,
+                 "Write a copy of VIDEO with the boxes, names and places drawn into it (.mp4, .mkv)")
+      ->type_name("FILE");
+  app.add_flag("--json", arguments->json, "Print one JSON object per box: frames per video, last place");
   AddForce(app);
   return [=, &app] { return Run(*arguments, app); };
 }

@@ -38,7 +38,8 @@ constexpr auto kKindTexts =
                                        {FileKind::kFeatures, "a list of features"},
                                        {FileKind::kCategoryModel, "a category model"},
                                        {FileKind::kSimulation, "in a folder of a simulation (with its truth.jsonl)"},
-                                       {FileKind::kReport, "a report of an experiment"}});
+                                       {FileKind::kReport, "a report of an experiment"},
+                                       {FileKind::kVideo, "a video that may be replaced, since it may be footage"}});
 
 std::string_view FirstLine(std::string_view text) { return text.substr(0, text.find_first_of("\r\n")); }
 
@@ -129,6 +130,8 @@ bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
       return IsCategoryModelFile(std::as_bytes(std::span(head)));
     case FileKind::kSimulation:
       return IsSimulationFolder(path.parent_path());
+    case FileKind::kVideo:
+      return false;
     case FileKind::kReport:
       break;
   }

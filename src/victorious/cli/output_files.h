@@ -29,6 +29,7 @@ enum class FileKind {
   kCategoryModel,    ///< a category model
   kSimulation,       ///< a file in a folder with a truth.jsonl of `simulate`
   kReport,           ///< JSON, CSV or SVG of `experiment`
+  kVideo,            ///< a video: never recognised, since a drawn video cannot be told from footage
 };
 
 /// A path that a command will write.

@@ -1,6 +1,8 @@
 #include "victorious/pipeline/contact_sheet.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -19,71 +21,141 @@ void ContactSheetOptions::ListFields(FieldList& fields) {
   fields.Add("max_tiles", max_tiles, {.min = 1, .max = 1000, .reason = "maximum number of objects shown, best first"});
   fields.Add("columns", columns, {.min = 1, .max = 50, .reason = "tiles in a row"});
   fields.Add("tile_width_px", tile_width_px, {.min = 64, .max = 2000, .unit = "px", .reason = "width of a tile"});
+  fields.Add("moments", moments, {.min = 1, .max = 16, .reason = "number of moments at which an object is cut out"});
 }
 
 namespace {
 
 constexpr int kCaptionHeightPx = 34;
 
+// A sighting that is shown.
+struct Moment {
+  std::int64_t video = 0;
+  std::int64_t frame = 0;
+  double time_s = 0;
+  Box box;
+  Polygon outline;
+  int matches = 0;
+  double score = 0;
+  cv::Mat cut_out;
+
+  [[nodiscard]] std::pair<int, double> Rank() const { return {matches, score}; }
+};
+
 struct Tile {
   ObjectRecord object;
   std::string model;
-  SightingRecord best;
-  cv::Mat image;
+  std::vector<Moment> moments;  // of all sightings, then of those shown
+  std::size_t best = 0;         // index of the moment whose whole frame is shown
+  cv::Mat frame;
 };
 
-std::vector<cv::Point> Corners(const Polygon& outline, double factor) {
-  std::vector<cv::Point> corners;
-  for (const Eigen::Vector2d& corner : outline)
-    corners.emplace_back(cv::Point2d(corner.x() * factor, corner.y() * factor));
-  return corners;
+void Caption(cv::Mat& image, const std::string& text, const cv::Point& at, double scale = 0.42) {
+  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar::all(235), 1, cv::LINE_AA);
+}
+
+// Keeps the best moment of each part of the sightings, which are in order of time.
+void SelectMoments(Tile& tile, int count) {
+  const std::size_t all = tile.moments.size();
+  const std::size_t parts = std::min(all, static_cast<std::size_t>(count));
+  std::vector<Moment> selected;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const auto first = tile.moments.begin() + static_cast<std::ptrdiff_t>(part * all / parts);
+    const auto last = tile.moments.begin() + static_cast<std::ptrdiff_t>((part + 1) * all / parts);
+    selected.push_back(std::move(
+        *std::max_element(first, last, [](const Moment& a, const Moment& b) { return a.Rank() < b.Rank(); })));
+  }
+  tile.moments = std::move(selected);
+  tile.best =
+      static_cast<std::size_t>(std::ranges::max_element(tile.moments, {}, &Moment::Rank) - tile.moments.begin());
 }
 
 // The frame, scaled to the tile, with the outline drawn onto it.
-cv::Mat DrawTile(const Tile& tile, const cv::Mat& frame, const cv::Size& size) {
-  cv::Mat image(size.height + kCaptionHeightPx, size.width, CV_8UC3, cv::Scalar::all(24));
-  const double factor =
-      std::min(static_cast<double>(size.width) / frame.cols, static_cast<double>(size.height) / frame.rows);
+cv::Mat DrawFrame(const Tile& tile, const cv::Mat& frame, int width) {
+  const double factor = static_cast<double>(width) / frame.cols;
   cv::Mat small;
-  cv::resize(frame, small, {}, factor, factor, cv::INTER_AREA);
-  const Polygon outline = tile.best.outline.empty() ? BoxCorners(tile.best.box) : tile.best.outline;
-  const bool rejected = !tile.object.rejected.empty();
-  const cv::Scalar colour = rejected ? cv::Scalar(0, 0, 255) : cv::Scalar(0, 255, 255);
-  cv::polylines(small, Corners(outline, factor), true, colour, 2, cv::LINE_AA);
-  small.copyTo(image(cv::Rect({0, 0}, small.size())));
-  const auto caption = [&](const std::string& text, int line) {
-    cv::putText(image, text, {4, size.height + 13 + 15 * line}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar::all(235), 1,
-                cv::LINE_AA);
-  };
-  caption(fmt::format("{}  score {:.2f}  object {}", tile.model, tile.object.score, tile.object.id), 0);
-  caption(rejected ? "rejected: " + tile.object.rejected
-                   : fmt::format("{:.2f} s (seen {:.1f} to {:.1f} s, {} frames)", tile.best.time_s,
-                                 tile.object.first_time_s, tile.object.last_time_s, tile.object.frames),
-          1);
+  cv::resize(frame, small, {width, std::max(1, static_cast<int>(std::lround(frame.rows * factor)))}, 0, 0,
+             cv::INTER_AREA);
+  const Moment& best = tile.moments[tile.best];
+  std::vector<cv::Point> corners;
+  for (const Eigen::Vector2d& corner : best.outline.empty() ? BoxCorners(best.box) : best.outline)
+    corners.emplace_back(cv::Point2d(corner.x() * factor, corner.y() * factor));
+  const cv::Scalar colour = tile.object.rejected.empty() ? cv::Scalar(0, 255, 255) : cv::Scalar(0, 0, 255);
+  cv::polylines(small, corners, true, colour, 2, cv::LINE_AA);
+  return small;
+}
+
+// The object with a quarter of its size around it, as a square of this side. Nothing is drawn on it.
+cv::Mat CutOut(const cv::Mat& frame, const Moment& moment, int side) {
+  constexpr double kMargin = 1.5;  // side of the cut-out relative to the longer side of the box
+  constexpr double kMaxEnlargement = 4;
+  const double extent_px = std::max(kMargin * std::max(moment.box.width, moment.box.height), side / kMaxEnlargement);
+  const cv::Point2d centre(moment.box.x + moment.box.width / 2, moment.box.y + moment.box.height / 2);
+  const auto extent = static_cast<int>(std::lround(std::min(extent_px, 2.0 * std::max(frame.cols, frame.rows))));
+  const cv::Rect wanted(cvRound(centre.x - extent / 2.0), cvRound(centre.y - extent / 2.0), extent, extent);
+  const cv::Rect inside = wanted & cv::Rect({0, 0}, frame.size());
+  cv::Mat cut = cv::Mat::zeros(wanted.size(), CV_8UC3);
+  if (!inside.empty()) frame(inside).copyTo(cut(inside - wanted.tl()));
+  cv::Mat scaled;
+  cv::resize(cut, scaled, {side, side}, 0, 0, extent > side ? cv::INTER_AREA : cv::INTER_CUBIC);
+  return scaled;
+}
+
+// The frame, below it the cut-outs side by side with their times, and the caption.
+cv::Mat DrawTile(const Tile& tile, const ContactSheetOptions& options) {
+  const int side = options.tile_width_px / options.moments;
+  const int below = tile.frame.rows + side;
+  cv::Mat image(below + kCaptionHeightPx, options.tile_width_px, CV_8UC3, cv::Scalar::all(24));
+  tile.frame.copyTo(image(cv::Rect({0, 0}, tile.frame.size())));
+  for (std::size_t i = 0; i < tile.moments.size(); ++i) {
+    const cv::Rect place(static_cast<int>(i) * side, tile.frame.rows, side, side);
+    const Moment& moment = tile.moments[i];
+    if (moment.cut_out.empty()) continue;
+    moment.cut_out.copyTo(image(place));
+    image(cv::Rect(place.x, place.y, 1, side)) = cv::Scalar::all(24);
+    cv::Mat strip = image(cv::Rect(place.x, place.y + side - 12, side, 12));
+    strip *= 0.4;
+    Caption(image, fmt::format("{:.1f} s", moment.time_s), {place.x + 3, place.y + side - 3}, 0.32);
+  }
+  const ObjectRecord& object = tile.object;
+  Caption(image, fmt::format("{}  score {:.2f}  object {}", tile.model, object.score, object.id), {4, below + 13});
+  Caption(image,
+          object.rejected.empty() ? fmt::format("{:.2f} s (seen {:.1f} to {:.1f} s, {} {})",
+                                                tile.moments[tile.best].time_s, object.first_time_s, object.last_time_s,
+                                                object.frames, object.frames == 1 ? "frame" : "frames")
+                                  : "rejected: " + object.rejected,
+          {4, below + 28});
   return image;
 }
 
-// Reads one video once and draws the tiles whose best sighting is in it.
-Status DrawTilesOf(const VideoRecord& video, const std::vector<Tile*>& tiles, int tile_width) {
-  std::map<std::int64_t, std::vector<Tile*>> by_frame;
-  for (Tile* tile : tiles) by_frame[tile->best.frame].push_back(tile);
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video.name, {.color = FrameColor::kBgr}));
-  const cv::Size size(tile_width, std::max(1, tile_width * video.height / std::max(1, video.width)));
+// Reads one video once and cuts out the moments that are in it.
+Status DrawMomentsOf(const VideoRecord& video, std::vector<Tile>& tiles, const ContactSheetOptions& options) {
+  std::multimap<std::int64_t, std::pair<Tile*, Moment*>> by_frame;
+  for (Tile& tile : tiles) {
+    for (Moment& moment : tile.moments) {
+      if (moment.video == video.id) by_frame.emplace(moment.frame, std::pair(&tile, &moment));
+    }
+  }
+  if (by_frame.empty()) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(FindVideoFile(video), {.color = FrameColor::kBgr}));
   while (!by_frame.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
     if (!frame) break;
-    const auto found = by_frame.find(frame->index);
-    if (found == by_frame.end()) continue;
-    for (Tile* tile : found->second) tile->image = DrawTile(*tile, frame->image, size);
-    by_frame.erase(found);
+    const auto [first, last] = by_frame.equal_range(frame->index);
+    for (auto one = first; one != last; ++one) {
+      const auto [tile, moment] = one->second;
+      moment->cut_out = CutOut(frame->image, *moment, options.tile_width_px / options.moments);
+      if (moment == &tile->moments[tile->best]) tile->frame = DrawFrame(*tile, frame->image, options.tile_width_px);
+    }
+    by_frame.erase(first, last);
   }
   return {};
 }
 
-cv::Mat Compose(const std::vector<Tile>& tiles, const ContactSheetOptions& options) {
+cv::Mat Compose(const std::vector<cv::Mat>& tiles, const ContactSheetOptions& options) {
   constexpr int kGapPx = 6;
   int height = 0;
-  for (const Tile& tile : tiles) height = std::max(height, tile.image.rows);
+  for (const cv::Mat& tile : tiles) height = std::max(height, tile.rows);
   const int columns = std::min(options.columns, static_cast<int>(tiles.size()));
   const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
   cv::Mat sheet(rows * (height + kGapPx) + kGapPx, columns * (options.tile_width_px + kGapPx) + kGapPx, CV_8UC3,
@@ -92,7 +164,7 @@ cv::Mat Compose(const std::vector<Tile>& tiles, const ContactSheetOptions& optio
     const auto column = static_cast<int>(i) % columns;
     const auto row = static_cast<int>(i) / columns;
     const cv::Point corner(kGapPx + column * (options.tile_width_px + kGapPx), kGapPx + row * (height + kGapPx));
-    tiles[i].image.copyTo(sheet(cv::Rect(corner, tiles[i].image.size())));
+    tiles[i].copyTo(sheet(cv::Rect(corner, tiles[i].size())));
   }
   return sheet;
 }
@@ -111,30 +183,35 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
     const ModelRecord* model = catalogue.Model(object.model);
     if (model == nullptr) continue;
     tile_of[object.id] = tiles.size();
-    tiles.push_back({.object = object, .model = model->name, .best = {.matches = -1}, .image = {}});
+    tiles.push_back({.object = object, .model = model->name, .moments = {}, .best = 0, .frame = {}});
   }
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
     const auto found = tile_of.find(sighting.object);
     if (found != tile_of.end() && catalogue.Video(sighting.video) != nullptr) {
-      Tile& tile = tiles[found->second];
-      const auto rank = [](const SightingRecord& one) { return std::pair(one.matches, one.score); };
-      if (rank(sighting) > rank(tile.best)) tile.best = std::move(sighting);
+      tiles[found->second].moments.push_back({.video = sighting.video,
+                                              .frame = sighting.frame,
+                                              .time_s = sighting.time_s,
+                                              .box = sighting.box,
+                                              .outline = std::move(sighting.outline),
+                                              .matches = sighting.matches,
+                                              .score = sighting.score,
+                                              .cut_out = {}});
     }
     return true;
   }));
   // The time interval of an object may overlap the requested one without a sighting in it.
-  std::erase_if(tiles, [](const Tile& tile) { return tile.best.matches < 0; });
-
-  std::map<std::int64_t, std::vector<Tile*>> by_video;
-  for (Tile& tile : tiles) by_video[tile.best.video].push_back(&tile);
-  for (const auto& [video, of_video] : by_video) {
-    VICTORIOUS_RETURN_IF_ERROR(DrawTilesOf(*catalogue.Video(video), of_video, options.tile_width_px));
+  std::erase_if(tiles, [](const Tile& tile) { return tile.moments.empty(); });
+  for (Tile& tile : tiles) SelectMoments(tile, options.moments);
+  for (const VideoRecord& video : catalogue.videos()) {
+    VICTORIOUS_RETURN_IF_ERROR(DrawMomentsOf(video, tiles, options));
   }
-  std::erase_if(tiles, [](const Tile& tile) { return tile.image.empty(); });
+  std::erase_if(tiles, [](const Tile& tile) { return tile.frame.empty(); });
   if (tiles.empty())
     return Fail(ErrorCode::kInvalidArgument,
                 "no object in the index passes the filter: widen --video, --from, --to, or index a video first");
-  return Compose(tiles, options);
+  std::vector<cv::Mat> images;
+  for (const Tile& tile : tiles) images.push_back(DrawTile(tile, options));
+  return Compose(images, options);
 }
 
 }  // namespace victorious

@@ -84,6 +84,29 @@ TEST_F(ContactSheet, RespectsLimitAndFilter) {
   EXPECT_EQ(Tiles(Draw(trucks, {.max_tiles = 9, .columns = 1, .tile_width_px = 160}), 1, count), count);
 }
 
+// Below the frame stand cut-outs of the object itself, enlarged, of different moments, without the outline.
+TEST_F(ContactSheet, CutsTheObjectOutAtSeveralMoments) {
+  const auto seen_often = std::ranges::find_if(objects_, [](const ObjectRecord& one) { return one.frames >= 4; });
+  ASSERT_NE(seen_often, objects_.end());
+  constexpr ContactSheetOptions kOne = {.max_tiles = 1, .columns = 1, .tile_width_px = 400, .moments = 4};
+  const cv::Mat sheet = Draw({.object = seen_often->id}, kOne);
+  constexpr int kGap = 6;
+  constexpr int kFrameHeight = 400 * 192 / 256;
+  const auto cut_out = [&](int i) { return sheet(cv::Rect(kGap + 100 * i + 1, kGap + kFrameHeight, 99, 86)); };
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(Yellow(cut_out(i)), 0) << i;
+    cv::Scalar mean;
+    cv::Scalar deviation;
+    cv::meanStdDev(cut_out(i), mean, deviation);
+    EXPECT_GT(deviation[0], 8) << "cut-out " << i << " is not empty";
+    if (i > 0) {
+      EXPECT_GT(cv::norm(cut_out(i), cut_out(i - 1), cv::NORM_INF), 20) << "of another moment";
+    }
+  }
+  EXPECT_EQ(sheet.cols, 400 + 2 * kGap);
+  EXPECT_EQ(sheet.rows, kFrameHeight + 100 + 34 + 2 * kGap);
+}
+
 // An object passes the time filter if its interval overlaps it, even without a sighting in it: then there is no tile.
 TEST_F(ContactSheet, ExcludesObjectsOutsideTheTimeRange) {
   for (const ObjectRecord& object : objects_) {
@@ -103,6 +126,7 @@ TEST_F(ContactSheet, ErrorsNameTheReason) {
   EXPECT_THAT(ErrorOf({.model_name = "nobody"}, kSmallTiles), HasSubstr("nobody"));
   EXPECT_THAT(ErrorOf({}, {.max_tiles = 0, .columns = 0, .tile_width_px = 1}),
               AllOf(HasSubstr("max_tiles = 0"), HasSubstr("columns = 0"), HasSubstr("tile_width_px = 1")));
+  EXPECT_THAT(ErrorOf({}, {.moments = 0}), HasSubstr("moments = 0"));
   std::filesystem::rename(flight_.video(), flight_ / "moved.mkv");
   EXPECT_THAT(ErrorOf({}, kSmallTiles), AllOf(HasSubstr(flight_.video()), Not(HasSubstr("\n"))));
 }
