@@ -49,10 +49,10 @@ std::vector<Setting> MakeSettings() {
           with("one nearest", [](ShortlistOptions& options) { options.nearest = 1; }),
           with("two refined, two verified",
                [](ShortlistOptions& options) { options.max_refined = options.max_verified = 2; }),
-          with("six refined, eight verified",
+          with("sixteen refined, 24 verified",
                [](ShortlistOptions& options) {
-                 options.max_refined = 6;
-                 options.max_verified = 8;
+                 options.max_refined = 16;
+                 options.max_verified = 24;
                }),
           with("any significance", [](ShortlistOptions& options) {
             options.min_refined_neg_log10_nfa = options.min_verified_neg_log10_nfa = -100;

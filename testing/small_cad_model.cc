@@ -26,14 +26,16 @@ Mesh Slab() {
 
 }  // namespace
 
+ObjectModel MakeSmallCadModel(const ViewSphereOptions& sphere) {
+  CadModelOptions options;
+  options.sphere = sphere;
+  auto made = MakeCadModel("slab", Slab(), "slab.glb", options);
+  EXPECT_TRUE(made) << made.error().message;
+  return made.value_or(ObjectModel{});
+}
+
 const ObjectModel& SmallCadModel() {
-  static const ObjectModel model = [] {
-    CadModelOptions options;
-    options.sphere = {.step_deg = 30, .max_off_nadir_deg = 60};
-    auto made = MakeCadModel("slab", Slab(), "slab.glb", options);
-    EXPECT_TRUE(made) << made.error().message;
-    return made.value_or(ObjectModel{});
-  }();
+  static const ObjectModel model = MakeSmallCadModel({.step_deg = 30, .max_off_nadir_deg = 60});
   return model;
 }
 

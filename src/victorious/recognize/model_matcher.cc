@@ -88,6 +88,18 @@ void ModelMatcher::Pool(int max_count) {
   }
 }
 
+bool ModelMatcher::HasInstancesOutOfViewOnly(double min_in_view) const {
+  const Box frame = FrameBox(scene_.features().image_width, scene_.features().image_height);
+  bool has_instance = false;
+  for (const Candidate& candidate : candidates_) {
+    if (*candidate.fit.neg_log10_nfa < kInstanceNegLog10Nfa) continue;
+    const Polygon outline = ProjectPolygon(candidate.fit.scene_from_template_plane, candidate.outline);
+    if (FractionInside(outline, frame) >= min_in_view) return false;
+    has_instance = true;
+  }
+  return has_instance;
+}
+
 Expected<double> ModelMatcher::Evaluate(const TemplateVariant& variant) {
   MatchedVariant matched{.variant = variant, .relit = {}, .matches = {}};
   if (variant.sun_view) {

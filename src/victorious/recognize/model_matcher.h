@@ -68,6 +68,10 @@ class ModelMatcher {
   /// @param max_count  number of the best templates
   void Pool(int max_count);
 
+  /// True if there are poses of a certain instance, but in all of them less than min_in_view of the outline is inside
+  /// the frame: Detect() drops them.
+  [[nodiscard]] bool HasInstancesOutOfViewOnly(double min_in_view) const;
+
   /// All poses so far. Candidate::model_index is not set.
   [[nodiscard]] std::vector<Candidate> TakeCandidates() { return std::move(candidates_); }
 

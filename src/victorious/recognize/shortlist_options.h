@@ -7,10 +7,16 @@ namespace victorious {
 struct ShortlistOptions {
   int nearest = 2;  ///< scene keypoints per template keypoint, of those of allowed orientation
   /// Coarse views that are refined: proposed again at full resolution, with their neighbours.
-  int max_refined = 6;
-  double min_refined_neg_log10_nfa = -1;  ///< of their proposals
-  int max_verified = 4;                   ///< proposals that are matched and fitted in full
-  double min_verified_neg_log10_nfa = 0;  ///< of their proposals
+  int max_refined = 8;
+  /// Of them at one place in the scene, so that no instance crowds out another; half as many at a certain one.
+  int max_refined_per_place = 4;
+  double min_refined_neg_log10_nfa = -1;   ///< of their proposals
+  int max_verified = 12;                   ///< proposals that are matched and fitted in full, in one round
+  int max_verified_per_place = 6;          ///< likewise
+  double min_verified_neg_log10_nfa = -1;  ///< of their proposals
+  /// Rounds of verification: another one, with as many more, if all significant poses so far are mostly out of view.
+  int max_rounds = 3;
+  double min_in_view = 0.5;  ///< fraction of the outline, as DetectOptions::min_in_view
   /// Verified views whose neighbours are verified, too, so that they can be pooled.
   int max_pooled = 2;
   double min_pooled_neg_log10_nfa = -1;  ///< of their poses

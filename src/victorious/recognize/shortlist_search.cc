@@ -12,12 +12,6 @@
 namespace victorious {
 namespace {
 
-std::vector<TemplateVariant> VariantsOf(std::span<const TemplateProposal> proposals) {
-  std::vector<TemplateVariant> variants;
-  for (const TemplateProposal& one : proposals) variants.push_back(one.variant);
-  return variants;
-}
-
 bool IsSameTemplate(const TemplateVariant& a, const TemplateVariant& b) {
   return a.view == b.view && a.relative_azimuth_rad == b.relative_azimuth_rad && a.half_resolution == b.half_resolution;
 }
@@ -68,19 +62,30 @@ Expected<std::vector<Candidate>> ShortlistSearch::Search(const PreparedScene& sc
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TemplateProposal> proposals, propose(coarse));
 
   std::vector<TemplateVariant> refined;
-  for (const TemplateProposal& one :
-       BestProposals(proposals, shortlist_.max_refined, shortlist_.min_refined_neg_log10_nfa)) {
+  for (const TemplateProposal& one : BestProposals(proposals, {shortlist_.max_refined, shortlist_.max_refined_per_place,
+                                                               shortlist_.min_refined_neg_log10_nfa})) {
     if (one.variant.half_resolution) AddMissing(with_light_of(one.variant, one.variant.view), {}, refined);
     add_neighbours(one.variant, coarse, refined);
   }
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TemplateProposal> of_refined, propose(refined));
   std::ranges::move(of_refined, std::back_inserter(proposals));
-  // The good ones have been proposed at full resolution, too.
-  std::erase_if(proposals, [](const TemplateProposal& one) { return one.variant.half_resolution; });
 
-  const std::vector<TemplateVariant> verified =
-      VariantsOf(BestProposals(std::move(proposals), shortlist_.max_verified, shortlist_.min_verified_neg_log10_nfa));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ScoredVariant> scored, matcher.EvaluateScored(verified));
+  std::vector<TemplateVariant> verified;
+  std::vector<ScoredVariant> scored;
+  for (int round = 1; round <= shortlist_.max_rounds; ++round) {
+    const int max_count = round * shortlist_.max_verified;
+    std::vector<TemplateVariant> next;
+    for (const TemplateProposal& one :
+         BestProposals(proposals, {max_count, round == 1 ? shortlist_.max_verified_per_place : max_count,
+                                   shortlist_.min_verified_neg_log10_nfa})) {
+      AddMissing(one.variant, verified, next);
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ScoredVariant> of_round, matcher.EvaluateScored(next));
+    std::ranges::copy(of_round, std::back_inserter(scored));
+    std::ranges::copy(next, std::back_inserter(verified));
+    // At the frame's border neighbouring views disagree about the part outside: another one may fit.
+    if (!matcher.HasInstancesOutOfViewOnly(shortlist_.min_in_view)) break;
+  }
   std::vector<TemplateVariant> beside;
   for (const ScoredVariant& one : SortedByNfa(scored) | std::views::take(shortlist_.max_pooled)) {
     if (one.neg_log10_nfa < shortlist_.min_pooled_neg_log10_nfa) break;

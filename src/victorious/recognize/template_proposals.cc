@@ -19,7 +19,9 @@ namespace {
 constexpr double kLeanDifference_rad = 0.06;
 // Poses nearer to each other than this fraction of the smaller one's size show the same instance.
 constexpr double kSamePlaceFraction = 0.5;
-constexpr int kMaxPerPlace = 2;
+
+// A proposal of this -log10 NFA is certain to show an instance: half of the others at its place suffice.
+constexpr double kCertainNegLog10Nfa = 10;
 
 // The prior of a view, as ModelMatcher applies it; nullopt for a view of unknown angles.
 std::optional<UprightPrior> PriorOf(const ModelView& view, const std::optional<Vertical>& vertical,
@@ -86,16 +88,22 @@ Expected<std::vector<TemplateProposal>> ProposeTemplates(const ObjectModel& mode
   return proposals;
 }
 
-std::vector<TemplateProposal> BestProposals(std::vector<TemplateProposal> proposals, int max_count,
-                                            double min_neg_log10_nfa) {
+std::vector<TemplateProposal> BestProposals(std::vector<TemplateProposal> proposals,
+                                            const ProposalSelection& selection) {
   std::ranges::stable_sort(proposals, std::greater{},
                            [](const TemplateProposal& one) { return one.pose.neg_log10_nfa; });
   std::vector<TemplateProposal> best;
   for (TemplateProposal& one : proposals) {
-    if (std::ssize(best) >= max_count || one.pose.neg_log10_nfa < min_neg_log10_nfa) break;
-    const auto at_its_place =
-        std::ranges::count_if(best, [&](const TemplateProposal& other) { return AreAtOnePlace(one.pose, other.pose); });
-    if (at_its_place < kMaxPerPlace) best.push_back(std::move(one));
+    if (std::ssize(best) >= selection.max_count || one.pose.neg_log10_nfa < selection.min_neg_log10_nfa) break;
+    int at_its_place = 0;
+    bool is_certain_place = false;
+    for (const TemplateProposal& other : best) {
+      if (!AreAtOnePlace(one.pose, other.pose)) continue;
+      ++at_its_place;
+      is_certain_place = is_certain_place || other.pose.neg_log10_nfa >= kCertainNegLog10Nfa;
+    }
+    const int max_there = is_certain_place ? (selection.max_per_place + 1) / 2 : selection.max_per_place;
+    if (at_its_place < max_there) best.push_back(std::move(one));
   }
   return best;
 }

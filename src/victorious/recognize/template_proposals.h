@@ -31,9 +31,16 @@ struct TemplateProposal {
     const AzimuthCells& cells, const VoteSearchOptions& options, std::span<const TemplateVariant> variants,
     int nearest);
 
-/// The most significant proposals, by falling -log10 NFA, at least min_neg_log10_nfa; of each position in the scene at
-/// most two, so that one instance does not crowd out another.
-std::vector<TemplateProposal> BestProposals(std::vector<TemplateProposal> proposals, int max_count,
-                                            double min_neg_log10_nfa);
+/// Which proposals to keep: the most significant ones.
+struct ProposalSelection {
+  int max_count;
+  /// At one position in the scene, so that one instance does not crowd out another; half as many at a certain one.
+  int max_per_place;
+  double min_neg_log10_nfa;
+};
+
+/// The selected proposals, by falling -log10 NFA.
+std::vector<TemplateProposal> BestProposals(std::vector<TemplateProposal> proposals,
+                                            const ProposalSelection& selection);
 
 }  // namespace victorious
