@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "victorious/kernels/k_nearest.h"
+#include "victorious/kernels/short_nearest.h"
 
 namespace victorious::kernels {
 PackedDescriptors Pack(std::span<const std::uint8_t> rows, std::size_t row_bytes) {
@@ -11,7 +12,7 @@ PackedDescriptors Pack(std::span<const std::uint8_t> rows, std::size_t row_bytes
   set.row_bytes = row_bytes;
   const std::size_t blocks = (set.count + kBlockDescriptors - 1) / kBlockDescriptors;
   set.blocks.assign(blocks * kBlockDescriptors * row_bytes, 0);
-  set.constant.assign(blocks * kBlockDescriptors, kPaddingDistance);
+  set.constant.assign(blocks * kBlockDescriptors, row_bytes == kShortBytes ? kShortPaddingDistance : kPaddingDistance);
   for (std::size_t i = 0; i < set.count; ++i) {
     const std::uint8_t* row = rows.data() + i * row_bytes;
     std::uint8_t* lane =
@@ -65,13 +66,13 @@ void FindNearestK(const PackedQueries& queries, const PackedDescriptors& set, st
   }
 }
 
-void FindNearestKInRanges(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                          std::span<const BlockRange> ranges, std::span<Neighbour> out) {
+void FindShortNearest(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                      std::span<const BlockRange> ranges, std::span<std::uint32_t> out) {
   static const bool has_vnni = HasVnni();
   if (has_vnni) {
-    FindNearestKInRangesVnni(queries, set, k, ranges, out);
+    FindShortNearestVnni(queries, set, k, ranges, out);
   } else {
-    FindNearestKInRangesSimd(queries, set, k, ranges, out);
+    FindShortNearestSimd(queries, set, k, ranges, out);
   }
 }
 

@@ -1,4 +1,4 @@
-// The reference implementations of FindNearestTwo and FindNearestK: one byte at a time.
+// The reference implementations of FindNearestTwo, FindNearestK and FindShortNearest: one byte at a time.
 #include <algorithm>
 #include <vector>
 
@@ -45,21 +45,37 @@ void FindNearestTwoRef(const PackedQueries& queries, const PackedDescriptors& se
 
 void FindNearestKRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
                      std::span<Neighbour> out) {
-  const std::vector<BlockRange> whole(queries.count, {0, set.block_count()});
-  FindNearestKInRangesRef(queries, set, k, whole, out);
-}
-
-void FindNearestKInRangesRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                             std::span<const BlockRange> ranges, std::span<Neighbour> out) {
   for (std::size_t q = 0; q < queries.count; ++q) {
-    const BlockRange& range = ranges[q / kRangeQueries];
     std::vector<Neighbour> all;
-    for (std::size_t i = range.first * kBlockDescriptors; i < std::min(set.count, range.last * kBlockDescriptors);
-         ++i) {
+    for (std::size_t i = 0; i < set.count; ++i)
       all.push_back({static_cast<std::uint32_t>(i), Distance2(queries, q, set, i)});
-    }
     std::ranges::stable_sort(all, {}, &Neighbour::distance2);
     for (std::size_t r = 0; r < k; ++r) out[q * k + r] = r < all.size() ? all[r] : Neighbour{};
+  }
+}
+
+void FindShortNearestRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                         std::span<const BlockRange> ranges, std::span<std::uint32_t> out) {
+  const auto by_distance = [](const Neighbour& a, const Neighbour& b) {
+    return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.index < b.index;
+  };
+  for (std::size_t q = 0; q < queries.count; ++q) {
+    const BlockRange& range = ranges[q / kRangeQueries];
+    std::vector<Neighbour> considered;
+    for (std::size_t first = range.first; first < range.last; first += kSegmentBlocks) {
+      for (std::size_t lane = 0; lane < kBlockDescriptors; ++lane) {
+        std::vector<Neighbour> of_lane;
+        for (std::size_t block = first; block < std::min(range.last, first + kSegmentBlocks); ++block) {
+          const std::size_t i = block * kBlockDescriptors + lane;
+          if (i < set.count) of_lane.push_back({static_cast<std::uint32_t>(i), Distance2(queries, q, set, i)});
+        }
+        std::ranges::sort(of_lane, by_distance);
+        of_lane.resize(std::min<std::size_t>(of_lane.size(), 2));
+        considered.insert(considered.end(), of_lane.begin(), of_lane.end());
+      }
+    }
+    std::ranges::sort(considered, by_distance);
+    for (std::size_t r = 0; r < k; ++r) out[q * k + r] = r < considered.size() ? considered[r].index : kNoNeighbour;
   }
 }
 

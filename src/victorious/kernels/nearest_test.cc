@@ -16,8 +16,8 @@ namespace {
 
 using Find = void (*)(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>);
 using FindK = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>);
-using FindKInRanges = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<const BlockRange>,
-                               std::span<Neighbour>);
+using FindShort = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<const BlockRange>,
+                           std::span<std::uint32_t>);
 
 std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uint32_t levels) {
   std::vector<std::uint8_t> rows(count * kDescriptorBytes);
@@ -47,15 +47,15 @@ std::vector<NearestTwo> Expected(const std::vector<std::uint8_t>& queries, const
 }
 
 std::vector<Neighbour> ExpectedK(std::span<const std::uint8_t> queries, std::span<const std::uint8_t> set,
-                                 std::size_t k, std::size_t row_bytes = kDescriptorBytes) {
+                                 std::size_t k) {
   std::vector<Neighbour> result;
-  for (std::size_t q = 0; q < queries.size() / row_bytes; ++q) {
-    const std::span<const std::uint8_t> query = queries.subspan(q * row_bytes, row_bytes);
-    std::vector<Neighbour> all(std::max(k, set.size() / row_bytes));
-    for (std::size_t i = 0; i < set.size() / row_bytes; ++i) {
+  for (std::size_t q = 0; q < queries.size() / kDescriptorBytes; ++q) {
+    const std::span<const std::uint8_t> query = queries.subspan(q * kDescriptorBytes, kDescriptorBytes);
+    std::vector<Neighbour> all(std::max(k, set.size() / kDescriptorBytes));
+    for (std::size_t i = 0; i < set.size() / kDescriptorBytes; ++i) {
       all[i] = {static_cast<std::uint32_t>(i), 0};
-      for (std::size_t byte = 0; byte < row_bytes; ++byte) {
-        const int difference = query[byte] - set[i * row_bytes + byte];
+      for (std::size_t byte = 0; byte < kDescriptorBytes; ++byte) {
+        const int difference = query[byte] - set[i * kDescriptorBytes + byte];
         all[i].distance2 += static_cast<std::uint32_t>(difference * difference);
       }
     }
@@ -69,7 +69,7 @@ struct Implementation {
   std::string name;
   Find find;
   FindK find_k;
-  FindKInRanges find_in_ranges;
+  FindShort find_short;
   std::int64_t highway_target = 0;  ///< the only instruction set that Highway may use; 0: Highway's choice
 
   friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
@@ -77,13 +77,13 @@ struct Implementation {
 
 // The reference, VNNI, the dispatched one, and Highway's code for every instruction set of this machine.
 std::vector<Implementation> Implementations() {
-  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestKRef, &FindNearestKInRangesRef},
-                                     {"vnni", &FindNearestTwoVnni, &FindNearestKVnni, &FindNearestKInRangesVnni},
-                                     {"best", &FindNearestTwo, &FindNearestK, &FindNearestKInRanges}};
+  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestKRef, &FindShortNearestRef},
+                                     {"vnni", &FindNearestTwoVnni, &FindNearestKVnni, &FindShortNearestVnni},
+                                     {"best", &FindNearestTwo, &FindNearestK, &FindShortNearest}};
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     std::string name = "simd_" + std::string(hwy::TargetName(target));
     std::erase_if(name, [](unsigned char c) { return c != '_' && std::isalnum(c) == 0; });
-    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestKSimd, &FindNearestKInRangesSimd, target});
+    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestKSimd, &FindShortNearestSimd, target});
   }
   return all;
 }
@@ -144,35 +144,48 @@ TEST_P(NearestTest, IsExactAtTheExtremes) {
   Check(black, black);
 }
 
-// Each range is a set of its own whose indices are shifted.
-TEST_P(NearestTest, SearchesTheRangesOnly) {
+// Short rows: as the reference over odd sizes, ranges, extremes and ties, and for a range of several segments.
+TEST_P(NearestTest, ShortNearestMatchesReference) {
   Random random(9);
-  constexpr std::size_t kNeighbours = 3;
-  for (const std::size_t row_bytes : {kDescriptorBytes, kShortBytes}) {
-    const std::size_t block_bytes = kBlockDescriptors * row_bytes;
-    const std::vector<std::uint8_t> set = RandomRows(random, 100 * row_bytes / kDescriptorBytes, 256);
-    const std::size_t blocks = (set.size() + block_bytes - 1) / block_bytes;  // the last one padded
-    const std::vector<BlockRange> ranges = {{0, blocks}, {1, 2}, {blocks - 1, blocks}, {1, 1}};
-    const std::size_t count = 3 * kRangeQueries + 5;
-    const std::vector<std::uint8_t> queries = RandomRows(random, count * row_bytes / kDescriptorBytes + 1, 256);
-    const std::span<const std::uint8_t> rows = std::span(queries).first(count * row_bytes);
-    std::vector<Neighbour> out(count * kNeighbours);
-    GetParam().find_in_ranges(PackQueries(rows, row_bytes), Pack(set, row_bytes), kNeighbours, ranges, out);
-    for (std::size_t q = 0; q < count; ++q) {
-      const BlockRange& range = ranges[q / kRangeQueries];
-      const std::size_t begin = range.first * block_bytes;
-      const std::size_t end = std::min(set.size(), range.last * block_bytes);
-      const std::span<const std::uint8_t> part = std::span(set).subspan(begin, end - begin);
-      const std::size_t found = std::min(kNeighbours, part.size() / row_bytes);
-      std::vector<Neighbour> expected = ExpectedK(rows.subspan(q * row_bytes, row_bytes), part, kNeighbours, row_bytes);
-      for (Neighbour& one : std::span(expected).first(found)) {
-        one.index += static_cast<std::uint32_t>(range.first * kBlockDescriptors);
+  for (const std::uint32_t levels : {1U, 2U, 256U}) {
+    for (const std::size_t count : {std::size_t{1}, std::size_t{15}, std::size_t{33}, std::size_t{400},
+                                    (2 * kSegmentBlocks + 1) * kBlockDescriptors - 3}) {
+      if (count > 1000 && levels != 2) continue;
+      const std::size_t queries = count > 1000 ? 3 : 3 * kRangeQueries + 5;
+      std::vector<std::uint8_t> set = RandomRows(random, count / 4 + 1, levels);
+      set.resize(count * kShortBytes);
+      for (std::uint8_t& byte : set) byte = static_cast<std::uint8_t>(levels == 2 ? 255 * byte : byte);
+      std::vector<std::uint8_t> rows = RandomRows(random, queries / 4 + 1, 256);
+      rows.resize(queries * kShortBytes);
+      const PackedDescriptors packed = Pack(set, kShortBytes);
+      const std::size_t blocks = packed.block_count();
+      const std::vector<BlockRange> ranges = {{0, blocks}, {blocks / 2, blocks}, {blocks - 1, blocks}, {0, 0}};
+      for (const std::size_t k : {std::size_t{1}, std::size_t{4}, kMaxNeighbours}) {
+        std::vector<std::uint32_t> expected(queries * k);
+        std::vector<std::uint32_t> out(queries * k);
+        FindShortNearestRef(PackQueries(rows, kShortBytes), packed, k, ranges, expected);
+        GetParam().find_short(PackQueries(rows, kShortBytes), packed, k, ranges, out);
+        EXPECT_EQ(out, expected) << k << " of " << count << ", " << levels << " levels";
       }
-      std::fill(expected.begin() + static_cast<std::ptrdiff_t>(found), expected.end(), Neighbour{});
-      const auto first = out.begin() + static_cast<std::ptrdiff_t>(q * kNeighbours);
-      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), first)) << row_bytes << " bytes, query " << q;
     }
   }
+}
+
+// The reference itself: the nearest is found, and the third nearest of one lane is not.
+TEST(ShortNearest, ConsidersTwoOfEachLane) {
+  std::vector<std::uint8_t> set(4 * kBlockDescriptors * kShortBytes, 200);
+  const auto paint = [&](std::size_t row, std::uint8_t value) {
+    std::fill_n(set.begin() + static_cast<std::ptrdiff_t>(row * kShortBytes), kShortBytes, value);
+  };
+  paint(5, 3);  // three in one lane, and a farther one in another
+  paint(5 + kBlockDescriptors, 2);
+  paint(5 + 2 * kBlockDescriptors, 1);
+  paint(6, 50);
+  const std::vector<std::uint8_t> query(kShortBytes, 0);
+  const std::vector<BlockRange> ranges = {{0, 4}};
+  std::vector<std::uint32_t> out(3);
+  FindShortNearestRef(PackQueries(query, kShortBytes), Pack(set, kShortBytes), 3, ranges, out);
+  EXPECT_EQ(out, (std::vector<std::uint32_t>{5 + 2 * kBlockDescriptors, 5 + kBlockDescriptors, 6}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Implementations, NearestTest, ::testing::ValuesIn(Implementations()),

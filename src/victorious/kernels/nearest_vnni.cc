@@ -1,9 +1,10 @@
-// FindNearestTwo and FindNearestK with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway lacks: 64
-// products per instruction.
+// FindNearestTwo, FindNearestK and FindShortNearest with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway
+// lacks: 64 products per instruction.
 #include "victorious/base/check.h"
 #include "victorious/kernels/k_nearest.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/kernels/reduce_nearest_two.h"
+#include "victorious/kernels/short_nearest.h"
 
 #if defined(__x86_64__)
 
@@ -89,23 +90,17 @@ VICTORIOUS_VNNI void FindNearestTwoVnni(const PackedQueries& queries, const Pack
   }
 }
 
-namespace {
-
-// @param ranges  one per kRangeQueries queries; empty: the whole set
-template <std::size_t kRowBytes>
-VICTORIOUS_VNNI void FindK(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                           std::span<const BlockRange> ranges, std::span<Neighbour> out) {
-  static_assert(kRangeQueries % kTile == 0);
+VICTORIOUS_VNNI void FindNearestKVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                                      std::span<Neighbour> out) {
   for (std::size_t first = 0; first < queries.count; first += kTile) {
-    const BlockRange range = ranges.empty() ? BlockRange{0, set.block_count()} : ranges[first / kRangeQueries];
     const std::int8_t* rows[kTile];
     TileRows(queries, first, rows);
     std::vector<KNearest> found(kTile, KNearest(k));
     __m512i worst[kTile];
     for (__m512i& one : worst) one = _mm512_set1_epi32(kPaddingDistance);
-    for (std::size_t block = range.first; block < range.last; ++block) {
+    for (std::size_t block = 0; block < set.block_count(); ++block) {
       __m512i sums[kTile];
-      DotBlock<kRowBytes>(set.blocks.data() + block * kBlockDescriptors * kRowBytes, rows, sums);
+      DotBlock<kDescriptorBytes>(set.blocks.data() + block * kBlockBytes, rows, sums);
       const __m512i constant = _mm512_loadu_si512(set.constant.data() + block * kBlockDescriptors);
       for (std::size_t t = 0; t < kTile; ++t) {
         const __m512i distance = _mm512_sub_epi32(constant, _mm512_slli_epi32(sums[t], 1));
@@ -125,25 +120,54 @@ VICTORIOUS_VNNI void FindK(const PackedQueries& queries, const PackedDescriptors
   }
 }
 
-void FindKOfRowBytes(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                     std::span<const BlockRange> ranges, std::span<Neighbour> out) {
-  if (set.row_bytes == kDescriptorBytes) {
-    FindK<kDescriptorBytes>(queries, set, k, ranges, out);
-  } else {
-    FindK<kShortBytes>(queries, set, k, ranges, out);
+namespace {
+
+// Adds the nearest of a segment's 32 keys, in their order: two per lane, best before second.
+VICTORIOUS_VNNI inline void AddNearest(__m512i best, __m512i second, std::size_t k, std::size_t segment,
+                                       ShortNearest& found) {
+  for (std::size_t r = 0; r < k; ++r) {
+    const std::int32_t key = _mm512_reduce_min_epi32(best);
+    const unsigned lanes = _mm512_cmpeq_epi32_mask(best, _mm512_set1_epi32(key));
+    const unsigned lane = static_cast<unsigned>(std::countr_zero(lanes));
+    if (!found.Add(key, segment, lane)) return;
+    const __mmask16 mask = static_cast<__mmask16>(1U << lane);
+    best = _mm512_mask_mov_epi32(best, mask, second);
+    second = _mm512_mask_mov_epi32(second, mask, _mm512_set1_epi32(kNoKey));
   }
 }
 
 }  // namespace
 
-void FindNearestKVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                      std::span<Neighbour> out) {
-  FindKOfRowBytes(queries, set, k, {}, out);
-}
-
-void FindNearestKInRangesVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                              std::span<const BlockRange> ranges, std::span<Neighbour> out) {
-  FindKOfRowBytes(queries, set, k, ranges, out);
+VICTORIOUS_VNNI void FindShortNearestVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                                          std::span<const BlockRange> ranges, std::span<std::uint32_t> out) {
+  static_assert(kRangeQueries % kTile == 0);
+  for (std::size_t first = 0; first < queries.count; first += kTile) {
+    const BlockRange range = ranges[first / kRangeQueries];
+    const std::int8_t* rows[kTile];
+    TileRows(queries, first, rows);
+    ShortNearest found[kTile] = {ShortNearest(k), ShortNearest(k), ShortNearest(k), ShortNearest(k),
+                                 ShortNearest(k), ShortNearest(k), ShortNearest(k), ShortNearest(k)};
+    for (std::size_t segment = range.first; segment < range.last; segment += kSegmentBlocks) {
+      __m512i best[kTile];
+      __m512i second[kTile];
+      for (std::size_t t = 0; t < kTile; ++t) best[t] = second[t] = _mm512_set1_epi32(kNoKey);
+      for (std::size_t block = segment; block < std::min(range.last, segment + kSegmentBlocks); ++block) {
+        __m512i sums[kTile];
+        DotBlock<kShortBytes>(set.blocks.data() + block * kBlockDescriptors * kShortBytes, rows, sums);
+        const __m512i constant = _mm512_loadu_si512(set.constant.data() + block * kBlockDescriptors);
+        const __m512i base = _mm512_add_epi32(_mm512_slli_epi32(constant, kBlockBits),
+                                              _mm512_set1_epi32(static_cast<int>(block - segment)));
+        for (std::size_t t = 0; t < kTile; ++t) {
+          const __m512i key = _mm512_sub_epi32(base, _mm512_slli_epi32(sums[t], kBlockBits + 1));
+          second[t] = _mm512_min_epi32(second[t], _mm512_max_epi32(best[t], key));
+          best[t] = _mm512_min_epi32(best[t], key);
+        }
+      }
+      for (std::size_t t = 0; t < kTile; ++t) AddNearest(best[t], second[t], k, segment, found[t]);
+    }
+    const std::size_t tile = std::min(kTile, queries.count - first);
+    for (std::size_t t = 0; t < tile; ++t) found[t].Write(&out[(first + t) * k]);
+  }
 }
 
 }  // namespace victorious::kernels
@@ -159,8 +183,8 @@ void FindNearestTwoVnni(const PackedQueries&, const PackedDescriptors&, std::spa
 void FindNearestKVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>) {
   VICTORIOUS_CHECK(HasVnni());
 }
-void FindNearestKInRangesVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<const BlockRange>,
-                              std::span<Neighbour>) {
+void FindShortNearestVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<const BlockRange>,
+                          std::span<std::uint32_t>) {
   VICTORIOUS_CHECK(HasVnni());
 }
 

@@ -80,4 +80,8 @@ std::vector<std::uint8_t> Shorten(std::span<const std::uint8_t> rows) {
   return out;
 }
 
+std::vector<std::int8_t> ShortenToQueries(std::span<const std::uint8_t> rows) {
+  return PackQueries(Shorten(rows), kShortBytes).rows;
+}
+
 }  // namespace victorious::kernels

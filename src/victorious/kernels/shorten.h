@@ -18,4 +18,7 @@ namespace victorious::kernels {
 /// @return kShortBytes per descriptor, in the same order
 std::vector<std::uint8_t> Shorten(std::span<const std::uint8_t> rows);
 
+/// The same as rows of PackedQueries (nearest.h), for templates that are matched with many scenes.
+std::vector<std::int8_t> ShortenToQueries(std::span<const std::uint8_t> rows);
+
 }  // namespace victorious::kernels

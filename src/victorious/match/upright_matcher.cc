@@ -1,8 +1,10 @@
 #include "victorious/match/upright_matcher.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -33,16 +35,45 @@ struct Query {
   std::uint32_t keypoint;
 };
 
-std::vector<Query> SortedQueries(std::span<const FeatureView> templates) {
-  std::vector<Query> queries;
-  for (std::size_t model = 0; model < templates.size(); ++model) {
-    for (std::size_t i = 0; i < templates[model].size(); ++i) {
-      queries.push_back({templates[model].keypoints[i].orientation_rad, static_cast<std::uint32_t>(model),
-                         static_cast<std::uint32_t>(i)});
+constexpr std::size_t kBins = 1024;  // of orientations
+
+std::size_t BinOf(float orientation_rad) {
+  const float bin = (orientation_rad / kCircle_rad + 0.5F) * static_cast<float>(kBins);
+  return static_cast<std::size_t>(std::clamp(bin, 0.0F, static_cast<float>(kBins - 1)));
+}
+
+// By bins of rising orientation; in a bin in the order of the templates and their keypoints.
+std::vector<Query> QueriesByOrientation(std::span<const UprightTemplate> templates) {
+  std::array<std::uint32_t, kBins + 1> next{};  // of each bin: the place of its next query
+  for (const UprightTemplate& one : templates) {
+    for (const Keypoint& keypoint : one.features.keypoints) ++next[BinOf(keypoint.orientation_rad) + 1];
+  }
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<Query> queries(next.back());
+  for (std::uint32_t model = 0; model < templates.size(); ++model) {
+    const std::span<const Keypoint> keypoints = templates[model].features.keypoints;
+    for (std::uint32_t i = 0; i < keypoints.size(); ++i) {
+      queries[next[BinOf(keypoints[i].orientation_rad)]++] = {keypoints[i].orientation_rad, model, i};
     }
   }
-  std::ranges::stable_sort(queries, {}, &Query::orientation_rad);
   return queries;
+}
+
+kernels::PackedQueries PackInOrder(std::span<const UprightTemplate> templates, std::span<const Query> queries) {
+  kernels::PackedQueries packed{.count = queries.size(), .row_bytes = kernels::kShortBytes, .rows = {}, .squared = {}};
+  packed.rows.resize(queries.size() * kernels::kShortBytes);
+  for (std::size_t q = 0; q < queries.size(); ++q) {
+    const std::span<const std::int8_t> rows = templates[queries[q].model].shortened;
+    std::memcpy(packed.rows.data() + q * kernels::kShortBytes, rows.data() + queries[q].keypoint * kernels::kShortBytes,
+                kernels::kShortBytes);
+  }
+  return packed;
+}
+
+// The absolute difference of two orientations, [0, pi].
+double TurnBetween(float a, float b) {
+  const double difference = std::abs(static_cast<double>(a) - b);
+  return std::min(difference, 2 * kPi - difference);
 }
 
 }  // namespace
@@ -87,45 +118,58 @@ kernels::BlockRange UprightMatcher::BlocksOf(float first_rad, float last_rad, fl
   return last - first > blocks ? kernels::BlockRange{0, blocks} : kernels::BlockRange{first, std::max(first, last)};
 }
 
-std::vector<std::vector<RankedMatch>> UprightMatcher::Match(std::span<const FeatureView> templates, double max_turn_rad,
-                                                            int nearest) const {
+std::vector<std::vector<RankedMatch>> UprightMatcher::Match(std::span<const UprightTemplate> templates,
+                                                            double max_turn_rad, int nearest) const {
   std::vector<std::vector<RankedMatch>> matches(templates.size());
   if (order_.empty()) return matches;
-  const std::vector<Query> queries = SortedQueries(templates);
-  std::vector<std::uint8_t> rows;
-  rows.reserve(queries.size() * kDescriptorSize);
-  for (const Query& query : queries) AppendDescriptor(templates[query.model], query.keypoint, rows);
+  const std::vector<Query> queries = QueriesByOrientation(templates);
   const auto turn_rad = static_cast<float>(max_turn_rad);
   std::vector<kernels::BlockRange> ranges;
   for (std::size_t q = 0; q < queries.size(); q += kernels::kRangeQueries) {
-    const std::size_t last = std::min(q + kernels::kRangeQueries, queries.size()) - 1;
-    ranges.push_back(BlocksOf(queries[q].orientation_rad, queries[last].orientation_rad, turn_rad));
+    const auto tile = std::span(queries).subspan(q, std::min(kernels::kRangeQueries, queries.size() - q));
+    const auto [first, last] = std::ranges::minmax(tile, {}, &Query::orientation_rad);
+    ranges.push_back(BlocksOf(first.orientation_rad, last.orientation_rad, turn_rad));
   }
-  std::vector<kernels::Neighbour> found(queries.size() * kCandidates);
-  kernels::FindNearestKInRanges(kernels::PackQueries(kernels::Shorten(rows), kernels::kShortBytes), shortened_,
-                                kCandidates, ranges, found);
+  std::vector<std::uint32_t> found(queries.size() * kCandidates);
+  kernels::FindShortNearest(PackInOrder(templates, queries), shortened_, kCandidates, ranges, found);
 
+  // Per template keypoint: how many matches it has, and their scene keypoints by rank.
+  struct Nearest {
+    std::uint32_t count = 0;
+    std::uint32_t scene_keypoint[kCandidates];
+  };
+  std::vector<std::vector<Nearest>> of_template(templates.size());
+  for (std::size_t model = 0; model < templates.size(); ++model) {
+    of_template[model].resize(templates[model].features.size());
+  }
   const std::size_t padded = shortened_.constant.size() / 2;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> near;  // distance, scene keypoint
+  const std::size_t max_count = std::min(kCandidates, static_cast<std::size_t>(nearest));
   for (std::size_t q = 0; q < queries.size(); ++q) {
     const Query& query = queries[q];
-    near.clear();
-    for (const kernels::Neighbour& candidate : std::span(found).subspan(q * kCandidates, kCandidates)) {
-      const std::size_t row = candidate.index % padded;
-      if (candidate.distance2 == kernels::kNoDistance || row >= order_.size()) continue;
+    std::array<std::pair<std::uint32_t, std::uint32_t>, kCandidates> near;  // distance, scene keypoint
+    std::size_t count = 0;
+    for (const std::uint32_t candidate : std::span(found).subspan(q * kCandidates, kCandidates)) {
+      if (candidate == kernels::kNoNeighbour) break;
+      const std::size_t row = candidate % padded;
+      if (row >= order_.size()) continue;
       const std::uint32_t keypoint = order_[row];
-      if (std::abs(WrapAngle(relative_rad_[keypoint] - query.orientation_rad)) > max_turn_rad) continue;
-      near.emplace_back(Distance2(templates[query.model].Descriptor(query.keypoint), scene_.Descriptor(keypoint)),
-                        keypoint);
+      if (TurnBetween(relative_rad_[keypoint], query.orientation_rad) > max_turn_rad) continue;
+      near[count++] = {
+          Distance2(templates[query.model].features.Descriptor(query.keypoint), scene_.Descriptor(keypoint)), keypoint};
     }
-    std::ranges::sort(near);
-    const std::size_t count = std::min(near.size(), static_cast<std::size_t>(nearest));
-    for (std::size_t rank = 0; rank < count; ++rank) {
-      matches[query.model].push_back({near[rank].second, query.keypoint, static_cast<std::uint32_t>(rank + 1)});
-    }
+    std::sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count));
+    Nearest& kept = of_template[query.model][query.keypoint];
+    kept.count = static_cast<std::uint32_t>(std::min(count, max_count));
+    for (std::size_t rank = 0; rank < kept.count; ++rank) kept.scene_keypoint[rank] = near[rank].second;
   }
-  for (std::vector<RankedMatch>& of_template : matches) {
-    std::ranges::stable_sort(of_template, {}, &RankedMatch::template_keypoint);
+  for (std::size_t model = 0; model < templates.size(); ++model) {
+    matches[model].reserve(of_template[model].size() * max_count);
+    for (std::uint32_t i = 0; i < of_template[model].size(); ++i) {
+      const Nearest& kept = of_template[model][i];
+      for (std::uint32_t rank = 0; rank < kept.count; ++rank) {
+        matches[model].push_back({kept.scene_keypoint[rank], i, rank + 1});
+      }
+    }
   }
   return matches;
 }

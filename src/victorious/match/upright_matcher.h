@@ -6,7 +6,7 @@
 // of a template keypoint are one range of blocks. The keypoints of all templates are matched together, sorted by
 // orientation: eight neighbours share a range that is hardly wider than one's own. In the range the nearest four by
 // shortened descriptors (kernels/shorten.h) are found, and of them the nearest k by whole descriptors: 89 % of the
-// nearest are among them (docs/adr/0018).
+// nearest are among them (docs/adr/0018). Orientations are sorted into bins, in linear time.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,12 @@
 #include "victorious/types/match_set.h"
 
 namespace victorious {
+
+/// A template with its shortened descriptors. Non-owning.
+struct UprightTemplate {
+  FeatureView features;
+  std::span<const std::int8_t> shortened;  ///< kernels::ShortenToQueries of its descriptors
+};
 
 /// A scene packed by orientation, matched with any number of templates. Thread-safe.
 class UprightMatcher {
@@ -32,8 +38,8 @@ class UprightMatcher {
   /// @return in the order of the templates; sorted by template keypoint, then by rank, which counts compared keypoints
   ///         only. Fewer than k where fewer are allowed.
   /// Cost: 8-bit products: keypoints x scene x (fraction of allowed rotations) x 32.
-  [[nodiscard]] std::vector<std::vector<RankedMatch>> Match(std::span<const FeatureView> templates, double max_turn_rad,
-                                                            int nearest) const;
+  [[nodiscard]] std::vector<std::vector<RankedMatch>> Match(std::span<const UprightTemplate> templates,
+                                                            double max_turn_rad, int nearest) const;
 
  private:
   [[nodiscard]] kernels::BlockRange BlocksOf(float first_rad, float last_rad, float max_turn_rad) const;

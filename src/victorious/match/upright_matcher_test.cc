@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/kernels/shorten.h"
 
 namespace victorious {
 namespace {
@@ -22,6 +25,16 @@ FeatureSet RandomFeatures(Random& random, std::size_t count) {
   return features;
 }
 
+// A template and its shortened descriptors.
+struct ShortenedFeatures {
+  explicit ShortenedFeatures(const FeatureView& view)
+      : features(view), shortened(kernels::ShortenToQueries(view.descriptors)) {}
+  [[nodiscard]] UprightTemplate View() const { return {features, shortened}; }
+
+  FeatureView features;
+  std::vector<std::int8_t> shortened;
+};
+
 bool IsAllowed(const Keypoint& scene, float lean_rad, const Keypoint& model, double max_turn_rad) {
   return std::abs(WrapAngle(WrapAngle(scene.orientation_rad - lean_rad) - model.orientation_rad)) <= max_turn_rad;
 }
@@ -36,7 +49,9 @@ TEST(UprightMatcher, FindsAllAllowedCopiesAndNoOthers) {
     for (std::size_t i = 0; i < count; ++i) lean_rad.push_back(0.3F * RandomAngle(random));
     FeatureSet copies = scene;
     for (Keypoint& keypoint : copies.keypoints) keypoint.orientation_rad = RandomAngle(random);
-    const FeatureView halves[] = {copies.View().Slice(0, count / 2), copies.View().Slice(count / 2, count - count / 2)};
+    const ShortenedFeatures first(copies.View().Slice(0, count / 2));
+    const ShortenedFeatures second(copies.View().Slice(count / 2, count - count / 2));
+    const UprightTemplate halves[] = {first.View(), second.View()};
     const UprightMatcher matcher(scene.View(), lean_rad);
     for (const double max_turn_rad : {0.0, 0.4, 1.5, 3.0, 3.1, kPi}) {
       const std::vector<std::vector<RankedMatch>> matches = matcher.Match(halves, max_turn_rad, 1);
@@ -70,7 +85,8 @@ TEST(UprightMatcher, RanksByWholeDescriptors) {
   }
   scene.descriptors[20 * kDescriptorSize] ^= 3;
   const std::vector<float> lean_rad(scene.size(), 0.0F);
-  const FeatureView view = model.View();
+  const ShortenedFeatures shortened(model.View());
+  const UprightTemplate view = shortened.View();
   const std::vector<RankedMatch> matches = UprightMatcher(scene.View(), lean_rad).Match({&view, 1}, 0.5, 2).front();
   ASSERT_EQ(matches.size(), 2U);
   EXPECT_EQ(matches[0], (RankedMatch{40, 0, 1}));
@@ -80,7 +96,8 @@ TEST(UprightMatcher, RanksByWholeDescriptors) {
 TEST(UprightMatcher, AnEmptySceneGivesNoMatches) {
   Random random(3);
   const FeatureSet model = RandomFeatures(random, 5);
-  const FeatureView view = model.View();
+  const ShortenedFeatures shortened(model.View());
+  const UprightTemplate view = shortened.View();
   const std::vector<std::vector<RankedMatch>> matches = UprightMatcher({}, {}).Match({&view, 1}, 1, 2);
   ASSERT_EQ(matches.size(), 1U);
   EXPECT_TRUE(matches[0].empty());

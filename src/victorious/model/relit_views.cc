@@ -17,6 +17,7 @@
 
 #include "victorious/base/stage_time.h"
 #include "victorious/geometry/view_sphere.h"
+#include "victorious/kernels/shorten.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/template_features.h"
 #include "victorious/model/view_appearance.h"
@@ -49,7 +50,8 @@ std::size_t Bytes(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
 }
 std::size_t Bytes(const RelitTemplate& made) {
-  return sizeof(made) + Bytes(made.features.keypoints) + Bytes(made.features.descriptors) + Bytes(made.points_in_model);
+  return sizeof(made) + Bytes(made.features.keypoints) + Bytes(made.features.descriptors) +
+         Bytes(made.points_in_model) + Bytes(made.shortened);
 }
 std::size_t Bytes(const ViewAppearance& made) { return sizeof(made) + Bytes(made.points); }
 std::size_t Bytes(const SurfacePart& made) {
@@ -158,6 +160,7 @@ class RelitViews : public RelitTemplateSource {
       keypoint.y *= static_cast<float>(shrink);
       keypoint.scale_px *= static_cast<float>(shrink);
     }
+    made.shortened = kernels::ShortenToQueries(features.descriptors);
     features.keypoints.shrink_to_fit();  // it stays in the cache
     features.descriptors.shrink_to_fit();
     made.points_in_model.shrink_to_fit();

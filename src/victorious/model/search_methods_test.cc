@@ -34,7 +34,7 @@ const ObjectModel& ViewsBetween() {
 
 // A scene that shows the object as view `number` of ViewsBetween() does, at half its size.
 cv::Mat SceneWith(std::size_t number) {
-  const ViewSurface surface = DecodeSurface(ViewsBetween().views[number].surface, "waffle").value();
+  const ViewSurface surface = DecodeSurface(ViewsBetween().views[number].surface, "slab").value();
   const cv::Mat mask = surface.depth_map.depth_m == surface.depth_map.depth_m;  // not NaN
   cv::Mat scene = testing::Texture(640, 480, number);
   const cv::Matx23d map(0.5, 0, 60.0 + 20 * static_cast<double>(number), 0, 0.5, 80);

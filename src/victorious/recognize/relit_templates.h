@@ -4,6 +4,7 @@
 
 #include <compare>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,6 +22,7 @@ namespace victorious {
 struct RelitTemplate {
   FeatureSet features;
   std::vector<Point3> points_in_model;  ///< the surface point of each feature, model frame, m
+  std::vector<std::int8_t> shortened;   ///< the descriptors as kernels::ShortenToQueries makes them
 };
 
 /// Key of a relit template: a view, and the sun's direction quantised to the direction of another view's camera.

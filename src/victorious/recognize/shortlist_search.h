@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "victorious/recognize/model_searcher.h"
+#include "victorious/recognize/shortened_views.h"
 #include "victorious/recognize/shortlist_options.h"
 #include "victorious/recognize/vote_search.h"
 
@@ -35,6 +36,7 @@ class ShortlistSearch : public ModelSearcher {
         options_(options),
         shortlist_(shortlist),
         pose_options_(pose_options),
+        shortened_(model),
         few_views_(model, std::move(relit_templates), options, pose_options) {}
 
   [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene,
@@ -53,6 +55,7 @@ class ShortlistSearch : public ModelSearcher {
   VoteSearchOptions options_;
   ShortlistOptions shortlist_;
   PoseOptions pose_options_;
+  ShortenedViews shortened_;
   VoteSearch few_views_;
 };
 

@@ -38,18 +38,19 @@ bool AreAtOnePlace(const PoseProposal& a, const PoseProposal& b) {
 
 }  // namespace
 
-Expected<std::vector<TemplateProposal>> ProposeTemplates(const ObjectModel& model,
+Expected<std::vector<TemplateProposal>> ProposeTemplates(const ShortenedViews& views,
                                                          const RelitTemplateSource* relit_templates,
                                                          const PreparedScene& scene, const AzimuthCells& cells,
                                                          const VoteSearchOptions& options,
                                                          std::span<const TemplateVariant> variants, int nearest) {
+  const ObjectModel& model = views.model();
   std::vector<RelitTemplateKey> needed;
   for (const TemplateVariant& variant : variants) {
     if (variant.sun_view) needed.push_back({*variant.sun_view, variant.view, variant.half_resolution});
   }
   if (!needed.empty()) relit_templates->Prepare(needed);
   std::vector<std::shared_ptr<const RelitTemplate>> relit(variants.size());
-  std::vector<FeatureView> features;
+  std::vector<UprightTemplate> all;
   std::map<double, std::vector<std::size_t>> by_max_turn;  // indices into variants
   std::vector<std::optional<UprightPrior>> priors;
   const auto [min_ray_rad, max_ray_rad] = cells.OffNadirRange();
@@ -59,7 +60,7 @@ Expected<std::vector<TemplateProposal>> ProposeTemplates(const ObjectModel& mode
       VICTORIOUS_ASSIGN_OR_RETURN(
           relit[i], relit_templates->GetTemplate({*variant.sun_view, variant.view, variant.half_resolution}));
     }
-    features.push_back(relit[i] ? relit[i]->features.View() : model.ViewFeatures(variant.view));
+    all.push_back(relit[i] ? UprightTemplate{relit[i]->features.View(), relit[i]->shortened} : views.Of(variant.view));
     const std::optional<UprightPrior>& prior =
         priors.emplace_back(PriorOf(model.views[variant.view], scene.vertical(), options));
     by_max_turn[prior ? prior->MaxTurnFromLean(min_ray_rad, max_ray_rad) : kPi].push_back(i);
@@ -67,8 +68,8 @@ Expected<std::vector<TemplateProposal>> ProposeTemplates(const ObjectModel& mode
 
   std::vector<TemplateProposal> proposals;
   for (const auto& [max_turn_rad, indices] : by_max_turn) {
-    std::vector<FeatureView> templates;
-    for (const std::size_t i : indices) templates.push_back(features[i]);
+    std::vector<UprightTemplate> templates;
+    for (const std::size_t i : indices) templates.push_back(all[i]);
     std::vector<std::vector<RankedMatch>> matches;
     {
       const StageScope scope(Stage::kMatching);
@@ -78,7 +79,7 @@ Expected<std::vector<TemplateProposal>> ProposeTemplates(const ObjectModel& mode
     for (std::size_t k = 0; k < indices.size(); ++k) {
       const std::optional<UprightPrior>& prior = priors[indices[k]];
       std::optional<PoseProposal> pose =
-          ProposePose(scene.features(), scene.density(), templates[k].keypoints, matches[k],
+          ProposePose(scene.features(), scene.density(), templates[k].features.keypoints, matches[k],
                       model.views[variants[indices[k]].view].outline, max_turn_rad, prior);
       if (!pose) continue;
       if (prior) pose->neg_log10_nfa += prior->SearchReductionDecades();

@@ -9,9 +9,9 @@
 #include "victorious/recognize/azimuth_cells.h"
 #include "victorious/recognize/prepared_scene.h"
 #include "victorious/recognize/relit_templates.h"
+#include "victorious/recognize/shortened_views.h"
 #include "victorious/recognize/template_variant.h"
 #include "victorious/recognize/vote_search_options.h"
-#include "victorious/types/object_model.h"
 
 namespace victorious {
 
@@ -27,7 +27,7 @@ struct TemplateProposal {
 /// @param nearest          scene keypoints per template keypoint, of those of allowed orientation
 /// Errors: those of RelitTemplateSource.
 [[nodiscard]] Expected<std::vector<TemplateProposal>> ProposeTemplates(
-    const ObjectModel& model, const RelitTemplateSource* relit_templates, const PreparedScene& scene,
+    const ShortenedViews& views, const RelitTemplateSource* relit_templates, const PreparedScene& scene,
     const AzimuthCells& cells, const VoteSearchOptions& options, std::span<const TemplateVariant> variants,
     int nearest);
 

@@ -1,0 +1,37 @@
+// recognize/, for ShortlistSearch: the shortened descriptors of a model's views under diffuse light. Relit templates bring
+// their own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "victorious/kernels/shorten.h"
+#include "victorious/match/upright_matcher.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// Made for each view when first asked for, and kept: a quarter of the size of the views' descriptors. Thread-safe.
+class ShortenedViews {
+ public:
+  /// @param model  must outlive this
+  explicit ShortenedViews(const ObjectModel& model)
+      : model_(model), once_(model.views.size()), rows_(model.views.size()) {}
+
+  [[nodiscard]] const ObjectModel& model() const { return model_; }
+
+  [[nodiscard]] UprightTemplate Of(std::size_t view) const {
+    const FeatureView features = model_.ViewFeatures(view);
+    std::call_once(once_[view], [&] { rows_[view] = kernels::ShortenToQueries(features.descriptors); });
+    return {features, rows_[view]};
+  }
+
+ private:
+  const ObjectModel& model_;
+  mutable std::vector<std::once_flag> once_;
+  mutable std::vector<std::vector<std::int8_t>> rows_;
+};
+
+}  // namespace victorious
