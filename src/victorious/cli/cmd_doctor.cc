@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "victorious/base/count_text.h"
 #include "victorious/base/version.h"
 #include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
@@ -175,7 +176,7 @@ Expected<Report> DescribeVideo(const std::string& source) {
   text += fmt::format(
       "  length     {}{}\n",
       info.duration_s ? fmt::format("{:.2f} s by the container", *info.duration_s) : "not given by the container",
-      probe.at_end ? fmt::format("; {} frames, the last at {:.2f} s", probe.frames, probe.last_time_s)
+      probe.at_end ? fmt::format("; {}, the last at {:.2f} s", CountText(probe.frames, "frame"), probe.last_time_s)
                    : fmt::format("; the first {} frames ({:.2f} s) were decoded for this report", probe.frames,
                                  probe.last_time_s));
   for (const StreamInfo& stream : info.streams)
@@ -204,17 +205,17 @@ Expected<Report> DescribeVideo(const std::string& source) {
 
 Expected<Report> DescribeModel(const std::string& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ReadModelFile(path));
-  return Report{
-      fmt::format("{}\n  a model: {}, {} views from {}, {} features ({}), by version {}\n", path, model.name,
-                  model.views.size(), ToText(model.kind), model.features.size(), model.engine, model.program_version),
-      {{"file", path},
-       {"kind", "model"},
-       {"name", model.name},
-       {"views", model.views.size()},
-       {"made_from", ToText(model.kind)},
-       {"features", model.features.size()},
-       {"engine", model.engine},
-       {"program_version", model.program_version}}};
+  return Report{fmt::format("{}\n  a model: {}, {} from {}, {} ({}), by version {}\n", path, model.name,
+                            CountText(model.views.size(), "view"), ToText(model.kind),
+                            CountText(model.features.size(), "feature"), model.engine, model.program_version),
+                {{"file", path},
+                 {"kind", "model"},
+                 {"name", model.name},
+                 {"views", model.views.size()},
+                 {"made_from", ToText(model.kind)},
+                 {"features", model.features.size()},
+                 {"engine", model.engine},
+                 {"program_version", model.program_version}}};
 }
 
 Expected<Report> DescribeIndex(const std::string& path) {
@@ -222,8 +223,8 @@ Expected<Report> DescribeIndex(const std::string& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto videos, store->Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto models, store->Models());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto objects, store->Objects({}));
-  std::string text = fmt::format("{}\n  an index: {} videos, {} models, {} objects\n", path, videos.size(),
-                                 models.size(), objects.size());
+  std::string text = fmt::format("{}\n  an index: {}, {}, {}\n", path, CountText(videos.size(), "video"),
+                                 CountText(models.size(), "model"), CountText(objects.size(), "object"));
   ordered_json listed = ordered_json::array();
   for (const VideoRecord& video : videos) {
     std::string state;
@@ -239,7 +240,7 @@ Expected<Report> DescribeIndex(const std::string& path) {
                           {"finished", search && search->finished}});
     }
     text += fmt::format("  {}: {} x {} px{}\n{}", video.name, video.width, video.height,
-                        video.frame_count ? fmt::format(", {} frames", *video.frame_count) : "", state);
+                        video.frame_count ? ", " + CountText(*video.frame_count, "frame") : "", state);
     listed.push_back({{"name", video.name},
                       {"width", video.width},
                       {"height", video.height},
@@ -259,6 +260,20 @@ Expected<Report> DescribeTelemetryFile(const std::string& path) {
   const std::vector<std::string> statements = DescribeTelemetry(telemetry);
   return Report{fmt::format("{}\n{}", path, Indented(statements)),
                 {{"file", path}, {"kind", "telemetry"}, {"says", statements}}};
+}
+
+// Reads the whole index. Damage is an error: its first fault, and how many there are.
+Expected<Report> CheckIndex(const std::string& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenSqliteStore(path, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> faults, store->FindFaults());
+  if (!faults.empty()) {
+    return Fail(
+        ErrorCode::kDataLoss,
+        fmt::format("{}: damaged: {}{}: index the videos again into a new file", path, faults.front(),
+                    faults.size() > 1 ? fmt::format(", and {} more", CountText(faults.size() - 1, "fault")) : ""));
+  }
+  return Report{fmt::format("{}\n  an index without damage\n", path),
+                {{"file", path}, {"kind", "index"}, {"faults", ordered_json::array()}}};
 }
 
 // Determines the kind by the file's first bytes, not by its name.
@@ -283,14 +298,21 @@ Status Print(const Report& report, bool as_json) {
 Action SetUpDoctor(CLI::App& app) {
   struct Arguments {
     std::string file;
+    bool check = false;
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("FILE", arguments->file,
                  "A video, a folder of frames, an image, telemetry, a model (.vmodel) or an index (.db); without it, "
                  "this machine is described");
+  app.add_flag("--check", arguments->check, "Read all of an index and report damage");
   app.add_flag("--json", arguments->json, "Print one JSON object");
   return [=]() -> Status {
+    if (arguments->check) {
+      if (arguments->file.empty()) return Fail(ErrorCode::kInvalidArgument, "--check: give the index to check");
+      VICTORIOUS_ASSIGN_OR_RETURN(const Report report, CheckIndex(arguments->file));
+      return Print(report, arguments->json);
+    }
     if (arguments->file.empty()) return Print(DescribeMachine(), arguments->json);
     VICTORIOUS_ASSIGN_OR_RETURN(const Report report, Describe(arguments->file));
     return Print(report, arguments->json);

@@ -1,22 +1,27 @@
 // victorious index VIDEO... --models DIR --categories FILE --db FILE
 #include <algorithm>
-#include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "victorious/base/count_text.h"
+#include "victorious/base/text.h"
 #include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
+#include "victorious/pipeline/drawn_video.h"
 #include "victorious/pipeline/indexer.h"
+#include "victorious/pipeline/preset.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -28,30 +33,126 @@ struct Arguments {
   std::string categories;
   std::string db;
   std::string params;
+  std::string quality;
   std::optional<std::string> telemetry;
   std::optional<int> every;
+  std::string keep_features;
+  std::optional<double> from_s;
+  std::optional<double> to_s;
   std::optional<double> hfov_deg;
   CameraArguments camera;
   GroundArguments ground;
   bool redo = false;
+  bool json = false;
   int threads = 0;
+  std::string draw;
 };
 
 Error CombineErrors(const std::optional<Error>& one, const Error& other) {
   return one ? Error{one->code, one->message + "; " + other.message} : other;
 }
 
-// Fails if no video can be opened, so that no empty index is created.
-Status CheckAnyOpens(const std::vector<std::string>& videos) {
-  std::optional<Error> failure;
+// Opens every video before the first is searched, so that a wrong name does not show up after hours.
+// @return the error of each video that cannot be opened. A live source is opened once, when it is searched
+std::map<std::string, Error> FindUnreadable(const std::vector<std::string>& videos) {
+  std::map<std::string, Error> unreadable;
   for (const std::string& video : videos) {
-    if (video.contains("://")) return {};  // a live source is opened once
+    if (video.contains("://")) continue;
     const auto opened = VideoReader::Open(video, {});
-    if (opened) return {};
-    failure = CombineErrors(failure, opened.error());
+    if (!opened) unreadable.emplace(video, opened.error());
   }
-  if (failure) return std::unexpected(*std::move(failure));
+  return unreadable;
+}
+
+// Sets the interval of kept features from "none" or a number of seconds.
+Status SetKeptFeatures(const std::string& text, KeepOptions& keep) {
+  if (text.empty()) return {};
+  if (text == "none") {
+    keep.interval_s = -1;
+    return {};
+  }
+  const std::optional<double> interval_s = ParseNumber(text);
+  if (!interval_s || *interval_s < 0 || *interval_s > 1e6) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("--keep-features {}: give the seconds between kept frames, from 0, or none", OneLine(text)));
+  }
+  keep.interval_s = *interval_s;
   return {};
+}
+
+// The parameters by preset and flags: a flag overrides the file, and the file the quality.
+Expected<IndexOptions> ReadOptions(const Arguments& arguments, const std::vector<ObjectModel>& models) {
+  IndexOptions options;
+  if (!arguments.quality.empty()) {
+    const bool cad_only =
+        std::ranges::all_of(models, [](const ObjectModel& one) { return one.kind == ModelKind::kCad; });
+    VICTORIOUS_RETURN_IF_ERROR(ApplyQuality(arguments.quality, cad_only, options));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
+  if (arguments.every) options.every = *arguments.every;
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"every", "--every"}}));
+  VICTORIOUS_RETURN_IF_ERROR(SetKeptFeatures(arguments.keep_features, options.keep));
+  if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
+  ApplyCamera(arguments.camera, options.telemetry);
+  ApplyGround(arguments.ground, options.ground);
+  return options;
+}
+
+Status CheckArguments(const Arguments& arguments) {
+  if (!arguments.draw.empty() && arguments.videos.size() > 1) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--draw applies to one video: draw the others by `victorious export --format video --video NAME`");
+  }
+  if (arguments.telemetry && arguments.videos.size() > 1) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--telemetry applies to one video: index several videos one after the other");
+  }
+  if (arguments.models.empty() && arguments.categories.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "nothing to search for: give --models (`victorious model add` makes one), --categories (`victorious "
+                "category train` makes one), or both");
+  }
+  if (arguments.from_s && arguments.to_s && *arguments.from_s > *arguments.to_s) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--from {:g} is after --to {:g}: --to must be the later time",
+                                                         *arguments.from_s, *arguments.to_s));
+  }
+  return {};
+}
+
+double AzimuthDeg(const Sun& sun) {
+  const double azimuth_deg = DegreesFromRadians(sun.azimuth_rad);
+  return azimuth_deg < 0 ? azimuth_deg + 360 : azimuth_deg;
+}
+
+// An estimate of the image is a consensus of frames within 30 degrees (calibrate/sun_direction.h).
+std::string SunText(const IndexReport& report) {
+  const std::string by_clock = "by the telemetry's clock";
+  const std::string by_image = "within some 30 degrees, estimated from the shading of the models found";
+  return fmt::format("sun at azimuth {:.0f}, elevation {:.0f} degrees, {}", AzimuthDeg(*report.sun),
+                     DegreesFromRadians(report.sun->elevation_rad), report.sun_by_clock ? by_clock : by_image);
+}
+
+void LogReport(const std::string& video, const IndexReport& report) {
+  if (report.stopped_live) spdlog::info("{}: live source, indexed up to the interruption", OneLine(video));
+  if (report.sun) spdlog::info("{}: {}", OneLine(video), SunText(report));
+  const bool is_indexed = report.frames_searched == 0 && !report.stopped_live;
+  spdlog::info("{}: {} searched, {}{}", OneLine(video), CountText(report.frames_searched, "frame"),
+               CountText(report.sightings, "sighting"), is_indexed ? " (already indexed)" : "");
+}
+
+nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& report) {
+  nlohmann::ordered_json sun;
+  if (report.sun) {
+    sun = {{"azimuth_deg", AzimuthDeg(*report.sun)},
+           {"elevation_deg", DegreesFromRadians(report.sun->elevation_rad)},
+           {"by_clock", report.sun_by_clock}};
+  }
+  return {{"video", video},
+          {"frames_searched", report.frames_searched},
+          {"sightings", report.sightings},
+          {"stopped_live", report.stopped_live},
+          {"sun", std::move(sun)}};
 }
 
 // Warns of objects whose place was rejected: their telemetry may be of another flight.
@@ -68,23 +169,10 @@ Status WarnOfRejectedPlaces(IndexStore& store) {
 }
 
 Status Run(const Arguments& arguments, const CLI::App& app) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--db", arguments.db, std::nullopt}}));
-  if (arguments.telemetry && arguments.videos.size() > 1) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "--telemetry applies to one video: index several videos one after the other");
-  }
-  if (arguments.models.empty() && arguments.categories.empty()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "nothing to search for: give --models (`victorious model add` makes one), --categories (`victorious "
-                "category train` makes one), or both");
-  }
-  IndexOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
-  if (arguments.every) options.every = *arguments.every;
-  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"every", "--every"}}));
-  if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
-  ApplyCamera(arguments.camera, options.telemetry);
-  ApplyGround(arguments.ground, options.ground);
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckOutputs(app, {{"--db", arguments.db, std::nullopt}, {"--draw", arguments.draw, FileKind::kVideo}}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
+  VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   std::vector<ObjectModel> models;
   if (!arguments.models.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
@@ -93,6 +181,7 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
                   fmt::format("{}: no models; make one with `victorious model add`", arguments.models));
     }
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadOptions(arguments, models));
   std::optional<CategoryModel> categories;
   if (!arguments.categories.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategoryModel(arguments.categories));
@@ -100,33 +189,47 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
                                               [](const std::string& warning) { spdlog::warn("{}", warning); }));
-  std::error_code error;
-  if (!std::filesystem::exists(arguments.db, error)) VICTORIOUS_RETURN_IF_ERROR(CheckAnyOpens(arguments.videos));
+  // A video that cannot be read does not prevent the others from being indexed. Without any, no index is created.
+  const std::map<std::string, Error> unreadable = FindUnreadable(arguments.videos);
+  std::optional<Error> failure;
+  for (const auto& [video, error] : unreadable) failure = CombineErrors(failure, error);
+  const auto can_be_read = [&](const std::string& video) { return !unreadable.contains(video); };
+  if (std::ranges::none_of(arguments.videos, can_be_read)) return std::unexpected(*std::move(failure));
+  for (const auto& [video, error] : unreadable) spdlog::warn("left out: {}", OneLine(error.message));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                               OpenSqliteStore(arguments.db, StoreMode::kCreate));
-  // A video that cannot be read does not prevent the others from being indexed.
-  std::optional<Error> failure;
   for (const std::string& video : arguments.videos) {
+    if (!can_be_read(video)) continue;
     const auto warn = [&](const std::string& warning) { spdlog::warn("{}: {}", video, warning); };
-    const IndexJob job{
-        .video = video, .telemetry = arguments.telemetry, .redo = arguments.redo, .threads = arguments.threads};
+    const IndexJob job{.video = video,
+                       .telemetry = arguments.telemetry,
+                       .redo = arguments.redo,
+                       .threads = arguments.threads,
+                       .from_s = arguments.from_s,
+                       .to_s = arguments.to_s,
+                       .inform = [&](const std::string& text) { spdlog::info("{}: {}", OneLine(video), text); }};
     const Expected<IndexReport> report = indexer.Index(job, Interrupt(), *store, warn);
+    if (!report && report.error().code == ErrorCode::kConflict) {
+      spdlog::info("{}; the video is left to it", OneLine(report.error().message));
+      continue;
+    }
     if (!report) {
       failure = CombineErrors(failure, report.error());
       if (report.error().code == ErrorCode::kCancelled) break;
       continue;
     }
-    if (report->stopped_live) spdlog::info("{}: live source, indexed up to the interruption", OneLine(video));
-    const bool is_indexed = report->frames_searched == 0 && !report->stopped_live;
-    if (report->sun) {
-      const double azimuth_deg = DegreesFromRadians(report->sun->azimuth_rad);
-      spdlog::info("{}: sun at azimuth {:.0f}, elevation {:.0f} degrees", OneLine(video),
-                   azimuth_deg < 0 ? azimuth_deg + 360 : azimuth_deg, DegreesFromRadians(report->sun->elevation_rad));
-    }
-    spdlog::info("{}: {} frames searched, {} sightings{}", OneLine(video), report->frames_searched, report->sightings,
-                 is_indexed ? " (already indexed)" : "");
+    LogReport(video, *report);
+    if (arguments.json)
+      VICTORIOUS_RETURN_IF_ERROR(WriteOutput(
+          "", ToJson(video, *report).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"));
   }
   if (failure) return std::unexpected(*std::move(failure));
+  if (!arguments.draw.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const IndexedDrawing drawing,
+                                ListIndexedDrawing({.video_name = arguments.videos.front()}, *store));
+    VICTORIOUS_RETURN_IF_ERROR(
+        DrawVideo(drawing.video, drawing.sightings, options.video.folder_frame_rate, arguments.draw, Interrupt()));
+  }
   return WarnOfRejectedPlaces(*store);
 }
 
@@ -144,16 +247,34 @@ Action SetUpIndex(CLI::App& app) {
                  "Camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
       ->type_name("FILE");
   AddParams(app, arguments->params, "index");
+  app.add_option("--quality", arguments->quality,
+                 "fast: whole frames at every fifth, found objects tracked in between, CAD models by proposals; normal "
+                 "(default); thorough: more candidates of each match (docs/tutorial.md)")
+      ->type_name("NAME");
   app.add_option("--every", arguments->every,
                  "Search every N-th frame completely; in between, only regions around tracked objects")
       ->type_name("N");
+  app.add_option("--from", arguments->from_s, "Search only from this video time on: seconds, or as 1:30 or 1:02:03.5")
+      ->type_name("TIME")
+      ->transform(VideoTimeTransform());
+  app.add_option("--to", arguments->to_s, "Search only up to this video time")
+      ->type_name("TIME")
+      ->transform(VideoTimeTransform());
+  app.add_option("--keep-features", arguments->keep_features,
+                 "Seconds between the frames whose features are kept for `search --image` (default 1), or none")
+      ->type_name("SECONDS");
   AddFieldOfView(app, arguments->hfov_deg);
   AddCamera(app, arguments->camera);
   AddGround(app, arguments->ground);
   app.add_flag("--redo", arguments->redo,
                "Delete the results of these models and categories in these videos, and search again");
+  app.add_flag("--json", arguments->json, "Print one JSON object per video: frames searched, sightings, sun");
   app.add_option("--threads", arguments->threads, "Number of threads; 0: one per processor")
       ->check(CLI::Range(0, 1024));
+  app.add_option("--draw", arguments->draw,
+                 "Write a copy of the video with the sightings, names and places drawn into it (.mp4, .mkv)")
+      ->type_name("FILE");
+  AddForce(app);
   return [=, &app] { return Run(*arguments, app); };
 }
 

@@ -25,6 +25,9 @@ Action SetUpModelShow(CLI::App& app);
 /// `model remove`
 Action SetUpModelRemove(CLI::App& app);
 
+/// A model as one line of JSON, as `model list --json` prints it.
+[[nodiscard]] std::string SummaryJson(const ObjectModel& model);
+
 /// The flags of `model show --findable`.
 struct DetectabilityArguments {
   bool wanted = false;

@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <spdlog/spdlog.h>
 
+#include "victorious/base/count_text.h"
+#include "victorious/base/median.h"
 #include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/cmd_model.h"
@@ -34,6 +36,7 @@ struct Arguments {
   std::string front;
   std::string params;
   std::string draw;
+  bool json = false;
 };
 
 // Draws the photos, with the outline of the object in each, one below the other.
@@ -120,6 +123,31 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
   return model;
 }
 
+// Says what the features of a model promise. The limits are rounded from `model show --findable` on photos of few and of
+// many features (docs/results/recognition.md).
+void LogPromise(const ObjectModel& model) {
+  constexpr double kHardly = 40;
+  constexpr double kWell = 120;
+  std::vector<double> counts;
+  for (const ModelView& view : model.views) counts.push_back(static_cast<double>(view.feature_count));
+  const bool cad = model.kind == ModelKind::kCad;
+  const double typical = cad ? Median(counts) : std::ranges::max(counts);
+  const std::string what = cad ? fmt::format("{:.0f} features in the middle one of its views", typical)
+                               : fmt::format("{:.0f} features in its best photo", typical);
+  const std::string measure =
+      fmt::format("`victorious model show {} --findable` measures from which size it is found", OneLine(model.name));
+  const char* const remedy = cad ? "a model with more texture, or more pixels_per_m (--params)"
+                                 : "a larger and sharper photo of a textured side";
+  if (typical < kHardly) {
+    spdlog::warn("{}: {}: hardly recognisable: use {}; {}", OneLine(model.name), what, remedy, measure);
+  } else if (typical < kWell) {
+    spdlog::info("{}: {}: recognisable when large and seen as in the {}; {}", OneLine(model.name), what,
+                 cad ? "views" : "photo", measure);
+  } else {
+    spdlog::info("{}: {}: well recognisable; {}", OneLine(model.name), what, measure);
+  }
+}
+
 Status Add(const Arguments& arguments, const CLI::App& app) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--draw", arguments.draw, FileKind::kImage}}));
   const ModelLibrary library(arguments.folder);
@@ -134,8 +162,10 @@ Status Add(const Arguments& arguments, const CLI::App& app) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, cad ? FromCad(arguments) : FromPhotos(arguments));
   VICTORIOUS_RETURN_IF_ERROR(library.Add(model));
-  return WriteOutput("", fmt::format("{}: {} {}, {} features\n", model.name, model.views.size(),
-                                     model.views.size() == 1 ? "view" : "views", model.features.size()));
+  LogPromise(model);
+  if (arguments.json) return WriteOutput("", SummaryJson(model));
+  return WriteOutput("", fmt::format("{}: {}, {}\n", model.name, CountText(model.views.size(), "view"),
+                                     CountText(model.features.size(), "feature")));
 }
 
 }  // namespace
@@ -168,6 +198,7 @@ Action SetUpModelAdd(CLI::App& app) {
       ->type_name("AXIS");
   app.add_option("--draw", arguments->draw, "Draw the photos with the object outlines into this file")
       ->type_name("FILE");
+  app.add_flag("--json", arguments->json, "Print the model as JSON, as `model list --json` does");
   AddParams(app, arguments->params, "model|cad");
   AddForce(app);
   return [=, &app] { return Add(*arguments, app); };

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/count_text.h"
 #include "victorious/base/median.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/cmd_model.h"
@@ -119,13 +120,15 @@ Status Show(const ShowArguments& arguments, const CLI::App& app) {
   }
   if (findable) return WriteOutput("", model.name + "\n" + ToText(*findable));
   std::string text = fmt::format(
-      "{}\n  from      {}\n  length    {}\n  features  {} in {} views\n  engine    {}, version {}\n  options   {}\n",
-      model.name, ToText(model.kind), SizeText(model), model.features.size(), model.views.size(), model.engine,
-      model.program_version, model.options_json);
+      "{}\n  from      {}\n  length    {}\n  features  {} in {}\n  engine    {}, version {}\n  options   {}\n",
+      model.name, ToText(model.kind), SizeText(model), model.features.size(), CountText(model.views.size(), "view"),
+      model.engine, model.program_version, model.options_json);
   return WriteOutput("", text + ViewsText(model));
 }
 
 }  // namespace
+
+std::string SummaryJson(const ObjectModel& model) { return Summary(model).dump() + "\n"; }
 
 Action SetUpModelList(CLI::App& app) {
   const auto arguments = std::make_shared<ListArguments>();

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "victorious/base/count_text.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -59,14 +60,13 @@ void LogSummary(const NavigationResult& result, const NavigateOptions& options) 
   const std::vector<NavigatedFrame>& frames = result.navigation.frames;
   const auto with_landmark =
       std::ranges::count_if(frames, [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
-  spdlog::info("{} frames, {} with a landmark; {} sightings rejected as outliers", result.frames, with_landmark,
-               result.rejected_sightings);
+  spdlog::info("{}, {} with a landmark; {} rejected as outliers", CountText(result.frames, "frame"), with_landmark,
+               CountText(result.rejected_sightings, "sighting"));
   for (std::size_t i = 0; i < result.landmarks.size(); ++i) {
     if (result.sightings[i] == 0) continue;
     const Landmark& landmark = result.landmarks[i];
-    spdlog::info("landmark {} at {:.6f} {:.6f}: in {} frames", landmark.model,
-                 DegreesFromRadians(landmark.place.latitude_rad), DegreesFromRadians(landmark.place.longitude_rad),
-                 result.sightings[i]);
+    spdlog::info("landmark {} at {:.6f} {:.6f}: in {}", landmark.model, DegreesFromRadians(landmark.place.latitude_rad),
+                 DegreesFromRadians(landmark.place.longitude_rad), CountText(result.sightings[i], "frame"));
   }
   LogTelemetryError(result.navigation, options.telemetry.position_m);
   spdlog::info(

@@ -10,7 +10,10 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
 #include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
+#include <opencv2/core/utility.hpp>
 
 #include "victorious/base/version.h"
 #include "victorious/cli/command.h"
@@ -45,6 +48,24 @@ constexpr std::array kCommands = {
             "victorious-bench"},
 };
 
+// The commands that compute in parallel and leave the number of threads to the library; `index` has a flag of its own,
+// which also applies to decoding.
+constexpr std::array<std::string_view, 8> kParallelCommands = {"model", "category", "simulate", "search",
+                                                               "track", "navigate", "match",    "features"};
+
+// Adds --threads to a command, or to its parts.
+void AddThreads(CLI::App& command, int& threads) {
+  const std::vector<CLI::App*> parts = command.get_subcommands([](const CLI::App*) { return true; });
+  for (CLI::App* part : parts) {
+    const bool computes = part->get_name() != "list" && part->get_name() != "remove";
+    if (computes) AddThreads(*part, threads);
+  }
+  if (!parts.empty()) return;
+  command.add_option("--threads", threads, "Number of threads that compute; 0: one per processor")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024));
+}
+
 Expected<int> Main(int argc, char** argv) {
   const auto is_named = [&](const Command& command) { return argc > 1 && std::string_view(command.name) == argv[1]; };
   const auto named = std::ranges::find_if(kCommands, is_named);
@@ -56,10 +77,12 @@ Expected<int> Main(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough(false);
   Action chosen;
+  int threads = 0;
   for (const Command& command : kCommands) {
     CLI::App* subcommand = app.add_subcommand(command.name, command.summary)->group(command.group);
     if (command.setup == nullptr) continue;
     subcommand->final_callback([&chosen, action = command.setup(*subcommand)] { chosen = action; });
+    if (std::ranges::find(kParallelCommands, command.name) != kParallelCommands.end()) AddThreads(*subcommand, threads);
   }
   const bool is_command = argc > 1 && argv[1][0] != '-';
   if (is_command && named == kCommands.end()) {
@@ -76,6 +99,11 @@ Expected<int> Main(int argc, char** argv) {
   if (ended) return *ended;
   if (!chosen) {
     return Fail(ErrorCode::kInvalidArgument, "give the command first; `victorious --help` lists the commands");
+  }
+  std::optional<oneapi::tbb::global_control> limit;
+  if (threads > 0) {
+    limit.emplace(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    cv::setNumThreads(threads);
   }
   VICTORIOUS_RETURN_IF_ERROR(chosen());
   return 0;

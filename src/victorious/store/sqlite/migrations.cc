@@ -47,19 +47,19 @@ Expected<int> ReadVersion(Connection& connection, int newest) {
 
 Status Migrate(Connection& connection, std::span<const Migration> migrations) {
   const int newest = migrations.back().version;
+  VICTORIOUS_ASSIGN_OR_RETURN(int version, ReadVersion(connection, newest));
+  if (version >= newest) return {};
+  // One transaction: a process that is killed leaves the file as it was, not between two versions.
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection));
+  // Checks again while holding the write lock: no other process can be migrating now.
+  VICTORIOUS_ASSIGN_OR_RETURN(version, ReadVersion(connection, newest));
   for (const Migration& migration : migrations) {
-    VICTORIOUS_ASSIGN_OR_RETURN(int version, ReadVersion(connection, newest));
-    if (version >= migration.version) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection));
-    // Checks again while holding the write lock: no other process can be migrating now.
-    VICTORIOUS_ASSIGN_OR_RETURN(version, ReadVersion(connection, newest));
     if (version >= migration.version) continue;
     VICTORIOUS_RETURN_IF_ERROR(connection.Execute(std::string(migration.sql)));
     VICTORIOUS_RETURN_IF_ERROR(connection.Execute(
         fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, migration.version)));
-    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   }
-  return {};
+  return transaction.Commit();
 }
 
 }  // namespace victorious::sqlite

@@ -27,7 +27,8 @@ std::span<const Migration> Migrations();
 /// `newest`), kDataLoss (not a database, or damaged). Does not write.
 [[nodiscard]] Expected<int> ReadVersion(Connection& connection, int newest);
 
-/// Migrates the database to the last of `migrations`, each in its own transaction. Safe if two processes do so at once.
+/// Migrates the database to the last of `migrations`, in one transaction: a process that is killed or fails leaves the
+/// file as it was. Safe if two processes do so at once.
 [[nodiscard]] Status Migrate(Connection& connection, std::span<const Migration> migrations);
 
 }  // namespace victorious::sqlite

@@ -279,6 +279,15 @@ TEST_F(SqliteStoreTest, FailedMigrationChangesNothing) {
   EXPECT_EQ(CountWholeBatches(*OpenOrDie(path_)), 20);
 }
 
+// A new index has all tables or none, whenever its process is killed.
+TEST_F(SqliteStoreTest, MigratesAllOrNothing) {
+  std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
+  migrations.push_back({static_cast<int>(migrations.size()) + 1, "DROP TABLE none"});
+  const auto connection = Connection::Open(path_, Access::kCreate).value();
+  EXPECT_FALSE(Migrate(*connection, migrations));
+  EXPECT_EQ(*ReadVersion(*connection, migrations.back().version), 0);
+}
+
 TEST_F(SqliteStoreTest, UnknownKindOrSourceIsDataLoss) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   const auto execute = [&](const std::string& sql) {

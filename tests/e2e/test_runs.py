@@ -1,0 +1,122 @@
+"""Runs of `index`: names, intervals, several processes, quality, kept features, and the check of an index."""
+
+import json
+import shutil
+import sqlite3
+import subprocess
+
+import program
+
+FLIGHT, MODELS = program.flight(), program.models()
+VIDEO = FLIGHT / "flight.mkv"
+
+
+class RunsTest(program.ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.db = self.scratch / "index.db"
+
+    def index(self, *arguments, **options) -> program.Outcome:
+        return self.succeeds("index", *arguments, "--models", MODELS, "--db", self.db, **options)
+
+    def rows(self, db=None) -> list[dict]:
+        return [json.loads(line) for line in self.export(db or self.db, "sightings").splitlines()]
+
+    def query(self, sql: str):
+        with sqlite3.connect(self.db) as connection:
+            return connection.execute(sql).fetchall()
+
+    def test_relative_names_work_from_another_folder(self):
+        first, second = self.scratch / "first", self.scratch / "second"
+        for folder, name in ((first, "flight.mkv"), (second, "flight.mp4")):
+            folder.mkdir()
+            shutil.copy(FLIGHT / name, folder / "flight.mkv")
+        self.index("flight.mkv", cwd=first)
+        self.assertEqual({row["video"] for row in self.rows()}, {"flight.mkv"}, "the name as given")
+        sheet = self.scratch / "sheet.png"
+        self.succeeds("sheet", "--db", self.db, "--out", sheet, cwd="/")
+        self.succeeds("export", "--db", self.db, "--format", "video", "--out", self.scratch / "drawn.mp4", cwd="/")
+        # Another video of this name, in another folder, is another video.
+        done = self.index("flight.mkv", cwd=second)
+        self.assertNotIn("has changed", done.err)
+        self.assertEqual(self.query("SELECT name, folder FROM videos ORDER BY id"),
+                         [("flight.mkv", str(first)), ("flight.mkv", str(second))])  # fmt: skip
+
+    def test_two_processes_on_one_video(self):
+        command = [program.PROGRAM, "index", VIDEO, "--models", MODELS, "--db", self.db]
+        both = [subprocess.Popen(list(map(str, command)), stderr=subprocess.PIPE, text=True) for _ in range(2)]
+        said = [process.communicate(timeout=program.TIMEOUT_S)[1] for process in both]
+        self.assertEqual([process.returncode for process in both], [0, 0], said)
+        key = lambda row: (row["frame"], row["model"], row["box"])
+        self.assertEqual(sorted(map(key, self.rows())), sorted(map(key, self.rows(program.index()))))
+
+    def test_all_videos_are_opened_first(self):
+        missing = self.scratch / "missing.mkv"
+        done = program.run("index", VIDEO, missing, "--models", MODELS, "--db", self.db)
+        self.assertEqual(done.status, 2)
+        said = done.messages()
+        left_out = next(i for i, line in enumerate(said) if "left out" in line and "missing.mkv" in line)
+        searched = next(i for i, line in enumerate(said) if "frames searched" in line)
+        self.assertLess(left_out, searched, said)
+        self.assertIn("missing.mkv", said[-1])
+        self.assertTrue(self.rows())
+
+    def test_interval_of_time(self):
+        done = self.index(VIDEO, "--from", "1", "--to", "0:02")
+        self.assertIn("11 frames searched", done.err)
+        frames = {row["frame"] for row in self.rows()}
+        self.assertTrue(frames and min(frames) >= 10 and max(frames) <= 20, frames)
+        self.assertIn("0 frames searched", self.index(VIDEO, "--from", "1", "--to", "2").err)
+        self.refuses(2, ["searched.from_s was 1", "--redo"], "index", VIDEO, "--models", MODELS, "--db", self.db)
+        self.assertIn("1 frame searched", self.index(VIDEO, "--from", "1", "--to", "1", "--redo").err)
+        self.refuses(2, ["--from 2", "--to 1"], "index", VIDEO, "--models", MODELS, "--db", self.db, "--from", "2",
+                     "--to", "1")  # fmt: skip
+
+    def test_quality(self):
+        fast = self.index(VIDEO, "--quality", "fast")
+        self.assertIn("8 frames searched", fast.err)
+        self.assertTrue(any(row["frame"] % 5 for row in self.rows()), "objects are tracked in between")
+        command = ("index", VIDEO, "--models", MODELS, "--db", self.db)
+        self.refuses(2, ["every was 5, is 1", "search.nearest was 4, is 8"], *command, "--quality", "thorough")
+        self.refuses(2, ["--quality best", "fast, normal, thorough"], *command, "--quality", "best")
+        # A flag overrides the quality; normal is the default.
+        self.assertIn("4 frames searched", self.index(VIDEO, "--quality", "fast", "--every", "10", "--redo").err)
+        self.index(VIDEO, "--quality", "normal", "--redo")
+        self.assertIn("0 frames searched", self.index(VIDEO).err)
+
+    def test_kept_features(self):
+        self.index(VIDEO)
+        self.assertEqual(self.query("SELECT count(*) FROM kept_frames"), [(program.FRAMES // 10,)])
+        ((keypoints, descriptors),) = self.query("SELECT sum(length(keypoints)), sum(length(descriptors)) FROM kept_frames")
+        self.assertEqual(4 * keypoints, descriptors, "16 and 64 bytes each")
+        self.index(VIDEO, "--keep-features", "0.5", "--redo")
+        self.assertEqual(self.query("SELECT count(*) FROM kept_frames"), [(program.FRAMES // 5,)])
+        self.index(VIDEO, "--keep-features", "none", "--redo")
+        self.assertEqual(self.query("SELECT count(*) FROM kept_frames"), [(0,)])
+        self.refuses(2, "no kept features", "search", "--db", self.db, "--image", FLIGHT / "crate.png")
+        self.refuses(2, "--keep-features some", "index", VIDEO, "--models", MODELS, "--db", self.db,
+                     "--keep-features", "some")  # fmt: skip
+
+    def test_check(self):
+        db = self.write("sound.db", program.index().read_bytes())
+        self.assertIn("without damage", self.succeeds("doctor", "--check", db).out)
+        self.assertEqual(json.loads(self.succeeds("doctor", "--check", db, "--json").out)["faults"], [])
+        self.db = db
+        self.query("UPDATE kept_frames SET descriptors = x'0102'")
+        self.refuses(2, [db, "damaged", "descriptors"], "doctor", "--check", db)
+        damaged = bytearray(program.index().read_bytes())
+        damaged[4096 * 3 : 4096 * 5] = bytes(4096 * 2)
+        self.refuses(2, "damaged", "doctor", "--check", self.write("damaged.db", bytes(damaged)))
+        self.refuses(2, "--check", "doctor", "--check")
+
+    def test_json(self):
+        (row,) = self.index(VIDEO, "--json").rows()
+        self.assertEqual((row["video"], row["frames_searched"]), (str(VIDEO), program.FRAMES))
+        self.assertEqual(row["sightings"], len(self.rows()))
+        (added,) = self.succeeds("model", "add", "crate", FLIGHT / "crate.png", "--models", self.scratch / "m",
+                                 "--json").rows()  # fmt: skip
+        self.assertEqual((added["name"], added["views"]), ("crate", 1))
+
+
+if __name__ == "__main__":
+    program.main()
