@@ -29,7 +29,12 @@ OTHER_PARALLEL = re.compile(
     r"|\bstd::execution::par|\bpthread_create\b|#\s*pragma\s+omp\b"
 )
 PARALLEL_FOLDERS = (SOURCES.as_posix(), "experiments", "assets/make", "bench")
-MAY_START_THREADS = ()  # files of these folders with a thread of their own, each with the reason; none so far
+# Files of these folders with a thread of their own, each with the reason.
+MAY_START_THREADS = (
+    "src/victorious/serve/job_runner.h",  # waits for child processes, which live as long as the thread that started them
+    "src/victorious/serve/live_service.h",  # watches the index while no request comes
+    "src/victorious/serve/live_service.cc",
+)
 PROJECT_ROOTS = ("victorious/", "experiments/", "assets/make/", "testing/", "tests/", "bench/", "hwy/")
 
 

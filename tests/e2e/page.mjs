@@ -320,14 +320,59 @@ async function images(page) {
   await waitForFrame(page, 1);
 }
 
-const [scenario, url] = process.argv.slice(2);
+/** From nothing to finds: photos are dropped, then a video; the results come without a reload, to every tab. */
+async function jobs(page, [photos, video]) {
+  await page.goto("/");
+  await page.waitForSelector(".empty");
+  const second = await page.context().newPage();
+  await second.goto(page.url());
+  await second.waitForSelector(".empty");
+  await page.getByRole("button", { name: "Add" }).click();
+
+  for (const photo of photos.split(",")) {
+    await page.setInputFiles("input[type=file]", photo);
+    await page.waitForSelector("dialog.model[open]");
+    const name = photo.replace(/.*\/|\.png$/g, "");
+    assert.equal(await page.inputValue("#model-name"), name);
+    await page.getByRole("button", { name: "Make the model" }).click();
+    await page.waitForSelector(`.job.done:has(strong:text-is("${name}"))`);
+  }
+
+  // Dropped on the page, as from the desktop.
+  const data = await page.evaluateHandle(() => new DataTransfer());
+  const { readFileSync } = await import("node:fs");
+  await data.evaluate(
+    (transfer, bytes) => transfer.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], "dropped flight.mp4")),
+    readFileSync(video).toString("base64"),
+  );
+  await page.dispatchEvent("body", "dragover", { dataTransfer: data });
+  await page.waitForSelector(".drop-over");
+  await page.dispatchEvent("body", "drop", { dataTransfer: data });
+  await page.waitForSelector(".job.done:has(strong:text-is('dropped flight.mp4'))");
+  for (const tab of [page, second]) {
+    await tab.waitForSelector("[role=option]");
+    await tab.waitForFunction(() => document.querySelector(".stage canvas[data-frame]"));
+  }
+  // One stream of events for both tabs: the second is told by the first.
+  assert.equal(await second.locator("[role=option]").count(), await page.locator("[role=option]").count());
+
+  // What cannot be read says why.
+  await page.setInputFiles("input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });
+  await page.waitForSelector(".job.failed:has(strong:text-is('broken.mp4'))");
+  assert.match(await page.locator(".job.failed .job-state").first().innerText(), /broken\.mp4/);
+  await page.setInputFiles("input[type=file]", { name: "notes.txt", mimeType: "text/plain", buffer: Buffer.from("x") });
+  await page.waitForSelector(".notice.error:has-text('notes.txt')");
+}
+
+const [scenario, url, ...inputs] = process.argv.slice(2);
 if (!existsSync(BROWSER)) {
   console.log(`SKIPPED: ${BROWSER} is not installed`);
   process.exit(77);
 }
 const browser = await chromium.launch({ executablePath: BROWSER, args: FLAGS });
 try {
-  const page = await browser.newPage({ baseURL: url, viewport: { width: 1280, height: 720 }, colorScheme: "dark" });
+  const context = await browser.newContext({ baseURL: url, viewport: { width: 1280, height: 720 }, colorScheme: "dark" });
+  const page = await context.newPage();
   page.setDefaultTimeout(30_000);
   const faults = [];
   page.on("pageerror", (error) => faults.push(`error on the page: ${error.message}`));
@@ -338,7 +383,7 @@ try {
   page.on("request", (request) => {
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url)) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, images, many }[scenario](page);
+  await { triage, frames, images, many, jobs }[scenario](page, inputs);
   assert.deepEqual(faults, []);
 } finally {
   await browser.close();

@@ -28,11 +28,10 @@ MISSING = [
 
 @unittest.skipIf(MISSING, f"not there: {', '.join(MISSING)}")
 class PageTest(program.ProgramTest):
-    def drive(self, scenario, db, *flags):
+    def drive(self, scenario, db, *flags, inputs=()):
         with program.Server(db, "--web", PAGE, *flags) as server:
-            done = subprocess.run(
-                ["node", SCRIPT, scenario, server.url], capture_output=True, text=True, timeout=300, check=False
-            )
+            command = ["node", SCRIPT, scenario, server.url, *inputs]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
         self.assertEqual(done.returncode, 0, f"{done.stdout}{done.stderr}{server.err}")
 
     def index(self, video, *flags):
@@ -94,6 +93,13 @@ class PageTest(program.ProgramTest):
                     (number, number, number / 10, 1 - number / 3100),
                 )
         self.drive("many", db)
+
+    def test_jobs(self):
+        db, models = self.scratch / "index.db", self.scratch / "models"
+        db.touch()
+        models.mkdir()
+        photos = ",".join(str(program.flight() / f"{name}.png") for name in ("crate", "truck"))
+        self.drive("jobs", db, "--models", models, inputs=(photos, program.flight() / "flight.mp4"))
 
     def test_overlay_belongs_to_its_frame(self):
         video = self.scratch / "numbers.mp4"

@@ -1,6 +1,7 @@
 import { render } from "preact";
 
 import { App } from "./views/app";
+import { startJobs } from "./jobs";
 import { load } from "./state";
 
 import "./styles/tokens.css";
@@ -8,4 +9,4 @@ import "./styles/app.css";
 
 const root = document.getElementById("app");
 if (root) render(<App />, root);
-void load();
+void load().then(startJobs);

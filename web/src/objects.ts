@@ -22,6 +22,8 @@ export const list = signal<PagedList | null>(null);
 export const listVersion = signal(0);
 /** Of all objects. */
 export const counts = signal<Counts | null>(null);
+/** Objects that the list was made from; null if it leaves some out. */
+export const listedAll = signal<number | null>(null);
 /** How many objects match the filters; null: not known yet. */
 export const matching = signal<number | null>(null);
 /** The best objects of the video that is shown, best first. */
@@ -68,7 +70,7 @@ export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boo
   listKey = key;
   const [page, all] = await Promise.all([
     listObjects(withParams(params, { offset: 0, limit: PAGE })),
-    counts.peek() ?? countObjects(new URLSearchParams()),
+    countObjects(new URLSearchParams()),
   ]);
   if (listKey !== key) return;
   listParams = params;
@@ -78,8 +80,14 @@ export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boo
     remember(page.objects);
     list.value = fresh;
     counts.value = all;
+    listedAll.value = isOnlyMatching ? null : fresh.total;
     listVersion.value++;
   });
+}
+
+/** Reads the counts again. */
+export async function refreshCounts() {
+  counts.value = await countObjects(new URLSearchParams());
 }
 
 let followTimer: ReturnType<typeof setTimeout> | undefined;

@@ -6,6 +6,7 @@ import { ApiFailure, getCameraPath, getObject, getProject, getTimes, listObjectS
 import type { CameraPath, FoundObject, ObjectDetail, Project, Verdict, Video } from "./api/types";
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
 import { COORDINATE_STYLES, type CoordinateStyle, plural } from "./logic/format";
+import { onEvent, startEvents } from "./events";
 import { FrameTable } from "./logic/frame_table";
 import { formatUrl, parseUrl } from "./logic/url_state";
 import * as objects from "./objects";
@@ -19,6 +20,8 @@ export type Load<T> = { state: "loading" } | { state: "ready"; value: T } | { st
 export const project = signal<Load<Project>>({ state: "loading" });
 export const videos = signal<Video[]>([]);
 export const isConnected = signal(true);
+/** Changes with the index that the server shows. */
+export const indexVersion = signal(0);
 
 // ---- what the user chose
 
@@ -116,11 +119,53 @@ export async function load() {
       isConnected.value = true;
     });
     await openFromUrl();
+    startLive();
   } catch (error) {
     isConnected.value = !(error instanceof ApiFailure && error.status === 0);
     if (project.value.state !== "ready") project.value = { state: "failed", message: messageOf(error) };
     setTimeout(() => void load(), RETRY_MS);
   }
+}
+
+/** What has changed on the server: numbers, videos, tiles. The list keeps its order until the user asks for another. */
+export async function refresh() {
+  try {
+    const [summary, found] = await Promise.all([getProject(), listVideos()]);
+    const isFirst = objects.list.peek()?.total === 0 && summary.objects > 0;
+    if (isFirst) objects.setQueueTime(summary.now_utc_us);
+    await objects.refreshCounts();
+    if (isFirst) await showNew();
+    batch(() => {
+      project.value = { state: "ready", value: summary };
+      videos.value = found;
+      indexVersion.value++;
+    });
+    if (videoId.peek() === null && found[0]) showTime(found[0].id, 0);
+    if (selectedId.peek() === null && isFirst) step(1);
+  } catch (error) {
+    isConnected.value = !(error instanceof ApiFailure && error.status === 0);
+  }
+}
+
+/** Makes the list anew, with what was found since it was made. */
+export async function showNew() {
+  await objects.loadList(sort.peek(), filters.peek(), isOnlyMatching.peek());
+}
+
+let isLive = false;
+
+/** Follows what the server tells from now on. */
+function startLive() {
+  if (isLive) return;
+  isLive = true;
+  let known: number | null = null;
+  onEvent("index", (data) => {
+    const { version } = data as { version: number };
+    // The first one says what was loaded just now.
+    if (known !== null && version !== known) void refresh();
+    known = version;
+  });
+  startEvents();
 }
 
 async function openFromUrl() {
@@ -149,6 +194,7 @@ effect(() => {
 // What the time line shows of the video.
 effect(() => {
   const id = videoId.value;
+  void indexVersion.value;
   if (id === null) return;
   const abort = new AbortController();
   objects.loadVideoObjects(id, abort.signal).catch((error: unknown) => {

@@ -22,6 +22,8 @@ struct Arguments {
   std::string listen = "127.0.0.1:8080";
   std::string telemetry;
   std::string web;
+  std::string uploads;
+  double max_upload_gb = 50;
 };
 
 // The built page: beside the program in a build folder, or where a package installs it.
@@ -37,6 +39,8 @@ std::filesystem::path FindPage() {
 Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const HttpServerOptions server_options, ParseListenAddress(arguments.listen));
   ApiOptions options{.index = arguments.db, .models = arguments.models, .telemetry = {}, .web = arguments.web};
+  options.uploads = arguments.uploads.empty() ? arguments.db + ".uploads" : arguments.uploads;
+  options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
   std::error_code error;
   if (options.web.empty()) {
@@ -49,10 +53,11 @@ Status Run(const Arguments& arguments) {
   }
   const CancelToken& interrupt = Interrupt();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<Api> api, Api::Open(std::move(options), interrupt));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<HttpServer> server,
-                              HttpServer::Listen(server_options, [&](const HttpRequest& request, int port) {
-                                return api->Handle(request, port);
-                              }));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::unique_ptr<HttpServer> server,
+      HttpServer::Listen(
+          server_options, [&](const HttpRequest& request, int port) { return api->Handle(request, port); },
+          [&](const HttpRequest& request, int port) { return api->PlanUpload(request, port); }));
   const bool is_ipv6 = server_options.address.find(':') != std::string::npos;
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(
       "", fmt::format("http://{}:{}/\n", is_ipv6 ? "[" + server_options.address + "]" : server_options.address,
@@ -76,6 +81,12 @@ Action SetUpServe(CLI::App& app) {
   app.add_option("--telemetry", arguments->telemetry,
                  "Telemetry of the index's only video (default: in the video or beside it)")
       ->type_name("FILE");
+  app.add_option("--uploads", arguments->uploads, "Folder for uploaded videos and models (default: FILE.uploads)")
+      ->type_name("DIR");
+  app.add_option("--max-upload", arguments->max_upload_gb, "Largest file that is taken, in GB")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 100'000.0))
+      ->type_name("GB");
   app.add_option("--web", arguments->web, "The built page (default: as built or installed)")->type_name("DIR");
   return [=] { return Run(*arguments); };
 }

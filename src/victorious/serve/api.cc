@@ -30,6 +30,31 @@ bool IsRead(const HttpRequest& request) {
   return request.method == HttpMethod::kGet || request.method == HttpMethod::kHead;
 }
 
+// The methods that an address of the API answers, as the header Allow names them.
+std::string_view MethodsOf(std::span<const std::string> segments) {
+  if (segments.size() < 3) return "GET, HEAD";
+  const std::string& resource = segments[2];
+  if (segments.size() == 5 && resource == "objects" && segments[4] == "review") return "PUT";
+  if (segments.size() == 5 && resource == "jobs" && segments[4] == "cancel") return "POST";
+  if (segments.size() == 3 && resource == "uploads") return "POST";
+  return segments.size() == 3 && resource == "jobs" ? "GET, HEAD, POST" : "GET, HEAD";
+}
+
+bool IsAllowed(HttpMethod method, std::string_view methods) {
+  switch (method) {
+    case HttpMethod::kGet:
+    case HttpMethod::kHead:
+      return methods.starts_with("GET");
+    case HttpMethod::kPut:
+      return methods == "PUT";
+    case HttpMethod::kPost:
+      return methods.ends_with("POST");
+    case HttpMethod::kOther:
+      break;
+  }
+  return false;
+}
+
 }  // namespace
 
 Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken& cancel)
@@ -37,7 +62,8 @@ Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken
       index_(std::move(index)),
       videos_(options_.index, cancel),
       page_(options_.web),
-      camera_paths_(kCameraCacheBytes) {}
+      camera_paths_(kCameraCacheBytes),
+      uploads_(options_.uploads) {}
 
 Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& cancel) {
   if (!options.models.empty()) {
@@ -52,7 +78,10 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
           fmt::format("--telemetry: the index has {} videos: it is for an index of one video", lists->videos.size()));
     }
   }
-  return std::unique_ptr<Api>(new Api(std::move(options), std::move(index), cancel));
+  const JobFolders folders{.index = options.index, .models = options.models, .uploads = options.uploads};
+  std::unique_ptr<Api> api(new Api(std::move(options), std::move(index), cancel));
+  VICTORIOUS_ASSIGN_OR_RETURN(api->live_, LiveService::Start(*api->index_, folders));
+  return api;
 }
 
 HttpResponse Api::Handle(const HttpRequest& request, int port) {
@@ -70,12 +99,19 @@ ApiExpected<HttpResponse> Api::Route(const HttpRequest& request, const RequestTa
     return page_.Get(request, target.segments);
   }
   QueryReader query(target);
-  const bool is_review = segments.size() == 5 && segments[2] == "objects" && segments[4] == "review";
-  if (is_review ? request.method != HttpMethod::kPut : !IsRead(request)) {
-    return MethodNotAllowed(is_review ? "PUT" : "GET, HEAD");
+  if (const std::string_view methods = MethodsOf(segments); !IsAllowed(request.method, methods)) {
+    return MethodNotAllowed(methods);
   }
   if (segments.size() >= 3 && segments[1] == "v1") {
     const std::string& resource = segments[2];
+    if (segments.size() == 3 && resource == "uploads") return Upload(request);
+    const bool is_cancel = segments.size() == 5 && resource == "jobs" && segments[4] == "cancel";
+    if (is_cancel || (segments.size() == 3 && (resource == "jobs" || resource == "events"))) {
+      VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+      if (is_cancel) return CancelJob(segments[3]);
+      if (resource == "events") return Events();
+      return request.method == HttpMethod::kPost ? PutJob(request) : Jobs();
+    }
     if (resource == "videos" && segments.size() > 3) return RouteVideo(request, segments.subspan(3), query);
     if (resource == "objects" && segments.size() > 3) return RouteObject(request, segments.subspan(3), query);
     if (resource == "objects") return Objects(query);
@@ -119,7 +155,8 @@ ApiExpected<HttpResponse> Api::Project() {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count({}));
-  return JsonResponse(ProjectToJson(options_.index, *lists, counts, index_->can_review(), !options_.models.empty()));
+  return JsonResponse(
+      ProjectToJson(options_.index, *lists, counts, index_->can_review(), !options_.models.empty(), live_->has_jobs()));
 }
 
 ApiExpected<HttpResponse> Api::Videos() {

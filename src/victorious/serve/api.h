@@ -2,6 +2,8 @@
 // http_server.h calls Handle from several threads.
 #pragma once
 
+#include <cstdint>
+#include <expected>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,8 +15,10 @@
 #include "victorious/serve/camera_path.h"
 #include "victorious/serve/http_message.h"
 #include "victorious/serve/index_view.h"
+#include "victorious/serve/live_service.h"
 #include "victorious/serve/request_target.h"
 #include "victorious/serve/static_files.h"
+#include "victorious/serve/upload_folder.h"
 #include "victorious/serve/video_files.h"
 
 namespace victorious {
@@ -24,6 +28,8 @@ struct ApiOptions {
   std::filesystem::path models;          ///< model library, for the images of views; empty: none
   std::optional<std::string> telemetry;  ///< telemetry file of the index's only video; std::nullopt: found by itself
   std::filesystem::path web;             ///< the built page
+  std::filesystem::path uploads;         ///< where uploaded files go; created when it is needed
+  std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
 };
 
 /// Thread-safe.
@@ -37,6 +43,9 @@ class Api {
   /// @param port  of the server: the Host header must name it
   [[nodiscard]] HttpResponse Handle(const HttpRequest& request, int port);
 
+  /// Where the body of an upload goes, or the response that refuses it.
+  [[nodiscard]] std::expected<UploadPlan, HttpResponse> PlanUpload(const HttpRequest& request, int port);
+
  private:
   Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken& cancel);
 
@@ -47,6 +56,12 @@ class Api {
   ApiExpected<HttpResponse> RouteObject(const HttpRequest& request, Segments segments, QueryReader& query);
   ApiExpected<HttpResponse> Project();
   ApiExpected<HttpResponse> Videos();
+  // In api_jobs.cc.
+  ApiExpected<HttpResponse> Upload(const HttpRequest& request);
+  ApiExpected<HttpResponse> Jobs();
+  ApiExpected<HttpResponse> PutJob(const HttpRequest& request);
+  ApiExpected<HttpResponse> CancelJob(std::string_view number);
+  ApiExpected<HttpResponse> Events();
   // In api_objects.cc.
   ApiExpected<HttpResponse> Objects(QueryReader& query);
   ApiExpected<HttpResponse> Counts(QueryReader& query);
@@ -68,6 +83,8 @@ class Api {
   StaticFiles page_;
   std::mutex camera_mutex_;
   ByteCache camera_paths_;
+  UploadFolder uploads_;
+  std::unique_ptr<LiveService> live_;  // last: its threads use what is above
 };
 
 }  // namespace victorious

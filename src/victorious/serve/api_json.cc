@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/base/version.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/store/listed_object.h"
@@ -134,7 +135,7 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
 }
 
 Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, const ObjectCounts& counts,
-                   bool can_review, bool has_views) {
+                   bool can_review, bool has_views, bool has_jobs) {
   Json models = Json::array();
   for (const ModelRecord& model : lists.models) {
     const auto objects = lists.objects_of_model.find(model.id);
@@ -153,6 +154,7 @@ Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, 
           {"version", kVersion},
           {"can_review", can_review},
           {"has_views", has_views},
+          {"has_jobs", has_jobs},
           {"videos", lists.videos.size()},
           {"objects", counts.objects},
           {"accepted", counts.accepted},
@@ -161,6 +163,45 @@ Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, 
           {"models", std::move(models)},
           {"bounds", std::move(bounds)},
           {"now_utc_us", std::chrono::duration_cast<std::chrono::microseconds>(now).count()}};
+}
+
+Json JobToJson(const JobRecord& job, std::int64_t now_us) {
+  const JobProgress& progress = job.progress;
+  // By the rate since this attempt began; the first seconds say little.
+  Json left;
+  if (job.state == JobState::kRunning && job.started_utc_us && progress.total && progress.done > 0) {
+    constexpr double kMinElapsed_s = 2;
+    const double elapsed_s = 1e-6 * static_cast<double>(now_us - *job.started_utc_us);
+    const auto rest = static_cast<double>(std::max<std::int64_t>(0, *progress.total - progress.done));
+    if (elapsed_s >= kMinElapsed_s) left = std::round(elapsed_s * rest / static_cast<double>(progress.done));
+  }
+  std::string title;
+  const auto input = ParseJson(job.input_json);
+  if (input && input->is_object()) {
+    const auto text = [&](const char* name) {
+      const auto found = input->find(name);
+      return found != input->end() && found->is_string() ? found->get<std::string>() : std::string();
+    };
+    title = job.kind == "index" ? std::filesystem::path(text("video")).filename().string() : text("name");
+  }
+  return {{"id", job.id},
+          {"kind", job.kind},
+          {"title", title},
+          {"state", ToText(job.state)},
+          {"done", progress.done},
+          {"total", progress.total ? Json(*progress.total) : Json()},
+          {"unit", progress.unit},
+          {"message", progress.message},
+          {"left_s", std::move(left)},
+          {"cancel_asked", job.cancel_asked},
+          {"created_utc_us", job.created_utc_us},
+          {"ended_utc_us", job.ended_utc_us ? Json(*job.ended_utc_us) : Json()}};
+}
+
+Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us) {
+  Json rows = Json::array();
+  for (const JobRecord& job : jobs) rows.push_back(JobToJson(job, now_us));
+  return {{"jobs", std::move(rows)}};
 }
 
 Json CameraPathToJson(const CameraPath& path) {

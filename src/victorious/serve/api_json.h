@@ -4,6 +4,7 @@
 #include "victorious/serve/camera_path.h"
 #include "victorious/serve/index_view.h"
 #include "victorious/store/export_json.h"
+#include "victorious/store/job_queue.h"
 
 namespace victorious {
 
@@ -23,10 +24,15 @@ namespace victorious {
 
 /// @param index       its file
 /// @param has_views   images of the models' views can be had
+/// @param has_jobs    videos and models can be added
 [[nodiscard]] Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists,
-                                 const ObjectCounts& counts, bool can_review, bool has_views);
+                                 const ObjectCounts& counts, bool can_review, bool has_views, bool has_jobs);
 
 [[nodiscard]] Json CameraPathToJson(const CameraPath& path);
+
+/// @param now_us  microseconds since 1970, for the time that is left
+[[nodiscard]] Json JobToJson(const JobRecord& job, std::int64_t now_us);
+[[nodiscard]] Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us);
 
 /// The horizontal 90 % confidence ellipse of a covariance: half axes and the direction of the longer one.
 struct EllipseAxes {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,7 +12,7 @@
 
 namespace victorious {
 
-enum class HttpMethod { kGet, kHead, kPut, kOther };
+enum class HttpMethod { kGet, kHead, kPut, kPost, kOther };
 
 /// A received request. A header that was not sent is empty.
 struct HttpRequest {
@@ -25,6 +26,7 @@ struct HttpRequest {
   std::string if_range;
   std::string if_none_match;
   std::string body;
+  std::optional<std::filesystem::path> upload;  ///< the file that holds the body instead (UploadPlan)
 };
 
 /// A part of a file, sent without being read into memory.
@@ -34,12 +36,29 @@ struct FileSlice {
   std::int64_t length = 0;  ///< bytes
 };
 
+/// Where the body of a request goes that is too large for memory. The file must
+/// not be there.
+struct UploadPlan {
+  std::filesystem::path file;
+  std::uint64_t max_bytes = 0;
+};
+
+/// A response without an end: what is to be sent, as it comes.
+class EventFeed {
+ public:
+  virtual ~EventFeed() = default;
+  /// What has come since the last call; empty: nothing. Does not wait. Called
+  /// by one thread at a time.
+  [[nodiscard]] virtual std::string Take() = 0;
+};
+
 struct HttpResponse {
   int status = 200;
   std::string content_type;  ///< empty: no content
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string body;               ///< ignored if `file` is set
-  std::optional<FileSlice> file;  ///< the body
+  std::string body;                   ///< ignored if `file` is set
+  std::optional<FileSlice> file;      ///< the body
+  std::shared_ptr<EventFeed> events;  ///< the body, until the client leaves
 };
 
 }  // namespace victorious

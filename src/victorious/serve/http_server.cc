@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <charconv>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,11 +16,10 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/version.hpp>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "victorious/serve/api_error.h"
+#include "victorious/serve/open_file.h"
 
 namespace victorious {
 namespace {
@@ -35,7 +33,6 @@ using BoostError = boost::system::error_code;
 constexpr std::chrono::milliseconds kCancelPoll{50};
 constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::chrono::seconds kFinishTime{2};
-constexpr std::size_t kFileChunkBytes = std::size_t{256} << 10;
 
 // What browsers are told about every response: no content type by guess, no frame, nothing from elsewhere.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kSecurityHeaders = {{
@@ -49,12 +46,13 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kSecurity
 
 boost::beast::string_view ToBeast(std::string_view text) { return {text.data(), text.size()}; }
 
-std::string Header(const http::request<http::string_body>& request, http::field field) {
+std::string Header(const http::request_header<>& request, http::field field) {
   const auto value = request[field];
   return {value.data(), value.size()};
 }
 
-HttpRequest FromBeast(http::request<http::string_body>&& request) {
+// All but the body.
+HttpRequest FromBeast(const http::request_header<>& request) {
   HttpRequest plain;
   switch (request.method()) {
     case http::verb::get:
@@ -65,6 +63,9 @@ HttpRequest FromBeast(http::request<http::string_body>&& request) {
       break;
     case http::verb::put:
       plain.method = HttpMethod::kPut;
+      break;
+    case http::verb::post:
+      plain.method = HttpMethod::kPost;
       break;
     default:
       plain.method = HttpMethod::kOther;
@@ -78,48 +79,14 @@ HttpRequest FromBeast(http::request<http::string_body>&& request) {
   plain.range = Header(request, http::field::range);
   plain.if_range = Header(request, http::field::if_range);
   plain.if_none_match = Header(request, http::field::if_none_match);
-  plain.body = std::move(request.body());
   return plain;
 }
-
-// A file that is being sent. Closes it.
-class OpenFile {
- public:
-  explicit OpenFile(const FileSlice& slice)
-      : descriptor_(::open(slice.path.c_str(), O_RDONLY | O_CLOEXEC)), offset_(slice.offset), left_(slice.length) {}
-  ~OpenFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-
-  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
-  [[nodiscard]] std::int64_t left() const { return left_; }
-
-  // Reads the next chunk. Returns false if the file ended early or cannot be read.
-  bool ReadChunk(std::vector<char>& chunk) {
-    chunk.resize(static_cast<std::size_t>(std::min<std::int64_t>(left_, kFileChunkBytes)));
-    ssize_t got = 0;
-    do {
-      got = ::pread(descriptor_, chunk.data(), chunk.size(), offset_);
-    } while (got < 0 && errno == EINTR);
-    if (got <= 0) return false;
-    chunk.resize(static_cast<std::size_t>(got));
-    offset_ += got;
-    left_ -= got;
-    return true;
-  }
-
- private:
-  int descriptor_;
-  std::int64_t offset_;
-  std::int64_t left_;
-};
 
 // What all sessions share. Used by the thread of Run only.
 struct Shared {
   HttpServerOptions options;
   HttpServer::Handler handler;
+  HttpServer::UploadHandler plan_upload;
   int port = 0;
   std::size_t connections = 0;
   std::size_t responses_due = 0;
@@ -128,15 +95,24 @@ struct Shared {
   net::io_context io{1};
   net::thread_pool pool;
 
-  Shared(const HttpServerOptions& given, HttpServer::Handler handle)
-      : options(given), handler(std::move(handle)), pool(static_cast<std::size_t>(given.threads)) {}
+  Shared(const HttpServerOptions& given, HttpServer::Handler handle, HttpServer::UploadHandler plan)
+      : options(given),
+        handler(std::move(handle)),
+        plan_upload(std::move(plan)),
+        pool(static_cast<std::size_t>(given.threads)) {}
 };
 
 // One connection: reads a request, lets the pool answer it, sends the response, and reads the next one.
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  Session(tcp::socket&& socket, Shared& shared) : stream_(std::move(socket)), shared_(shared) { ++shared_.connections; }
-  ~Session() { --shared_.connections; }
+  Session(tcp::socket&& socket, Shared& shared)
+      : stream_(std::move(socket)), shared_(shared), timer_(stream_.get_executor()) {
+    ++shared_.connections;
+  }
+  ~Session() {
+    RemoveUpload();
+    --shared_.connections;
+  }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -144,7 +120,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void Read() {
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(shared_.options.max_header_bytes));
-    parser_->body_limit(shared_.options.max_body_bytes);
+    // Known once the header says what the body is. Not boost::none, which Beast 1.74 takes for 0 here.
+    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
     if (buffer_.size() > 0) return ReadRequest();
     stream_.expires_after(shared_.options.idle_timeout);
     stream_.async_read_some(buffer_.prepare(4096),
@@ -158,23 +135,125 @@ class Session : public std::enable_shared_from_this<Session> {
  private:
   void ReadRequest() {
     stream_.expires_after(shared_.options.request_timeout);
+    http::async_read_header(
+        stream_, buffer_, *parser_,
+        [self = shared_from_this()](const BoostError& error, std::size_t) { self->OnHeader(error); });
+  }
+
+  void OnHeader(const BoostError& error) {
+    if (error) return Refuse(error);
+    const auto& header = parser_->get();
+    const bool is_upload = header.method() == http::verb::post && shared_.plan_upload &&
+                           Header(header, http::field::content_type) == "application/octet-stream";
+    if (is_upload) return PlanUpload();
+    if (parser_->content_length().value_or(0) > shared_.options.max_body_bytes) return Refuse(http::error::body_limit);
+    parser_->body_limit(shared_.options.max_body_bytes);
     http::async_read(stream_, buffer_, *parser_,
-                     [self = shared_from_this()](const BoostError& error, std::size_t) { self->OnRequest(error); });
+                     [self = shared_from_this()](const BoostError& failure, std::size_t) { self->OnRequest(failure); });
   }
 
   void OnRequest(const BoostError& error) {
     if (error) return Refuse(error);
-    keep_alive_ = parser_->get().keep_alive();
-    version_ = parser_->get().version();
-    HttpRequest request = FromBeast(parser_->release());
+    HttpRequest request = Begin(parser_->get());
+    request.body = std::move(parser_->get().body());
+    Answer(std::move(request));
+  }
+
+  HttpRequest Begin(const http::request<http::string_body>& message) {
+    keep_alive_ = message.keep_alive();
+    version_ = message.version();
+    HttpRequest request = FromBeast(message);
     is_head_ = request.method == HttpMethod::kHead;
     ++shared_.responses_due;
     stream_.expires_never();
+    return request;
+  }
+
+  void Answer(HttpRequest request) {
     net::post(shared_.pool, [self = shared_from_this(), request = std::move(request)]() mutable {
       HttpResponse response = self->shared_.handler(request, self->shared_.port);
       net::post(self->stream_.get_executor(),
                 [self, response = std::move(response)]() mutable { self->Send(std::move(response)); });
     });
+  }
+
+  // ---- a body that goes to a file
+
+  void PlanUpload() {
+    upload_request_ = Begin(parser_->get());
+    net::post(shared_.pool, [self = shared_from_this()] {
+      auto plan = self->shared_.plan_upload(self->upload_request_, self->shared_.port);
+      net::post(self->stream_.get_executor(), [self, plan = std::move(plan)]() mutable {
+        if (plan) return self->BeginUpload(*plan);
+        self->keep_alive_ = false;  // its body is not read
+        self->Send(std::move(plan.error()));
+      });
+    });
+  }
+
+  void BeginUpload(const UploadPlan& plan) {
+    upload_.emplace(std::move(*parser_));
+    parser_.reset();
+    upload_->body_limit(plan.max_bytes);
+    if (upload_->content_length().value_or(0) > plan.max_bytes) return FailUpload(http::error::body_limit);
+    upload_request_.upload = plan.file;
+    BoostError error;
+    upload_->get().body().open(plan.file.c_str(), beast::file_mode::write_new, error);
+    if (error) return FailUpload(500, "internal", "the upload cannot be written: " + error.message());
+    if (beast::iequals(upload_->get()[http::field::expect], "100-continue")) return Continue();
+    ReadUpload();
+  }
+
+  void Continue() {
+    header_ = {};
+    header_.version(version_);
+    header_.result(http::status::continue_);
+    stream_.expires_after(shared_.options.send_timeout);
+    http::async_write(stream_, header_, [self = shared_from_this()](const BoostError& error, std::size_t) {
+      if (error) return self->FailUpload(error);
+      self->ReadUpload();
+    });
+  }
+
+  // In parts, so that the time-out is one of progress, not of the whole.
+  void ReadUpload() {
+    if (upload_->is_done()) {
+      upload_->get().body().close();
+      upload_.reset();
+      stream_.expires_never();
+      return Answer(std::exchange(upload_request_, {}));
+    }
+    stream_.expires_after(shared_.options.send_timeout);
+    http::async_read_some(stream_, buffer_, *upload_,
+                          [self = shared_from_this()](const BoostError& error, std::size_t) {
+                            if (error) return self->FailUpload(error);
+                            self->ReadUpload();
+                          });
+  }
+
+  void FailUpload(const BoostError& error) {
+    if (error == http::error::body_limit) {
+      return FailUpload(413, "body_too_large", "the file is larger than this server takes (--max-upload)");
+    }
+    if (error == boost::system::errc::no_space_on_device) {
+      return FailUpload(507, "no_space", "no space left on the disk");
+    }
+    RemoveUpload();
+    --shared_.responses_due;
+    Close();
+  }
+
+  void FailUpload(int status, std::string_view code, std::string_view message) {
+    RemoveUpload();
+    keep_alive_ = false;
+    Send(ErrorResponse(status, code, message));
+  }
+
+  void RemoveUpload() {
+    upload_.reset();
+    std::error_code ignored;
+    if (upload_request_.upload) std::filesystem::remove(*upload_request_.upload, ignored);
+    upload_request_ = {};
   }
 
   // A request that cannot be parsed gets an answer if the client may still read one; the connection ends.
@@ -201,7 +280,7 @@ class Session : public std::enable_shared_from_this<Session> {
   }
 
   template <typename Body>
-  void SetHeader(http::response<Body>& message, const HttpResponse& response, std::uint64_t length) {
+  void SetHeader(http::response<Body>& message, const HttpResponse& response, std::optional<std::uint64_t> length) {
     message.version(version_);
     message.result(static_cast<unsigned>(response.status));
     message.set(http::field::server, "victorious");
@@ -210,10 +289,60 @@ class Session : public std::enable_shared_from_this<Session> {
     for (const auto& [name, value] : kSecurityHeaders) message.insert(ToBeast(name), ToBeast(value));
     if (shared_.stopping) keep_alive_ = false;
     message.keep_alive(keep_alive_);
-    if (response.status != 304 && response.status != 204) message.content_length(length);
+    if (length && response.status != 304 && response.status != 204) message.content_length(*length);
+  }
+
+  // ---- a stream of events
+
+  void SendEvents(HttpResponse response) {
+    feed_ = std::move(response.events);
+    header_ = {};
+    keep_alive_ = false;
+    SetHeader(header_, response, std::nullopt);
+    serializer_.emplace(header_);
+    stream_.expires_after(shared_.options.send_timeout);
+    http::async_write_header(stream_, *serializer_, [self = shared_from_this()](const BoostError& error, std::size_t) {
+      --self->shared_.responses_due;  // it never ends: the server's end does not wait for it
+      if (error || self->is_head_) return self->Close();
+      self->stream_.expires_never();
+      self->WatchForLeaving();
+      self->last_event_ = std::chrono::steady_clock::now();
+      self->SendNextEvents();
+    });
+  }
+
+  // A client that leaves is noticed although nothing is sent to it.
+  void WatchForLeaving() {
+    stream_.socket().async_read_some(net::buffer(ignored_),
+                                     [self = shared_from_this()](const BoostError& error, std::size_t) {
+                                       if (!error) return self->WatchForLeaving();
+                                       self->feed_.reset();
+                                       self->timer_.cancel();
+                                     });
+  }
+
+  void SendNextEvents() {
+    if (!feed_ || shared_.stopping) return Close();
+    text_to_send_ = feed_->Take();
+    const auto now = std::chrono::steady_clock::now();
+    if (text_to_send_.empty() && now - last_event_ >= shared_.options.event_silence) text_to_send_ = ":\n\n";
+    if (text_to_send_.empty()) {
+      timer_.expires_after(shared_.options.event_interval);
+      timer_.async_wait([self = shared_from_this()](const BoostError&) { self->SendNextEvents(); });
+      return;
+    }
+    last_event_ = now;
+    stream_.expires_after(shared_.options.send_timeout);
+    net::async_write(stream_, net::buffer(text_to_send_),
+                     [self = shared_from_this()](const BoostError& error, std::size_t) {
+                       if (error) return self->Close();
+                       self->stream_.expires_never();
+                       self->SendNextEvents();
+                     });
   }
 
   void Send(HttpResponse response) {
+    if (response.events) return SendEvents(std::move(response));
     if (response.file) {
       file_.emplace(*response.file);
       if (!file_->is_open()) {
@@ -269,6 +398,13 @@ class Session : public std::enable_shared_from_this<Session> {
   Shared& shared_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
+  std::optional<http::request_parser<http::file_body>> upload_;
+  HttpRequest upload_request_;
+  net::steady_timer timer_;
+  std::shared_ptr<EventFeed> feed_;
+  std::string text_to_send_;
+  std::array<char, 256> ignored_{};
+  std::chrono::steady_clock::time_point last_event_;
   bool keep_alive_ = false;
   bool is_head_ = false;
   unsigned version_ = 11;
@@ -281,8 +417,11 @@ class Session : public std::enable_shared_from_this<Session> {
 
 class BeastServer final : public HttpServer {
  public:
-  BeastServer(const HttpServerOptions& options, Handler handler)
-      : shared_(options, std::move(handler)), acceptor_(shared_.io), pause_(shared_.io), poll_(shared_.io) {}
+  BeastServer(const HttpServerOptions& options, Handler handler, UploadHandler plan_upload)
+      : shared_(options, std::move(handler), std::move(plan_upload)),
+        acceptor_(shared_.io),
+        pause_(shared_.io),
+        poll_(shared_.io) {}
 
   Status Bind() {
     const HttpServerOptions& options = shared_.options;
@@ -362,37 +501,9 @@ class BeastServer final : public HttpServer {
 
 }  // namespace
 
-Expected<HttpServerOptions> ParseListenAddress(const std::string& text) {
-  HttpServerOptions options;
-  const std::size_t colon = text.rfind(':');
-  std::string address = text.substr(0, std::min(colon, text.size()));
-  if (address.size() > 2 && address.front() == '[' && address.back() == ']') {
-    address = address.substr(1, address.size() - 2);
-  }
-  const std::string_view port =
-      colon == std::string::npos ? std::string_view() : std::string_view(text).substr(colon + 1);
-  const auto [end, port_error] = std::from_chars(port.data(), port.data() + port.size(), options.port);
-  const bool is_port =
-      port_error == std::errc() && end == port.data() + port.size() && options.port >= 0 && options.port <= 65535;
-  if (address == "localhost") address = "127.0.0.1";
-  BoostError error;
-  const auto ip = net::ip::make_address(address, error);
-  if (!is_port || error) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--listen \"{}\": must be an address and a port, as in 127.0.0.1:8080", text));
-  }
-  if (!ip.is_loopback()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--listen \"{}\": only a loopback address (127.0.0.1, [::1]) is served: there are no "
-                            "accounts, so other machines must not reach it; use an SSH tunnel from there",
-                            text));
-  }
-  options.address = ip.to_string();
-  return options;
-}
-
-Expected<std::unique_ptr<HttpServer>> HttpServer::Listen(const HttpServerOptions& options, Handler handler) {
-  auto server = std::make_unique<BeastServer>(options, std::move(handler));
+Expected<std::unique_ptr<HttpServer>> HttpServer::Listen(const HttpServerOptions& options, Handler handler,
+                                                         UploadHandler plan_upload) {
+  auto server = std::make_unique<BeastServer>(options, std::move(handler), std::move(plan_upload));
   VICTORIOUS_RETURN_IF_ERROR(server->Bind());
   return server;
 }

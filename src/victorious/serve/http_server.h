@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <expected>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,7 +26,9 @@ struct HttpServerOptions {
   std::size_t max_body_bytes = 64 << 10;
   std::chrono::milliseconds request_timeout{15'000};  ///< from a request's first byte to its last
   std::chrono::milliseconds idle_timeout{60'000};     ///< between requests
-  std::chrono::milliseconds send_timeout{60'000};     ///< without progress
+  std::chrono::milliseconds send_timeout{60'000};     ///< without progress; also of an upload
+  std::chrono::milliseconds event_interval{100};      ///< between looks for events
+  std::chrono::milliseconds event_silence{15'000};    ///< after which a comment keeps a stream of events alive
 };
 
 /// Parses "ADDRESS:PORT"; "[::1]:8080" for IPv6. Error: kInvalidArgument, also for an address that is not a loopback
@@ -37,8 +40,16 @@ class HttpServer {
   /// Called from several threads at once, with the server's port. Must not throw.
   using Handler = std::function<HttpResponse(const HttpRequest& request, int port)>;
 
-  /// Binds the port. Errors: kConflict if another program has it; kPermissionDenied; kInvalidArgument.
-  [[nodiscard]] static Expected<std::unique_ptr<HttpServer>> Listen(const HttpServerOptions& options, Handler handler);
+  /// Asked before the body of a POST request with the content type
+  /// application/octet-stream is read: where it goes, or the response that
+  /// refuses it. Called from several threads at once. Must not throw.
+  using UploadHandler = std::function<std::expected<UploadPlan, HttpResponse>(const HttpRequest& request, int port)>;
+
+  /// @param plan_upload  empty: no uploads
+  /// Binds the port. Errors: kConflict if another program has it;
+  /// kPermissionDenied; kInvalidArgument.
+  [[nodiscard]] static Expected<std::unique_ptr<HttpServer>> Listen(const HttpServerOptions& options, Handler handler,
+                                                                    UploadHandler plan_upload = {});
 
   virtual ~HttpServer() = default;
 

@@ -12,7 +12,10 @@
 
 #include "testing/data.h"
 #include "testing/video_tools.h"
+#include "victorious/base/file.h"
+#include "victorious/serve/api_error.h"
 #include "victorious/serve/byte_range.h"
+#include "victorious/serve/event_hub.h"
 
 namespace victorious {
 namespace {
@@ -69,17 +72,33 @@ class HttpServerTest : public ::testing::Test {
   void Start(HttpServerOptions options = {}) {
     options.port = 0;
     options.threads = 2;
-    auto server = HttpServer::Listen(options, [this](const HttpRequest& request, int port) {
-      ++requests_;
-      if (request.target == "/file") {
-        return FileResponse(request, folder_ / "file.bin", 1'000'000, "application/octet-stream", "\"e\"");
-      }
-      if (request.target == "/gone") {
-        return FileResponse(request, folder_ / "gone.bin", 10, "application/octet-stream", "\"e\"");
-      }
-      return HttpResponse{
-          .content_type = "text/plain", .headers = {}, .body = request.body + std::to_string(port), .file = {}};
-    });
+    auto server = HttpServer::Listen(
+        options,
+        [this](const HttpRequest& request, int port) {
+          ++requests_;
+          if (request.target == "/file") {
+            return FileResponse(request, folder_ / "file.bin", 1'000'000, "application/octet-stream", "\"e\"");
+          }
+          if (request.target == "/gone") {
+            return FileResponse(request, folder_ / "gone.bin", 10, "application/octet-stream", "\"e\"");
+          }
+          if (request.target == "/events") {
+            return HttpResponse{
+                .content_type = "text/event-stream", .headers = {}, .body = {}, .file = {}, .events = hub_->Listen()};
+          }
+          if (request.upload) {
+            return HttpResponse{.content_type = "text/plain",
+                                .headers = {},
+                                .body = "kept " + std::to_string(std::filesystem::file_size(*request.upload)),
+                                .file = {}};
+          }
+          return HttpResponse{
+              .content_type = "text/plain", .headers = {}, .body = request.body + std::to_string(port), .file = {}};
+        },
+        [this](const HttpRequest& request, int) -> std::expected<UploadPlan, HttpResponse> {
+          if (request.target == "/refused") return std::unexpected(ErrorResponse(403, "no", "not here"));
+          return UploadPlan{.file = folder_ / ("upload" + std::to_string(++uploads_)), .max_bytes = 1'000'000};
+        });
     ASSERT_TRUE(server) << server.error().message;
     server_ = *std::move(server);
     thread_ = std::thread([this] { server_->Run(cancel_); });
@@ -99,6 +118,8 @@ class HttpServerTest : public ::testing::Test {
   testing::ScratchFolder folder_;
   CancelToken cancel_;
   std::atomic<int> requests_ = 0;
+  std::atomic<int> uploads_ = 0;
+  std::shared_ptr<EventHub> hub_ = std::make_shared<EventHub>();
   std::unique_ptr<HttpServer> server_;
   std::thread thread_;
 };
@@ -137,6 +158,80 @@ TEST_F(HttpServerTest, SendsPartsOfFiles) {
   EXPECT_THAT(head, HasSubstr("Content-Length: 1000000"));
   EXPECT_THAT(head, EndsWith("\r\n\r\n")) << "no body";
   EXPECT_THAT(Exchange("GET /gone HTTP/1.1\r\nHost: x" + end), StartsWith("HTTP/1.1 404"));
+}
+
+std::string Upload(std::string_view target, std::size_t length) {
+  return "POST " + std::string(target) +
+         " HTTP/1.1\r\nHost: x\r\nContent-Type: application/octet-stream\r\nConnection: close\r\nContent-Length: " +
+         std::to_string(length) + "\r\n\r\n";
+}
+
+TEST_F(HttpServerTest, UploadsGoToAFile) {
+  Start();
+  std::string bytes(900'000, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 + i / 256);
+  ASSERT_THAT(Exchange(Upload("/", bytes.size()) + bytes), EndsWith("kept 900000"));
+  EXPECT_EQ(*ReadFile(folder_ / "upload1"), bytes);
+  EXPECT_THAT(Exchange(Upload("/", 0)), EndsWith("kept 0"));
+  // Chunked, as a stream of unknown length is sent.
+  EXPECT_THAT(Exchange("POST / HTTP/1.1\r\nHost: x\r\nContent-Type: application/octet-stream\r\nConnection: close\r\n"
+                       "Transfer-Encoding: chunked\r\n\r\n5\r\nhello\r\n3\r\n, x\r\n0\r\n\r\n"),
+              EndsWith("kept 8"));
+  EXPECT_EQ(*ReadFile(folder_ / "upload3"), "hello, x");
+  // A client that asks first whether it may send.
+  const Client asking(server_->port());
+  std::string header = Upload("/", 3);
+  header.insert(header.size() - 2, "Expect: 100-continue\r\n");
+  asking.Send(header);
+  EXPECT_THAT(asking.ReadUntil("\r\n\r\n"), StartsWith("HTTP/1.1 100"));
+  asking.Send("abc");
+  EXPECT_THAT(asking.ReadAll(), EndsWith("kept 3"));
+}
+
+TEST_F(HttpServerTest, UploadsThatFailLeaveNoFile) {
+  Start();
+  EXPECT_THAT(Exchange(Upload("/refused", 10) + "0123456789"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(Exchange(Upload("/", 1'000'001)), StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(Exchange("POST / HTTP/1.1\r\nHost: x\r\nContent-Type: application/octet-stream\r\n"
+                       "Transfer-Encoding: chunked\r\n\r\n1312D0\r\n" +
+                       std::string(0x1312D0, 'x')),
+              StartsWith("HTTP/1.1 413"))
+      << "1.25 MB without saying so before";
+  {
+    const Client leaving(server_->port());
+    leaving.Send(Upload("/", 1000) + "only a part");
+  }
+  EXPECT_THAT(Exchange(Upload("/", 1) + "x"), EndsWith("kept 1")) << "the server goes on";
+  cancel_.Cancel();
+  thread_.join();
+  server_.reset();
+  int files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_.path())) ++files;
+  EXPECT_EQ(files, 1) << "only the whole one";
+}
+
+TEST_F(HttpServerTest, EventsComeUntilTheClientLeaves) {
+  Start({.event_interval = std::chrono::milliseconds(5)});
+  hub_->Publish("index", "1");
+  {
+    const Client client(server_->port());
+    client.Send("GET /events HTTP/1.1\r\nHost: x\r\n\r\n");
+    EXPECT_THAT(client.ReadUntil("\r\n\r\n"), HasSubstr("Content-Type: text/event-stream"));
+    EXPECT_THAT(client.ReadUntil("\n\n"), EndsWith("event: index\ndata: 1\n\n"));
+    for (int i = 0; i < 20; ++i) {
+      hub_->Publish("jobs", std::to_string(i));
+      EXPECT_THAT(client.ReadUntil("\n\n"), EndsWith("data: " + std::to_string(i) + "\n\n"));
+    }
+    EXPECT_EQ(hub_->listeners(), 1);
+  }
+  while (hub_->listeners() > 0) std::this_thread::yield();
+}
+
+TEST_F(HttpServerTest, SilenceIsFilledWithComments) {
+  Start({.event_interval = std::chrono::milliseconds(1), .event_silence = std::chrono::milliseconds(5)});
+  const Client client(server_->port());
+  client.Send("GET /events HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(client.ReadUntil(":\n\n:\n\n"), EndsWith(":\n\n:\n\n"));
 }
 
 TEST_F(HttpServerTest, RefusesWhatIsTooLargeOrNoHttp) {

@@ -36,7 +36,10 @@ std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, int port) 
   if (request.fetch_site == "cross-site" && request.target.starts_with("/api/")) {
     return ErrorResponse(403, "foreign_origin", "pages of other sites may not use this server");
   }
-  if (request.method == HttpMethod::kPut && !request.content_type.starts_with("application/json")) {
+  // Types that a form of another site cannot send.
+  const bool has_body = request.method == HttpMethod::kPut || request.method == HttpMethod::kPost;
+  const bool is_upload = request.method == HttpMethod::kPost && request.content_type == "application/octet-stream";
+  if (has_body && !is_upload && !request.content_type.starts_with("application/json")) {
     return ErrorResponse(415, "unsupported", "the body must have the content type application/json", "Content-Type");
   }
   return std::nullopt;

@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Counts, ObjectDetail, Project, Review, Sighting, Verdict, Video } from "./types";
+import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Sighting, Verdict, Video } from "./types";
 
 const ROOT = "/api/v1";
 
@@ -76,5 +76,33 @@ export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
 export const frameUrl = (video: number, frame: number) => `${ROOT}/videos/${video}/frames/${frame}`;
 export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/${object}/thumbnail?width=${width}`;
 export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}/views/${view}`;
+export const listJobs = async () => (await request<components["schemas"]["JobList"]>("/jobs")).jobs;
+
+const post = (path: string, body: unknown) =>
+  request<Job>(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+
+export const postJob = (job: NewJob) => post("/jobs", job);
+export const cancelJob = (job: number) => post(`/jobs/${job}/cancel`, {});
+
+/** Sends a file. Not by fetch, which does not say how far it is. */
+export function uploadFile(file: File, progress: (done: number) => void, signal: AbortSignal) {
+  return new Promise<components["schemas"]["Upload"]>((resolve, reject) => {
+    const sender = new XMLHttpRequest();
+    sender.open("POST", `${ROOT}/uploads?name=${encodeURIComponent(file.name)}`);
+    sender.setRequestHeader("Content-Type", "application/octet-stream");
+    sender.responseType = "json";
+    sender.upload.onprogress = (event) => progress(event.total > 0 ? event.loaded / event.total : 0);
+    sender.onload = () => {
+      if (sender.status === 200) return resolve(sender.response as components["schemas"]["Upload"]);
+      const body = sender.response as ApiErrorBody | null;
+      reject(new ApiFailure(body?.message ?? `The server answers ${sender.status}.`, sender.status));
+    };
+    sender.onerror = () => reject(new ApiFailure(`${file.name}: the server broke off the upload.`, 0));
+    sender.onabort = () => reject(new DOMException("cancelled", "AbortError"));
+    signal.addEventListener("abort", () => sender.abort());
+    sender.send(file);
+  });
+}
+
 /** An address of MapLibre's tiles. */
 export const tilesUrl = (params: URLSearchParams) => `${location.origin}${ROOT}/tiles/{z}/{x}/{y}?${params}`;

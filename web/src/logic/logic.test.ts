@@ -8,6 +8,7 @@ import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing,
 import { BINDINGS, actionOf } from "./keys";
 import { formatMgrs, utmOf } from "./mgrs";
 import { PagedList } from "./paged_list";
+import { formatLeft, modelNameOf, planFiles, withoutUploadFolder } from "./uploads";
 import { formatUrl, parseUrl } from "./url_state";
 
 const place = (latitude: number, longitude: number): Place => ({
@@ -273,6 +274,41 @@ describe("geo", () => {
     const lines = gridLines(13, 52, 13.01, 52.01, 100);
     expect(lines.length).toBeGreaterThan(12);
     expect(gridLines(0, 0, 90, 45, 1)).toEqual([]);
+  });
+});
+
+describe("uploads", () => {
+  const files = (...names: string[]) => names.map((name) => ({ name }));
+
+  it("are sorted by what they are", () => {
+    const plan = planFiles(files("a.MP4", "a.telemetry.csv"));
+    expect(plan.videos).toEqual([{ file: { name: "a.MP4" }, telemetry: { name: "a.telemetry.csv" } }]);
+    expect(plan.problems).toEqual([]);
+    expect(planFiles(files("x.jpg", "y.png")).model).toHaveLength(2);
+    expect(planFiles(files("tank.glb")).model).toHaveLength(1);
+    const both = planFiles(files("a.ts", "b.mkv", "jeep.jpg"));
+    expect([both.videos.length, both.model.length, both.problems.length]).toEqual([2, 1, 0]);
+  });
+
+  it("are refused with a reason", () => {
+    expect(planFiles(files("notes.txt")).problems[0]).toMatch(/^notes.txt/);
+    expect(planFiles(files("a.mp4", "b.mp4", "t.csv")).problems).toHaveLength(1);
+    const mixed = planFiles(files("a.glb", "b.jpg"));
+    expect([mixed.model.length, mixed.problems.length]).toEqual([0, 1]);
+    expect(planFiles(files("a.glb", "b.obj")).model).toEqual([]);
+  });
+
+  it("give models a name", () => {
+    expect(["My Jeep (2).JPG", "tank.v2.glb", "___.png", "über.png"].map(modelNameOf)).toEqual(["my-jeep-2", "tank.v2", "___", "ber"]);
+  });
+
+  it("are named as their user knows them", () => {
+    expect(withoutUploadFolder("/data/a.db.uploads/481cafc35cdf7828/my flight.mp4: not a video")).toBe("my flight.mp4: not a video");
+    expect(withoutUploadFolder("/data/b.mp4: 3 frames")).toBe("/data/b.mp4: 3 frames");
+  });
+
+  it("say how long yet", () => {
+    expect([0.2, 42, 90, 7300].map(formatLeft)).toEqual(["1 s left", "42 s left", "2 min left", "2.0 h left"]);
   });
 });
 

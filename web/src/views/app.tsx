@@ -6,6 +6,7 @@ import * as state from "../state";
 import { Header } from "./header";
 import { Help } from "./help";
 import { Inspector } from "./inspector";
+import { DropTarget, JobsPanel, ModelDialog } from "./jobs";
 import { ObjectList } from "./list";
 import { MapPane } from "./map";
 import { Notices } from "./notices";
@@ -114,6 +115,9 @@ export function App() {
         <MapPane />
         <Inspector />
       </div>
+      <JobsPanel />
+      <ModelDialog />
+      <DropTarget />
       <Notices />
       <Help />
     </>

@@ -1,6 +1,7 @@
 import { counts } from "../objects";
 import * as state from "../state";
 import { Icon } from "./icons";
+import { JobsButton } from "./jobs";
 
 const NEXT_THEME = { system: "light", light: "dark", dark: "system" } as const;
 
@@ -63,6 +64,7 @@ export function Header() {
         value={state.reviewer.value}
         onInput={(event) => (state.reviewer.value = event.currentTarget.value)}
       />
+      <JobsButton />
       <div class="tools">
         <button
           class="button icon plain"

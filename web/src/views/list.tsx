@@ -8,6 +8,7 @@ import type { FoundObject } from "../api/types";
 import { NO_FILTERS, isFiltered, thresholdCost } from "../logic/filters";
 import { explainScore, formatExpected, formatMetres, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
+import { canAdd } from "../jobs";
 import * as objects from "../objects";
 import * as state from "../state";
 import { Icon } from "./icons";
@@ -256,7 +257,11 @@ function Nothing() {
       <h3>{state.videos.value.length === 0 ? "No video yet" : "Nothing found yet"}</h3>
       {state.videos.value.length === 0 || !isSearched ? (
         <>
-          <p>Search a video for your models, and the finds appear here:</p>
+          <p>
+            {canAdd.value
+              ? "Drop a video here, and photos or a CAD file of what is to be found. Or search from the command line:"
+              : "Search a video for your models, and the finds appear here:"}
+          </p>
           <code>victorious index VIDEO --models DIR --db FILE</code>
         </>
       ) : (
@@ -314,6 +319,7 @@ export function ObjectList() {
   const all = objects.counts.value?.objects ?? 0;
   const isChosen = isFiltered(state.filters.value);
   const shown = objects.matching.value;
+  const isNew = objects.listedAll.value !== null && all > objects.listedAll.value;
   return (
     <section class="list" aria-label="Objects found">
       <div class="above">
@@ -328,6 +334,11 @@ export function ObjectList() {
           )}
         </div>
         {state.marked.value.size > 0 && <Marked />}
+        {isNew && (
+          <button class="button new" onClick={() => void state.showNew()}>
+            {plural(all - (objects.listedAll.value ?? all), "new object")}: show
+          </button>
+        )}
         <Chips />
         {all > 0 && <Order />}
         {all > 0 && <Threshold />}

@@ -50,7 +50,11 @@ function byModel(value: (name: string) => string, otherwise: string): Expression
 const LAST_TILE_ZOOM = 18;
 const OBJECT_LAYERS = ["chosen", "objects", "names", "clusters"];
 
-const tileAddress = () => tilesUrl(filterParams(state.filters.value));
+const tileAddress = () => {
+  const params = filterParams(state.filters.value);
+  if (state.indexVersion.value > 0) params.set("v", String(state.indexVersion.value));
+  return tilesUrl(params);
+};
 
 /** @param tiles  the address of the objects' tiles */
 function makeStyle(tiles: string): StyleSpecification {

@@ -1,0 +1,157 @@
+// The routes of uploads, jobs and events.
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/json.h"
+#include "victorious/model/model_library.h"
+#include "victorious/serve/api.h"
+#include "victorious/serve/api_json.h"
+#include "victorious/serve/api_response.h"
+#include "victorious/serve/request_guard.h"
+
+namespace victorious {
+namespace {
+
+using Body = nlohmann::json;
+
+std::int64_t NowMicroseconds() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
+// The value of a member that must be a text.
+ApiExpected<std::string> ReadText(const Body& body, const std::string& name) {
+  const auto found = body.find(name);
+  if (found != body.end() && found->is_string()) return found->get<std::string>();
+  return FailField(name, name + ": must be a text");
+}
+
+ApiStatus CheckMembers(const Body& body, std::initializer_list<std::string_view> names) {
+  for (const auto& [name, value] : body.items()) {
+    if (std::ranges::find(names, name) == names.end()) return FailField(name, name + ": not a member of such a job");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::expected<UploadPlan, HttpResponse> Api::PlanUpload(const HttpRequest& request, int port) {
+  if (auto refusal = RefuseForeign(request, port)) return std::unexpected(*std::move(refusal));
+  const auto plan = [&]() -> ApiExpected<UploadPlan> {
+    VICTORIOUS_ASSIGN_OR_RETURN(const RequestTarget target, ParseRequestTarget(request.target));
+    const bool is_upload = target.segments == std::vector<std::string>{"api", "v1", "uploads"};
+    if (!is_upload) return NotFound("files are uploaded to /api/v1/uploads");
+    if (!live_->has_jobs()) {
+      return std::unexpected(
+          ApiError(Error{ErrorCode::kPermissionDenied,
+                         "this server takes no files: start `victorious serve` with --models DIR on an "
+                         "index that can be written"}));
+    }
+    QueryReader query(target);
+    const auto name = query.Text("name");
+    VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+    auto file = uploads_.Create(name.value_or(""));
+    if (!file) return std::unexpected(ApiError(file.error(), "name"));
+    return UploadPlan{.file = *std::move(file), .max_bytes = options_.max_upload_bytes};
+  }();
+  if (!plan) return std::unexpected(ErrorResponse(plan.error()));
+  return *plan;
+}
+
+ApiExpected<HttpResponse> Api::Upload(const HttpRequest& request) {
+  if (!request.upload) {
+    return std::unexpected(
+        ApiError(Error{ErrorCode::kUnsupported, "the body must have the content type application/octet-stream"},
+                 "Content-Type"));
+  }
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(*request.upload, error);
+  if (error) return std::unexpected(ApiError(ErrorFromErrno(error.value(), request.upload->string())));
+  return JsonResponse(
+      {{"id", UploadFolder::IdOf(*request.upload)}, {"name", request.upload->filename().string()}, {"bytes", bytes}});
+}
+
+ApiExpected<HttpResponse> Api::Jobs() {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, live_->Jobs());
+  return JsonResponse(JobsToJson(jobs, NowMicroseconds()));
+}
+
+ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request) {
+  constexpr std::size_t kMaxFiles = 200;
+  const auto body = ParseJson(request.body);
+  if (!body) return std::unexpected(ApiError(body.error()));
+  if (!body->is_object()) return FailField("", "the body must be an object");
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string kind, ReadText(*body, "kind"));
+  Json input;
+  if (kind == "index") {
+    VICTORIOUS_RETURN_IF_ERROR(CheckMembers(*body, {"kind", "video_id", "upload", "telemetry"}));
+    if (body->contains("video_id") == body->contains("upload")) {
+      return FailField("upload", "give a video_id of the index or an upload");
+    }
+    if (body->contains("video_id")) {
+      const Body& id = (*body)["video_id"];
+      VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+      const VideoRecord* video = id.is_number_integer() ? lists->Video(id.get<std::int64_t>()) : nullptr;
+      if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video));
+      input["video"] = path.string();
+    } else {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::string upload, ReadText(*body, "upload"));
+      const auto path = uploads_.Find(upload);
+      if (!path) return std::unexpected(ApiError(path.error(), "upload"));
+      input["video"] = path->string();
+    }
+    if (body->contains("telemetry")) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::string upload, ReadText(*body, "telemetry"));
+      const auto path = uploads_.Find(upload);
+      if (!path) return std::unexpected(ApiError(path.error(), "telemetry"));
+      input["telemetry"] = path->string();
+    }
+  } else if (kind == "model") {
+    VICTORIOUS_RETURN_IF_ERROR(CheckMembers(*body, {"kind", "name", "uploads", "length_m"}));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(*body, "name"));
+    const Status is_new = ModelLibrary(options_.models).CheckNewName(name);
+    if (!is_new) return std::unexpected(ApiError(is_new.error(), "name"));
+    const auto uploads = body->find("uploads");
+    if (uploads == body->end() || !uploads->is_array() || uploads->empty() || uploads->size() > kMaxFiles) {
+      return FailField("uploads", fmt::format("uploads: must be a list of 1 to {} uploads", kMaxFiles));
+    }
+    for (const Body& one : *uploads) {
+      const auto path = uploads_.Find(one.is_string() ? one.get<std::string>() : "");
+      if (!path) return std::unexpected(ApiError(path.error(), "uploads"));
+      input["files"].push_back(path->string());
+    }
+    input["name"] = name;
+    if (const auto length = body->find("length_m"); length != body->end() && !length->is_null()) {
+      if (!length->is_number() || !(length->get<double>() > 0)) {
+        return FailField("length_m", "length_m: must be a number above 0");
+      }
+      input["length_m"] = length->get<double>();
+    }
+  } else {
+    return FailField("kind", fmt::format("kind \"{}\": must be index or model", kind));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Put(kind, Dump(input)));
+  return JsonResponse(JobToJson(job, NowMicroseconds()));
+}
+
+ApiExpected<HttpResponse> Api::CancelJob(std::string_view number) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Cancel(id));
+  return JsonResponse(JobToJson(job, NowMicroseconds()));
+}
+
+ApiExpected<HttpResponse> Api::Events() {
+  return HttpResponse{.content_type = "text/event-stream",
+                      .headers = {{"Cache-Control", "no-store"}},
+                      .body = {},
+                      .file = {},
+                      .events = live_->Listen()};
+}
+
+}  // namespace victorious

@@ -1,0 +1,74 @@
+// Works off the queue of jobs (store/job_queue.h), one at a time, each by the
+// command line program as a child process: a file that crashes a decoder ends
+// its job, not the server, and a job does exactly what the same command does.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/store/job_queue.h"
+
+namespace victorious {
+
+struct JobFolders {
+  std::filesystem::path index;
+  std::filesystem::path models;   ///< the model library; empty: no job can run
+  std::filesystem::path uploads;  ///< one folder an upload
+};
+
+/// The arguments of `victorious` that do a job. Errors: kInvalidArgument for an
+/// unknown kind or an input that is not valid, with the member that is wrong.
+///   index  {"video": path, "telemetry": path or null}
+///   model  {"name": text, "files": [path, …], "length_m": number or null}
+[[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
+
+/// Reads a line that a command writes to standard error into the progress: a
+/// line of Progress (base/progress.h), a warning or an error. Returns true if
+/// it says something new.
+bool ReadProgressLine(std::string_view line, JobProgress& progress);
+
+class JobRunner {
+ public:
+  struct Options {
+    std::chrono::milliseconds lease{6'000};
+    std::chrono::milliseconds heartbeat{1'000};
+    std::chrono::milliseconds poll{1'000};  ///< looks for jobs of other processes
+  };
+
+  /// @param queue       used by this runner's thread only
+  /// @param on_change   called from that thread after each change of a job
+  JobRunner(std::unique_ptr<JobQueue> queue, JobFolders folders, std::function<void()> on_change, Options options);
+  /// Interrupts the present job, which goes back to the queue, and ends.
+  ~JobRunner();
+
+  /// There may be a new job, or one to be cancelled.
+  void Wake();
+
+ private:
+  void Run();
+  void Work(const JobRecord& job);
+  void WaitForWork();
+
+  std::unique_ptr<JobQueue> queue_;
+  JobFolders folders_;
+  std::function<void()> on_change_;
+  Options options_;
+  std::string owner_;
+  std::mutex mutex_;
+  std::condition_variable woken_;
+  bool is_woken_ = false;
+  std::atomic<bool> is_ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace victorious

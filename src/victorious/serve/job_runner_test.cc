@@ -1,0 +1,62 @@
+#include "victorious/serve/job_runner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+
+const JobFolders kFolders{.index = "/d/index.db", .models = "/d/models", .uploads = "/d/uploads"};
+
+TEST(JobArguments, AreThoseOfTheCommands) {
+  EXPECT_THAT(*JobArguments({.kind = "index", .input_json = R"({"video": "/v/a.mp4"})"}, kFolders),
+              ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--", "/v/a.mp4"));
+  EXPECT_THAT(
+      *JobArguments({.kind = "index", .input_json = R"({"video": "-x", "telemetry": "/t.csv"})"}, kFolders),
+      ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--telemetry", "/t.csv", "--", "-x"));
+  EXPECT_THAT(*JobArguments(
+                  {.kind = "model", .input_json = R"({"name": "jeep", "files": ["a.jpg", "b.jpg"], "length_m": 4.5})"},
+                  kFolders),
+              ElementsAre("model", "add", "--models", "/d/models", "--length", "4.5", "--", "jeep", "a.jpg", "b.jpg"));
+}
+
+TEST(JobArguments, InvalidInputsAreErrors) {
+  for (const auto& [kind, input] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"index", "{}"},
+           {"index", "[]"},
+           {"index", "no JSON"},
+           {"index", R"({"video": 3})"},
+           {"index", R"({"video": "a", "telemetry": 3})"},
+           {"model", R"({"name": "jeep"})"},
+           {"model", R"({"name": "jeep", "files": []})"},
+           {"model", R"({"name": "jeep", "files": [3]})"},
+           {"model", R"({"name": "jeep", "files": ["a"], "length_m": "x"})"},
+           {"dance", "{}"}}) {
+    EXPECT_FALSE(JobArguments({.kind = kind, .input_json = input}, kFolders)) << kind << input;
+  }
+}
+
+TEST(ReadProgressLine, ReadsWhatCommandsWrite) {
+  JobProgress progress;
+  EXPECT_TRUE(ReadProgressLine("a: b.mp4: 12 of 40 frames, 3.5 a second", progress));
+  EXPECT_EQ(progress.done, 12);
+  EXPECT_EQ(progress.total, 40);
+  EXPECT_EQ(progress.unit, "frames");
+  EXPECT_TRUE(ReadProgressLine("views: 7 views, 3.5 a second", progress));
+  EXPECT_EQ(progress.done, 7);
+  EXPECT_FALSE(progress.total);
+  EXPECT_TRUE(ReadProgressLine("warning: no telemetry", progress));
+  EXPECT_EQ(progress.message, "no telemetry");
+  EXPECT_TRUE(ReadProgressLine("error: x.mp4: not a video", progress));
+  EXPECT_EQ(progress.message, "x.mp4: not a video");
+  for (const char* line : {"", ": ", "x: y frames, 3 a second", "x: 12 of  frames, 3 a second",
+                           "x: 99999999999999999999 of 3 frames, 1 a second", "12 of 40"}) {
+    EXPECT_FALSE(ReadProgressLine(line, progress)) << line;
+  }
+  EXPECT_EQ(progress.done, 7);
+}
+
+}  // namespace
+}  // namespace victorious

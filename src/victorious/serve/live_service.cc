@@ -1,0 +1,102 @@
+#include "victorious/serve/live_service.h"
+
+#include <chrono>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "victorious/serve/api_json.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::chrono::milliseconds kWatchInterval{200};
+constexpr std::int64_t kEndedJobs = 20;
+
+std::int64_t NowMicroseconds() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<LiveService>> LiveService::Start(IndexView& index, const JobFolders& folders) {
+  std::unique_ptr<JobQueue> queue;
+  const bool can_run = index.can_review() && !folders.models.empty();
+  if (can_run) {
+    VICTORIOUS_ASSIGN_OR_RETURN(queue, OpenSqliteJobQueue(folders.index));
+  }
+  std::unique_ptr<LiveService> service(new LiveService(index, std::move(queue)));
+  if (can_run) {
+    VICTORIOUS_ASSIGN_OR_RETURN(auto own, OpenSqliteJobQueue(folders.index));
+    service->runner_ = std::make_unique<JobRunner>(
+        std::move(own), folders, [raw = service.get()] { raw->jobs_changed_ = true; }, JobRunner::Options{});
+  }
+  service->watcher_ = std::thread([raw = service.get()] { raw->Watch(); });
+  return service;
+}
+
+LiveService::~LiveService() {
+  is_ending_ = true;
+  runner_.reset();
+  if (watcher_.joinable()) watcher_.join();
+}
+
+Status LiveService::CheckHasJobs() const {
+  if (queue_) return {};
+  return Fail(ErrorCode::kUnsupported,
+              "this server takes no jobs: start `victorious serve` with --models DIR on an index that can be written");
+}
+
+Expected<JobRecord> LiveService::Put(const std::string& kind, const std::string& input_json) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
+  const std::scoped_lock lock(queue_mutex_);
+  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord job, queue_->Put(kind, input_json, NowMicroseconds()));
+  jobs_changed_ = true;
+  runner_->Wake();
+  return job;
+}
+
+Expected<JobRecord> LiveService::Cancel(std::int64_t job) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
+  const std::scoped_lock lock(queue_mutex_);
+  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Cancel(job, NowMicroseconds()));
+  jobs_changed_ = true;
+  return record;
+}
+
+Expected<std::vector<JobRecord>> LiveService::Jobs() {
+  VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
+  const std::scoped_lock lock(queue_mutex_);
+  return queue_->List(kEndedJobs);
+}
+
+void LiveService::Watch() {
+  while (!is_ending_) {
+    std::this_thread::sleep_for(kWatchInterval);
+    PublishIndex();
+    if (queue_ && jobs_changed_.exchange(false)) PublishJobs();
+  }
+}
+
+void LiveService::PublishIndex() {
+  // Nobody listens: the next listener is told once.
+  if (hub_->listeners() == 0 && published_version_ != 0) return;
+  const auto lists = index_.Lists();
+  if (!lists || (*lists)->version == published_version_) return;
+  const auto reader = index_.Borrow();
+  if (!reader) return;
+  const auto newest = (*reader)->objects->Objects({}, {.order = ObjectOrder::kNewest, .limit = 1});
+  if (!newest) return;
+  published_version_ = (*lists)->version;
+  hub_->Publish("index", Dump({{"version", published_version_},
+                               {"newest_object", newest->empty() ? 0 : newest->front().object.id}}));
+}
+
+void LiveService::PublishJobs() {
+  const auto jobs = Jobs();
+  if (!jobs) return spdlog::warn("the queue of jobs: {}", jobs.error().message);
+  hub_->Publish("jobs", Dump(JobsToJson(*jobs, NowMicroseconds())));
+}
+
+}  // namespace victorious

@@ -1,0 +1,56 @@
+// What goes on while the server runs: jobs of users, and events about them and about the index for every open page.
+// Thread-safe.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/serve/event_hub.h"
+#include "victorious/serve/index_view.h"
+#include "victorious/serve/job_runner.h"
+#include "victorious/store/job_queue.h"
+
+namespace victorious {
+
+class LiveService {
+ public:
+  /// @param index    must outlive this
+  /// @param folders  without models: no jobs, only events
+  /// Errors: those of OpenSqliteJobQueue.
+  [[nodiscard]] static Expected<std::unique_ptr<LiveService>> Start(IndexView& index, const JobFolders& folders);
+  ~LiveService();
+
+  [[nodiscard]] bool has_jobs() const { return queue_ != nullptr; }
+  /// Events `index` ({"version", "newest_object"}) when the index changes, `jobs` (the list of jobs) when a job does.
+  [[nodiscard]] std::shared_ptr<EventFeed> Listen() { return hub_->Listen(); }
+
+  /// Errors of these: kUnsupported without jobs; those of JobQueue.
+  [[nodiscard]] Expected<JobRecord> Put(const std::string& kind, const std::string& input_json);
+  [[nodiscard]] Expected<JobRecord> Cancel(std::int64_t job);
+  [[nodiscard]] Expected<std::vector<JobRecord>> Jobs();
+
+ private:
+  LiveService(IndexView& index, std::unique_ptr<JobQueue> queue) : index_(index), queue_(std::move(queue)) {}
+
+  [[nodiscard]] Status CheckHasJobs() const;
+  void Watch();
+  void PublishIndex();
+  void PublishJobs();
+
+  IndexView& index_;
+  std::shared_ptr<EventHub> hub_ = std::make_shared<EventHub>();
+  std::mutex queue_mutex_;
+  std::unique_ptr<JobQueue> queue_;  ///< null: no jobs
+  std::atomic<bool> is_ending_ = false;
+  std::atomic<bool> jobs_changed_ = true;
+  std::int64_t published_version_ = 0;
+  std::unique_ptr<JobRunner> runner_;
+  std::thread watcher_;
+};
+
+}  // namespace victorious

@@ -1,0 +1,109 @@
+// What the server works on: uploads of this page, and the jobs of all users.
+import { computed, signal } from "@preact/signals";
+
+import { cancelJob, listJobs, postJob, uploadFile } from "./api/client";
+import type { Job, NewJob } from "./api/types";
+import { onEvent } from "./events";
+import { type Plan, planFiles, withoutUploadFolder } from "./logic/uploads";
+import * as state from "./state";
+
+export interface Upload {
+  id: number;
+  name: string;
+  /** 0 to 1 */
+  done: number;
+  abort: () => void;
+}
+
+export const jobs = signal<readonly Job[]>([]);
+export const uploads = signal<readonly Upload[]>([]);
+export const isOpen = signal(false);
+/** Files of a model whose name is asked for. */
+export const askedModel = signal<readonly File[] | null>(null);
+export const active = computed(() => jobs.value.filter((one) => one.state === "queued" || one.state === "running"));
+
+let nextUpload = 0;
+
+const messageOf = (error: unknown) => (error instanceof Error ? error.message : String(error));
+
+export const canAdd = computed(() => state.project.value.state === "ready" && state.project.value.value.has_jobs);
+
+function take(list: readonly Job[]) {
+  const before = new Map(jobs.value.map((one) => [one.id, one.state]));
+  for (const job of list) {
+    const was = before.get(job.id);
+    if (was === undefined || was === job.state) continue;
+    if (job.state === "done") state.notify(job.kind === "model" ? `The model ${job.title} is ready.` : `${job.title} is searched.`);
+    if (job.state === "failed") state.notify(withoutUploadFolder(job.message), "error");
+    if (job.state === "done") void state.refresh();
+  }
+  jobs.value = list;
+}
+
+export function startJobs() {
+  onEvent("jobs", (data) => take((data as { jobs: Job[] }).jobs));
+  listJobs()
+    .then(take)
+    .catch((error: unknown) => state.notify(messageOf(error), "error"));
+}
+
+async function send(file: File): Promise<string> {
+  const id = nextUpload++;
+  const abort = new AbortController();
+  const change = (next: Partial<Upload>) =>
+    (uploads.value = uploads.value.map((one) => (one.id === id ? { ...one, ...next } : one)));
+  uploads.value = [...uploads.value, { id, name: file.name, done: 0, abort: () => abort.abort() }];
+  try {
+    return (await uploadFile(file, (done) => change({ done }), abort.signal)).id;
+  } finally {
+    uploads.value = uploads.value.filter((one) => one.id !== id);
+  }
+}
+
+async function addVideo({ file, telemetry }: Plan<File>["videos"][number]) {
+  const upload = await send(file);
+  const job: NewJob = { kind: "index", upload };
+  if (telemetry) job.telemetry = await send(telemetry);
+  await postJob(job);
+}
+
+export async function addModel(name: string, files: readonly File[], length: number | null) {
+  isOpen.value = true;
+  try {
+    const ids: string[] = [];
+    for (const file of files) ids.push(await send(file));
+    await postJob({ kind: "model", name, uploads: ids, length_m: length });
+  } catch (error) {
+    if (!(error instanceof DOMException && error.name === "AbortError")) state.notify(messageOf(error), "error");
+  }
+}
+
+/** Takes files that were dropped or chosen. */
+export function addFiles(files: readonly File[]) {
+  if (!canAdd.value) {
+    state.notify("This server takes no files: start it with --models DIR on an index that can be written.", "error");
+    return;
+  }
+  const plan = planFiles(files);
+  for (const problem of plan.problems) state.notify(problem, "error");
+  if (plan.videos.length > 0) isOpen.value = true;
+  for (const video of plan.videos) {
+    addVideo(video).catch((error: unknown) => {
+      if (!(error instanceof DOMException && error.name === "AbortError")) state.notify(messageOf(error), "error");
+    });
+  }
+  if (plan.model.length > 0) askedModel.value = plan.model;
+}
+
+/** Searches all videos again, for models that are new. */
+export async function searchAll() {
+  try {
+    for (const video of state.videos.value) if (video.missing === null) await postJob({ kind: "index", video_id: video.id });
+  } catch (error) {
+    state.notify(messageOf(error), "error");
+  }
+}
+
+export function cancel(job: Job) {
+  cancelJob(job.id).catch((error: unknown) => state.notify(messageOf(error), "error"));
+}

@@ -1,0 +1,64 @@
+// What dropped files are, and what is to be done with them.
+
+const VIDEO = ["mp4", "m4v", "mov", "mkv", "webm", "avi", "ts", "m2ts", "mts", "mpg", "mpeg", "wmv", "flv"];
+const CAD = ["glb", "gltf", "obj", "ac", "dae", "3ds", "ply", "stl"];
+const PHOTO = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "webp", "ppm"];
+const TELEMETRY = ["csv", "srt", "klv"];
+
+export type FileKind = "video" | "cad" | "photo" | "telemetry" | "other";
+
+export function kindOf(name: string): FileKind {
+  const ending = /\.([^.]+)$/.exec(name.toLowerCase())?.[1] ?? "";
+  if (VIDEO.includes(ending)) return "video";
+  if (CAD.includes(ending)) return "cad";
+  if (PHOTO.includes(ending)) return "photo";
+  if (TELEMETRY.includes(ending)) return "telemetry";
+  return "other";
+}
+
+export interface Plan<F> {
+  /** Each is searched; telemetry only beside a single video. */
+  videos: { file: F; telemetry: F | null }[];
+  /** Files of one model. */
+  model: F[];
+  /** Why files are left out. */
+  problems: string[];
+}
+
+/** Sorts files that were dropped together. */
+export function planFiles<F extends { name: string }>(files: readonly F[]): Plan<F> {
+  const of = (kind: FileKind) => files.filter((one) => kindOf(one.name) === kind);
+  const [videos, telemetry, cad, photos, others] = [of("video"), of("telemetry"), of("cad"), of("photo"), of("other")];
+  const problems = others.map((one) => `${one.name}: neither a video, nor a photo, nor a CAD file.`);
+  const isPaired = videos.length === 1 && telemetry.length === 1;
+  if (telemetry.length > 0 && !isPaired) {
+    problems.push("Telemetry is taken with one video at a time: drop each video together with its own file.");
+  }
+  if (cad.length > 1 || (cad.length > 0 && photos.length > 0)) {
+    problems.push("A model is made from photos or from one CAD file: drop one model at a time.");
+  }
+  const isModel = cad.length === 1 ? photos.length === 0 : cad.length === 0 && photos.length > 0;
+  return {
+    videos: videos.map((file) => ({ file, telemetry: isPaired ? (telemetry[0] ?? null) : null })),
+    model: isModel ? [...cad, ...photos] : [],
+    problems,
+  };
+}
+
+/** A name for a model, from the name of a file. */
+export function modelNameOf(file: string): string {
+  const name = file.replace(/\.[^.]+$/, "").toLowerCase();
+  return name.replace(/[^a-z0-9._-]+/g, "-").replace(/^[-.]+|[-.]+$/g, "") || "model";
+}
+
+/** A message of the server's command, which names files by where uploads are kept. */
+export function withoutUploadFolder(message: string): string {
+  return message.replaceAll(/(?:[^\s:]*\/)?[0-9a-f]{16}\//g, "");
+}
+
+/** A time that is left, short. */
+export function formatLeft(seconds: number): string {
+  if (seconds < 60) return `${Math.max(1, Math.round(seconds))} s left`;
+  if (seconds < 3600) return `${Math.round(seconds / 60)} min left`;
+  return `${(seconds / 3600).toFixed(1)} h left`;
+}

@@ -1,0 +1,218 @@
+// The panel of jobs: what is uploaded, searched and made, how long yet; and the dialog that names a new model.
+import { useEffect, useRef, useState } from "preact/hooks";
+
+import type { Job } from "../api/types";
+import { plural } from "../logic/format";
+import { formatLeft, modelNameOf, withoutUploadFolder } from "../logic/uploads";
+import * as jobs from "../jobs";
+import * as state from "../state";
+import { Icon } from "./icons";
+
+const WHAT = { index: "search", model: "make the model" } as const;
+
+function Bar({ part }: { part: number | null }) {
+  return (
+    <div
+      class={`meter ${part === null ? "unknown" : ""}`}
+      role="progressbar"
+      aria-valuemin={0}
+      aria-valuemax={100}
+      aria-valuenow={part === null ? undefined : Math.round(100 * part)}
+    >
+      <span style={part === null ? undefined : { width: `${100 * part}%` }} />
+    </div>
+  );
+}
+
+function describe(job: Job): string {
+  if (job.state === "queued") return "waits";
+  if (job.state === "done") return withoutUploadFolder(job.message) || "done";
+  if (job.state === "failed") return withoutUploadFolder(job.message);
+  if (job.state === "cancelled") return "cancelled";
+  if (job.cancel_asked) return "ending";
+  const of = job.total === null ? plural(job.done, job.unit.replace(/s$/, "")) : `${job.done.toLocaleString("en")} of ${job.total.toLocaleString("en")} ${job.unit}`;
+  const left = job.left_s === null ? "" : `, ${formatLeft(job.left_s)}`;
+  return job.done > 0 ? of + left : "begins";
+}
+
+function Row({ job }: { job: Job }) {
+  const isActive = job.state === "queued" || job.state === "running";
+  return (
+    <li class={`job ${job.state}`}>
+      <div class="job-head">
+        <strong title={job.title}>{job.title}</strong>
+        <span class="muted">{WHAT[job.kind]}</span>
+        {isActive && (
+          <button class="link" disabled={job.cancel_asked} onClick={() => jobs.cancel(job)}>
+            Cancel
+          </button>
+        )}
+      </div>
+      {job.state === "running" && <Bar part={job.total ? job.done / job.total : null} />}
+      <div class="job-state">{describe(job)}</div>
+      {job.kind === "model" && job.state === "done" && state.videos.value.length > 0 && (
+        <button class="button" onClick={() => void jobs.searchAll()}>
+          Search all videos for it
+        </button>
+      )}
+    </li>
+  );
+}
+
+export function JobsButton() {
+  const count = jobs.active.value.length + jobs.uploads.value.length;
+  if (!jobs.canAdd.value) return null;
+  return (
+    <button class="button jobs-button" aria-expanded={jobs.isOpen.value} onClick={() => (jobs.isOpen.value = !jobs.isOpen.value)}>
+      <Icon name="add" /> {count > 0 ? plural(count, "job") : "Add"}
+    </button>
+  );
+}
+
+export function JobsPanel() {
+  const input = useRef<HTMLInputElement>(null);
+  if (!jobs.isOpen.value) return null;
+  const nothing = jobs.jobs.value.length + jobs.uploads.value.length === 0;
+  return (
+    <aside class="jobs" aria-label="Jobs">
+      <header>
+        <h2>Videos and models</h2>
+        <button class="button icon plain" aria-label="Close" onClick={() => (jobs.isOpen.value = false)}>
+          <Icon name="close" />
+        </button>
+      </header>
+      <button class="dropzone" onClick={() => input.current?.click()}>
+        <strong>Choose files, or drop them anywhere</strong>
+        <span>Videos are searched for all models. Photos or one CAD file make a new model.</span>
+      </button>
+      <input
+        ref={input}
+        class="hidden"
+        type="file"
+        multiple
+        tabIndex={-1}
+        aria-label="Files to add"
+        onChange={(event) => {
+          jobs.addFiles([...(event.currentTarget.files ?? [])]);
+          event.currentTarget.value = "";
+        }}
+      />
+      <ul>
+        {jobs.uploads.value.map((one) => (
+          <li key={`upload-${one.id}`} class="job">
+            <div class="job-head">
+              <strong title={one.name}>{one.name}</strong>
+              <span class="muted">upload</span>
+              <button class="link" onClick={one.abort}>
+                Cancel
+              </button>
+            </div>
+            <Bar part={one.done} />
+          </li>
+        ))}
+        {jobs.jobs.value.map((one) => (
+          <Row key={one.id} job={one} />
+        ))}
+      </ul>
+      {nothing && <p class="muted">Nothing is being worked on.</p>}
+    </aside>
+  );
+}
+
+export function ModelDialog() {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const files = jobs.askedModel.value;
+  const first = files?.[0]?.name ?? "";
+  const [name, setName] = useState("");
+  const [length, setLength] = useState("");
+  useEffect(() => {
+    if (files) {
+      setName(modelNameOf(first));
+      setLength("");
+      dialog.current?.showModal();
+    } else dialog.current?.close();
+  }, [files, first]);
+  const isValid = /^[A-Za-z0-9][A-Za-z0-9._-]*$/.test(name);
+  return (
+    <dialog class="help model" ref={dialog} aria-labelledby="model-title" onClose={() => (jobs.askedModel.value = null)}>
+      <form
+        method="dialog"
+        onSubmit={() => {
+          if (files) void jobs.addModel(name, files, length.trim() === "" ? null : Number(length));
+        }}
+      >
+        <header>
+          <h2 id="model-title">New model</h2>
+        </header>
+        <p class="muted">
+          {files && files.length > 1 ? `From ${files.length} photos.` : `From ${first}.`}
+        </p>
+        <label for="model-name">Name</label>
+        <input
+          id="model-name"
+          class="field"
+          value={name}
+          autocomplete="off"
+          aria-invalid={!isValid}
+          onInput={(event) => setName(event.currentTarget.value)}
+        />
+        {!isValid && <p class="muted">Letters, digits, dots and dashes.</p>}
+        <label for="model-length">Length, if it is known (m)</label>
+        <input
+          id="model-length"
+          class="field"
+          type="number"
+          min="0.01"
+          step="any"
+          value={length}
+          onInput={(event) => setLength(event.currentTarget.value)}
+        />
+        <p class="muted">It gives distances, and with telemetry places.</p>
+        <div class="actions">
+          <button class="button" type="button" onClick={() => (jobs.askedModel.value = null)}>
+            Cancel
+          </button>
+          <button class="button primary" type="submit" disabled={!isValid}>
+            Make the model
+          </button>
+        </div>
+      </form>
+    </dialog>
+  );
+}
+
+/** Files may be dropped anywhere on the page. */
+export function DropTarget() {
+  const [isOver, setIsOver] = useState(false);
+  useEffect(() => {
+    const holdsFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
+    const over = (event: DragEvent) => {
+      if (!holdsFiles(event)) return;
+      event.preventDefault();
+      setIsOver(true);
+    };
+    const leave = (event: DragEvent) => {
+      if (event.relatedTarget === null) setIsOver(false);
+    };
+    const drop = (event: DragEvent) => {
+      if (!holdsFiles(event)) return;
+      event.preventDefault();
+      setIsOver(false);
+      jobs.addFiles([...(event.dataTransfer?.files ?? [])]);
+    };
+    window.addEventListener("dragover", over);
+    window.addEventListener("dragleave", leave);
+    window.addEventListener("drop", drop);
+    return () => {
+      window.removeEventListener("dragover", over);
+      window.removeEventListener("dragleave", leave);
+      window.removeEventListener("drop", drop);
+    };
+  }, []);
+  if (!isOver) return null;
+  return (
+    <div class="drop-over" aria-hidden="true">
+      <div>{jobs.canAdd.value ? "Drop a video, photos or a CAD file" : "This server takes no files"}</div>
+    </div>
+  );
+}
