@@ -167,9 +167,8 @@ class ArgumentsTest(program.ProgramTest):
         whole = self.scratch / "whole.png"
         self.succeeds("frame", VIDEO, "--number", "0", "--out", whole)
         models = ("--models", self.scratch / "models")
-        reported, promise = self.succeeds("model", "add", "whole", whole, *models).messages()
+        (reported,) = self.succeeds("model", "add", "whole", whole, *models).messages()
         self.assertIn("whole.png: the whole photo is used as the object; cut it out by --box", reported)
-        self.assertIn("features in its best photo", promise)
         cut_out = self.succeeds("model", "add", "a", whole, "--box", "10,10,150,150", *models)
         self.assertNotIn("whole photo", cut_out.err)
         self.assertNotIn("whole photo", self.succeeds("model", "add", "b", CRATE, *models).err, "its alpha channel cuts")

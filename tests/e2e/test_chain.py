@@ -32,7 +32,7 @@ class ModelsTest(program.ProgramTest):
         added = self.succeeds(
             "model", "add", "crate", program.flight() / "crate.png", "--models", models, "--length", "1.5"
         )
-        self.assertRegex(added.out, r"^crate: 1 view, \d+ features\n$")
+        self.assertRegex(added.out, r"^crate: 1 view, \d+ features: well recognisable\n$")
         photos = [program.flight() / name for name in ("truck.png", "sign.png")]
         self.succeeds("model", "add", "pair", *photos, "--models", models)
         self.succeeds(

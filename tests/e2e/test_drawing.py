@@ -78,11 +78,12 @@ class DrawingTest(program.ProgramTest):
     def test_promise_of_a_model(self):
         models = self.scratch / "models"
         rich = self.succeeds("model", "add", "crate", FLIGHT / "crate.png", "--models", models)
-        self.assertIn("--findable", rich.err)
-        self.assertIn("features in its best photo", rich.err)
+        self.assertRegex(rich.out, r"^crate: 1 view, \d+ features: well recognisable\n$")
+        self.assertEqual(rich.err, "")
         small = program.run("model", "add", "corner", FLIGHT / "crate.png", "--models", models, "--box", "2,2,40,40")
         self.assertEqual(small.status, 0, small.err)
-        self.assertIn("hardly recognisable", small.err)
+        self.assertIn("hardly recognisable", small.out)
+        self.assertRegex(small.err, r"\d+ features in its best photo: hardly recognisable: use .* --findable")
 
     def test_findable_photos(self):
         findable = json.loads(

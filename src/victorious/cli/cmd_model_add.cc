@@ -123,29 +123,30 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
   return model;
 }
 
-// Says what the features of a model promise. The limits are rounded from `model show --findable` on photos of few and of
-// many features (docs/results/recognition.md).
-void LogPromise(const ObjectModel& model) {
+// What the features of a model promise: in a few words, which stand behind their number, and as a message that gives the
+// remedy unless they promise much. The limits are rounded from `model show --findable` on photos of few and of many
+// features (docs/results/recognition.md).
+std::string DescribePromise(const ObjectModel& model) {
   constexpr double kHardly = 40;
   constexpr double kWell = 120;
   std::vector<double> counts;
   for (const ModelView& view : model.views) counts.push_back(static_cast<double>(view.feature_count));
   const bool cad = model.kind == ModelKind::kCad;
   const double typical = cad ? Median(counts) : std::ranges::max(counts);
-  const std::string what = cad ? fmt::format("{:.0f} features in the middle one of its views", typical)
-                               : fmt::format("{:.0f} features in its best photo", typical);
+  if (typical >= kWell) return "well recognisable";
+  const std::string what = fmt::format("{:.0f} features in {}", typical, cad ? "its median view" : "its best photo");
   const std::string measure =
       fmt::format("`victorious model show {} --findable` measures from which size it is found", OneLine(model.name));
-  const char* const remedy = cad ? "a model with more texture, or more pixels_per_m (--params)"
-                                 : "a larger and sharper photo of a textured side";
   if (typical < kHardly) {
-    spdlog::warn("{}: {}: hardly recognisable: use {}; {}", OneLine(model.name), what, remedy, measure);
-  } else if (typical < kWell) {
-    spdlog::info("{}: {}: recognisable when large and seen as in the {}; {}", OneLine(model.name), what,
-                 cad ? "views" : "photo", measure);
-  } else {
-    spdlog::info("{}: {}: well recognisable; {}", OneLine(model.name), what, measure);
+    spdlog::warn("{}: {}: hardly recognisable: use {}; {}", OneLine(model.name), what,
+                 cad ? "a model with more texture, or more pixels_per_m (--params)"
+                     : "a larger and sharper photo of a textured side",
+                 measure);
+    return "hardly recognisable";
   }
+  spdlog::info("{}: {}: recognisable when large and seen as in the {}; {}", OneLine(model.name), what,
+               cad ? "views" : "photo", measure);
+  return "recognisable when large";
 }
 
 Status Add(const Arguments& arguments, const CLI::App& app) {
@@ -162,10 +163,10 @@ Status Add(const Arguments& arguments, const CLI::App& app) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, cad ? FromCad(arguments) : FromPhotos(arguments));
   VICTORIOUS_RETURN_IF_ERROR(library.Add(model));
-  LogPromise(model);
+  const std::string promise = DescribePromise(model);
   if (arguments.json) return WriteOutput("", SummaryJson(model));
-  return WriteOutput("", fmt::format("{}: {}, {}\n", model.name, CountText(model.views.size(), "view"),
-                                     CountText(model.features.size(), "feature")));
+  return WriteOutput("", fmt::format("{}: {}, {}: {}\n", model.name, CountText(model.views.size(), "view"),
+                                     CountText(model.features.size(), "feature"), promise));
 }
 
 }  // namespace
