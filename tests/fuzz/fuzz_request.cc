@@ -59,7 +59,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::getline(input, request.target);
   std::getline(input, request.range);
   request.body.assign(std::istreambuf_iterator<char>(input), {});
-  request.method = method == "PUT" ? HttpMethod::kPut : method == "GET" ? HttpMethod::kGet : HttpMethod::kOther;
+  request.method = method == "PUT"    ? HttpMethod::kPut
+                   : method == "POST" ? HttpMethod::kPost
+                   : method == "GET"  ? HttpMethod::kGet
+                                      : HttpMethod::kOther;
   CheckRange(request.range);
   const victorious::HttpResponse response = server.api->Handle(request, 80);
   VICTORIOUS_CHECK(response.status >= 200 && response.status < 600);
@@ -73,7 +76,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 std::vector<std::string> FuzzSeeds() {
   return {"GET\n/api/v1/project\n",
-          "GET\n/api/v1/objects?model=jeep&video=1&min_score=0.5&from=0&to=9&near=52,13,100&limit=5&cursor=0.5_1_1\n",
+          "GET\n/api/v1/objects?model=jeep&video=1&min_score=0.5&from=0&to=9&near=52,13,100&limit=5&cursor=0_0.5_1_1\n",
+          "GET\n/api/v1/objects?sort=queue&since=5&around=1&q=jeep+1&review=none\n",
+          "GET\n/api/v1/objects?ids=1,2&after=1\n",
+          "GET\n/api/v1/objects/counts?near=90,0,1e7&q=%27+OR\n",
+          "GET\n/api/v1/tiles/3/4/2?v=1&model=jeep\n",
           "GET\n/api/v1/objects/1\nbytes=0-99",
           "GET\n/api/v1/objects/1/sightings?from=0&to=1e3&limit=10\n",
           "GET\n/api/v1/objects/1/thumbnail?width=160\n",
@@ -84,5 +91,10 @@ std::vector<std::string> FuzzSeeds() {
           "GET\n/api/v1/models/1/views/0\n",
           "GET\n/assets/%69ndex.js?a=b+c%20\n",
           "PUT\n/api/v1/objects/1/review\n\n{\"verdict\": \"rejected\", \"note\": \"a shed\"}",
+          "POST\n/api/v1/jobs\n\n{\"kind\": \"model\", \"name\": \"x\", \"uploads\": [\"0123456789abcdef\"], "
+          "\"length_m\": 4}",
+          "POST\n/api/v1/jobs\n\n{\"kind\": \"index\", \"upload\": \"0123456789abcdef\", \"telemetry\": \"x\"}",
+          "POST\n/api/v1/jobs/1/cancel\n\n{}",
+          "POST\n/api/v1/uploads?name=a.mp4\n\n",
           "POST\n/api/v1/project\n\n"};
 }
