@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/associate/object_place.h"
+#include "victorious/associate/range_factor.h"
 #include "victorious/base/median.h"
 #include "victorious/observe/bearing_observation.h"
 
@@ -495,9 +496,28 @@ Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, In
   return frames;
 }
 
+// The focal length is proportional to the ranges: too short ranges follow from too wide a field of view.
+Status WarnOfRangeFactors(const std::map<std::int64_t, RangeFactor>& factors, IndexStore& store,
+                          const std::function<void(const std::string&)>& warn) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  for (const VideoRecord& video : videos) {
+    const auto found = factors.find(video.id);
+    if (found == factors.end()) continue;
+    const double percent = 100 * std::abs(found->second.factor - 1);
+    const std::string name = videos.size() > 1 ? video.name + ": " : "";
+    warn(
+        fmt::format("{}the lines of sight of {} objects meet {:.0f} % {} than their sizes say: the field of view is "
+                    "about {:.0f} % too {}; ranges are corrected by it",
+                    name, found->second.objects, percent, found->second.factor > 1 ? "farther" : "nearer", percent,
+                    found->second.factor > 1 ? "wide" : "narrow"));
+  }
+  return {};
+}
+
 }  // namespace
 
-Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
+Status UpdateObjects(const ObjectOptions& options, IndexStore& store,
+                     const std::function<void(const std::string&)>& warn) {
   std::map<std::int64_t, ObservedTracklet> tracklets;
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> records, store.Tracklets());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
@@ -524,8 +544,15 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
   }));
   std::vector<ObservedTracklet> seen;
   for (auto& [id, tracklet] : tracklets) seen.push_back(std::move(tracklet));
+  const std::map<std::int64_t, RangeFactor> factors = EstimateRangeFactors(seen, options);
+  ScaleRanges(factors, seen);
+  if (!factors.empty()) VICTORIOUS_RETURN_IF_ERROR(WarnOfRangeFactors(factors, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, FramesSearched(models, store));
   return store.PutObjects(AssociateTracklets(std::move(seen), frames_searched, options));
+}
+
+Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
+  return UpdateObjects(options, store, [](const std::string&) {});
 }
 
 }  // namespace victorious

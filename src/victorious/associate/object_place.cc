@@ -136,8 +136,8 @@ Geolocation EstimateLastPlace(std::span<const LineOfSight> lines, const Geolocat
 }
 
 // Triangulates without ranges and ground, and compares the distances with the ranges by apparent size.
-std::optional<double> EstimateSizeRatio(std::vector<LineOfSight> lines, LocateOptions locate,
-                                        double min_inlier_fraction) {
+std::optional<SizeRatio> CompareWithRanges(std::vector<LineOfSight> lines, LocateOptions locate,
+                                           double min_inlier_fraction) {
   locate.ground.reset();
   std::vector<double> ranges_m;
   for (LineOfSight& line : lines) {
@@ -158,7 +158,11 @@ std::optional<double> EstimateSizeRatio(std::vector<LineOfSight> lines, LocateOp
   }
   const double inlier_fraction = static_cast<double>(factors.size()) / static_cast<double>(lines.size());
   if (factors.empty() || inlier_fraction < min_inlier_fraction) return std::nullopt;
-  return Median(std::move(factors));
+  const TangentPlane plane(place.point);
+  const Eigen::Vector3d to_camera = plane.EnuFromGeodetic(lines.back().camera);
+  const Eigen::Vector3d along = to_camera.normalized();
+  return SizeRatio{Median(std::move(factors)),
+                   std::sqrt(along.dot(place.covariance_enu_m2 * along)) / to_camera.norm()};
 }
 
 // Number of inliers whose headings agree: with the common heading for a static object and for one on a path, whose
@@ -327,6 +331,13 @@ std::optional<double> EstimateHeadingMode(std::span<const double> headings_rad) 
   return heading < 0 ? heading + 2 * kPi : heading;
 }
 
+std::optional<SizeRatio> EstimateSizeRatio(std::span<const BearingObservation> observations,
+                                           const ObjectOptions& options) {
+  if (observations.empty()) return std::nullopt;
+  const LocateOptions locate = MakeLocateOptions(observations, options, kFlightErrorFraction);
+  return CompareWithRanges(MakeLines(observations, locate.line), locate, options.min_inlier_fraction);
+}
+
 ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,
                           double common_fraction) {
   ObjectPlace result;
@@ -344,7 +355,8 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
   }
   result.inlier_fraction =
       static_cast<double>(std::ranges::count(fix.inliers, true)) / static_cast<double>(lines.size());
-  result.size_ratio = EstimateSizeRatio(lines, locate, options.min_inlier_fraction);
+  if (const auto ratio = CompareWithRanges(lines, locate, options.min_inlier_fraction))
+    result.size_ratio = ratio->ratio;
   const std::vector<std::optional<double>> headings_at_end = HeadingsAtEnd(observations, result.path);
   std::vector<double> headings;
   for (std::size_t i = 0; i < observations.size(); ++i) {

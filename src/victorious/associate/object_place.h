@@ -41,6 +41,16 @@ struct ObjectPlace {
 ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,
                           double common_fraction);
 
+/// Ratio of the distance by intersection to the range by apparent size, as ObjectPlace::size_ratio.
+struct SizeRatio {
+  double ratio = 1;
+  double sigma = 0;  ///< relative standard deviation of the distance by intersection
+};
+
+/// The ratio alone, of observations as for EstimatePlace. Errors common to a flight cancel for the most part.
+std::optional<SizeRatio> EstimateSizeRatio(std::span<const BearingObservation> observations,
+                                           const ObjectOptions& options);
+
 /// Propagates a place to another time with its velocity; the covariance grows with that of the velocity. A static place
 /// only gets the new time.
 Geolocation PropagatePlace(const Geolocation& place, double time_s);

@@ -1,0 +1,40 @@
+// The factor by which all ranges of a flight are wrong, as by a wrong field of view: ranges by apparent size are
+// proportional to the focal length, while lines of sight from a camera that circles meet at the true distance.
+//
+// One object whose size contradicts its distance drives, or is of another size. If several different objects are
+// contradicted by the same factor, and more than agree with their sizes, the common cause is the camera.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+
+#include "victorious/associate/associate_objects.h"
+#include "victorious/associate/object_options.h"
+#include "victorious/base/error.h"
+#include "victorious/store/index_store.h"
+
+namespace victorious {
+
+struct RangeFactor {
+  double factor = 1;  ///< true range over given range
+  int objects = 0;    ///< tracklets that agree on it
+};
+
+/// Estimates the factors of the flights, by video id; those without a common error have none. Only factors up to 1.28
+/// either way: larger ones are another model's size.
+/// @param tracklets  with ranges; those whose lines determine the distance to a few per cent count
+std::map<std::int64_t, RangeFactor> EstimateRangeFactors(std::span<const ObservedTracklet> tracklets,
+                                                         const ObjectOptions& options);
+
+/// Multiplies the ranges of the tracklets by the factors of their videos.
+void ScaleRanges(const std::map<std::int64_t, RangeFactor>& factors, std::span<ObservedTracklet> tracklets);
+
+/// UpdateObjects (associate_objects.h), which corrects the ranges of each flight by its factor.
+/// @param warn  receives one line for each factor
+[[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store,
+                                   const std::function<void(const std::string&)>& warn);
+
+}  // namespace victorious
