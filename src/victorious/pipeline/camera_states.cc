@@ -26,6 +26,7 @@ Expected<CameraStates> CameraStates::Load(const std::string& video, const VideoI
       cameras.start_utc_us_ = *state.utc_us - std::llround(state.time_s * 1e6);
     }
   }
+  cameras.max_gap_s_ = options.max_gap_s;
   cameras.trajectory_.emplace(std::move(telemetry->states), options.max_gap_s);
   return cameras;
 }
@@ -35,6 +36,14 @@ CameraStates CameraStates::ForLive(const VideoInfo& info, const TelemetryOptions
   CameraStates cameras;
   if (info.live && std::ranges::any_of(info.streams, is_telemetry)) cameras.live_.emplace(options);
   return cameras;
+}
+
+void CameraStates::ShiftClock(double offset_s) {
+  if (!trajectory_) return;
+  std::vector<CameraState> states = trajectory_->states();
+  for (CameraState& state : states) state.time_s += offset_s;
+  trajectory_.emplace(std::move(states), max_gap_s_);
+  if (start_utc_us_) *start_utc_us_ -= std::llround(offset_s * 1e6);
 }
 
 std::optional<CameraState> CameraStates::At(double time_s) const {

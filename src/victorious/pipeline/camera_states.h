@@ -43,6 +43,9 @@ class CameraStates {
   /// Sets the field of view of frames for which telemetry has none. With it, At() returns a state for every time.
   void SetFallbackFieldOfView(std::optional<double> hfov_rad) { fallback_hfov_rad_ = hfov_rad; }
 
+  /// Adds an offset to the times of the states of the whole video, s. No effect without them.
+  void ShiftClock(double offset_s);
+
   /// The state at a time of the video; std::nullopt if there is none and no fallback field of view.
   [[nodiscard]] std::optional<CameraState> At(double time_s) const;
 
@@ -63,6 +66,7 @@ class CameraStates {
  private:
   std::optional<CameraTrajectory> trajectory_;
   std::optional<LiveCameraTrack> live_;
+  double max_gap_s_ = 0;  // of trajectory_
   std::optional<double> fallback_hfov_rad_;
   std::optional<double> first_hfov_rad_;
   std::optional<std::int64_t> start_utc_us_;

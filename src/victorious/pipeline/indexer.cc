@@ -12,12 +12,13 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/associate/associate_objects.h"
+#include "victorious/associate/range_factor.h"
 #include "victorious/base/check.h"
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/camera_states.h"
+#include "victorious/pipeline/clock_offset.h"
 #include "victorious/pipeline/index_pass.h"
 #include "victorious/pipeline/model_engine.h"
 #include "victorious/pipeline/video_telemetry.h"
@@ -184,7 +185,7 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
   const WarningSink emit_warning = warn ? warn : [](const std::string&) {};
   Expected<IndexReport> report = Search(job, cancel, store, emit_warning);
   if (report || report.error().code == ErrorCode::kCancelled) {
-    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store));
+    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, emit_warning));
   }
   return report;
 }
@@ -200,11 +201,26 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans,
                               PlanPasses(job, video.record, models_before, store, warn));
+  if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectClockOf(job, cancel, store, warn, video));
   IndexReport report;
   for (const PlannedPass& plan : plans) {
     VICTORIOUS_RETURN_IF_ERROR(RunPass(plan, job, video, cancel, store, warn, report));
   }
   return report;
+}
+
+// A folder with a frame rate of its own is left as it is: its motion is measured at the default one.
+Status Indexer::CorrectClockOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                               const WarningSink& warn, OpenedVideo& video) const {
+  const bool is_given = options_.telemetry.time_offset_s != 0;
+  const bool is_timed = options_.video.folder_frame_rate == VideoOptions().folder_frame_rate;
+  if (is_given || !is_timed || video.reader->info().live) return {};
+  VICTORIOUS_RETURN_IF_ERROR(CorrectClock(job.video, options_.features.impulse_fraction, cancel, warn, video.cameras));
+  if (video.cameras.start_utc_us() == video.record.start_utc_us) return {};
+  VideoRecord corrected = video.record;
+  corrected.start_utc_us = video.cameras.start_utc_us();
+  VICTORIOUS_ASSIGN_OR_RETURN(video.record, store.PutVideo(corrected));
+  return {};
 }
 
 VideoReaderOptions Indexer::MakeReaderOptions(const IndexJob& job) const {

@@ -54,6 +54,9 @@ class Indexer {
   // Opens the video, reads its telemetry, and registers it in the store.
   [[nodiscard]] Expected<OpenedVideo> OpenVideo(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                                 const WarningSink& warn) const;
+  // Corrects the clock of the telemetry, unless its offset is given.
+  [[nodiscard]] Status CorrectClockOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                      const WarningSink& warn, OpenedVideo& video) const;
   // Groups the searches that are not finished by their first frame.
   [[nodiscard]] Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const VideoRecord& video,
                                                               const std::vector<ModelRecord>& models_before,

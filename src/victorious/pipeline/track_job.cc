@@ -9,6 +9,7 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/pipeline/box_locator.h"
 #include "victorious/pipeline/camera_states.h"
+#include "victorious/pipeline/clock_offset.h"
 #include "victorious/pipeline/reverse_frame_reader.h"
 #include "victorious/pipeline/track_pass.h"
 #include "victorious/pipeline/video_telemetry.h"
@@ -207,6 +208,12 @@ Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(TrackedVideos opened, OpenVideos(videos, telemetry, options.telemetry, warn));
+  for (std::size_t video = 0; options.telemetry.time_offset_s == 0 && video < videos.size(); ++video) {
+    VICTORIOUS_RETURN_IF_ERROR(CorrectClock(
+        videos[video], options.model.features.impulse_fraction, cancel,
+        [&](const std::string& warning) { warn(fmt::format("{}: {}", videos[video], warning)); },
+        opened.cameras[video]));
+  }
   for (std::size_t video = 0; ground && video < videos.size(); ++video) {
     if (!opened.cameras[video].HasStates()) continue;
     const auto underground = DescribeUnderground(opened.cameras[video].trajectory()->states(), *ground);

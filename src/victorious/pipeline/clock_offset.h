@@ -1,0 +1,29 @@
+// Corrects the clock of a video's telemetry before a job, if the motion of the image contradicts it
+// (calibrate/time_offset.h).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/base/warning_sink.h"
+#include "victorious/calibrate/time_offset.h"
+#include "victorious/pipeline/camera_states.h"
+
+namespace victorious {
+
+/// The offset to be added to telemetry's times, s: an estimate beyond three standard errors and beyond half the
+/// interval of ten frames a second, within which time stamps of frames are uncertain. std::nullopt: telemetry is exact,
+/// or its offset unknown, and it stays as it is.
+[[nodiscard]] std::optional<double> ClockCorrection(const TimeOffset& offset);
+
+/// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is
+/// significant; `warn` receives one line with the offset and its standard error. No effect without states of the whole
+/// video. A video whose frames cannot be read again gives a warning.
+/// @param impulse_fraction  as MeasureMotions
+/// Errors: kCancelled. Cost: up to 200 frames are read and their motion is measured, some 15 ms each at 640 x 480.
+[[nodiscard]] Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,
+                                  const WarningSink& warn, CameraStates& cameras);
+
+}  // namespace victorious

@@ -1,0 +1,51 @@
+#include "victorious/pipeline/clock_offset.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+#include "victorious/base/file.h"
+
+namespace victorious {
+namespace {
+
+TEST(ClockCorrection, OnlySignificantOffsetsAreCorrected) {
+  EXPECT_EQ(ClockCorrection({.offset_s = -1.703, .sigma_s = 0.007}), -1.703);
+  EXPECT_EQ(ClockCorrection({.offset_s = 0.3, .sigma_s = 0.009}), 0.3);
+  EXPECT_FALSE(ClockCorrection({.offset_s = -0.002, .sigma_s = 0.009})) << "exact telemetry";
+  EXPECT_FALSE(ClockCorrection({.offset_s = 0.04, .sigma_s = 0.002})) << "within the time stamps of frames";
+  EXPECT_FALSE(ClockCorrection({.offset_s = 0.2, .sigma_s = 0.09})) << "within its error";
+  EXPECT_FALSE(ClockCorrection({.status = TimeOffsetStatus::kUncertain, .sigma_s = 40, .best_s = -1.7}));
+}
+
+TEST(ClockCorrection, ShiftedStatesAreThoseOfAnotherTime) {
+  const testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "telemetry.csv").string();
+  ASSERT_TRUE(WriteFileAtomically(
+      path,
+      "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg,utc\n"
+      "0,42,-71,100,0,-60,0,50,2024-05-01T12:00:00Z\n10,42,-71,200,0,-60,0,50,2024-05-01T12:00:10Z\n"));
+  TelemetryOptions options;
+  options.max_gap_s = 20;
+  CameraStates cameras =
+      CameraStates::Load("video.mp4", VideoInfo{}, path, options, "no place", [](const std::string&) {}).value();
+  const std::int64_t start_utc_us = cameras.start_utc_us().value();
+  EXPECT_NEAR(cameras.At(5)->place.altitude_m, 150, 1e-6);
+  cameras.ShiftClock(-2);  // it was late
+  EXPECT_NEAR(cameras.At(5)->place.altitude_m, 170, 1e-6);
+  EXPECT_FALSE(cameras.At(9));
+  EXPECT_EQ(cameras.start_utc_us(), start_utc_us + 2'000'000);
+}
+
+TEST(CorrectClock, UnreadableVideoLeavesTelemetryAsItIs) {
+  std::vector<std::string> warnings;
+  const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  CameraStates none;
+  EXPECT_TRUE(CorrectClock("absent.mp4", 0.01, CancelToken(), warn, none));
+  EXPECT_TRUE(warnings.empty()) << "without telemetry there is nothing to correct";
+}
+
+}  // namespace
+}  // namespace victorious
