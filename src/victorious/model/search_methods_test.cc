@@ -9,8 +9,8 @@
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
-#include "testing/painted_views.h"
 #include "testing/small_cad_model.h"
+#include "testing/textured_scenes.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/box.h"
 #include "victorious/model/relit_views.h"

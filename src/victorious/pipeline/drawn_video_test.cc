@@ -12,8 +12,11 @@
 namespace victorious {
 namespace {
 
+using testing::DrawnFlight;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::ShortFlight;
+using testing::SightingsOf;
 
 const cv::Size kSize(162, 121);  // odd height: the drawn video has a row more
 const std::vector<double> kTimes_s = {0, 0.1, 0.35, 0.4};
