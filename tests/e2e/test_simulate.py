@@ -106,8 +106,9 @@ class SimulateTest(program.ProgramTest):
         self.assertGreaterEqual(len(scenes), 13)
         for path in scenes:
             scene = json.loads(path.read_text())
-            columns, rows = ([tile[key] for tile in scene["town"]["tiles"]] for key in ("column", "row"))
-            scene["town"]["squares"] = [min(columns), min(rows), max(columns), max(rows)]
+            if tiles := scene["town"].get("tiles"):
+                columns, rows = ([tile[key] for tile in tiles] for key in ("column", "row"))
+                scene["town"]["squares"] = [min(columns), min(rows), max(columns), max(rows)]
             scene["video"] |= {"frames": 1, "width": 160, "height": 120, "supersampling": 1}
             _, telemetry, _ = self.simulate(path.stem, json.dumps(scene | {"assets": str(ASSETS)}))
             self.assertEqual(len(telemetry), 1)

@@ -23,8 +23,8 @@ using testing::kAround;
 using testing::kOffNadir_rad;
 using testing::ModelFromAround;
 using testing::ModelOf;
-using testing::SunDependentTemplates;
 using testing::Paste;
+using testing::SunDependentTemplates;
 using testing::Texture;
 
 Recognizer MakeRecognizer(std::vector<ObjectModel> models) {
@@ -208,9 +208,9 @@ TEST_P(VotesTest, SunIsRelativeToTheLineOfSight) {
   RecognizeOptions options = By(GetParam());
   options.search.max_tilt_rad = 0.6;  // the scene does not model the lean of the object there
   options.search.sun_step_rad = 0.1;  // much finer than the suns of this test
-  const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {std::make_shared<const SunDependentTemplates>()})
-          .value();
+  const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options,
+                                                   {std::make_shared<const SunDependentTemplates>()})
+                                    .value();
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 1.1, 640, 480);
   const double relative_azimuth_rad = vertical.AzimuthAt(at);
   ASSERT_GT(relative_azimuth_rad, 0.5);
