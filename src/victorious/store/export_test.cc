@@ -219,6 +219,7 @@ TEST_F(ExportTest, KmlHasNamesPointsAndEllipses) {
   const std::filesystem::path path = folder_ / "objects.kml";
   ASSERT_TRUE(WriteFileAtomically(path, Text(ExportFormat::kKml)));
 
+  GDALAllRegister();
   const std::unique_ptr<GDALDataset> file(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
   ASSERT_TRUE(file);
   ASSERT_EQ(file->GetLayerCount(), 1);
