@@ -119,11 +119,6 @@ bool Connection::IsInTransaction() const { return sqlite3_get_autocommit(handle_
 
 bool Connection::IsBusy() const { return (sqlite3_errcode(handle_) & 0xff) == SQLITE_BUSY; }
 
-Error DamagedIndex(std::string_view name, std::string_view fault) {
-  return {ErrorCode::kDataLoss,
-          fmt::format("{}: the index is damaged ({}): restore it from a copy, or index again", name, fault)};
-}
-
 Error Connection::ErrorFromCode(int code) const {
   const std::string reason = handle_ == nullptr ? sqlite3_errstr(code) : sqlite3_errmsg(handle_);
   switch (code & 0xff) {

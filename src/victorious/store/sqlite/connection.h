@@ -26,8 +26,7 @@ enum class Access {
   kImmutable,  ///< no writes, no locks: only for a file that no process can be writing
 };
 
-/// The error of an index whose content is not valid: kDataLoss with the file's name, the fault and what to do.
-[[nodiscard]] Error DamagedIndex(std::string_view name, std::string_view fault);
+using sql::DamagedIndex;
 
 /// An open database. Use from one thread at a time. Must outlive its statements.
 class Connection {

@@ -3,7 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "victorious/base/enum_text.h"
-#include "victorious/store/sqlite/records.h"
+#include "victorious/store/sql/records.h"
 #include "victorious/store/sqlite/sqlite_store.h"
 
 namespace victorious::sqlite {
@@ -175,7 +175,7 @@ Expected<std::vector<ReviewedObject>> SqliteStore::Reviews() {
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
     if (!has_row) return reviews;
-    VICTORIOUS_ASSIGN_OR_RETURN(Review review, ReadReview(select, 0, connection_->name()));
+    VICTORIOUS_ASSIGN_OR_RETURN(Review review, sql::ReadReview(select, 0, connection_->name()));
     reviews.push_back({select.Integer(4), std::move(review)});
   }
 }

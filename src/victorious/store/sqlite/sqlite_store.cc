@@ -3,16 +3,16 @@
 #include <fmt/format.h>
 
 #include "victorious/base/check.h"
-#include "victorious/store/sqlite/conditions.h"
+#include "victorious/store/sql/filter_conditions.h"
+#include "victorious/store/sql/records.h"
 #include "victorious/store/sqlite/open_database.h"
-#include "victorious/store/sqlite/records.h"
 
 namespace victorious::sqlite {
 namespace {
 
 // Returns all rows of a query, converted by `read`.
 template <typename Record>
-Expected<std::vector<Record>> ReadAll(Statement& statement, Record (*read)(const Statement&)) {
+Expected<std::vector<Record>> ReadAll(Statement& statement, Record (*read)(const sql::Row&)) {
   std::vector<Record> records;
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, statement.Step());
@@ -24,7 +24,7 @@ Expected<std::vector<Record>> ReadAll(Statement& statement, Record (*read)(const
 // Likewise, for rows that can be damaged. `name`: the file's.
 template <typename Record>
 Expected<std::vector<Record>> ReadAll(Statement& statement, std::string_view name,
-                                      Expected<Record> (*read)(const Statement&, std::string_view)) {
+                                      Expected<Record> (*read)(const sql::Row&, std::string_view)) {
   std::vector<Record> records;
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, statement.Step());
@@ -37,7 +37,7 @@ Expected<std::vector<Record>> ReadAll(Statement& statement, std::string_view nam
 // Visits the rows of a query until the last one, or until `visit` returns false.
 template <typename Record>
 Status VisitAll(Statement& statement, std::string_view name,
-                Expected<Record> (*read)(const Statement&, std::string_view),
+                Expected<Record> (*read)(const sql::Row&, std::string_view),
                 const std::function<bool(Record&&)>& visit) {
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, statement.Step());
@@ -47,61 +47,24 @@ Status VisitAll(Statement& statement, std::string_view name,
   }
 }
 
-// Adds the condition on the ids of the videos that the filter names. Names are compared here, because SQL does not know
-// path components.
-Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_view column, Conditions& conditions) {
-  if (filter.video) conditions.AddOneOf(column, {*filter.video});
-  if (!filter.video_name) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
-  std::vector<std::int64_t> ids;
-  for (const VideoRecord& video : FindVideosByName(videos, *filter.video_name)) ids.push_back(video.id);
-  conditions.AddOneOf(column, ids);
-  return {};
-}
-
-// Adds the condition on the ids of the objects within filter.near. Distances are computed here, because SQL has no
-// geodesy.
-Status AddNear(Connection& connection, const SightingFilter& filter, Conditions& conditions) {
-  if (!filter.near) return {};
-  const TangentPlane plane(filter.near->centre);
+// The ids of the objects within filter.near. Distances are computed here, because SQL has no geodesy.
+Expected<sql::NearIds> FindNear(Connection& connection, const SightingFilter& filter) {
+  if (!filter.near) return std::nullopt;
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
-                              connection.Prepare("SELECT id, latitude_rad, longitude_rad, altitude_m FROM objects "
+                              connection.Prepare("SELECT id, latitude_rad, longitude_rad FROM objects "
                                                  "WHERE latitude_rad IS NOT NULL"));
   std::vector<std::int64_t> ids;
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-    if (!has_row) break;
-    const GeodeticPoint point{select.Real(1), select.Real(2), filter.near->centre.altitude_m};
-    if (plane.EnuFromGeodetic(point).norm() <= filter.near->radius_m) ids.push_back(select.Integer(0));
-  }
-  conditions.AddOneOf("o.id", ids);
-  return {};
-}
-
-void AddRejected(const SightingFilter& filter, Conditions& conditions) {
-  if (!filter.include_rejected) {
-    conditions.Add("(coalesce(o.rejection_reason, '') = '' OR instr(o.rejection_reason, ?) = 1)",
-                   std::string(kPlaceReason));
+    if (!has_row) return ids;
+    if (sql::IsWithin(*filter.near, select.Real(1), select.Real(2))) ids.push_back(select.Integer(0));
   }
 }
 
-void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
-  const std::string category(ToText(ModelKind::kCategory));
-  if (filter.model_name) {
-    conditions.Add(fmt::format("{} = (SELECT id FROM models WHERE name = ? AND kind <> ?)", column), *filter.model_name,
-                   category);
-  }
-  if (filter.category_name) {
-    conditions.Add(fmt::format("{} IN (SELECT id FROM models, (SELECT ? AS prefix) "
-                               "WHERE kind = ? AND substr(name || '/', 1, length(prefix)) = prefix)",
-                               column),
-                   *filter.category_name + "/", category);
-  }
-}
-
-void AddTimes(const SightingFilter& filter, std::string_view first, std::string_view last, Conditions& conditions) {
-  if (filter.from_s) conditions.Add(fmt::format("{} >= ?", last), *filter.from_s);
-  if (filter.to_s) conditions.Add(fmt::format("{} <= ?", first), *filter.to_s);
+// To be followed by conditions, then by kGroupObjects.
+std::string SelectObjects() {
+  return "SELECT " + sql::ObjectResultColumns() + ", group_concat(t.video_id), group_concat(t.id)" +
+         std::string(sql::kFromObjects);
 }
 
 // All columns but the key and the model are replaced if the object exists.
@@ -109,8 +72,8 @@ std::string InsertOrUpdateObject() {
   return fmt::format(
       "INSERT INTO objects ({}) SELECT {} WHERE EXISTS (SELECT 1 FROM models WHERE id = ?{}) "
       "ON CONFLICT (id) DO UPDATE SET {}",
-      kObjectColumns.Names(), kObjectColumns.Parameters(), kObjectColumns.Parameter("model_id"),
-      kObjectColumns.Updates(kObjectColumns.Index("place_time_s")));
+      sql::kObjectColumns.Names(), sql::kObjectColumns.Parameters(), sql::kObjectColumns.Parameter("model_id"),
+      sql::kObjectColumns.Updates(sql::kObjectColumns.Index("place_time_s")));
 }
 
 }  // namespace
@@ -146,9 +109,9 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
   VICTORIOUS_RETURN_IF_ERROR(put.Bind(video.content_id, video.name, video.folder, video.width, video.height,
                                       video.frame_count, video.duration_s, features_options, video.start_utc_us)
                                  .Run());
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(SelectVideos() + "WHERE v.content_id = ?"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(sql::SelectVideos() + "WHERE v.content_id = ?"));
   VICTORIOUS_RETURN_IF_ERROR(find.Bind(video.content_id).Step());
-  VideoRecord stored = ReadVideo(find);
+  VideoRecord stored = sql::ReadVideo(find);
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return stored;
 }
@@ -186,8 +149,8 @@ Status SqliteStore::SetVideoFeatures(std::int64_t video, const std::string& feat
 }
 
 Expected<std::vector<VideoRecord>> SqliteStore::Videos() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectVideos() + "ORDER BY v.id"));
-  return ReadAll(select, &ReadVideo);
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::SelectVideos() + "ORDER BY v.id"));
+  return ReadAll(select, &sql::ReadVideo);
 }
 
 Expected<ModelRecord> SqliteStore::PutModel(const ModelRecord& model) {
@@ -200,16 +163,16 @@ Expected<ModelRecord> SqliteStore::PutModel(const ModelRecord& model) {
                               connection_->Prepare("INSERT INTO models (name, content_id, kind) VALUES (?, ?, ?) "
                                                    "ON CONFLICT (name) DO NOTHING"));
   VICTORIOUS_RETURN_IF_ERROR(put.Bind(model.name, model.content_id, ToText(model.kind)).Run());
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(SelectModels() + "WHERE name = ?"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(sql::SelectModels() + "WHERE name = ?"));
   VICTORIOUS_RETURN_IF_ERROR(find.Bind(model.name).Step());
-  VICTORIOUS_ASSIGN_OR_RETURN(ModelRecord stored, ReadModel(find, connection_->name()));
+  VICTORIOUS_ASSIGN_OR_RETURN(ModelRecord stored, sql::ReadModel(find, connection_->name()));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return stored;
 }
 
 Expected<std::vector<ModelRecord>> SqliteStore::Models() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectModels() + "ORDER BY id"));
-  return ReadAll(select, connection_->name(), &ReadModel);
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::SelectModels() + "ORDER BY id"));
+  return ReadAll(select, connection_->name(), &sql::ReadModel);
 }
 
 Expected<std::optional<SearchRecord>> SqliteStore::FindSearch(std::int64_t video, std::int64_t model) {
@@ -271,7 +234,7 @@ Expected<std::int64_t> SqliteStore::PutTracklet(const IndexBatch::TrackletUpdate
     VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(grow, "tracklet", *update.id));
     return *update.id;
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(kTrackletColumns.Insert("tracklets")));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(sql::kTrackletColumns.Insert("tracklets")));
   VICTORIOUS_RETURN_IF_ERROR(insert
                                  .Bind(tracklet.video, tracklet.model, tracklet.score, tracklet.frames,
                                        tracklet.first_time_s, tracklet.last_time_s)
@@ -286,22 +249,22 @@ Expected<std::int64_t> SqliteStore::PutTracklet(const IndexBatch::TrackletUpdate
 }
 
 Status SqliteStore::PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(kSightingColumns.Insert("sightings")));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(sql::kSightingColumns.Insert("sightings")));
   for (const auto& [update, sighting] : batch.sightings) {
     VICTORIOUS_CHECK(update < batch.tracklets.size());
-    BindSighting(sighting, batch.tracklets[update].tracklet.video, tracklet_ids[update], insert);
+    sql::BindSighting(sighting, batch.tracklets[update].tracklet.video, tracklet_ids[update], insert);
     VICTORIOUS_RETURN_IF_ERROR(insert.Run());
   }
   return {};
 }
 
 Status SqliteStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(kKeptFrameColumns.Insert("kept_frames") +
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(sql::kKeptFrameColumns.Insert("kept_frames") +
                                                                      "ON CONFLICT (video_id, frame) DO NOTHING"));
   for (const KeptFrame& kept : frames) {
     const FeatureSet& features = kept.features;
     VICTORIOUS_CHECK(features.descriptors.size() == features.size() * kDescriptorSize);
-    const std::vector<std::uint8_t> packed = PackDescriptors(features.descriptors);
+    const std::vector<std::uint8_t> packed = sql::PackDescriptors(features.descriptors);
     insert.Bind(kept.video, kept.frame, kept.time_s, features.image_width, features.image_height,
                 std::as_bytes(std::span(features.keypoints)), std::as_bytes(std::span(packed)));
     VICTORIOUS_RETURN_IF_ERROR(insert.Run());
@@ -326,8 +289,8 @@ Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch)
 }
 
 Expected<std::vector<TrackletRecord>> SqliteStore::Tracklets() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectTracklets() + "ORDER BY id"));
-  return ReadAll(select, &ReadTracklet);
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::SelectTracklets() + "ORDER BY id"));
+  return ReadAll(select, &sql::ReadTracklet);
 }
 
 Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
@@ -339,7 +302,7 @@ Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
         connection_->Prepare("UPDATE tracklets SET object_id = ? WHERE id = ? AND EXISTS (SELECT 1 FROM "
                              "objects WHERE id = ?)"));
     for (const ObjectRecord& object : objects) {
-      BindObject(object, put);
+      sql::BindObject(object, put);
       VICTORIOUS_RETURN_IF_ERROR(put.Run());
       for (const std::int64_t tracklet : object.tracklets)
         VICTORIOUS_RETURN_IF_ERROR(join.Bind(object.id, tracklet, object.id).Run());
@@ -353,21 +316,14 @@ Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
 }
 
 Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& filter) {
-  Conditions tracklet_conditions;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video_id", tracklet_conditions));
-  AddTimes(filter, "first_time_s", "last_time_s", tracklet_conditions);
-  Conditions conditions;
-  AddModel(filter, "o.model_id", conditions);
-  AddRejected(filter, conditions);
-  VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));
-  conditions.AddQuery("o.id IN (SELECT object_id FROM tracklets {})", tracklet_conditions);
-  if (filter.object) conditions.AddOneOf("o.id", {*filter.object});
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
-                              connection_->Prepare(SelectObjects() + conditions.text() + std::string(kGroupObjects)));
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(*connection_, filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::ObjectConditions(*this, filter, near));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement select, connection_->Prepare(SelectObjects() + conditions.text() + std::string(sql::kGroupObjects)));
   conditions.Bind(select);
   std::vector<ObjectRecord> objects;
   VICTORIOUS_RETURN_IF_ERROR(
-      VisitAll<ObjectRecord>(select, connection_->name(), &ReadObject, [&](ObjectRecord&& object) {
+      VisitAll<ObjectRecord>(select, connection_->name(), &sql::ReadObject, [&](ObjectRecord&& object) {
         objects.push_back(std::move(object));
         return true;
       }));
@@ -375,27 +331,20 @@ Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& f
 }
 
 Status SqliteStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
-  Conditions conditions;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "s.video_id", conditions));
-  AddModel(filter, "t.model_id", conditions);
-  if (filter.object) conditions.AddOneOf("t.object_id", {*filter.object});
-  AddTimes(filter, "s.time_s", "s.time_s", conditions);
-  AddRejected(filter, conditions);
-  VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectSightings() + conditions.text() +
-                                                                     "ORDER BY s.video_id, s.frame, s.tracklet_id"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(*connection_, filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::SightingConditions(*this, filter, near));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::SelectSightings() + conditions.text() +
+                                                                     std::string(sql::kOrderSightings)));
   conditions.Bind(select);
-  return VisitAll<SightingRecord>(select, connection_->name(), &ReadSighting, visit);
+  return VisitAll<SightingRecord>(select, connection_->name(), &sql::ReadSighting, visit);
 }
 
 Status SqliteStore::VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) {
-  Conditions conditions;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video_id", conditions));
-  AddTimes(filter, "time_s", "time_s", conditions);
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement select, connection_->Prepare(SelectKeptFrames() + conditions.text() + "ORDER BY video_id, frame"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::KeptFrameConditions(*this, filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::SelectKeptFrames() + conditions.text() +
+                                                                     std::string(sql::kOrderKeptFrames)));
   conditions.Bind(select);
-  return VisitAll<KeptFrame>(select, connection_->name(), &ReadKeptFrame, visit);
+  return VisitAll<KeptFrame>(select, connection_->name(), &sql::ReadKeptFrame, visit);
 }
 
 Expected<std::vector<std::string>> SqliteStore::FindFaults() {

@@ -8,13 +8,24 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "victorious/store/sqlite/conditions.h"
+#include "victorious/store/sql/conditions.h"
+#include "victorious/store/sql/records.h"
 #include "victorious/store/sqlite/open_database.h"
-#include "victorious/store/sqlite/records.h"
 #include "victorious/store/triage_store.h"
 
 namespace victorious::sqlite {
 namespace {
+
+using sql::Conditions;
+using sql::kObjectColumns;
+using sql::ReadModel;
+using sql::ReadObjectRow;
+using sql::ReadReview;
+using sql::ReadSighting;
+using sql::ReadTracklet;
+using sql::SelectModels;
+using sql::SelectSightings;
+using sql::SelectTracklets;
 
 using ReviewState = ObjectQuery::ReviewState;
 

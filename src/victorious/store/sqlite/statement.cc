@@ -67,12 +67,4 @@ std::span<const std::byte> Statement::Blob(int column) const {
   return {data, static_cast<std::size_t>(sqlite3_column_bytes(handle_, column))};
 }
 
-std::optional<std::int64_t> Statement::OptionalInteger(int column) const {
-  return IsNull(column) ? std::nullopt : std::optional(Integer(column));
-}
-
-std::optional<double> Statement::OptionalReal(int column) const {
-  return IsNull(column) ? std::nullopt : std::optional(Real(column));
-}
-
 }  // namespace victorious::sqlite

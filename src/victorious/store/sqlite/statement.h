@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "victorious/base/error.h"
+#include "victorious/store/sql/row.h"
 
 struct sqlite3_stmt;
 
@@ -17,11 +18,11 @@ namespace victorious::sqlite {
 
 class Connection;
 
-/// Usage: bind, step through the rows, read columns (from 0). The destructor resets the statement and returns it to its
+/// Usage: bind, step through the rows, read columns. The destructor resets the statement and returns it to its
 /// connection, so that it holds no lock between uses.
-class Statement {
+class Statement final : public sql::Row, public sql::Parameters {
  public:
-  ~Statement();
+  ~Statement() override;
   Statement(Statement&& other) noexcept
       : connection_(other.connection_),
         sql_(std::move(other.sql_)),
@@ -32,35 +33,27 @@ class Statement {
   /// Binds parameters 1, 2, …. The next Step reports a failure.
   template <typename... Values>
   Statement& Bind(const Values&... values) {
-    int parameter = 0;
-    (BindAt(++parameter, values), ...);
+    BindAll(values...);
     return *this;
   }
-  void BindAt(int parameter, std::int64_t value);
-  void BindAt(int parameter, int value) { BindAt(parameter, std::int64_t{value}); }
-  void BindAt(int parameter, double value);
-  void BindAt(int parameter, std::string_view value);
-  void BindAt(int parameter, const std::string& value) { BindAt(parameter, std::string_view(value)); }
-  void BindAt(int parameter, std::span<const std::byte> value);
-  void BindAt(int parameter, std::nullopt_t null);
-  template <typename T>
-  void BindAt(int parameter, const std::optional<T>& value) {
-    value ? BindAt(parameter, *value) : BindAt(parameter, std::nullopt);
-  }
+  using sql::Parameters::BindAt;
+  void BindAt(int parameter, std::int64_t value) override;
+  void BindAt(int parameter, double value) override;
+  void BindAt(int parameter, std::string_view value) override;
+  void BindAt(int parameter, std::span<const std::byte> value) override;
+  void BindAt(int parameter, std::nullopt_t null) override;
 
   /// Returns true if a row is available, false after the last row.
   [[nodiscard]] Expected<bool> Step();
   /// Steps to the end and resets the statement for the next Bind.
   [[nodiscard]] Status Run();
 
-  [[nodiscard]] bool IsNull(int column) const;
-  [[nodiscard]] std::int64_t Integer(int column) const;
-  [[nodiscard]] double Real(int column) const;
-  [[nodiscard]] std::string Text(int column) const;
+  [[nodiscard]] bool IsNull(int column) const override;
+  [[nodiscard]] std::int64_t Integer(int column) const override;
+  [[nodiscard]] double Real(int column) const override;
+  [[nodiscard]] std::string Text(int column) const override;
   /// Valid until the next Step.
-  [[nodiscard]] std::span<const std::byte> Blob(int column) const;
-  [[nodiscard]] std::optional<std::int64_t> OptionalInteger(int column) const;
-  [[nodiscard]] std::optional<double> OptionalReal(int column) const;
+  [[nodiscard]] std::span<const std::byte> Blob(int column) const override;
 
  private:
   friend class Connection;

@@ -1,4 +1,5 @@
-// Conversion between records and SQLite rows. docs/formats/index.md describes the tables and their binary columns.
+// Conversion between records and rows of a SQL database. docs/formats/index.md describes the tables and their binary
+// columns.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +11,10 @@
 
 #include "victorious/base/error.h"
 #include "victorious/store/index_store.h"
-#include "victorious/store/sqlite/column_list.h"
-#include "victorious/store/sqlite/statement.h"
+#include "victorious/store/sql/column_list.h"
+#include "victorious/store/sql/row.h"
 
-namespace victorious::sqlite {
+namespace victorious::sql {
 
 inline constexpr ColumnList kTrackletColumns({"video_id", "model_id", "score", "frames", "first_time_s",
                                               "last_time_s"});
@@ -64,38 +65,44 @@ inline constexpr ColumnList kKeptFrameColumns({"video_id", "frame", "time_s", "i
 std::string SelectVideos();
 std::string SelectModels();
 std::string SelectTracklets();
-/// To be followed by conditions, then by kGroupObjects. Aliases: o for the object, t for its tracklets.
-std::string SelectObjects();
+/// The columns of SelectObjects() before its lists of ids: kObjectColumns and the aggregates over the tracklets.
+/// Aliases: o for the object, t for its tracklets.
+std::string ObjectResultColumns();
+inline constexpr std::string_view kFromObjects = " FROM objects o JOIN tracklets t ON t.object_id = o.id ";
 inline constexpr std::string_view kGroupObjects = "GROUP BY o.id ORDER BY score DESC, frames DESC, o.id";
-/// Aliases: s for the sighting, t for its tracklet, o for its object.
+/// To be followed by conditions and kOrderSightings. Aliases: s for the sighting, t for its tracklet, o for its object.
 std::string SelectSightings();
+inline constexpr std::string_view kOrderSightings = "ORDER BY s.video_id, s.frame, s.tracklet_id";
+/// To be followed by conditions and kOrderKeptFrames.
 std::string SelectKeptFrames();
+inline constexpr std::string_view kOrderKeptFrames = "ORDER BY video_id, frame";
 
 /// Binds all parameters of an INSERT of kObjectColumns.
-void BindObject(const ObjectRecord& object, Statement& insert);
+void BindObject(const ObjectRecord& object, Parameters& insert);
 /// Binds all parameters of an INSERT of kSightingColumns.
 /// @param video_id, tracklet_id  of the sighting; those in `sighting` are ignored
-void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::int64_t tracklet_id, Statement& insert);
+void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::int64_t tracklet_id, Parameters& insert);
 
-VideoRecord ReadVideo(const Statement& row);
-/// Error: kDataLoss for an unknown kind. `name`: the file's, for the message.
-[[nodiscard]] Expected<ModelRecord> ReadModel(const Statement& row, std::string_view name);
-TrackletRecord ReadTracklet(const Statement& row);
-/// Error: kDataLoss if a binary column has the wrong size. `name`: the file's, for the message.
-[[nodiscard]] Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name);
+VideoRecord ReadVideo(const Row& row);
+/// Error: kDataLoss for an unknown kind. `name`: the index's, for the message.
+[[nodiscard]] Expected<ModelRecord> ReadModel(const Row& row, std::string_view name);
+TrackletRecord ReadTracklet(const Row& row);
+/// Columns: ObjectResultColumns(), then the ids of its videos and of its tracklets, each as a text "3,1,3".
+/// Error: kDataLoss if a binary column has the wrong size. `name`: the index's, for the message.
+[[nodiscard]] Expected<ObjectRecord> ReadObject(const Row& row, std::string_view name);
 /// Columns from `first` on: verdict, note, reviewer, time; all NULL: no review. Error: kDataLoss for an unknown verdict.
-[[nodiscard]] Expected<Review> ReadReview(const Statement& row, int first, std::string_view name);
-/// The columns kObjectColumns and the aggregates score, frames, first and last time; without videos and tracklets.
-[[nodiscard]] Expected<ObjectRecord> ReadObjectRow(const Statement& row, std::string_view name);
+[[nodiscard]] Expected<Review> ReadReview(const Row& row, int first, std::string_view name);
+/// Columns: ObjectResultColumns(). Returns the object without its videos and tracklets.
+[[nodiscard]] Expected<ObjectRecord> ReadObjectRow(const Row& row, std::string_view name);
 /// Error: kDataLoss, as for ReadObject, and for an unknown source.
-[[nodiscard]] Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name);
-/// Error: kDataLoss, as for ReadObject, and for an invalid keypoint.
+[[nodiscard]] Expected<SightingRecord> ReadSighting(const Row& row, std::string_view name);
 /// Descriptors as stored: 4 bits an element, the lower half of a byte first. Level n of 0 to 15 stands for the value
 /// 255 (n / 15)^2: the levels are dense where elements are frequent. An element changes by at most 17 of 255.
 inline constexpr std::size_t kPackedDescriptorSize = kDescriptorSize / 2;
 std::vector<std::uint8_t> PackDescriptors(std::span<const std::uint8_t> descriptors);
 std::vector<std::uint8_t> UnpackDescriptors(std::span<const std::uint8_t> packed);
 
-[[nodiscard]] Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name);
+/// Error: kDataLoss, as for ReadObject, and for an invalid keypoint.
+[[nodiscard]] Expected<KeptFrame> ReadKeptFrame(const Row& row, std::string_view name);
 
-}  // namespace victorious::sqlite
+}  // namespace victorious::sql

@@ -1,9 +1,9 @@
-#include "victorious/store/sqlite/conditions.h"
+#include "victorious/store/sql/conditions.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace victorious::sqlite {
+namespace victorious::sql {
 
 void Conditions::Append(std::string_view expression) {
   text_ += text_.empty() ? "WHERE " : "AND ";
@@ -12,7 +12,7 @@ void Conditions::Append(std::string_view expression) {
 }
 
 void Conditions::AddOneOf(std::string_view column, const std::vector<std::int64_t>& ids) {
-  Append(fmt::format("{} IN ({})", column, fmt::join(ids, ", ")));
+  Append(ids.empty() ? "1 = 0" : fmt::format("{} IN ({})", column, fmt::join(ids, ", ")));
 }
 
 void Conditions::AddQuery(std::string_view expression, const Conditions& query) {
@@ -26,13 +26,13 @@ std::string Conditions::Expression() const {
   return text_.empty() ? "1" : "(" + text_.substr(kWhere.size()) + ")";
 }
 
-int Conditions::Bind(Statement& statement, int first) const {
+int Conditions::Bind(Parameters& parameters, int first) const {
   int parameter = first;
   for (const auto& value : values_) {
-    std::visit([&](const auto& held) { statement.BindAt(parameter, held); }, value);
+    std::visit([&](const auto& held) { parameters.BindAt(parameter, held); }, value);
     ++parameter;
   }
   return parameter;
 }
 
-}  // namespace victorious::sqlite
+}  // namespace victorious::sql

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-namespace victorious::sqlite {
+namespace victorious::sql {
 
 template <std::size_t kCount>
 class ColumnList {
@@ -67,4 +67,4 @@ class ColumnList {
   std::array<std::string_view, kCount> names_;
 };
 
-}  // namespace victorious::sqlite
+}  // namespace victorious::sql

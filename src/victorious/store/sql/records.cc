@@ -1,4 +1,4 @@
-#include "victorious/store/sqlite/records.h"
+#include "victorious/store/sql/records.h"
 
 #include <algorithm>
 #include <array>
@@ -11,16 +11,14 @@
 
 #include <fmt/format.h>
 
-#include "victorious/store/sqlite/connection.h"
-
-namespace victorious::sqlite {
+namespace victorious::sql {
 namespace {
 
 // The binary columns have the memory layout of the structs.
 static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(Eigen::Vector2d) == 2 * sizeof(double));
 
-int ReadInt(const Statement& row, int column) { return static_cast<int>(row.Integer(column)); }
+int ReadInt(const Row& row, int column) { return static_cast<int>(row.Integer(column)); }
 
 // Converts a blob to items of T; an error if its size is not a multiple of the item's.
 template <typename T>
@@ -45,7 +43,7 @@ Expected<Matrix> ReadNumbers(std::span<const std::byte> blob, std::string_view c
   return Matrix(numbers.data());
 }
 
-// Parses the result of group_concat ("3,1,3") to unique ids in ascending order.
+// Parses a list of ids ("3,1,3") to unique ids in ascending order.
 std::vector<std::int64_t> ReadIds(const std::string& list) {
   std::vector<std::int64_t> ids;
   std::istringstream text(list);
@@ -67,7 +65,7 @@ constexpr unsigned kMaxLevel = 15;  // of an element of a packed descriptor: 4 b
 constexpr const auto& kObject = kObjectColumns;
 constexpr const auto& kSighting = kSightingColumns;
 
-Expected<Geolocation> ReadPlace(const Statement& row, std::string_view name) {
+Expected<Geolocation> ReadPlace(const Row& row, std::string_view name) {
   Geolocation place{.point = {row.Real(kObject.Index("latitude_rad")), row.Real(kObject.Index("longitude_rad")),
                               row.Real(kObject.Index("altitude_m"))},
                     .time_s = row.Real(kObject.Index("place_time_s"))};
@@ -86,7 +84,7 @@ Expected<Geolocation> ReadPlace(const Statement& row, std::string_view name) {
   return place;
 }
 
-BearingObservation ReadObservation(const Statement& row, double time_s) {
+BearingObservation ReadObservation(const Row& row, double time_s) {
   return {.line = {.time_s = time_s,
                    .camera = {row.Real(kSighting.Index("camera_latitude_rad")),
                               row.Real(kSighting.Index("camera_longitude_rad")),
@@ -101,7 +99,7 @@ BearingObservation ReadObservation(const Statement& row, double time_s) {
           .sigma_attitude_rad = row.OptionalReal(kSighting.Index("camera_sigma_rad"))};
 }
 
-void BindObservation(const BearingObservation& observation, Statement& insert) {
+void BindObservation(const BearingObservation& observation, Parameters& insert) {
   const LineOfSight& line = observation.line;
   insert.BindAt(kSighting.Parameter("camera_latitude_rad"), line.camera.latitude_rad);
   insert.BindAt(kSighting.Parameter("camera_longitude_rad"), line.camera.longitude_rad);
@@ -116,7 +114,7 @@ void BindObservation(const BearingObservation& observation, Statement& insert) {
   insert.BindAt(kSighting.Parameter("heading_rad"), observation.heading_rad);
 }
 
-void BindPlace(const Geolocation& place, Statement& insert) {
+void BindPlace(const Geolocation& place, Parameters& insert) {
   insert.BindAt(kObject.Parameter("place_time_s"), place.time_s);
   insert.BindAt(kObject.Parameter("latitude_rad"), place.point.latitude_rad);
   insert.BindAt(kObject.Parameter("longitude_rad"), place.point.longitude_rad);
@@ -132,6 +130,11 @@ void BindPlace(const Geolocation& place, Statement& insert) {
 
 }  // namespace
 
+Error DamagedIndex(std::string_view name, std::string_view fault) {
+  return {ErrorCode::kDataLoss,
+          fmt::format("{}: the index is damaged ({}): restore it from a copy, or index again", name, fault)};
+}
+
 std::string SelectVideos() {
   return "SELECT v.id, v.content_id, v.name, v.width_px, v.height_px, v.frame_count, v.duration_s, "
          "coalesce(o.json, ''), v.start_utc_us, v.folder FROM videos v LEFT JOIN options o ON o.id = "
@@ -142,10 +145,9 @@ std::string SelectModels() { return "SELECT id, name, content_id, kind FROM mode
 
 std::string SelectTracklets() { return "SELECT " + kTrackletColumns.Names() + ", id, object_id FROM tracklets "; }
 
-std::string SelectObjects() {
-  return "SELECT " + kObjectColumns.Names("o") +
-         ", max(t.score) AS score, sum(t.frames) AS frames, min(t.first_time_s), max(t.last_time_s), "
-         "group_concat(t.video_id), group_concat(t.id) FROM objects o JOIN tracklets t ON t.object_id = o.id ";
+std::string ObjectResultColumns() {
+  return kObjectColumns.Names("o") +
+         ", max(t.score) AS score, CAST(sum(t.frames) AS bigint) AS frames, min(t.first_time_s), max(t.last_time_s)";
 }
 
 std::string SelectSightings() {
@@ -156,7 +158,7 @@ std::string SelectSightings() {
 
 std::string SelectKeptFrames() { return "SELECT " + kKeptFrameColumns.Names() + " FROM kept_frames "; }
 
-void BindObject(const ObjectRecord& object, Statement& insert) {
+void BindObject(const ObjectRecord& object, Parameters& insert) {
   for (int parameter = 1; parameter <= kObject.Size(); ++parameter) insert.BindAt(parameter, std::nullopt);
   insert.BindAt(kObject.Parameter("id"), object.id);
   insert.BindAt(kObject.Parameter("model_id"), object.model);
@@ -168,7 +170,7 @@ void BindObject(const ObjectRecord& object, Statement& insert) {
   if (!reason.empty()) insert.BindAt(kObject.Parameter("rejection_reason"), reason);
 }
 
-void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::int64_t tracklet_id, Statement& insert) {
+void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::int64_t tracklet_id, Parameters& insert) {
   for (int parameter = 1; parameter <= kSighting.Size(); ++parameter) insert.BindAt(parameter, std::nullopt);
   insert.BindAt(kSighting.Parameter("video_id"), video_id);
   insert.BindAt(kSighting.Parameter("frame"), sighting.frame);
@@ -195,7 +197,7 @@ void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::in
   insert.BindAt(kSighting.Parameter("track_id"), sighting.track);
 }
 
-VideoRecord ReadVideo(const Statement& row) {
+VideoRecord ReadVideo(const Row& row) {
   return {.id = row.Integer(0),
           .content_id = row.Text(1),
           .name = row.Text(2),
@@ -208,13 +210,13 @@ VideoRecord ReadVideo(const Statement& row) {
           .features_json = row.Text(7)};
 }
 
-Expected<ModelRecord> ReadModel(const Statement& row, std::string_view name) {
+Expected<ModelRecord> ReadModel(const Row& row, std::string_view name) {
   const std::optional<ModelKind> kind = FromText(kModelKindTexts, row.Text(3));
   if (!kind) return std::unexpected(DamagedIndex(name, "a model of an unknown kind"));
   return ModelRecord{.id = row.Integer(0), .name = row.Text(1), .content_id = row.Text(2), .kind = *kind};
 }
 
-TrackletRecord ReadTracklet(const Statement& row) {
+TrackletRecord ReadTracklet(const Row& row) {
   constexpr const auto& kTracklet = kTrackletColumns;
   return {.id = row.Integer(kTracklet.Size()),
           .object = row.Integer(kTracklet.Size() + 1),
@@ -226,7 +228,7 @@ TrackletRecord ReadTracklet(const Statement& row) {
           .last_time_s = row.Real(kTracklet.Index("last_time_s"))};
 }
 
-Expected<Review> ReadReview(const Statement& row, int first, std::string_view name) {
+Expected<Review> ReadReview(const Row& row, int first, std::string_view name) {
   Review review{.note = row.Text(first + 1), .updated_utc_us = row.Integer(first + 3), .reviewer = row.Text(first + 2)};
   if (row.IsNull(first)) return review;
   const std::string text = row.Text(first);
@@ -235,7 +237,7 @@ Expected<Review> ReadReview(const Statement& row, int first, std::string_view na
   return std::unexpected(DamagedIndex(name, fmt::format("a review with the verdict \"{}\"", text)));
 }
 
-Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name) {
+Expected<ObjectRecord> ReadObject(const Row& row, std::string_view name) {
   constexpr int kTracklets = kObject.Size();  // the aggregates over its tracklets
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectRecord object, ReadObjectRow(row, name));
   object.videos = ReadIds(row.Text(kTracklets + 4));
@@ -243,7 +245,7 @@ Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name) {
   return object;
 }
 
-Expected<ObjectRecord> ReadObjectRow(const Statement& row, std::string_view name) {
+Expected<ObjectRecord> ReadObjectRow(const Row& row, std::string_view name) {
   constexpr int kTracklets = kObject.Size();
   ObjectRecord object{.id = row.Integer(kObject.Index("id")),
                       .model = row.Integer(kObject.Index("model_id")),
@@ -266,7 +268,7 @@ Expected<ObjectRecord> ReadObjectRow(const Statement& row, std::string_view name
   return object;
 }
 
-Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name) {
+Expected<SightingRecord> ReadSighting(const Row& row, std::string_view name) {
   SightingRecord sighting{
       .object = row.Integer(kSighting.Size()),
       .tracklet = row.Integer(kSighting.Index("tracklet_id")),
@@ -328,7 +330,7 @@ std::vector<std::uint8_t> UnpackDescriptors(std::span<const std::uint8_t> packed
   return descriptors;
 }
 
-Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name) {
+Expected<KeptFrame> ReadKeptFrame(const Row& row, std::string_view name) {
   constexpr const auto& kKept = kKeptFrameColumns;
   KeptFrame kept{.video = row.Integer(kKept.Index("video_id")),
                  .frame = row.Integer(kKept.Index("frame")),
@@ -355,4 +357,4 @@ Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name) {
   return kept;
 }
 
-}  // namespace victorious::sqlite
+}  // namespace victorious::sql

@@ -6,9 +6,9 @@
 #include <variant>
 #include <vector>
 
-#include "victorious/store/sqlite/statement.h"
+#include "victorious/store/sql/row.h"
 
-namespace victorious::sqlite {
+namespace victorious::sql {
 
 class Conditions {
  public:
@@ -18,7 +18,7 @@ class Conditions {
     Append(expression);
     (values_.emplace_back(values), ...);
   }
-  /// Requires `column` to be one of `ids`.
+  /// Requires `column` to be one of `ids`; none: nothing matches.
   void AddOneOf(std::string_view column, const std::vector<std::int64_t>& ids);
 
   /// `expression` contains one "{}", replaced by the WHERE clause of `query`. Adds nothing if `query` is empty.
@@ -29,7 +29,7 @@ class Conditions {
   /// The conditions as one expression; "1" if there is none.
   [[nodiscard]] std::string Expression() const;
   /// Binds the values from parameter `first` on. Returns the first parameter after them.
-  int Bind(Statement& statement, int first = 1) const;
+  int Bind(Parameters& parameters, int first = 1) const;
 
  private:
   void Append(std::string_view expression);
@@ -38,4 +38,4 @@ class Conditions {
   std::vector<std::variant<std::int64_t, double, std::string>> values_;
 };
 
-}  // namespace victorious::sqlite
+}  // namespace victorious::sql

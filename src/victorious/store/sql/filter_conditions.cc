@@ -1,0 +1,86 @@
+#include "victorious/store/sql/filter_conditions.h"
+
+#include <fmt/format.h>
+
+#include "victorious/base/enum_text.h"
+#include "victorious/geometry/geodesy.h"
+#include "victorious/store/sql/records.h"
+
+namespace victorious::sql {
+namespace {
+
+Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_view column, Conditions& conditions) {
+  if (filter.video) conditions.AddOneOf(column, {*filter.video});
+  if (!filter.video_name) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  std::vector<std::int64_t> ids;
+  for (const VideoRecord& video : FindVideosByName(videos, *filter.video_name)) ids.push_back(video.id);
+  conditions.AddOneOf(column, ids);
+  return {};
+}
+
+void AddRejected(const SightingFilter& filter, Conditions& conditions) {
+  if (filter.include_rejected) return;
+  const std::string reason(kPlaceReason);
+  conditions.Add("(coalesce(o.rejection_reason, '') = '' OR substr(o.rejection_reason, 1, length(?)) = ?)", reason,
+                 reason);
+}
+
+void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
+  const std::string category(ToText(ModelKind::kCategory));
+  if (filter.model_name) {
+    conditions.Add(fmt::format("{} = (SELECT id FROM models WHERE name = ? AND kind <> ?)", column), *filter.model_name,
+                   category);
+  }
+  if (filter.category_name) {
+    conditions.Add(fmt::format("{} IN (SELECT id FROM models, (SELECT ? AS prefix) AS wanted "
+                               "WHERE kind = ? AND substr(name || '/', 1, length(prefix)) = prefix)",
+                               column),
+                   *filter.category_name + "/", category);
+  }
+}
+
+void AddTimes(const SightingFilter& filter, std::string_view first, std::string_view last, Conditions& conditions) {
+  if (filter.from_s) conditions.Add(fmt::format("{} >= ?", last), *filter.from_s);
+  if (filter.to_s) conditions.Add(fmt::format("{} <= ?", first), *filter.to_s);
+}
+
+}  // namespace
+
+Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& filter, const NearIds& near) {
+  Conditions tracklet_conditions;
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "video_id", tracklet_conditions));
+  AddTimes(filter, "first_time_s", "last_time_s", tracklet_conditions);
+  Conditions conditions;
+  AddModel(filter, "o.model_id", conditions);
+  AddRejected(filter, conditions);
+  if (near) conditions.AddOneOf("o.id", *near);
+  conditions.AddQuery("o.id IN (SELECT object_id FROM tracklets {})", tracklet_conditions);
+  if (filter.object) conditions.AddOneOf("o.id", {*filter.object});
+  return conditions;
+}
+
+Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter& filter, const NearIds& near) {
+  Conditions conditions;
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "s.video_id", conditions));
+  AddModel(filter, "t.model_id", conditions);
+  if (filter.object) conditions.AddOneOf("t.object_id", {*filter.object});
+  AddTimes(filter, "s.time_s", "s.time_s", conditions);
+  AddRejected(filter, conditions);
+  if (near) conditions.AddOneOf("o.id", *near);
+  return conditions;
+}
+
+Expected<Conditions> KeptFrameConditions(IndexStore& store, const SightingFilter& filter) {
+  Conditions conditions;
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "video_id", conditions));
+  AddTimes(filter, "time_s", "time_s", conditions);
+  return conditions;
+}
+
+bool IsWithin(const GeoCircle& circle, double latitude_rad, double longitude_rad) {
+  const GeodeticPoint point{latitude_rad, longitude_rad, circle.centre.altitude_m};
+  return TangentPlane(circle.centre).EnuFromGeodetic(point).norm() <= circle.radius_m;
+}
+
+}  // namespace victorious::sql
