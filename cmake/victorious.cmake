@@ -78,7 +78,8 @@ function(victorious_library name)
 endfunction()
 
 # The tests of one folder: foo_test.cc beside foo.cc, one binary a folder, one ctest entry a case named "folder/Suite.Case".
-#   TOGETHER  suites whose cases share a costly set-up: one process and one ctest entry a suite, "folder/Suite"
+#   TOGETHER  suites whose cases share a costly set-up: one process and one ctest entry a suite, "folder/Suite"; "Name*" is
+#             all suites whose names begin so, as one entry "folder/Name"
 function(victorious_tests name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;TOGETHER" ${ARGN})
   set(target ${name}_tests)
@@ -91,8 +92,9 @@ function(victorious_tests name)
   set(filter "")
   foreach(suite IN LISTS ARG_TOGETHER)
     string(APPEND filter ":${suite}.*")
-    add_test(NAME ${name}/${suite} COMMAND ${target} --gtest_filter=${suite}.*)
-    set_tests_properties(${name}/${suite} PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    string(REPLACE "*" "" entry "${name}/${suite}")
+    add_test(NAME ${entry} COMMAND ${target} --gtest_filter=${suite}.*)
+    set_tests_properties(${entry} PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
   endforeach()
   gtest_discover_tests(${target} TEST_PREFIX "${name}/" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 600
     TEST_FILTER "-${filter}" PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")

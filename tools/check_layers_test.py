@@ -122,6 +122,7 @@ class CheckLayersTest(unittest.TestCase):
             ("<libavformat/avformat.h>", "video/a.cc", "cli/a.cc", "FFmpeg"),
             ("<libswscale/swscale.h>", "video/a.h", "store/a.cc", "FFmpeg"),
             ("<sqlite3.h>", "store/sqlite/a.cc", "store/a.cc", "SQLite"),
+            ("<libpq-fe.h>", "store/postgres/a.cc", "store/a.cc", "libpq"),
             ("<hwy/highway.h>", "kernels/a.cc", "video/a.cc", "Highway"),
             ('"hwy/foreach_target.h"', "kernels/a.cc", "cli/a.cc", "Highway"),
             ("<assimp/scene.h>", "mesh/a.cc", "render/a.cc", "assimp"),

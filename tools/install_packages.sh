@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # install_packages.sh [--test | --tidy]: installs the Debian 12 packages that the build and the demo need. Does nothing
-# if all are installed. --test adds what only tests need: clang-format-19 and a browser. --tidy adds the tools of the
-# lint and fuzz presets too.
+# if all are installed. --test adds what only tests need: clang-format-19, a browser, PostgreSQL with PostGIS. --tidy
+# adds the tools of the lint and fuzz presets too.
 set -euo pipefail
 
 packages=(
@@ -9,13 +9,13 @@ packages=(
   libopencv-dev libeigen3-dev libhwy-dev libtbb-dev libxxhash-dev libgeographiclib-dev libgdal-dev libceres-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev
   libassimp-dev libopengl-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
-  libsqlite3-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
+  libsqlite3-dev libpq-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
   libboost-dev
   libgtest-dev libgmock-dev libbenchmark-dev
 )
 case "${1:-}" in
   "") ;;
-  --test) packages+=(clang-format-19 chromium) ;;
+  --test) packages+=(clang-format-19 chromium postgresql-15 postgresql-15-postgis-3) ;;
   --tidy) packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev) ;;
   *)
     echo "install_packages.sh: unknown: $1; give --test, --tidy or nothing" >&2

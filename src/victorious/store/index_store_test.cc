@@ -1,13 +1,14 @@
-// The contract of IndexStore, tested for every implementation. A new implementation is added to the list at the end.
+// The contract of IndexStore, tested for every implementation.
 #include "victorious/store/index_store.h"
 
 #include <algorithm>
-#include <ostream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "testing/scratch_postgres.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 namespace {
@@ -16,16 +17,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-struct Backend {
-  std::string name;
-  std::function<Expected<std::unique_ptr<IndexStore>>(const std::filesystem::path& folder)> open;
-};
-
-void PrintTo(const Backend& backend, std::ostream* out) { *out << backend.name; }
-
-class IndexStoreTest : public ::testing::TestWithParam<Backend> {
+class IndexStoreTest : public ::testing::TestWithParam<testing::StoreKind> {
  protected:
   void SetUp() override {
+    VICTORIOUS_STORE_OR_SKIP(name_, GetParam().make(folder_.path()));
     Reopen();
     video_ = PutVideo("c1", "/data/flight/a.mp4").id;
     model_ = PutModel("humvee", "m1").id;
@@ -33,7 +28,7 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
 
   void Reopen() {
     store_.reset();
-    auto store = GetParam().open(folder_.path());
+    auto store = OpenStore(name_, StoreMode::kCreate);
     ASSERT_TRUE(store) << store.error().message;
     store_ = *std::move(store);
   }
@@ -118,6 +113,7 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
   }
 
   testing::ScratchFolder folder_;
+  std::string name_;
   std::unique_ptr<IndexStore> store_;
   std::int64_t video_ = 0;
   std::int64_t model_ = 0;
@@ -528,34 +524,57 @@ TEST_P(IndexStoreTest, KeptFramesAreVisitedOnceInOrder) {
   EXPECT_TRUE(KeptFrames().empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, IndexStoreTest,
-                         ::testing::Values(Backend{"Sqlite",
-                                                   [](const std::filesystem::path& folder) {
-                                                     return OpenSqliteStore(folder / "index.db", StoreMode::kCreate);
-                                                   }}),
-                         [](const auto& backend) { return backend.param.name; });
-
-TEST(FindVideosByName, PrefersTheWholeNameToItsLastParts) {
-  const std::vector<VideoRecord> videos = {{.id = 1, .name = "a.mp4"},
-                                           {.id = 2, .name = "/data/flight/a.mp4"},
-                                           {.id = 3, .name = "frames/"},
-                                           {.id = 4, .name = "/data/other/a.mp4"},
-                                           {.id = 5, .name = "rtsp://camera/live"}};
-  const auto ids = [&](std::string_view name) {
-    std::vector<std::int64_t> found;
-    for (const VideoRecord& video : FindVideosByName(videos, name)) found.push_back(video.id);
-    return found;
-  };
-  EXPECT_THAT(ids("a.mp4"), ElementsAre(1));
-  EXPECT_THAT(ids("./a.mp4"), ElementsAre(1, 2, 4));
-  EXPECT_THAT(ids("flight/a.mp4"), ElementsAre(2));
-  EXPECT_THAT(ids("/data/other/a.mp4"), ElementsAre(4));
-  EXPECT_THAT(ids("frames"), ElementsAre(3));
-  EXPECT_THAT(ids("rtsp://camera/live"), ElementsAre(5));
-  EXPECT_TRUE(ids(".mp4").empty());
-  EXPECT_TRUE(ids("light/a.mp4").empty());
-  EXPECT_TRUE(ids("").empty());
+TEST_P(IndexStoreTest, IdsFollowOneAnother) {
+  EXPECT_EQ(PutVideo("c2", "b.mp4").id, video_ + 1);
+  EXPECT_EQ(PutModel("shed", "m2").id, model_ + 1);
+  IndexBatch batch = MakeBatch(0, 1, 0.5);
+  for (int i = 1; i < 20; ++i) batch.tracklets.push_back(batch.tracklets[0]);
+  const auto ids = store_->Commit(batch);
+  ASSERT_TRUE(ids) << ids.error().message;
+  for (std::size_t i = 0; i < ids->size(); ++i) EXPECT_EQ((*ids)[i], static_cast<std::int64_t>(i) + 1);
 }
+
+TEST_P(IndexStoreTest, OfTwoWritersWithTheSameProgressOneFails) {
+  const auto other = OpenStore(name_, StoreMode::kCreate).value();
+  IndexBatch batch = MakeBatch(0, 2, 0.5);
+  batch.progress.push_back(ProgressTo(10, 0));
+  ASSERT_TRUE(store_->Commit(batch));
+  EXPECT_EQ(other->Commit(batch).error().code, ErrorCode::kConflict);
+  EXPECT_THAT(Sightings(), SizeIs(2)) << "nothing of the second was written";
+  batch.progress[0] = ProgressTo(20, 5);
+  EXPECT_EQ(other->Commit(batch).error().code, ErrorCode::kConflict);
+  ASSERT_TRUE(other->DeleteSearch(video_, model_));
+  EXPECT_EQ(other->Commit(batch).error().code, ErrorCode::kConflict) << "deleted meanwhile";
+}
+
+TEST_P(IndexStoreTest, AReaderDoesNotWrite) {
+  const std::int64_t object = CommitOne(MakeBatch(0, 2, 0.5));
+  const auto reader = OpenStore(name_, StoreMode::kRead).value();
+  EXPECT_THAT(*reader->Sightings({}), SizeIs(2));
+  EXPECT_EQ(reader->PutReview(object, {Verdict::kAccepted, "", 1}).error().code, ErrorCode::kPermissionDenied);
+  EXPECT_EQ(reader->DeleteSearch(video_, model_).error().code, ErrorCode::kPermissionDenied);
+  EXPECT_THAT(*reader->Sightings({}), SizeIs(2));
+}
+
+TEST_P(IndexStoreTest, NearFilterReachesPolesAndTheAntimeridian) {
+  const auto place_at = [&](double latitude_rad, double longitude_rad) {
+    const std::int64_t id = CommitOne(MakeBatch(0, 1, 0.5));
+    Geolocation place = SomePlace(latitude_rad);
+    place.point.longitude_rad = longitude_rad;
+    return ObjectRecord{.id = id, .model = model_, .tracklets = {id}, .place = place};
+  };
+  const std::vector<ObjectRecord> objects = {place_at(0.2, 3.14159), place_at(0.2, -3.14159), place_at(1.5707, 1),
+                                             place_at(1.5707, -2), place_at(-0.9, 0.5)};
+  ASSERT_TRUE(store_->PutObjects(objects));
+  const auto near = [&](double latitude_rad, double longitude_rad, double radius_m) {
+    return ObjectIds({.near = GeoCircle{{latitude_rad, longitude_rad, 0}, radius_m}});
+  };
+  EXPECT_THAT(near(0.2, 3.1415, 2000), ElementsAre(objects[0].id, objects[1].id));
+  EXPECT_THAT(near(1.57, 0, 10'000), ElementsAre(objects[2].id, objects[3].id));
+  EXPECT_THAT(near(-0.9, 0.501, 4000), ElementsAre(objects[4].id));
+}
+
+VICTORIOUS_TEST_ON_ALL_STORES(IndexStoreTest);
 
 }  // namespace
 }  // namespace victorious

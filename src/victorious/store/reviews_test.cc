@@ -1,18 +1,21 @@
-// Reviews in an index: bound to places in a video, resolved to the objects that are there.
+// Reviews in an index, tested for every implementation: bound to places in a video, resolved to the objects that are there.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "testing/scratch_postgres.h"
 #include "victorious/store/index_store.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 namespace {
 
 using ::testing::SizeIs;
 
-class ReviewsTest : public ::testing::Test {
+class ReviewsTest : public ::testing::TestWithParam<testing::StoreKind> {
  protected:
   void SetUp() override {
+    VICTORIOUS_STORE_OR_SKIP(name_, GetParam().make(folder_.path()));
     Reopen();
     video_ = store_->PutVideo({.content_id = "c1", .name = "a.mp4", .width = 640, .height = 480})->id;
     model_ = store_->PutModel({.name = "humvee", .content_id = "m1", .kind = ModelKind::kPhotos})->id;
@@ -20,7 +23,7 @@ class ReviewsTest : public ::testing::Test {
 
   void Reopen() {
     store_.reset();
-    auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+    auto store = OpenStore(name_, StoreMode::kCreate);
     ASSERT_TRUE(store) << store.error().message;
     store_ = *std::move(store);
   }
@@ -49,12 +52,13 @@ class ReviewsTest : public ::testing::Test {
   }
 
   testing::ScratchFolder folder_;
+  std::string name_;
   std::unique_ptr<IndexStore> store_;
   std::int64_t video_ = 0;
   std::int64_t model_ = 0;
 };
 
-TEST_F(ReviewsTest, ReviewIsReplacedAndDeleted) {
+TEST_P(ReviewsTest, ReviewIsReplacedAndDeleted) {
   const std::int64_t object = CommitOne(MakeBatch(0, 3, 0.5));
   CommitOne(MakeBatch(8, 1, 0.5));
   EXPECT_TRUE(store_->Reviews()->empty());
@@ -77,7 +81,7 @@ TEST_F(ReviewsTest, ReviewIsReplacedAndDeleted) {
 }
 
 // The same sightings by a new search: other ids, and the box a few pixels off.
-TEST_F(ReviewsTest, ReviewSurvivesANewSearch) {
+TEST_P(ReviewsTest, ReviewSurvivesANewSearch) {
   const std::int64_t object = CommitOne(MakeBatch(0, 3, 0.5));
   ASSERT_TRUE(store_->PutReview(object, {Verdict::kRejected, "a shed", 10}));
   ASSERT_TRUE(store_->DeleteSearch(video_, model_));
@@ -98,7 +102,7 @@ TEST_F(ReviewsTest, ReviewSurvivesANewSearch) {
   EXPECT_TRUE(store_->Reviews()->empty()) << "another object, elsewhere in the frame";
 }
 
-TEST_F(ReviewsTest, ReviewFollowsJoinedAndPartedTracklets) {
+TEST_P(ReviewsTest, ReviewFollowsJoinedAndPartedTracklets) {
   const std::int64_t a = CommitOne(MakeBatch(0, 2, 0.5));
   const std::int64_t b = CommitOne(MakeBatch(10, 2, 0.5));
   ASSERT_TRUE(store_->PutReview(a, {Verdict::kAccepted, "first", 10}));
@@ -119,8 +123,8 @@ TEST_F(ReviewsTest, ReviewFollowsJoinedAndPartedTracklets) {
   EXPECT_EQ(reviews->back().review.note, "both");
 }
 
-TEST_F(ReviewsTest, ChangeNumberFollowsOtherConnections) {
-  const auto other = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+TEST_P(ReviewsTest, ChangeNumberFollowsOtherConnections) {
+  const auto other = OpenStore(name_, StoreMode::kCreate);
   ASSERT_TRUE(other);
   const auto before = store_->ChangeNumber();
   ASSERT_TRUE(before) << before.error().message;
@@ -128,6 +132,8 @@ TEST_F(ReviewsTest, ChangeNumberFollowsOtherConnections) {
   ASSERT_TRUE((*other)->PutVideo({.content_id = "c9", .name = "z.mp4", .width = 64, .height = 48}));
   EXPECT_NE(*store_->ChangeNumber(), *before);
 }
+
+VICTORIOUS_TEST_ON_ALL_STORES(ReviewsTest);
 
 }  // namespace
 }  // namespace victorious

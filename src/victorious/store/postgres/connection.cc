@@ -1,0 +1,341 @@
+#include "victorious/store/postgres/connection.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+#include <libpq-fe.h>
+
+#include "victorious/base/check.h"
+#include "victorious/store/sql/row.h"
+
+namespace victorious::postgres {
+namespace {
+
+constexpr int kOldestServer = 150000;
+
+// Of the advisory lock of Exclusion: "VICT" in ASCII.
+constexpr std::int64_t kLockKey = 0x56494354;
+
+// libpq and the server write several lines; a message has one.
+std::string OneLine(std::string_view text) {
+  std::string line;
+  for (const char c : text) {
+    const bool is_space = c == '\n' || c == '\r' || c == '\t' || c == ' ';
+    if (!is_space) line += c;
+    if (is_space && !line.empty() && line.back() != ' ') line += ' ';
+  }
+  while (line.ends_with(' ')) line.pop_back();
+  return line;
+}
+
+std::string FirstLine(std::string_view text) { return OneLine(text.substr(0, text.find('\n'))); }
+
+struct FreeOptions {
+  void operator()(PQconninfoOption* options) const { PQconninfoFree(options); }
+};
+using OptionsPtr = std::unique_ptr<PQconninfoOption, FreeOptions>;
+
+std::string OptionValue(const PQconninfoOption* options, std::string_view keyword) {
+  for (const PQconninfoOption* option = options; option->keyword != nullptr; ++option) {
+    if (option->keyword == keyword && option->val != nullptr) return option->val;
+  }
+  return {};
+}
+
+// "?" becomes "$1", "$2", …, except in quotes.
+std::string NumberParameters(std::string_view sql) {
+  std::string numbered;
+  int parameter = 0;
+  bool is_quoted = false;
+  for (const char c : sql) {
+    if (c == '\'') is_quoted = !is_quoted;
+    if (c == '?' && !is_quoted) {
+      numbered += fmt::format("${}", ++parameter);
+    } else {
+      numbered += c;
+    }
+  }
+  return numbered;
+}
+
+// The error of a connection that was not opened. libpq gives no code, only a text, which may be translated.
+Error ConnectionError(const std::string& name, const std::string& url, const std::string& text) {
+  const std::array<const char*, 3> keywords = {"dbname", "connect_timeout", nullptr};
+  const std::array<const char*, 3> values = {url.c_str(), "10", nullptr};
+  if (PQpingParams(keywords.data(), values.data(), 1) == PQPING_NO_RESPONSE) {
+    return {ErrorCode::kNotFound, fmt::format("{}: {}: start the server, or correct its host and port", name, text)};
+  }
+  if (text.find("database") != std::string::npos && text.find("does not exist") != std::string::npos) {
+    return {ErrorCode::kNotFound, fmt::format("{}: {}: create it (createdb -E UTF8), or correct its name", name, text)};
+  }
+  return {ErrorCode::kPermissionDenied,
+          fmt::format("{}: {}: correct the role and its password (PGPASSWORD or ~/.pgpass)", name, text)};
+}
+
+}  // namespace
+
+std::string DatabaseName(const std::string& url) {
+  const OptionsPtr options(PQconninfoParse(url.c_str(), nullptr));
+  if (!options) return url;
+  const std::string user = OptionValue(options.get(), "user");
+  const std::string port = OptionValue(options.get(), "port");
+  const std::string host = OptionValue(options.get(), "host");
+  const bool is_socket = host.starts_with('/');
+  return fmt::format("postgresql://{}{}{}{}/{}{}", user.empty() ? "" : user + "@", is_socket ? "" : host,
+                     port.empty() ? "" : ":", port, OptionValue(options.get(), "dbname"),
+                     is_socket ? "?host=" + host : "");
+}
+
+Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, bool is_read_only) {
+  char* fault = nullptr;
+  const OptionsPtr options(PQconninfoParse(url.c_str(), &fault));
+  if (!options) {
+    const std::string reason = fault == nullptr ? "out of memory" : OneLine(fault);
+    PQfreemem(fault);
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("not the URL of a database ({}): postgresql://user@host:port/database is", reason));
+  }
+  // What precedes dbname is a default, what follows it overrides the URL. A server that is gone is noticed in a minute.
+  const std::string settings =
+      fmt::format("-c jit=off -c lock_timeout=60s {} {}", is_read_only ? "-c default_transaction_read_only=on" : "",
+                  OptionValue(options.get(), "options"));
+  const std::array<std::pair<const char*, const char*>, 8> parameters = {{{"connect_timeout", "10"},
+                                                                          {"application_name", "victorious"},
+                                                                          {"tcp_user_timeout", "60000"},
+                                                                          {"keepalives_idle", "30"},
+                                                                          {"dbname", url.c_str()},
+                                                                          {"client_encoding", "UTF8"},
+                                                                          {"options", settings.c_str()},
+                                                                          {nullptr, nullptr}}};
+  std::array<const char*, parameters.size()> keywords{};
+  std::array<const char*, parameters.size()> values{};
+  for (std::size_t i = 0; i < parameters.size(); ++i) std::tie(keywords[i], values[i]) = parameters[i];
+  std::unique_ptr<Connection> connection(
+      new Connection(DatabaseName(url), PQconnectdbParams(keywords.data(), values.data(), 1)));
+  if (connection->IsLost()) {
+    return std::unexpected(ConnectionError(connection->name_, url, FirstLine(PQerrorMessage(connection->handle_))));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(connection->CheckServer());
+  VICTORIOUS_RETURN_IF_ERROR(connection->PrepareSession());
+  return connection;
+}
+
+Connection::~Connection() { PQfinish(handle_); }
+
+Status Connection::CheckServer() const {
+  if (PQserverVersion(handle_) < kOldestServer) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: PostgreSQL {}: version 15 or later is needed", name_,
+                                                     PQparameterStatus(handle_, "server_version")));
+  }
+  const std::string encoding = PQparameterStatus(handle_, "server_encoding");
+  if (encoding != "UTF8") {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: the database has the encoding {}: create it with UTF8 (createdb -E UTF8 -T template0)",
+                            name_, encoding));
+  }
+  return {};
+}
+
+// PostGIS may live in a schema of its own.
+Status Connection::PrepareSession() {
+  PQsetNoticeProcessor(handle_, [](void*, const char*) {}, nullptr);
+  const std::string sql = fmt::format(
+      "SELECT set_config('search_path', concat_ws(', ', '{}', coalesce((SELECT quote_ident(n.nspname) FROM "
+      "pg_extension "
+      "e JOIN pg_namespace n ON n.oid = e.extnamespace WHERE e.extname = 'postgis'), 'public')), false)",
+      kSchemaName);
+  PGresult* result = PQexec(handle_, sql.c_str());
+  const bool is_set = PQresultStatus(result) == PGRES_TUPLES_OK;
+  const Error error = is_set ? Error{} : ErrorFromResult(result);
+  PQclear(result);
+  if (!is_set) return std::unexpected(error);
+  return {};
+}
+
+bool Connection::IsLost() const { return PQstatus(handle_) != CONNECTION_OK; }
+
+Status Connection::Reconnect() {
+  PQreset(handle_);
+  if (IsLost()) {
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: the connection was lost: {}: start the server again", name_,
+                                                  FirstLine(PQerrorMessage(handle_))));
+  }
+  return PrepareSession();
+}
+
+Expected<Result> Connection::Finish() {
+  std::optional<Result> last;
+  std::optional<Error> error;
+  while (PGresult* result = PQgetResult(handle_)) {
+    const ExecStatusType status = PQresultStatus(result);
+    if (status == PGRES_FATAL_ERROR || status == PGRES_BAD_RESPONSE) {
+      if (!error) error = ErrorFromResult(result);
+    }
+    last.emplace(result);
+    if (status == PGRES_COPY_IN) break;  // the rows come next
+  }
+  if (error) return std::unexpected(*std::move(error));
+  if (!last) return std::unexpected(ErrorFromResult(nullptr));
+  return *std::move(last);
+}
+
+Expected<Result> Connection::Run(const std::function<bool()>& send) {
+  const bool may_reconnect = !is_in_transaction_ && cursors_ == 0;
+  if (IsLost() && may_reconnect) VICTORIOUS_RETURN_IF_ERROR(Reconnect());
+  Expected<Result> result = send() ? Finish() : std::unexpected(ErrorFromResult(nullptr));
+  if (!result && IsLost() && may_reconnect) {
+    VICTORIOUS_RETURN_IF_ERROR(Reconnect());
+    result = send() ? Finish() : std::unexpected(ErrorFromResult(nullptr));
+  }
+  return result;
+}
+
+Expected<Result> Connection::Query(std::string_view sql, const BoundValues& parameters) {
+  const std::string numbered = NumberParameters(sql);
+  std::vector<Oid> types;
+  std::vector<const char*> values;
+  std::vector<int> lengths;
+  for (const BoundValues::Value& value : parameters.values()) {
+    types.push_back(value.type);
+    values.push_back(value.bytes ? value.bytes->data() : nullptr);
+    lengths.push_back(value.bytes ? static_cast<int>(value.bytes->size()) : 0);
+  }
+  const std::vector<int> formats(values.size(), 1);
+  return Run([&] {
+    return PQsendQueryParams(handle_, numbered.c_str(), static_cast<int>(values.size()), types.data(), values.data(),
+                             lengths.data(), formats.data(), 1) == 1;
+  });
+}
+
+Status Connection::Execute(const std::string& sql) {
+  const Expected<Result> result = Run([&] { return PQsendQuery(handle_, sql.c_str()) == 1; });
+  if (!result) return std::unexpected(result.error());
+  return {};
+}
+
+Status Connection::Copy(std::string_view target, const CopyRows& rows) {
+  VICTORIOUS_CHECK(is_in_transaction_);
+  VICTORIOUS_RETURN_IF_ERROR(Execute(fmt::format("COPY {} FROM STDIN (FORMAT binary)", target)));
+  constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+  bool is_sent = true;
+  const std::string_view bytes = rows.bytes();
+  for (std::size_t at = 0; is_sent && at < bytes.size(); at += kPieceBytes) {
+    const std::string_view piece = bytes.substr(at, kPieceBytes);
+    is_sent = PQputCopyData(handle_, piece.data(), static_cast<int>(piece.size())) == 1;
+  }
+  // The end of the rows: a count of columns of -1.
+  is_sent = is_sent && PQputCopyData(handle_, "\xFF\xFF", 2) == 1 && PQputCopyEnd(handle_, nullptr) == 1;
+  const Expected<Result> result = is_sent ? Finish() : std::unexpected(ErrorFromResult(nullptr));
+  if (!result) return std::unexpected(result.error());
+  return {};
+}
+
+Status Connection::VisitCursor(const std::string& cursor, int rows_at_once,
+                               const std::function<Expected<bool>(const Result&)>& visit) {
+  const std::string fetch = fmt::format("FETCH FORWARD {} FROM {}", rows_at_once, cursor);
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Result rows, Query(fetch));
+    while (rows.Next()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool goes_on, visit(rows));
+      if (!goes_on) return {};
+    }
+    if (rows.RowCount() < rows_at_once) return {};
+  }
+}
+
+Status Connection::Visit(std::string_view sql, const BoundValues& parameters, int rows_at_once,
+                         const std::function<Expected<bool>(const Result&)>& visit) {
+  const bool is_outermost = cursors_ == 0 && !is_in_transaction_;
+  if (is_outermost) VICTORIOUS_RETURN_IF_ERROR(Execute("BEGIN READ ONLY"));
+  const std::string cursor = fmt::format("visit_{}", ++cursors_);
+  Expected<Result> declared = Query(fmt::format("DECLARE {} NO SCROLL CURSOR FOR {}", cursor, sql), parameters);
+  Status status;
+  if (declared) {
+    status = VisitCursor(cursor, rows_at_once, visit);
+  } else {
+    status = std::unexpected(std::move(declared).error());
+  }
+  if (is_outermost) {
+    const Status ended = IsLost() ? Status() : Execute("ROLLBACK");
+    if (status) status = ended;
+  } else if (status) {
+    status = Execute("CLOSE " + cursor);
+  }
+  --cursors_;
+  return status;
+}
+
+Error Connection::ErrorFromResult(const pg_result* result) const {
+  const char* const text = result == nullptr ? PQerrorMessage(handle_) : PQresultErrorMessage(result);
+  const char* const primary = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_MESSAGE_PRIMARY);
+  const std::string reason = primary == nullptr ? FirstLine(text) : OneLine(primary);
+  const char* const field = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_SQLSTATE);
+  const std::string state = field == nullptr ? "" : field;
+  // PostgreSQL's manual, appendix A. The first two characters are the class.
+  if (IsLost() || state.starts_with("08") || state.starts_with("57P")) {
+    return {ErrorCode::kInternal,
+            fmt::format("{}: the connection was lost ({}): nothing of this transaction is written, "
+                        "unless it was lost at its end: run it again",
+                        name_, reason)};
+  }
+  if (state == "23503") {
+    return {ErrorCode::kNotFound,
+            fmt::format("{}: refers to a video or model that is not in the index (another process "
+                        "may have replaced it): run it again",
+                        name_)};
+  }
+  if (state.starts_with("23")) {
+    return {ErrorCode::kInvalidArgument, fmt::format("{}: violates a constraint of the index: {}", name_, reason)};
+  }
+  if (state == "42501") {
+    return {ErrorCode::kPermissionDenied, fmt::format("{}: {}: grant it to the role", name_, reason)};
+  }
+  if (state == "25006") {
+    return {ErrorCode::kPermissionDenied, fmt::format("{}: open for reading only: {}", name_, reason)};
+  }
+  if (state == "53100") {
+    return {ErrorCode::kNoSpace,
+            fmt::format("{}: no space left on the server's disk: free some, then run it again", name_)};
+  }
+  if (state == "55P03" || state.starts_with("40")) {
+    return {ErrorCode::kConflict,
+            fmt::format("{}: another process holds what this one needs ({}): run it again", name_, reason)};
+  }
+  if (state == "42P01" || state == "42703" || state == "3F000") {
+    return {ErrorCode::kDataLoss, fmt::format("{}: the schema does not match the version ({}): restore it from a copy, "
+                                              "or index again",
+                                              name_, reason)};
+  }
+  if (state.starts_with("XX")) return sql::DamagedIndex(name_, reason);
+  return {ErrorCode::kInternal, fmt::format("{}: PostgreSQL: {} (SQLSTATE {})", name_, reason, state)};
+}
+
+Expected<Transaction> Transaction::Begin(Connection& connection, Exclusion exclusion) {
+  VICTORIOUS_CHECK(!connection.is_in_transaction_ && connection.cursors_ == 0);
+  VICTORIOUS_RETURN_IF_ERROR(connection.Execute("BEGIN; SET LOCAL idle_in_transaction_session_timeout = '60s'"));
+  connection.is_in_transaction_ = true;
+  Transaction transaction(connection);
+  const std::string_view share = exclusion == Exclusion::kShared ? "_shared" : "";
+  VICTORIOUS_RETURN_IF_ERROR(connection.Execute(fmt::format("SELECT pg_advisory_xact_lock{}({})", share, kLockKey)));
+  return transaction;
+}
+
+Transaction::~Transaction() {
+  if (connection_ == nullptr) return;
+  // If the connection is lost, the server rolls back.
+  if (!connection_->IsLost()) [[maybe_unused]]
+    const Status status = connection_->Execute("ROLLBACK");
+  connection_->is_in_transaction_ = false;
+}
+
+Status Transaction::Commit() {
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute("COMMIT"));
+  std::exchange(connection_, nullptr)->is_in_transaction_ = false;
+  return {};
+}
+
+}  // namespace victorious::postgres

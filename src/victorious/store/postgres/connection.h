@@ -1,0 +1,112 @@
+// A connection to a PostgreSQL server: RAII handles, errors as values.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "victorious/base/error.h"
+#include "victorious/store/postgres/values.h"
+
+struct pg_conn;
+
+namespace victorious::postgres {
+
+/// The schema of the tables, the first in the search path of every connection.
+inline constexpr std::string_view kSchemaName = "victorious";
+
+/// Returns the database of a URL for messages: "postgresql://user@host:5432/name", without password and parameters; the
+/// text itself if it is not a URL.
+[[nodiscard]] std::string DatabaseName(const std::string& url);
+
+/// An open database. Use from one thread at a time.
+///
+/// A connection that the server or the network ended is opened again by the next statement outside a transaction; inside
+/// one, the statement is an error, because what the transaction did is gone.
+class Connection {
+ public:
+  /// @param url  "postgresql://user@host:port/database?parameter=value", as libpq reads it (TLS: sslmode and others);
+  ///             what it does not say comes from PGPASSWORD, ~/.pgpass and the like. Connects within 10 s, unless
+  ///             connect_timeout says otherwise.
+  /// @param is_read_only  the server refuses to write
+  /// Errors: kInvalidArgument (not a URL); kNotFound (no such server or database); kPermissionDenied (role, password);
+  /// kUnsupported (older than PostgreSQL 15, or a database not in UTF-8).
+  [[nodiscard]] static Expected<std::unique_ptr<Connection>> Open(const std::string& url, bool is_read_only);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  /// Runs one statement. `sql` contains one "?" for each parameter. Outside a transaction it must only read, because it is
+  /// run again if the connection was lost.
+  [[nodiscard]] Expected<Result> Query(std::string_view sql, const BoundValues& parameters);
+  template <typename... Values>
+  [[nodiscard]] Expected<Result> Query(std::string_view sql, const Values&... values) {
+    BoundValues parameters;
+    parameters.BindAll(values...);
+    return Query(sql, parameters);
+  }
+
+  /// Runs all statements of `sql`; ignores their results. The same rule outside a transaction.
+  [[nodiscard]] Status Execute(const std::string& sql);
+
+  /// Sends rows to `target`, "table (columns)".
+  [[nodiscard]] Status Copy(std::string_view target, const CopyRows& rows);
+
+  /// Visits the rows of a query through a cursor, `rows_at_once` held in memory; `visit` returns false to stop. It may
+  /// query this connection, and must not write.
+  [[nodiscard]] Status Visit(std::string_view sql, const BoundValues& parameters, int rows_at_once,
+                             const std::function<Expected<bool>(const Result&)>& visit);
+
+  /// For messages: DatabaseName(url).
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  friend class Transaction;
+  Connection(std::string name, pg_conn* handle) : name_(std::move(name)), handle_(handle) {}
+
+  [[nodiscard]] Status CheckServer() const;
+  /// Sets what a new session needs.
+  [[nodiscard]] Status PrepareSession();
+  [[nodiscard]] Status Reconnect();
+  [[nodiscard]] bool IsLost() const;
+  /// Waits for the results of what was sent; the last one, or the first error.
+  [[nodiscard]] Expected<Result> Finish();
+  [[nodiscard]] Error ErrorFromResult(const pg_result* result) const;
+  /// Runs `send`, and Finish(); once more on a new connection, if this one was lost outside a transaction.
+  [[nodiscard]] Expected<Result> Run(const std::function<bool()>& send);
+  [[nodiscard]] Status VisitCursor(const std::string& cursor, int rows_at_once,
+                                   const std::function<Expected<bool>(const Result&)>& visit);
+
+  std::string name_;
+  pg_conn* handle_;
+  bool is_in_transaction_ = false;
+  int cursors_ = 0;  ///< open visits
+};
+
+/// What a transaction excludes until it ends.
+enum class Exclusion {
+  kShared,  ///< kAll of other processes, not their kShared: for writes that touch only rows of their own
+  kAll,     ///< all other writes of the index: for what changes rows that others write, too
+};
+
+/// An RAII transaction that writes: the destructor rolls back unless Commit was called. The server ends it if the process
+/// stands still for a minute, so that others do not wait for it.
+class Transaction {
+ public:
+  [[nodiscard]] static Expected<Transaction> Begin(Connection& connection, Exclusion exclusion);
+  ~Transaction();
+  Transaction(Transaction&& other) noexcept : connection_(std::exchange(other.connection_, nullptr)) {}
+  Transaction& operator=(Transaction&&) = delete;
+
+  [[nodiscard]] Status Commit();
+
+ private:
+  explicit Transaction(Connection& connection) : connection_(&connection) {}
+
+  Connection* connection_;
+};
+
+}  // namespace victorious::postgres

@@ -1,0 +1,83 @@
+#include "victorious/store/postgres/migrations.h"
+
+#include <array>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "victorious/store/schema/embedded_schema.h"
+
+namespace victorious::postgres {
+namespace {
+
+// Adds PostGIS to the database, which only an administrator may do.
+Status AddPostgis(Connection& connection) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result found,
+      connection.Query("SELECT installed_version IS NOT NULL FROM pg_available_extensions WHERE name = 'postgis'"));
+  if (!found.Next()) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: the server has no PostGIS: install it there "
+                                                     "(Debian: postgresql-15-postgis-3), then run this again",
+                                                     connection.name()));
+  }
+  if (found.Integer(0) != 0) return {};
+  const Status added = connection.Execute("CREATE EXTENSION IF NOT EXISTS postgis SCHEMA public");
+  if (added || added.error().code != ErrorCode::kPermissionDenied) return added;
+  return Fail(ErrorCode::kPermissionDenied,
+              fmt::format("{}: the role may not add PostGIS to the database: let an administrator run CREATE EXTENSION "
+                          "postgis in it, once",
+                          connection.name()));
+}
+
+}  // namespace
+
+std::span<const Migration> Migrations() {
+  static constexpr std::array kMigrations = {Migration{1, kSchema001}};
+  return kMigrations;
+}
+
+Expected<int> ReadVersion(Connection& connection, int newest) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result found, connection.Query("SELECT to_regnamespace('victorious') IS NOT NULL, "
+                                                             "to_regclass('victorious.version') IS NOT NULL"));
+  if (!found.Next() || found.Integer(0) == 0) return 0;
+  if (found.Integer(1) == 0) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: the database has a schema {} of another program: give another database",
+                            connection.name(), kSchemaName));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(Result row, connection.Query("SELECT schema FROM victorious.version"));
+  const std::int64_t version = row.Next() ? row.Integer(0) : 0;
+  if (version > newest) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: written by a newer version (schema {}; this program reads up to {}): use that version",
+                            connection.name(), version, newest));
+  }
+  if (version < 1) {
+    return std::unexpected(
+        sql::DamagedIndex(connection.name(), fmt::format("schema {}, expected 1 to {}", version, newest)));
+  }
+  return static_cast<int>(version);
+}
+
+Status Migrate(Connection& connection, std::span<const Migration> migrations) {
+  const int newest = migrations.back().version;
+  for (const Migration& migration : migrations) {
+    VICTORIOUS_ASSIGN_OR_RETURN(int version, ReadVersion(connection, newest));
+    if (version >= migration.version) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection, Exclusion::kAll));
+    // Checks again while holding the lock: no other process can be migrating now.
+    VICTORIOUS_ASSIGN_OR_RETURN(version, ReadVersion(connection, newest));
+    if (version >= migration.version) continue;
+    if (version == 0) {
+      VICTORIOUS_RETURN_IF_ERROR(AddPostgis(connection));
+      VICTORIOUS_RETURN_IF_ERROR(connection.Execute(fmt::format("CREATE SCHEMA {}", kSchemaName)));
+    }
+    VICTORIOUS_RETURN_IF_ERROR(connection.Execute(std::string(migration.sql)));
+    VICTORIOUS_RETURN_IF_ERROR(connection.Execute(
+        fmt::format("DELETE FROM version; INSERT INTO version (schema) VALUES ({})", migration.version)));
+    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+  }
+  return {};
+}
+
+}  // namespace victorious::postgres

@@ -1,0 +1,435 @@
+#include "victorious/store/postgres/postgres_store.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "victorious/base/check.h"
+#include "victorious/store/postgres/migrations.h"
+#include "victorious/store/sql/records.h"
+
+namespace victorious::postgres {
+namespace {
+
+constexpr int kSightingsAtOnce = 2000;
+constexpr int kKeptFramesAtOnce = 8;  // some 0.3 MB each
+
+// To be followed by conditions, then by kGroupObjects.
+std::string SelectObjects() {
+  return "SELECT " + sql::ObjectResultColumns() + ", string_agg(t.video_id::text, ','), string_agg(t.id::text, ',')" +
+         std::string(sql::kFromObjects);
+}
+
+// A region of `place` that contains a circle, as a condition; empty if it crosses the antimeridian or holds a pole.
+std::string BoundsOf(const GeoCircle& circle) {
+  constexpr double kSmallestRadius_m = 6'335'000;  // of curvature of the ellipsoid
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const double angle = 1.01 * circle.radius_m / kSmallestRadius_m;
+  const double south = circle.centre.latitude_rad - angle;
+  const double north = circle.centre.latitude_rad + angle;
+  constexpr double kNearPole = 1.55;
+  if (south < -kNearPole || north > kNearPole) return {};
+  const double width = angle / std::cos(std::max(std::abs(south), std::abs(north)));
+  const double west = circle.centre.longitude_rad - width;
+  const double east = circle.centre.longitude_rad + width;
+  if (west < -std::numbers::pi || east > std::numbers::pi) return {};
+  return fmt::format(" AND place && ST_MakeEnvelope({}, {}, {}, {}, 4979)", kDegrees * west, kDegrees * south,
+                     kDegrees * east, kDegrees * north);
+}
+
+}  // namespace
+
+Error PostgresStore::Missing(std::string_view what, std::int64_t id) const {
+  return {ErrorCode::kNotFound,
+          fmt::format("{}: {} {} does not exist (another process may have deleted it)", connection_->name(), what, id)};
+}
+
+Expected<std::int64_t> PostgresStore::PutOptions(const std::string& json) {
+  const auto find = [&]() -> Expected<std::optional<std::int64_t>> {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Result found, connection_->Query("SELECT id FROM options WHERE md5(json) = md5(?) AND json = ?", json, json));
+    return found.Next() ? std::optional(found.Integer(0)) : std::nullopt;
+  };
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::int64_t> known, find());
+  if (known) return *known;
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Query("INSERT INTO options (json) VALUES (?) ON CONFLICT (md5(json)) DO NOTHING", json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::int64_t> added, find());
+  VICTORIOUS_CHECK(added.has_value());
+  return *added;
+}
+
+Expected<VideoRecord> PostgresStore::PutVideo(const VideoRecord& video) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
+  std::optional<std::int64_t> features_options;
+  if (!video.features_json.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(features_options, PutOptions(video.features_json));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+      "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
+      "features_options_id, "
+      "start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, "
+      "folder = excluded.folder, start_utc_us = coalesce(excluded.start_utc_us, videos.start_utc_us)",
+      video.content_id, video.name, video.folder, video.width, video.height, video.frame_count, video.duration_s,
+      features_options, video.start_utc_us));
+  VICTORIOUS_ASSIGN_OR_RETURN(Result found,
+                              connection_->Query(sql::SelectVideos() + "WHERE v.content_id = ?", video.content_id));
+  VICTORIOUS_CHECK(found.Next());
+  VideoRecord stored = sql::ReadVideo(found);
+  VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+  return stored;
+}
+
+Expected<std::int64_t> PostgresStore::DeleteOtherContent(const std::string& name, const std::string& folder,
+                                                         const std::string& content_id) {
+  // Deletes the dependent rows as well (ON DELETE CASCADE).
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result deleted,
+      connection_->Query("DELETE FROM videos WHERE name = ? AND folder IN ('', ?) AND content_id <> ?", name, folder,
+                         content_id));
+  VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+  return deleted.Changes();
+}
+
+Status PostgresStore::SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Result updated,
+                              connection_->Query("UPDATE videos SET frame_count = ?, duration_s = ? WHERE id = ?",
+                                                 frame_count, duration_s, video));
+  if (updated.Changes() != 1) return std::unexpected(Missing("video", video));
+  return transaction.Commit();
+}
+
+Status PostgresStore::SetVideoFeatures(std::int64_t video, const std::string& features_json) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
+  std::optional<std::int64_t> options;
+  if (!features_json.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(options, PutOptions(features_json));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result updated,
+      connection_->Query("UPDATE videos SET features_options_id = ? WHERE id = ?", options, video));
+  if (updated.Changes() != 1) return std::unexpected(Missing("video", video));
+  return transaction.Commit();
+}
+
+Expected<std::vector<VideoRecord>> PostgresStore::Videos() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(sql::SelectVideos() + "ORDER BY v.id"));
+  std::vector<VideoRecord> videos;
+  while (rows.Next()) videos.push_back(sql::ReadVideo(rows));
+  return videos;
+}
+
+Expected<ModelRecord> PostgresStore::PutModel(const ModelRecord& model) {
+  const auto find = [&]() -> Expected<std::optional<ModelRecord>> {
+    VICTORIOUS_ASSIGN_OR_RETURN(Result found, connection_->Query(sql::SelectModels() + "WHERE name = ?", model.name));
+    if (!found.Next()) return std::nullopt;
+    return sql::ReadModel(found, connection_->name());
+  };
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ModelRecord> stored, find());
+  if (stored && stored->content_id != model.content_id) {
+    // Deletes the dependent rows as well (ON DELETE CASCADE).
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query("DELETE FROM models WHERE id = ?", stored->id));
+    stored.reset();
+  }
+  if (!stored) {
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query("INSERT INTO models (name, content_id, kind) VALUES (?, ?, ?)",
+                                                  model.name, model.content_id, ToText(model.kind)));
+    VICTORIOUS_ASSIGN_OR_RETURN(stored, find());
+  }
+  VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+  return *std::move(stored);
+}
+
+Expected<std::vector<ModelRecord>> PostgresStore::Models() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(sql::SelectModels() + "ORDER BY id"));
+  std::vector<ModelRecord> models;
+  while (rows.Next()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(ModelRecord model, sql::ReadModel(rows, connection_->name()));
+    models.push_back(std::move(model));
+  }
+  return models;
+}
+
+Expected<std::optional<SearchRecord>> PostgresStore::FindSearch(std::int64_t video, std::int64_t model) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result found, connection_->Query("SELECT s.next_frame, s.finished, o.json, s.program_version FROM searches s "
+                                       "JOIN options o ON o.id = s.options_id WHERE s.video_id = ? AND s.model_id = ?",
+                                       video, model));
+  if (!found.Next()) return std::nullopt;
+  return SearchRecord{.video = video,
+                      .model = model,
+                      .next_frame = found.Integer(0),
+                      .finished = found.Integer(1) != 0,
+                      .options_json = found.Text(2),
+                      .program_version = found.Text(3)};
+}
+
+Status PostgresStore::DeleteSearch(std::int64_t video, std::int64_t model) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  for (const std::string_view sql :
+       {"DELETE FROM tracklets WHERE video_id = ? AND model_id = ?",  // cascades to their sightings
+        "DELETE FROM searches WHERE video_id = ? AND model_id = ?"}) {
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(sql, video, model));
+  }
+  return transaction.Commit();
+}
+
+Status PostgresStore::DeleteKeptFrames(std::int64_t video) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query("DELETE FROM kept_frames WHERE video_id = ?", video));
+  return transaction.Commit();
+}
+
+Status PostgresStore::PutProgress(const IndexBatch::Progress& progress) {
+  const SearchRecord& search = progress.search;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t options, PutOptions(search.options_json));
+  // One statement, so that of two processes with the same progress one fails.
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result put,
+      connection_->Query(
+          "INSERT INTO searches (video_id, model_id, next_frame, finished, options_id, program_version) "
+          "SELECT ?, ?, ?, ? <> 0, ?, ? WHERE ? = 0 OR EXISTS (SELECT 1 FROM searches WHERE video_id = ? AND "
+          "model_id = ?) ON CONFLICT (video_id, model_id) DO UPDATE SET next_frame = excluded.next_frame, "
+          "finished = excluded.finished, options_id = excluded.options_id, "
+          "program_version = excluded.program_version WHERE searches.next_frame = ?",
+          search.video, search.model, search.next_frame, int{search.finished}, options, search.program_version,
+          progress.expected_next_frame, search.video, search.model, progress.expected_next_frame));
+  if (put.Changes() == 1) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> stored, FindSearch(search.video, search.model));
+  return Fail(ErrorCode::kConflict,
+              fmt::format("{}: another process is indexing the same video (it is at frame {}, this one was at {}): "
+                          "let it finish, or stop it and run this again",
+                          connection_->name(), stored ? stored->next_frame : 0, progress.expected_next_frame));
+}
+
+Expected<std::vector<std::int64_t>> PostgresStore::PutTracklets(
+    const std::vector<IndexBatch::TrackletUpdate>& updates) {
+  const auto is_new = [](const IndexBatch::TrackletUpdate& update) { return !update.id; };
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result new_ids,
+      connection_->Query("SELECT nextval(pg_get_serial_sequence('tracklets', 'id')) FROM generate_series(1, ?)",
+                         std::int64_t{std::ranges::count_if(updates, is_new)}));
+  std::vector<std::int64_t> ids;
+  CopyRows objects;
+  CopyRows tracklets;
+  for (const auto& [known_id, tracklet] : updates) {
+    if (known_id) {
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          const Result grown,
+          connection_->Query("UPDATE tracklets SET score = ?, frames = ?, first_time_s = ?, last_time_s = ? "
+                             "WHERE id = ? AND video_id = ? AND model_id = ?",
+                             tracklet.score, tracklet.frames, tracklet.first_time_s, tracklet.last_time_s, *known_id,
+                             tracklet.video, tracklet.model));
+      if (grown.Changes() != 1) return std::unexpected(Missing("tracklet", *known_id));
+      ids.push_back(*known_id);
+    } else {
+      VICTORIOUS_CHECK(new_ids.Next());
+      ids.push_back(new_ids.Integer(0));
+      objects.AddRow(ids.back(), tracklet.model);
+      tracklets.AddRow(tracklet.video, tracklet.model, tracklet.score, tracklet.frames, tracklet.first_time_s,
+                       tracklet.last_time_s, ids.back(), ids.back());
+    }
+  }
+  if (objects.IsEmpty()) return ids;
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("objects (id, model_id)", objects));
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Copy(fmt::format("tracklets ({}, id, object_id)", sql::kTrackletColumns.Names()), tracklets));
+  return ids;
+}
+
+Status PostgresStore::PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids) {
+  if (batch.sightings.empty()) return {};
+  CopyRows rows;
+  for (const auto& [update, sighting] : batch.sightings) {
+    VICTORIOUS_CHECK(update < batch.tracklets.size());
+    BoundValues row;
+    sql::BindSighting(sighting, batch.tracklets[update].tracklet.video, tracklet_ids[update], row);
+    rows.Add(row);
+  }
+  return connection_->Copy(fmt::format("sightings ({})", sql::kSightingColumns.Names()), rows);
+}
+
+Status PostgresStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
+  const std::string insert = sql::kKeptFrameColumns.Insert("kept_frames") + "ON CONFLICT (video_id, frame) DO NOTHING";
+  for (const KeptFrame& kept : frames) {
+    const FeatureSet& features = kept.features;
+    VICTORIOUS_CHECK(features.descriptors.size() == features.size() * kDescriptorSize);
+    const std::vector<std::uint8_t> packed = sql::PackDescriptors(features.descriptors);
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(insert, kept.video, kept.frame, kept.time_s, features.image_width,
+                                                  features.image_height, std::as_bytes(std::span(features.keypoints)),
+                                                  std::as_bytes(std::span(packed))));
+  }
+  return {};
+}
+
+Expected<std::vector<std::int64_t>> PostgresStore::Commit(const IndexBatch& batch) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
+  for (const IndexBatch::Progress& progress : batch.progress) VICTORIOUS_RETURN_IF_ERROR(PutProgress(progress));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::int64_t> tracklet_ids, PutTracklets(batch.tracklets));
+  VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));
+  VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
+  VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+  return tracklet_ids;
+}
+
+Expected<std::vector<TrackletRecord>> PostgresStore::Tracklets() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(sql::SelectTracklets() + "ORDER BY id"));
+  std::vector<TrackletRecord> tracklets;
+  while (rows.Next()) tracklets.push_back(sql::ReadTracklet(rows));
+  return tracklets;
+}
+
+Status PostgresStore::PutObjects(std::span<const ObjectRecord> objects) {
+  CopyRows object_rows;
+  CopyRows member_rows;
+  for (const ObjectRecord& object : objects) {
+    BoundValues row;
+    sql::BindObject(object, row);
+    object_rows.Add(row);
+    for (const std::int64_t tracklet : object.tracklets) member_rows.AddRow(object.id, tracklet);
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  const std::string columns = sql::kObjectColumns.Names();
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
+      fmt::format("CREATE TEMPORARY TABLE new_objects ON COMMIT DROP AS SELECT {} FROM objects WITH NO DATA; "
+                  "CREATE TEMPORARY TABLE new_members (object_id bigint, tracklet_id bigint) ON COMMIT DROP",
+                  columns)));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy(fmt::format("new_objects ({})", columns), object_rows));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_members (object_id, tracklet_id)", member_rows));
+  // All columns but the key and the model are replaced if the object exists. Rows that stay as they are are not written.
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(fmt::format(
+      "ANALYZE new_objects, new_members; "
+      "INSERT INTO objects ({0}) SELECT {0} FROM new_objects n WHERE EXISTS (SELECT 1 FROM models m WHERE m.id = "
+      "n.model_id) ON CONFLICT (id) DO UPDATE SET {1} WHERE ({2}) IS DISTINCT FROM ({3}); "
+      "UPDATE tracklets t SET object_id = n.object_id FROM new_members n JOIN objects o ON o.id = n.object_id "
+      "WHERE t.id = n.tracklet_id AND t.object_id IS DISTINCT FROM n.object_id; "
+      "DELETE FROM objects o WHERE NOT EXISTS (SELECT 1 FROM tracklets t WHERE t.object_id = o.id)",
+      columns, sql::kObjectColumns.Updates(sql::kObjectColumns.Index("place_time_s")),
+      sql::kObjectColumns.Names("objects"), sql::kObjectColumns.Names("excluded"))));
+  return transaction.Commit();
+}
+
+Expected<sql::NearIds> PostgresStore::FindNear(const SightingFilter& filter) {
+  if (!filter.near) return std::nullopt;
+  VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query("SELECT id, latitude_rad, longitude_rad FROM objects "
+                                                              "WHERE latitude_rad IS NOT NULL" +
+                                                              BoundsOf(*filter.near)));
+  std::vector<std::int64_t> ids;
+  while (rows.Next()) {
+    if (sql::IsWithin(*filter.near, rows.Real(1), rows.Real(2))) ids.push_back(rows.Integer(0));
+  }
+  return ids;
+}
+
+Expected<std::vector<ObjectRecord>> PostgresStore::Objects(const SightingFilter& filter) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::ObjectConditions(*this, filter, near));
+  BoundValues values;
+  conditions.Bind(values);
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result rows, connection_->Query(SelectObjects() + conditions.text() + std::string(sql::kGroupObjects), values));
+  std::vector<ObjectRecord> objects;
+  while (rows.Next()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(ObjectRecord object, sql::ReadObject(rows, connection_->name()));
+    objects.push_back(std::move(object));
+  }
+  return objects;
+}
+
+Status PostgresStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::SightingConditions(*this, filter, near));
+  BoundValues values;
+  conditions.Bind(values);
+  return connection_->Visit(sql::SelectSightings() + conditions.text() + std::string(sql::kOrderSightings), values,
+                            kSightingsAtOnce, [&](const Result& row) -> Expected<bool> {
+                              VICTORIOUS_ASSIGN_OR_RETURN(SightingRecord sighting,
+                                                          sql::ReadSighting(row, connection_->name()));
+                              return visit(std::move(sighting));
+                            });
+}
+
+Status PostgresStore::VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::KeptFrameConditions(*this, filter));
+  BoundValues values;
+  conditions.Bind(values);
+  return connection_->Visit(sql::SelectKeptFrames() + conditions.text() + std::string(sql::kOrderKeptFrames), values,
+                            kKeptFramesAtOnce, [&](const Result& row) -> Expected<bool> {
+                              VICTORIOUS_ASSIGN_OR_RETURN(KeptFrame kept, sql::ReadKeptFrame(row, connection_->name()));
+                              return visit(std::move(kept));
+                            });
+}
+
+Expected<std::vector<std::string>> PostgresStore::FindFaults() {
+  std::vector<std::string> faults;
+  const auto add = [&](const Status& status) -> Status {
+    if (!status && status.error().code != ErrorCode::kDataLoss) return status;
+    if (!status) faults.push_back(status.error().message);
+    return {};
+  };
+  // The server keeps these rules, unless its files are damaged or an administrator turned its triggers off.
+  struct Reference {
+    std::string_view table, column, parent;
+  };
+  for (const auto& [table, column, parent] :
+       {Reference{"videos", "features_options_id", "options"}, Reference{"searches", "video_id", "videos"},
+        Reference{"searches", "model_id", "models"}, Reference{"searches", "options_id", "options"},
+        Reference{"objects", "model_id", "models"}, Reference{"tracklets", "object_id", "objects"},
+        Reference{"tracklets", "video_id", "videos"}, Reference{"tracklets", "model_id", "models"},
+        Reference{"sightings", "tracklet_id", "tracklets"}, Reference{"kept_frames", "video_id", "videos"}}) {
+    const auto count = [&]() -> Status {
+      VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(fmt::format(
+                                                   "SELECT count(*) FROM {0} c WHERE c.{1} IS NOT NULL AND NOT EXISTS "
+                                                   "(SELECT 1 FROM {2} p WHERE p.id = c.{1})",
+                                                   table, column, parent)));
+      const std::int64_t missing = rows.Next() ? rows.Integer(0) : 0;
+      if (missing > 0) faults.push_back(fmt::format("rows of {} without their row of {}: {}", table, parent, missing));
+      return {};
+    };
+    VICTORIOUS_RETURN_IF_ERROR(add(count()));
+  }
+  // Reads every value: what cannot be read is named by the error.
+  const auto status = [](const auto& read) -> Status {
+    if (!read) return std::unexpected(read.error());
+    return {};
+  };
+  VICTORIOUS_RETURN_IF_ERROR(add(status(Models())));
+  VICTORIOUS_RETURN_IF_ERROR(add(status(Objects({.include_rejected = true}))));
+  VICTORIOUS_RETURN_IF_ERROR(add(status(Reviews())));
+  VICTORIOUS_RETURN_IF_ERROR(add(VisitSightings({.include_rejected = true}, [](SightingRecord&&) { return true; })));
+  VICTORIOUS_RETURN_IF_ERROR(add(VisitKeptFrames({}, [](KeptFrame&&) { return true; })));
+  return faults;
+}
+
+}  // namespace victorious::postgres
+
+namespace victorious {
+
+Expected<std::unique_ptr<IndexStore>> OpenPostgresStore(const std::string& url, StoreMode mode) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::Connection::Open(url, mode == StoreMode::kRead));
+  const int newest = postgres::Migrations().back().version;
+  if (mode == StoreMode::kCreate) {
+    VICTORIOUS_RETURN_IF_ERROR(postgres::Migrate(*connection, postgres::Migrations()));
+    return std::make_unique<postgres::PostgresStore>(std::move(connection));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const int version, postgres::ReadVersion(*connection, newest));
+  if (version == 0) {
+    return Fail(
+        ErrorCode::kNotFound,
+        fmt::format("{}: no index in this database: give one that `victorious index` wrote", connection->name()));
+  }
+  if (version < newest) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: written by an older version (schema {}; this program reads {}): run `victorious "
+                            "index` on it once to migrate it",
+                            connection->name(), version, newest));
+  }
+  return std::make_unique<postgres::PostgresStore>(std::move(connection));
+}
+
+}  // namespace victorious

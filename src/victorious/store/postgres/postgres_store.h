@@ -1,0 +1,76 @@
+// IndexStore in a PostgreSQL database with PostGIS.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "victorious/store/index_store.h"
+#include "victorious/store/postgres/connection.h"
+#include "victorious/store/sql/filter_conditions.h"
+
+namespace victorious::postgres {
+
+/// Visits return false or end before the store writes: VisitSightings and VisitKeptFrames hold a transaction that reads.
+class PostgresStore final : public IndexStore {
+ public:
+  explicit PostgresStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+
+  [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override;
+  [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
+                                                          const std::string& content_id) override;
+  [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
+  [[nodiscard]] Status SetVideoFeatures(std::int64_t video, const std::string& features_json) override;
+  [[nodiscard]] Expected<std::vector<VideoRecord>> Videos() override;
+
+  [[nodiscard]] Expected<ModelRecord> PutModel(const ModelRecord& model) override;
+  [[nodiscard]] Expected<std::vector<ModelRecord>> Models() override;
+
+  [[nodiscard]] Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override;
+  [[nodiscard]] Status DeleteSearch(std::int64_t video, std::int64_t model) override;
+  [[nodiscard]] Status DeleteKeptFrames(std::int64_t video) override;
+
+  [[nodiscard]] Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override;
+
+  [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
+  [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
+
+  [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override;
+  [[nodiscard]] Status VisitSightings(const SightingFilter& filter,
+                                      const std::function<bool(SightingRecord&&)>& visit) override;
+  [[nodiscard]] Status VisitKeptFrames(const SightingFilter& filter,
+                                       const std::function<bool(KeptFrame&&)>& visit) override;
+
+  [[nodiscard]] Status PutReview(std::int64_t object, const Review& review) override;
+  [[nodiscard]] Expected<std::vector<ReviewedObject>> Reviews() override;
+  /// The faults are those of kDataLoss, and rows without those that they refer to. Errors: others of reading.
+  [[nodiscard]] Expected<std::vector<std::string>> FindFaults() override;
+  [[nodiscard]] Expected<std::int64_t> ChangeNumber() override;
+
+ private:
+  /// Returns the id of the text of options. Inside a transaction.
+  [[nodiscard]] Expected<std::int64_t> PutOptions(const std::string& json);
+  [[nodiscard]] Status PutProgress(const IndexBatch::Progress& progress);
+  /// Returns the ids, in the order of `updates`.
+  [[nodiscard]] Expected<std::vector<std::int64_t>> PutTracklets(
+      const std::vector<IndexBatch::TrackletUpdate>& updates);
+  [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
+  [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
+  [[nodiscard]] Expected<sql::NearIds> FindNear(const SightingFilter& filter);
+  /// The error of a statement that had to change one row, and did not.
+  [[nodiscard]] Error Missing(std::string_view what, std::int64_t id) const;
+
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace victorious::postgres
+
+namespace victorious {
+
+/// Opens an index in a PostgreSQL database; kCreate makes its tables if there are none. Errors: those of
+/// Connection::Open; kNotFound (no index in the database, to read); kUnsupported (a schema of another program, or of
+/// another version; no PostGIS on the server).
+/// @param url  see Connection::Open
+[[nodiscard]] Expected<std::unique_ptr<IndexStore>> OpenPostgresStore(const std::string& url, StoreMode mode);
+
+}  // namespace victorious

@@ -1,0 +1,388 @@
+// Tests specific to PostgreSQL: URLs, roles, versions, lost connections, concurrent writers, the geometry of places.
+#include "victorious/store/postgres/postgres_store.h"
+
+#include <csignal>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "testing/data.h"
+#include "testing/scratch_postgres.h"
+#include "victorious/store/open_store.h"
+#include "victorious/store/postgres/migrations.h"
+
+namespace victorious::postgres {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+constexpr int kSightingsInBatch = 20;
+
+// A new object with sightings in the frames [first, first + kSightingsInBatch), and the corresponding progress.
+IndexBatch Batch(std::int64_t video, std::int64_t model, std::int64_t first) {
+  IndexBatch batch;
+  batch.tracklets.push_back(
+      {std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = kSightingsInBatch}});
+  for (int i = 0; i < kSightingsInBatch; ++i) {
+    batch.sightings.push_back({0, {.frame = first + i, .outline = {{0, 0}, {9, 0}, {9, 9}}, .score = 0.5}});
+  }
+  batch.progress.push_back(
+      {{.video = video, .model = model, .next_frame = first + kSightingsInBatch, .options_json = "{}"}, first});
+  return batch;
+}
+
+class PostgresStoreTest : public ::testing::Test {
+ protected:
+  void SetUp() override { VICTORIOUS_STORE_OR_SKIP(url_, testing::EmptyPostgresDatabase()); }
+
+  // The URL of another database of the server, by another role.
+  [[nodiscard]] std::string UrlOf(const std::string& user, const std::string& database) const {
+    return "postgresql://" + user + "@/" + database + url_.substr(url_.find('?'));
+  }
+
+  std::unique_ptr<IndexStore> OpenOrDie(StoreMode mode = StoreMode::kCreate) const {
+    auto store = OpenPostgresStore(url_, mode);
+    if (!store) ADD_FAILURE() << store.error().message;
+    return store ? *std::move(store) : nullptr;
+  }
+
+  std::unique_ptr<Connection> ConnectOrDie() const {
+    auto connection = Connection::Open(url_, false);
+    if (!connection) ADD_FAILURE() << connection.error().message;
+    return connection ? *std::move(connection) : nullptr;
+  }
+
+  void Run(const std::string& sql) const {
+    const Status status = ConnectOrDie()->Execute(sql);
+    EXPECT_TRUE(status) << status.error().message;
+  }
+
+  // Ends all other connections, as a restart of the server does.
+  void EndConnections() const {
+    Run("SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity WHERE datname = current_database() AND "
+        "pid <> pg_backend_pid()");
+  }
+
+  std::string url_;
+};
+
+Error OpenError(const std::string& url, StoreMode mode = StoreMode::kCreate) {
+  const auto store = OpenStore(url, mode);
+  EXPECT_FALSE(store) << "opened";
+  const Error error = store ? Error{} : store.error();
+  EXPECT_EQ(error.message.find('\n'), std::string::npos) << error.message;
+  return error;
+}
+
+TEST(PostgresName, HasNoPassword) {
+  EXPECT_EQ(StoreName("postgresql://me:secret@host:5433/videos?sslmode=require&password=too"),
+            "postgresql://me@host:5433/videos");
+  EXPECT_EQ(StoreName("postgres://host/videos"), "postgresql://host/videos");
+  EXPECT_EQ(StoreName("postgresql:///videos?host=/run/postgresql"), "postgresql:///videos?host=/run/postgresql");
+  EXPECT_EQ(StoreName("folder/index.db"), "folder/index.db");
+  EXPECT_TRUE(IsDatabaseUrl("postgres://host/videos"));
+  EXPECT_FALSE(IsDatabaseUrl("postgresql.db"));
+}
+
+TEST(PostgresName, AbsentServerIsNotFound) {
+  const Error error = OpenError("postgresql://me:secret@127.0.0.1:1/videos");
+  EXPECT_EQ(error.code, ErrorCode::kNotFound);
+  EXPECT_THAT(error.message, HasSubstr("postgresql://me@127.0.0.1:1/videos: connection to server"));
+  EXPECT_THAT(error.message, HasSubstr("start the server"));
+  EXPECT_THAT(error.message, Not(HasSubstr("secret")));
+  EXPECT_EQ(OpenError("postgresql://host:port/x%").code, ErrorCode::kInvalidArgument);
+}
+
+TEST_F(PostgresStoreTest, WrongPasswordAndUnknownDatabase) {
+  Run("DO $$ BEGIN CREATE ROLE with_password LOGIN PASSWORD 'right'; EXCEPTION WHEN duplicate_object THEN END $$");
+  const Error refused = OpenError(UrlOf("with_password:wrong", "index"));
+  EXPECT_EQ(refused.code, ErrorCode::kPermissionDenied);
+  EXPECT_THAT(refused.message, HasSubstr("correct the role and its password"));
+  EXPECT_THAT(refused.message, Not(HasSubstr("wrong\n")));
+  EXPECT_TRUE(Connection::Open(UrlOf("with_password:right", "index"), false));
+  const Error absent = OpenError(UrlOf("victorious", "none"));
+  EXPECT_EQ(absent.code, ErrorCode::kNotFound);
+  EXPECT_THAT(absent.message, HasSubstr("\"none\" does not exist"));
+  EXPECT_THAT(absent.message, HasSubstr("create it"));
+}
+
+TEST_F(PostgresStoreTest, ReadingMakesNoIndex) {
+  const Error error = OpenError(url_, StoreMode::kRead);
+  EXPECT_EQ(error.code, ErrorCode::kNotFound);
+  EXPECT_THAT(error.message, HasSubstr("no index in this database"));
+  EXPECT_EQ(*ReadVersion(*ConnectOrDie(), 1), 0);
+}
+
+TEST_F(PostgresStoreTest, RefusesASchemaOfAnotherProgram) {
+  Run("CREATE SCHEMA victorious; CREATE TABLE victorious.notes (note text)");
+  for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
+    const Error error = OpenError(url_, mode);
+    EXPECT_EQ(error.code, ErrorCode::kUnsupported);
+    EXPECT_THAT(error.message, HasSubstr("another program"));
+  }
+}
+
+TEST_F(PostgresStoreTest, RefusesANewerVersion) {
+  OpenOrDie();
+  Run("UPDATE version SET schema = 99");
+  for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
+    const Error error = OpenError(url_, mode);
+    EXPECT_EQ(error.code, ErrorCode::kUnsupported);
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 1)"));
+  }
+  Run("DELETE FROM version");
+  EXPECT_EQ(OpenError(url_).code, ErrorCode::kDataLoss);
+}
+
+TEST_F(PostgresStoreTest, MigrationsAreAppliedOnceAndWhole) {
+  OpenOrDie();
+  std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
+  const int next = static_cast<int>(migrations.size()) + 1;
+  migrations.push_back({next, "ALTER TABLE videos ADD COLUMN city text; DROP TABLE none"});
+  const auto connection = ConnectOrDie();
+  EXPECT_FALSE(Migrate(*connection, migrations));
+  EXPECT_EQ(*ReadVersion(*connection, next), next - 1);
+  migrations.back().sql = "ALTER TABLE videos ADD COLUMN city text";
+  for (int i = 0; i < 2; ++i) {
+    const Status status = Migrate(*connection, migrations);
+    ASSERT_TRUE(status) << status.error().message;
+    EXPECT_EQ(*ReadVersion(*connection, next), next);
+  }
+}
+
+// Only an administrator may add PostGIS to a database that does not have it.
+TEST_F(PostgresStoreTest, SaysThatPostgisIsMissing) {
+  Run("DROP DATABASE IF EXISTS plain");
+  Run("DO $$ BEGIN CREATE ROLE owner LOGIN; EXCEPTION WHEN duplicate_object THEN END $$");
+  Run("CREATE DATABASE plain OWNER owner");
+  const Error error = OpenError(UrlOf("owner", "plain"));
+  EXPECT_EQ(error.code, ErrorCode::kPermissionDenied);
+  EXPECT_THAT(error.message, HasSubstr("let an administrator run CREATE EXTENSION postgis"));
+  const auto store = OpenPostgresStore(UrlOf("victorious", "plain"), StoreMode::kCreate);
+  EXPECT_TRUE(store) << store.error().message;
+}
+
+// The rights that docs/cluster.md gives a role that only reads.
+TEST_F(PostgresStoreTest, ARoleThatMaySelectReads) {
+  OpenOrDie();
+  Run("DO $$ BEGIN CREATE ROLE reader LOGIN; EXCEPTION WHEN duplicate_object THEN END $$");
+  const std::string url = UrlOf("reader", "index");
+  EXPECT_EQ(OpenError(url, StoreMode::kRead).code, ErrorCode::kPermissionDenied);
+  Run("GRANT USAGE ON SCHEMA victorious TO reader; GRANT SELECT ON ALL TABLES IN SCHEMA victorious TO reader");
+  const auto reader = OpenPostgresStore(url, StoreMode::kRead);
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_THAT(*(*reader)->Sightings({}), SizeIs(0));
+  EXPECT_TRUE((*reader)->Objects({.near = GeoCircle{{0.5, 0.5, 0}, 100}}));
+  const auto writer = OpenPostgresStore(url, StoreMode::kCreate);
+  ASSERT_TRUE(writer) << writer.error().message;
+  EXPECT_EQ((*writer)->PutVideo({.content_id = "c", .name = "a.mp4"}).error().code, ErrorCode::kPermissionDenied);
+}
+
+TEST_F(PostgresStoreTest, RefusesOtherEncodings) {
+  Run("DROP DATABASE IF EXISTS latin");
+  Run("CREATE DATABASE latin ENCODING LATIN1 LOCALE 'C' TEMPLATE template0");
+  const Error error = OpenError(UrlOf("victorious", "latin"));
+  EXPECT_EQ(error.code, ErrorCode::kUnsupported);
+  EXPECT_THAT(error.message, HasSubstr("LATIN1"));
+}
+
+TEST_F(PostgresStoreTest, IndexWithoutTablesIsDataLoss) {
+  const auto store = OpenOrDie();
+  Run("DROP TABLE sightings");
+  EXPECT_EQ(store->Sightings({}).error().code, ErrorCode::kDataLoss);
+  Run("INSERT INTO models (name, content_id, kind) VALUES ('m', '1', 'song')");
+  EXPECT_EQ(store->Models().error().code, ErrorCode::kDataLoss);
+}
+
+TEST_F(PostgresStoreTest, ConcurrentProcessesMayCreateTheSameIndex) {
+  std::vector<std::thread> threads;
+  std::array<std::string, 4> faults;
+  for (std::string& fault : faults) {
+    threads.emplace_back([&] {
+      const auto store = OpenPostgresStore(url_, StoreMode::kCreate);
+      fault = store ? "" : store.error().message;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(faults, Each(""));
+}
+
+// Writers of different videos and one that joins objects: nothing is lost, none waits for ever.
+TEST_F(PostgresStoreTest, WritersOfDifferentVideosDoNotDisturbEachOther) {
+  OpenOrDie();
+  constexpr int kWriters = 3;
+  constexpr int kBatches = 10;
+  std::vector<std::thread> threads;
+  std::array<std::string, kWriters + 1> faults;
+  const auto write = [&](int writer) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenPostgresStore(url_, StoreMode::kCreate));
+    VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord video,
+                                store->PutVideo({.content_id = std::to_string(writer), .name = "a.mp4"}));
+    VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord model, store->PutModel({.name = "m", .content_id = "1"}));
+    for (int i = 0; i < kBatches; ++i) {
+      VICTORIOUS_RETURN_IF_ERROR(store->Commit(Batch(video.id, model.id, i * kSightingsInBatch)));
+    }
+    return {};
+  };
+  const auto join = [&]() -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenPostgresStore(url_, StoreMode::kCreate));
+    for (int i = 0; i < kBatches; ++i) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> tracklets, store->Tracklets());
+      if (tracklets.empty()) continue;
+      ObjectRecord all{.id = tracklets.front().id, .model = tracklets.front().model};
+      for (const TrackletRecord& tracklet : tracklets) all.tracklets.push_back(tracklet.id);
+      VICTORIOUS_RETURN_IF_ERROR(store->PutObjects(std::span(&all, 1)));
+    }
+    return {};
+  };
+  for (int i = 0; i <= kWriters; ++i) {
+    threads.emplace_back([&, i] {
+      const Status status = i < kWriters ? write(i) : join();
+      faults.at(static_cast<std::size_t>(i)) = status ? "" : status.error().message;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(faults, Each(""));
+  const auto store = OpenOrDie(StoreMode::kRead);
+  EXPECT_THAT(*store->Tracklets(), SizeIs(kWriters * kBatches));
+  EXPECT_THAT(*store->Sightings({}), SizeIs(kWriters * kBatches * kSightingsInBatch));
+}
+
+TEST_F(PostgresStoreTest, KilledWriterLeavesCompleteBatches) {
+  const auto store = OpenOrDie();
+  const auto video = *store->PutVideo({.content_id = "c", .name = "a.mp4"});
+  const auto model = *store->PutModel({.name = "m", .content_id = "1"});
+  std::int64_t last = 0;
+  for (int round = 0; round < 4; ++round) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      // A connection of its own: that of the parent must not be used, nor closed.
+      const auto writer = OpenPostgresStore(url_, StoreMode::kCreate);
+      for (std::int64_t frame = last; writer && (*writer)->Commit(Batch(video.id, model.id, frame));) {
+        frame += kSightingsInBatch;
+      }
+      ::_exit(1);  // it should have been killed
+    }
+    int status = 0;
+    std::int64_t done = last;
+    while (done <= last) {
+      ASSERT_EQ(::waitpid(child, &status, WNOHANG), 0) << "the writer ended by itself";
+      const auto search = store->FindSearch(video.id, model.id);
+      ASSERT_TRUE(search) << search.error().message;
+      if (*search) done = (*search)->next_frame;
+    }
+    ::kill(child, SIGKILL);
+    ::waitpid(child, &status, 0);
+    // Ends what the server may still do for the killed process.
+    EndConnections();
+    const auto search = store->FindSearch(video.id, model.id);
+    ASSERT_TRUE(search) << search.error().message;
+    last = (*search)->next_frame;
+    EXPECT_EQ(std::ssize(*store->Sightings({})), last);
+    EXPECT_EQ(std::ssize(*store->Objects({})), last / kSightingsInBatch);
+  }
+}
+
+TEST_F(PostgresStoreTest, ReconnectsBetweenTransactions) {
+  const auto store = OpenOrDie();
+  const auto video = *store->PutVideo({.content_id = "c", .name = "a.mp4"});
+  const auto model = *store->PutModel({.name = "m", .content_id = "1"});
+  EndConnections();
+  EXPECT_THAT(*store->Videos(), SizeIs(1)) << "a query";
+  EndConnections();
+  const auto committed = store->Commit(Batch(video.id, model.id, 0));
+  EXPECT_TRUE(committed) << "a transaction: " << committed.error().message;
+  EndConnections();
+  EXPECT_THAT(*store->Sightings({}), SizeIs(kSightingsInBatch)) << "a visit";
+}
+
+TEST_F(PostgresStoreTest, LostConnectionEndsATransactionWithAnError) {
+  OpenOrDie();
+  const auto connection = ConnectOrDie();
+  {
+    auto transaction = Transaction::Begin(*connection, Exclusion::kShared);
+    ASSERT_TRUE(transaction);
+    ASSERT_TRUE(connection->Execute("INSERT INTO options (json) VALUES ('first')"));
+    EndConnections();
+    const Status second = connection->Execute("INSERT INTO options (json) VALUES ('second')");
+    ASSERT_FALSE(second) << "without the first";
+    EXPECT_THAT(second.error().message, HasSubstr("the connection was lost"));
+    EXPECT_FALSE(transaction->Commit());
+  }
+  auto count = connection->Query("SELECT count(*) FROM options");
+  ASSERT_TRUE(count) << count.error().message;
+  ASSERT_TRUE(count->Next());
+  EXPECT_EQ(count->Integer(0), 0);
+}
+
+TEST_F(PostgresStoreTest, LostConnectionEndsAVisitWithAnError) {
+  const auto store = OpenOrDie();
+  const auto video = *store->PutVideo({.content_id = "c", .name = "a.mp4"});
+  const auto model = *store->PutModel({.name = "m", .content_id = "1"});
+  IndexBatch batch = Batch(video.id, model.id, 0);
+  for (std::int64_t frame = kSightingsInBatch; frame < 5000; ++frame) {
+    batch.sightings.push_back(batch.sightings.front());
+    batch.sightings.back().sighting.frame = frame;
+  }
+  ASSERT_TRUE(store->Commit(batch));
+  int seen = 0;
+  const Status status = store->VisitSightings({}, [&](SightingRecord&&) {
+    if (seen++ == 0) EndConnections();
+    return true;
+  });
+  EXPECT_FALSE(status) << "a part would be taken for the whole";
+  EXPECT_LT(seen, 5000);
+  EXPECT_THAT(*store->Sightings({}), SizeIs(5000));
+}
+
+// What a file that is damaged, or an administrator who turned triggers off, leaves.
+TEST_F(PostgresStoreTest, FindsFaults) {
+  const auto store = OpenOrDie();
+  const std::int64_t video = store->PutVideo({.content_id = "c", .name = "a.mp4", .width = 64, .height = 48})->id;
+  const std::int64_t model = store->PutModel({.name = "shed", .content_id = "m", .kind = ModelKind::kPhotos})->id;
+  const auto ids = store->Commit(Batch(video, model, 0));
+  ASSERT_TRUE(ids) << ids.error().message;
+  EXPECT_THAT(store->FindFaults().value(), SizeIs(0));
+  Run("UPDATE sightings SET source = 'guess' WHERE frame = 3");
+  EXPECT_THAT(store->FindFaults().value(), ElementsAre(HasSubstr("unknown source")));
+  Run("SET session_replication_role = replica; DELETE FROM models");
+  EXPECT_THAT(
+      store->FindFaults().value(),
+      ElementsAre("rows of searches without their row of models: 1", "rows of objects without their row of models: 1",
+                  "rows of tracklets without their row of models: 1", HasSubstr("unknown source")));
+  EndConnections();
+  Run("ALTER TABLE models RENAME TO lost");
+  EXPECT_FALSE(store->FindFaults().value().empty()) << "a missing table";
+}
+
+TEST_F(PostgresStoreTest, PlacesAreGeometries) {
+  const auto store = OpenOrDie();
+  const auto video = *store->PutVideo({.content_id = "c", .name = "a.mp4"});
+  const auto model = *store->PutModel({.name = "m", .content_id = "1"});
+  const auto ids = store->Commit(Batch(video.id, model.id, 0));
+  ASSERT_TRUE(ids);
+  Geolocation place{.point = {0.5, -0.25, 80}};
+  place.covariance_enu_m2.setIdentity();
+  const ObjectRecord object{.id = ids->front(), .model = model.id, .tracklets = *ids, .place = place};
+  ASSERT_TRUE(store->PutObjects(std::span(&object, 1)));
+  auto row = ConnectOrDie()->Query(
+      "SELECT radians(ST_Y(place)), radians(ST_X(place)), ST_Z(place), ST_SRID(place)::bigint, "
+      "(SELECT count(*) FROM pg_indexes WHERE tablename = 'objects' AND indexdef LIKE '%gist (place)%') FROM objects");
+  ASSERT_TRUE(row) << row.error().message;
+  ASSERT_TRUE(row->Next());
+  EXPECT_NEAR(row->Real(0), 0.5, 1e-12);
+  EXPECT_NEAR(row->Real(1), -0.25, 1e-12);
+  EXPECT_EQ(row->Real(2), 80);
+  EXPECT_EQ(row->Integer(3), 4979);
+  EXPECT_EQ(row->Integer(4), 1);
+}
+
+}  // namespace
+}  // namespace victorious::postgres

@@ -1,0 +1,83 @@
+// The reviews of an index: bound to a sighting's place in a video, resolved to the object that is there at present.
+#include <fmt/format.h>
+
+#include "victorious/base/enum_text.h"
+#include "victorious/store/postgres/postgres_store.h"
+#include "victorious/store/sql/records.h"
+
+namespace victorious::postgres {
+namespace {
+
+// The columns of the key of reviews.
+constexpr std::string_view kKey =
+    "video_content_id, model_name, frame, box_x_px, box_y_px, box_width_px, box_height_px";
+
+// Each review r with the sighting s, of the tracklet t, that it belongs to. Two boxes in one frame show the same object if
+// their intersection over union is at least a half, which is 3 intersections >= the sum of both areas: another search of
+// the same video moves an outline by some pixels.
+constexpr std::string_view kFromReviews =
+    "reviews r JOIN videos v ON v.content_id = r.video_content_id JOIN models m ON m.name = r.model_name "
+    "JOIN sightings s ON s.video_id = v.id AND s.frame = r.frame "
+    "JOIN tracklets t ON t.id = s.tracklet_id AND t.model_id = m.id AND t.object_id IS NOT NULL AND "
+    "3 * greatest(0, least(r.box_x_px + r.box_width_px, s.box_x_px + s.box_width_px) - greatest(r.box_x_px, "
+    "s.box_x_px)) * greatest(0, least(r.box_y_px + r.box_height_px, s.box_y_px + s.box_height_px) - "
+    "greatest(r.box_y_px, s.box_y_px)) >= r.box_width_px * r.box_height_px + s.box_width_px * s.box_height_px";
+
+}  // namespace
+
+Status PostgresStore::PutReview(std::int64_t object, const Review& review) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+      fmt::format("DELETE FROM reviews WHERE ({0}) IN (SELECT r.video_content_id, r.model_name, r.frame, r.box_x_px, "
+                  "r.box_y_px, r.box_width_px, r.box_height_px FROM {1} WHERE t.object_id = ?)",
+                  kKey, kFromReviews),
+      object));
+  // The first sighting of each of its tracklets.
+  const std::string_view sightings =
+      "FROM tracklets t JOIN videos v ON v.id = t.video_id JOIN models m ON m.id = t.model_id "
+      "CROSS JOIN LATERAL (SELECT * FROM sightings f WHERE f.video_id = t.video_id AND f.tracklet_id = t.id "
+      "ORDER BY f.frame LIMIT 1) s WHERE t.object_id = ?";
+  VICTORIOUS_ASSIGN_OR_RETURN(Result count, connection_->Query(fmt::format("SELECT count(*) {}", sightings), object));
+  if (!count.Next() || count.Integer(0) == 0) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: object {} does not exist (another process may have deleted or joined it)",
+                            connection_->name(), object));
+  }
+  if (!review.IsEmpty()) {
+    const auto verdict = review.verdict ? std::optional(std::string(ToText(*review.verdict))) : std::nullopt;
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+        fmt::format(
+            "INSERT INTO reviews ({0}, verdict, note, updated_utc_us, reviewer) SELECT v.content_id, m.name, s.frame, "
+            "s.box_x_px, s.box_y_px, s.box_width_px, s.box_height_px, ?::text, ?, ?, ? {1} ON CONFLICT ({0}) DO "
+            "UPDATE SET verdict = excluded.verdict, note = excluded.note, "
+            "updated_utc_us = excluded.updated_utc_us, reviewer = excluded.reviewer",
+            kKey, sightings),
+        verdict, review.note, review.updated_utc_us, review.reviewer, object));
+  }
+  return transaction.Commit();
+}
+
+Expected<std::vector<ReviewedObject>> PostgresStore::Reviews() {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result rows,
+      connection_->Query(fmt::format("SELECT DISTINCT ON (t.object_id) t.object_id, r.verdict, r.note, r.reviewer, "
+                                     "r.updated_utc_us "
+                                     "FROM {} ORDER BY t.object_id, r.updated_utc_us DESC",
+                                     kFromReviews)));
+  std::vector<ReviewedObject> reviews;
+  while (rows.Next()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Review review, sql::ReadReview(rows, 1, connection_->name()));
+    reviews.push_back({rows.Integer(0), std::move(review)});
+  }
+  return reviews;
+}
+
+// The snapshot of a statement differs from an earlier one if any transaction of the server that writes began or ended
+// between them, also one of another database.
+Expected<std::int64_t> PostgresStore::ChangeNumber() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result row,
+                              connection_->Query("SELECT hashtextextended(pg_current_snapshot()::text, 0)"));
+  return row.Next() ? row.Integer(0) : 0;
+}
+
+}  // namespace victorious::postgres

@@ -1,0 +1,126 @@
+// Videos of an index, tested for every implementation: found by their names, and their texts as given.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+#include "testing/scratch_postgres.h"
+#include "victorious/store/index_store.h"
+#include "victorious/store/open_store.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(FindVideosByName, PrefersTheWholeNameToItsLastParts) {
+  const std::vector<VideoRecord> videos = {{.id = 1, .name = "a.mp4"},
+                                           {.id = 2, .name = "/data/flight/a.mp4"},
+                                           {.id = 3, .name = "frames/"},
+                                           {.id = 4, .name = "/data/other/a.mp4"},
+                                           {.id = 5, .name = "rtsp://camera/live"}};
+  const auto ids = [&](std::string_view name) {
+    std::vector<std::int64_t> found;
+    for (const VideoRecord& video : FindVideosByName(videos, name)) found.push_back(video.id);
+    return found;
+  };
+  EXPECT_THAT(ids("a.mp4"), ElementsAre(1));
+  EXPECT_THAT(ids("./a.mp4"), ElementsAre(1, 2, 4));
+  EXPECT_THAT(ids("flight/a.mp4"), ElementsAre(2));
+  EXPECT_THAT(ids("/data/other/a.mp4"), ElementsAre(4));
+  EXPECT_THAT(ids("frames"), ElementsAre(3));
+  EXPECT_THAT(ids("rtsp://camera/live"), ElementsAre(5));
+  EXPECT_TRUE(ids(".mp4").empty());
+  EXPECT_TRUE(ids("light/a.mp4").empty());
+  EXPECT_TRUE(ids("").empty());
+}
+
+class VideosTest : public ::testing::TestWithParam<testing::StoreKind> {
+ protected:
+  void SetUp() override {
+    VICTORIOUS_STORE_OR_SKIP(name_, GetParam().make(folder_.path()));
+    Reopen();
+  }
+
+  void Reopen() {
+    store_.reset();
+    auto store = OpenStore(name_, StoreMode::kCreate);
+    ASSERT_TRUE(store) << store.error().message;
+    store_ = *std::move(store);
+  }
+
+  VideoRecord PutVideo(const std::string& content_id, const std::string& name, const std::string& folder = "") {
+    const auto video =
+        store_->PutVideo({.content_id = content_id, .name = name, .folder = folder, .width = 640, .height = 480});
+    EXPECT_TRUE(video) << video.error().message;
+    return video.value_or(VideoRecord{});
+  }
+
+  std::vector<std::string> ContentIds() const {
+    std::vector<std::string> ids;
+    for (const VideoRecord& video : store_->Videos().value()) ids.push_back(video.content_id);
+    return ids;
+  }
+
+  testing::ScratchFolder folder_;
+  std::string name_;
+  std::unique_ptr<IndexStore> store_;
+};
+
+// Names of files and texts of users can be any bytes.
+TEST_P(VideosTest, TextsRoundTripByteForByte) {
+  using namespace std::string_literals;
+  const std::string name = "/data/\xFF\xC3(\0 \xED\xA0\x80 \xF4\x8F\xBC\x80 Übung.mp4"s;
+  const VideoRecord video = PutVideo("c2", name, name);
+  EXPECT_EQ(video.name, name);
+  EXPECT_EQ(video.folder, name);
+  const ModelRecord model =
+      store_->PutModel({.name = name, .content_id = "m2", .kind = ModelKind::kPhotos}).value_or(ModelRecord{});
+  EXPECT_EQ(model.name, name);
+  IndexBatch batch;
+  batch.tracklets.push_back({std::nullopt, {.video = video.id, .model = model.id, .score = 0.5, .frames = 1}});
+  batch.sightings.push_back({0, {.box = {1, 2, 30, 40}, .outline = {{1, 2}, {31, 2}, {31, 42}}, .score = 0.5}});
+  const auto ids = store_->Commit(batch);
+  ASSERT_TRUE(ids) << ids.error().message;
+  ASSERT_TRUE(store_->PutReview(ids->front(), {Verdict::kAccepted, name, 10, name}));
+  Reopen();
+  EXPECT_EQ(store_->Videos()->back().name, name);
+  EXPECT_EQ(store_->Videos()->back().folder, name);
+  EXPECT_EQ(store_->Models()->back().name, name);
+  EXPECT_EQ(store_->Reviews()->front().review.note, name);
+  EXPECT_EQ(store_->Reviews()->front().review.reviewer, name);
+  EXPECT_EQ(*store_->DeleteOtherContent(name, name, "c2"), 0);
+  EXPECT_EQ(*store_->DeleteOtherContent(name, name, "c3"), 1);
+}
+
+TEST_P(VideosTest, LongOptionsRoundTrip) {
+  std::string json(100'000, ' ');
+  for (std::size_t i = 0; i < json.size(); ++i) json[i] = static_cast<char>('a' + i * i % 23);
+  ASSERT_TRUE(store_->SetVideoFeatures(PutVideo("c1", "a.mp4").id, json));
+  ASSERT_TRUE(store_->SetVideoFeatures(PutVideo("c2", "b.mp4").id, json));
+  EXPECT_EQ(store_->Videos()->front().features_json, json);
+  EXPECT_EQ(store_->Videos()->back().features_json, json);
+}
+
+// A video that moved keeps its row; one of the same name in another folder is another video.
+TEST_P(VideosTest, FolderDistinguishesVideosOfOneName) {
+  PutVideo("c1", "a.mp4", "/data/monday");
+  PutVideo("c2", "a.mp4", "/data/tuesday");
+  PutVideo("c3", "a.mp4");
+  EXPECT_EQ(*store_->DeleteOtherContent("a.mp4", "/data/tuesday", "c4"), 2) << "of the folder, and of an unknown one";
+  EXPECT_THAT(ContentIds(), ElementsAre("c1"));
+  EXPECT_EQ(PutVideo("c1", "a.mp4", "/data/archive").folder, "/data/archive");
+  EXPECT_EQ(store_->Videos()->front().folder, "/data/archive");
+  EXPECT_EQ(*store_->DeleteOtherContent("a.mp4", "/data/monday", "c4"), 0);
+}
+
+TEST_P(VideosTest, SoundIndexHasNoFaults) {
+  EXPECT_THAT(store_->FindFaults().value(), IsEmpty());
+  PutVideo("c1", "a.mp4");
+  EXPECT_THAT(store_->FindFaults().value(), IsEmpty());
+}
+
+VICTORIOUS_TEST_ON_ALL_STORES(VideosTest);
+
+}  // namespace
+}  // namespace victorious
