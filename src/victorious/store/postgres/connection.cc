@@ -319,6 +319,7 @@ Expected<Transaction> Transaction::Begin(Connection& connection, Exclusion exclu
   VICTORIOUS_RETURN_IF_ERROR(connection.Execute("BEGIN; SET LOCAL idle_in_transaction_session_timeout = '60s'"));
   connection.is_in_transaction_ = true;
   Transaction transaction(connection);
+  if (exclusion == Exclusion::kNothing) return transaction;
   const std::string_view share = exclusion == Exclusion::kShared ? "_shared" : "";
   VICTORIOUS_RETURN_IF_ERROR(connection.Execute(fmt::format("SELECT pg_advisory_xact_lock{}({})", share, kLockKey)));
   return transaction;

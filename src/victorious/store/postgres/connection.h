@@ -88,8 +88,9 @@ class Connection {
 
 /// What a transaction excludes until it ends.
 enum class Exclusion {
-  kShared,  ///< kAll of other processes, not their kShared: for writes that touch only rows of their own
-  kAll,     ///< all other writes of the index: for what changes rows that others write, too
+  kNothing,  ///< for writes that lock their rows by themselves
+  kShared,   ///< kAll of other processes, not their kShared: for writes that touch only rows of their own
+  kAll,      ///< all other writes of the index: for what changes rows that others write, too
 };
 
 /// An RAII transaction that writes: the destructor rolls back unless Commit was called. The server ends it if the process

@@ -32,7 +32,7 @@ Status AddPostgis(Connection& connection) {
 }  // namespace
 
 std::span<const Migration> Migrations() {
-  static constexpr std::array kMigrations = {Migration{1, kSchema001}};
+  static constexpr std::array kMigrations = {Migration{1, kSchema001}, Migration{2, kSchema002}};
   return kMigrations;
 }
 
@@ -57,6 +57,22 @@ Expected<int> ReadVersion(Connection& connection, int newest) {
         sql::DamagedIndex(connection.name(), fmt::format("schema {}, expected 1 to {}", version, newest)));
   }
   return static_cast<int>(version);
+}
+
+Status CheckVersion(Connection& connection) {
+  const int newest = Migrations().back().version;
+  VICTORIOUS_ASSIGN_OR_RETURN(const int version, ReadVersion(connection, newest));
+  if (version == 0) {
+    return Fail(
+        ErrorCode::kNotFound,
+        fmt::format("{}: no index in this database: give one that `victorious index` wrote", connection.name()));
+  }
+  if (version == newest) return {};
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: written by an older version (schema {}; this program reads {}): run `victorious index` on "
+                  "it once to migrate it",
+                  connection.name(), version, newest));
 }
 
 Status Migrate(Connection& connection, std::span<const Migration> migrations) {

@@ -23,6 +23,10 @@ std::span<const Migration> Migrations();
 /// newer than `newest`), kDataLoss (damaged).
 [[nodiscard]] Expected<int> ReadVersion(Connection& connection, int newest);
 
+/// Checks that the database has an index of this program's version. Errors: those of ReadVersion; kNotFound (no index),
+/// kUnsupported (an older version).
+[[nodiscard]] Status CheckVersion(Connection& connection);
+
 /// Migrates the database to the last of `migrations`, each in its own transaction. Safe if two processes do so at once.
 /// Errors: kUnsupported if the server has no PostGIS; kPermissionDenied if the role may not add it, or make a schema.
 [[nodiscard]] Status Migrate(Connection& connection, std::span<const Migration> migrations);

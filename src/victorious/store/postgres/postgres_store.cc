@@ -412,23 +412,8 @@ namespace victorious {
 
 Expected<std::unique_ptr<IndexStore>> OpenPostgresStore(const std::string& url, StoreMode mode) {
   VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::Connection::Open(url, mode == StoreMode::kRead));
-  const int newest = postgres::Migrations().back().version;
-  if (mode == StoreMode::kCreate) {
-    VICTORIOUS_RETURN_IF_ERROR(postgres::Migrate(*connection, postgres::Migrations()));
-    return std::make_unique<postgres::PostgresStore>(std::move(connection));
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(const int version, postgres::ReadVersion(*connection, newest));
-  if (version == 0) {
-    return Fail(
-        ErrorCode::kNotFound,
-        fmt::format("{}: no index in this database: give one that `victorious index` wrote", connection->name()));
-  }
-  if (version < newest) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("{}: written by an older version (schema {}; this program reads {}): run `victorious "
-                            "index` on it once to migrate it",
-                            connection->name(), version, newest));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(mode == StoreMode::kCreate ? postgres::Migrate(*connection, postgres::Migrations())
+                                                        : postgres::CheckVersion(*connection));
   return std::make_unique<postgres::PostgresStore>(std::move(connection));
 }
 

@@ -1,0 +1,210 @@
+// The queue of tasks: order, leases, what a dead or a frozen worker leaves, exactly one effect of each task.
+#include "victorious/store/postgres/task_queue.h"
+
+#include <array>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/scratch_postgres.h"
+#include "victorious/store/open_store.h"
+
+namespace victorious::postgres {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Status WriteNothing(Connection&) { return {}; }
+
+class PostgresTaskQueueTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    VICTORIOUS_STORE_OR_SKIP(url_, testing::EmptyPostgresDatabase());
+    const auto store = OpenStore(url_, StoreMode::kCreate);
+    ASSERT_TRUE(store) << store.error().message;
+    queue_ = OpenOrDie("first");
+  }
+
+  std::unique_ptr<TaskQueue> OpenOrDie(const std::string& worker) const {
+    auto queue = TaskQueue::Open(url_, worker);
+    if (!queue) ADD_FAILURE() << queue.error().message;
+    return queue ? *std::move(queue) : nullptr;
+  }
+
+  void Submit(const std::vector<NewTask>& tasks) const {
+    const auto added = queue_->Submit(tasks);
+    EXPECT_TRUE(added) << added.error().message;
+    EXPECT_EQ(*added, std::ssize(tasks));
+  }
+
+  static Task ClaimOrDie(TaskQueue& queue) {
+    const auto task = queue.Claim();
+    EXPECT_TRUE(task) << task.error().message;
+    EXPECT_TRUE(task && *task) << "none waits";
+    return task && *task ? **task : Task{};
+  }
+
+  void Run(const std::string& sql) const {
+    const auto connection = Connection::Open(url_, false);
+    const Status status = (*connection)->Execute(sql);
+    EXPECT_TRUE(status) << status.error().message;
+  }
+
+  // All leases end now, as after a minute of silence.
+  void EndLeases() const { Run("UPDATE tasks SET leased_until = now() - interval '1 s' WHERE state = 'running'"); }
+
+  // The events of the log, in order: "1 claimed first" for the first attempt.
+  std::vector<std::string> Log() const {
+    const auto connection = Connection::Open(url_, true);
+    auto rows = (*connection)->Query("SELECT attempt || ' ' || event || ' ' || worker FROM task_log ORDER BY id");
+    std::vector<std::string> events;
+    while (rows->Next()) events.push_back(rows->Text(0));
+    return events;
+  }
+
+  std::string url_;
+  std::unique_ptr<TaskQueue> queue_;
+};
+
+TEST_F(PostgresTaskQueueTest, ClaimsByPriorityThenByAge) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}"},
+          {"index", "b", TaskPriority::kPerson, R"({"frame":1})"},
+          {"index", "c", TaskPriority::kLive, "{}"},
+          {"index", "d", TaskPriority::kPerson, "{}"}});
+  EXPECT_EQ(*queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kLive, "{}"},
+                                                 {"stitch", "a", TaskPriority::kBatch, "{}"}}),
+            1)
+      << "a task is added once";
+  std::vector<std::string> order;
+  for (int i = 0; i < 5; ++i) {
+    const Task task = ClaimOrDie(*queue_);
+    order.push_back(task.kind + " " + task.key);
+    if (task.key == "b") EXPECT_EQ(task.payload, R"({"frame":1})");
+    EXPECT_EQ(task.attempt, 1);
+  }
+  EXPECT_THAT(order, ElementsAre("index c", "index b", "index d", "index a", "stitch a"));
+  EXPECT_FALSE(queue_->Claim()->has_value());
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.running = 5}));
+}
+
+TEST_F(PostgresTaskQueueTest, ResultsAndEndAreOneTransaction) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}"}});
+  const Task task = ClaimOrDie(*queue_);
+  const Status failed = queue_->Complete(task, [](Connection& connection) -> Status {
+    VICTORIOUS_RETURN_IF_ERROR(connection.Query("INSERT INTO options (json) VALUES ('half')"));
+    return Fail(ErrorCode::kNoSpace, "no space");
+  });
+  EXPECT_EQ(failed.error().code, ErrorCode::kNoSpace);
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.running = 1}));
+  ASSERT_TRUE(queue_->Renew(task));
+  const Status completed = queue_->Complete(task, [](Connection& connection) -> Status {
+    VICTORIOUS_RETURN_IF_ERROR(connection.Query("INSERT INTO options (json) VALUES ('whole')"));
+    return {};
+  });
+  ASSERT_TRUE(completed) << completed.error().message;
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
+  EXPECT_EQ(queue_->Complete(task, &WriteNothing).error().code, ErrorCode::kConflict) << "once";
+  auto rows = (*Connection::Open(url_, true))->Query("SELECT json FROM options");
+  ASSERT_EQ(rows->RowCount(), 1);
+  ASSERT_TRUE(rows->Next());
+  EXPECT_EQ(rows->Text(0), "whole");
+  EXPECT_THAT(Log(), ElementsAre("1 claimed first", "1 done first"));
+}
+
+// A worker that stood still past its lease, while another did its task.
+TEST_F(PostgresTaskQueueTest, LateWorkerIsRefused) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}"}});
+  const Task late = ClaimOrDie(*queue_);
+  const auto second = OpenOrDie("second");
+  EXPECT_FALSE(second->Claim()->has_value()) << "leased";
+  EndLeases();
+  const Task task = ClaimOrDie(*second);
+  EXPECT_EQ(task.id, late.id);
+  EXPECT_EQ(task.attempt, 2);
+  const auto never = [](Connection&) -> Status {
+    ADD_FAILURE() << "results of a lost lease were written";
+    return {};
+  };
+  const Status refused = queue_->Complete(late, never);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  EXPECT_THAT(refused.error().message, HasSubstr("does not run any more"));
+  EXPECT_EQ(queue_->Renew(late).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(queue_->Return(late).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(queue_->Quarantine(late, "").error().code, ErrorCode::kConflict);
+  ASSERT_TRUE(second->Complete(task, &WriteNothing));
+  EXPECT_THAT(Log(), ElementsAre("1 claimed first", "1 lost first", "2 claimed second", "2 done second"));
+}
+
+TEST_F(PostgresTaskQueueTest, RenewedLeaseIsKept) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}"}});
+  const Task task = ClaimOrDie(*queue_);
+  EndLeases();
+  ASSERT_TRUE(queue_->Renew(task)) << "late, but nobody took it";
+  EXPECT_FALSE(OpenOrDie("second")->Claim()->has_value());
+  EXPECT_TRUE(queue_->Complete(task, &WriteNothing));
+}
+
+TEST_F(PostgresTaskQueueTest, TaskThatKillsThreeWorkersIsQuarantined) {
+  Submit({{"index", "poison", TaskPriority::kBatch, "{}"}, {"index", "good", TaskPriority::kBatch, "{}"}});
+  for (int attempt = 1; attempt <= TaskQueue::kMaxLostWorkers; ++attempt) {
+    const Task task = ClaimOrDie(*queue_);
+    EXPECT_EQ(task.key, "poison");
+    EXPECT_EQ(task.attempt, attempt);
+    EndLeases();
+  }
+  EXPECT_EQ(ClaimOrDie(*queue_).key, "good");
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.running = 1, .quarantined = 1}));
+}
+
+TEST_F(PostgresTaskQueueTest, ReturnedAndQuarantinedTasks) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}"}});
+  for (int i = 0; i < 2 * TaskQueue::kMaxLostWorkers; ++i) {
+    ASSERT_TRUE(queue_->Return(ClaimOrDie(*queue_))) << "a worker that stops in order kills nothing";
+  }
+  ASSERT_TRUE(queue_->Quarantine(ClaimOrDie(*queue_), "not a video"));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.quarantined = 1}));
+  EXPECT_FALSE(queue_->Claim()->has_value());
+}
+
+// Law: whatever workers do at once, each task is claimed and done once.
+TEST_F(PostgresTaskQueueTest, ConcurrentWorkersDoEachTaskOnce) {
+  constexpr int kTasks = 60;
+  constexpr int kWorkers = 4;
+  std::vector<NewTask> tasks;
+  for (int i = 0; i < kTasks; ++i) tasks.push_back({"index", std::to_string(i), TaskPriority::kBatch, "{}"});
+  Submit(tasks);
+  std::array<std::string, kWorkers> faults;
+  std::vector<std::thread> threads;
+  const auto work = [&](const std::string& name) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto queue, TaskQueue::Open(url_, name));
+    while (true) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Task> task, queue->Claim());
+      if (!task) return {};
+      VICTORIOUS_RETURN_IF_ERROR(queue->Complete(*task, [&](Connection& connection) -> Status {
+        VICTORIOUS_RETURN_IF_ERROR(connection.Query("INSERT INTO options (json) VALUES (?)", task->key));
+        return {};
+      }));
+    }
+  };
+  for (std::string& fault : faults) {
+    threads.emplace_back([&] {
+      const Status status = work("worker");
+      fault = status ? "" : status.error().message;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(faults, Each(""));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = kTasks}));
+  EXPECT_EQ(Log().size(), 2U * kTasks);
+  auto rows = (*Connection::Open(url_, true))->Query("SELECT count(*), count(DISTINCT json) FROM options");
+  ASSERT_TRUE(rows->Next());
+  EXPECT_EQ(rows->Integer(0), kTasks);
+  EXPECT_EQ(rows->Integer(1), kTasks);
+}
+
+}  // namespace
+}  // namespace victorious::postgres
