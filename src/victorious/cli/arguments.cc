@@ -118,6 +118,12 @@ CLI::Validator VideoTimeTransform() {
       "");
 }
 
+void AddDb(CLI::App& app, std::string& db, std::string_view description) {
+  app.add_option("--db", db, fmt::format("{}: a file, or postgresql://USER@HOST/DATABASE", description))
+      ->required()
+      ->type_name("DB");
+}
+
 void AddParams(CLI::App& app, std::string& params, std::string_view lists) {
   app.add_option("--params", params,
                  fmt::format("Parameters: JSON (`victorious params {}` lists them), or a preset: {}", lists,

@@ -50,6 +50,9 @@ CLI::Validator VideoTimeTransform();
 /// Parses "latitude,longitude,metres" (latitude and longitude in degrees). Error: kInvalidArgument.
 [[nodiscard]] Expected<GeoCircle> ParseGeoCircle(std::string_view text);
 
+/// Adds the option --db: a SQLite file or the URL of a PostgreSQL database (store/open_store.h).
+void AddDb(CLI::App& app, std::string& db, std::string_view description = "The index");
+
 /// Adds the option --params. `lists` is the argument with which `victorious params` lists these parameters.
 void AddParams(CLI::App& app, std::string& params, std::string_view lists);
 

@@ -23,8 +23,8 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/pipeline/video_telemetry.h"
-#include "victorious/store/index_store.h"
 #include "victorious/store/model_file.h"
+#include "victorious/store/open_store.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/video/codecs.h"
 #include "victorious/video/video_reader.h"
@@ -218,8 +218,9 @@ Expected<Report> DescribeModel(const std::string& path) {
                  {"program_version", model.program_version}}};
 }
 
-Expected<Report> DescribeIndex(const std::string& path) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenSqliteStore(path, StoreMode::kRead));
+Expected<Report> DescribeIndex(const std::string& db) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenStore(db, StoreMode::kRead));
+  const std::string path = StoreName(db);
   VICTORIOUS_ASSIGN_OR_RETURN(const auto videos, store->Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto models, store->Models());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto objects, store->Objects({}));
@@ -263,14 +264,16 @@ Expected<Report> DescribeTelemetryFile(const std::string& path) {
 }
 
 // Reads the whole index. Damage is an error: its first fault, and how many there are.
-Expected<Report> CheckIndex(const std::string& path) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenSqliteStore(path, StoreMode::kRead));
+Expected<Report> CheckIndex(const std::string& db) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenStore(db, StoreMode::kRead));
+  const std::string path = StoreName(db);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> faults, store->FindFaults());
   if (!faults.empty()) {
     return Fail(
         ErrorCode::kDataLoss,
-        fmt::format("{}: damaged: {}{}: index the videos again into a new file", path, faults.front(),
-                    faults.size() > 1 ? fmt::format(", and {} more", CountText(faults.size() - 1, "fault")) : ""));
+        fmt::format("{}: damaged: {}{}: index the videos again into a new {}", path, faults.front(),
+                    faults.size() > 1 ? fmt::format(", and {} more", CountText(faults.size() - 1, "fault")) : "",
+                    IsDatabaseUrl(db) ? "database" : "file"));
   }
   return Report{fmt::format("{}\n  an index without damage\n", path),
                 {{"file", path}, {"kind", "index"}, {"faults", ordered_json::array()}}};
@@ -278,6 +281,7 @@ Expected<Report> CheckIndex(const std::string& path) {
 
 // Determines the kind by the file's first bytes, not by its name.
 Expected<Report> Describe(const std::string& path) {
+  if (IsDatabaseUrl(path)) return DescribeIndex(path);
   std::array<char, 16> head{};
   std::ifstream(path, std::ios::binary).read(head.data(), head.size());
   const std::string_view bytes(head.data(), head.size());
@@ -303,7 +307,8 @@ Action SetUpDoctor(CLI::App& app) {
   };
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("FILE", arguments->file,
-                 "A video, a folder of frames, an image, telemetry, a model (.vmodel) or an index (.db); without it, "
+                 "A video, a folder of frames, an image, telemetry, a model (.vmodel) or an index (.db, or "
+                 "postgresql://USER@HOST/DATABASE); without it, "
                  "this machine is described");
   app.add_flag("--check", arguments->check, "Read all of an index and report damage");
   app.add_flag("--json", arguments->json, "Print one JSON object");

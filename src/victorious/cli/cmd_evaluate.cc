@@ -1,4 +1,4 @@
-// victorious evaluate --db FILE --truth FILE
+// victorious evaluate --db DB --truth FILE
 #include <memory>
 #include <set>
 
@@ -10,6 +10,7 @@
 #include "victorious/evaluate/score.h"
 #include "victorious/evaluate/truth.h"
 #include "victorious/store/catalogue.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious::cli {
 namespace {
@@ -24,7 +25,7 @@ struct Arguments {
 
 Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TruthRow> truth, ReadTruth(arguments.truth));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   SightingFilter filter;
   if (!arguments.video.empty()) filter.video_name = arguments.video;
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
@@ -45,7 +46,7 @@ Status Run(const Arguments& arguments) {
 
 Action SetUpEvaluate(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
+  AddDb(app, arguments->db);
   app.add_option("--truth", arguments->truth, "Ground truth (truth.jsonl) of the video")->required()->type_name("FILE");
   app.add_option("--models", arguments->models, "Models that were searched: truth of other models is ignored")
       ->delimiter(',')

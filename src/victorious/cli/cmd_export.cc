@@ -1,4 +1,4 @@
-// victorious export --db FILE --format FORMAT
+// victorious export --db DB --format FORMAT
 #include <memory>
 #include <sstream>
 #include <string>
@@ -11,6 +11,7 @@
 #include "victorious/cli/output_files.h"
 #include "victorious/pipeline/drawn_video.h"
 #include "victorious/store/export.h"
+#include "victorious/store/open_store.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -64,7 +65,7 @@ Action SetUpExport(CLI::App& app) {
     FilterArguments filter;
   };
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
+  AddDb(app, arguments->db);
   app.add_option("--format", arguments->format,
                  "One of " + ExportFormatNames() +
                      " (docs/formats/export.md), or video: a copy of the video with the sightings drawn into it")
@@ -76,15 +77,13 @@ Action SetUpExport(CLI::App& app) {
   return [=, &app]() -> Status {
     if (arguments->format == kVideoFormat) {
       VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
-                                  OpenSqliteStore(arguments->db, StoreMode::kRead));
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
       return ExportVideo(arguments->out, filter, *store, app);
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
     VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments->out, KindOf(format)}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
-                                OpenSqliteStore(arguments->db, StoreMode::kRead));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     std::ostringstream text;
     VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));

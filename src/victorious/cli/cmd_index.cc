@@ -1,4 +1,4 @@
-// victorious index VIDEO... --models DIR --categories FILE --db FILE
+// victorious index VIDEO... --models DIR --categories FILE --db DB
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -22,6 +22,7 @@
 #include "victorious/pipeline/drawn_video.h"
 #include "victorious/pipeline/indexer.h"
 #include "victorious/pipeline/preset.h"
+#include "victorious/store/open_store.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -196,8 +197,7 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   const auto can_be_read = [&](const std::string& video) { return !unreadable.contains(video); };
   if (std::ranges::none_of(arguments.videos, can_be_read)) return std::unexpected(*std::move(failure));
   for (const auto& [video, error] : unreadable) spdlog::warn("left out: {}", OneLine(error.message));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
-                              OpenSqliteStore(arguments.db, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
   for (const std::string& video : arguments.videos) {
     if (!can_be_read(video)) continue;
     const auto warn = [&](const std::string& warning) { spdlog::warn("{}: {}", video, warning); };
@@ -242,7 +242,7 @@ Action SetUpIndex(CLI::App& app) {
   app.add_option("--categories", arguments->categories,
                  "A category model (`victorious category train`), whose categories are searched for as well")
       ->type_name("FILE");
-  app.add_option("--db", arguments->db, "The index; created if it does not exist")->required()->type_name("FILE");
+  AddDb(app, arguments->db, "The index; created if it does not exist");
   app.add_option("--telemetry", arguments->telemetry,
                  "Camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
       ->type_name("FILE");

@@ -107,7 +107,8 @@ Action SetUpNavigate(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
   app.add_option("--landmarks", arguments->landmarks,
-                 "Objects of known place: an index, or a list written by `export --format objects`")
+                 "Objects of known place: an index (a file, or postgresql://USER@HOST/DATABASE), or a list "
+                 "written by `export --format objects`")
       ->required()
       ->type_name("DB");
   app.add_option("--models", arguments->models, "Folder of the landmarks' models")->required()->type_name("DIR");

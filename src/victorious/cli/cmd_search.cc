@@ -1,4 +1,4 @@
-// victorious search --db FILE: lists objects by rank, or moments similar to an image
+// victorious search --db DB: lists objects by rank, or moments similar to an image
 #include <algorithm>
 #include <memory>
 
@@ -14,6 +14,7 @@
 #include "victorious/pipeline/search_image.h"
 #include "victorious/store/catalogue.h"
 #include "victorious/store/listed_object.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious::cli {
 namespace {
@@ -153,7 +154,7 @@ Status Run(const Arguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument, "--rejected and --image exclude each other: give one of them");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments.filter.Filter());
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   VICTORIOUS_RETURN_IF_ERROR(WarnAboutUnfinished(catalogue, *store));
   return arguments.image.empty() ? PrintObjects(arguments, filter, catalogue, *store)
@@ -164,7 +165,7 @@ Status Run(const Arguments& arguments) {
 
 Action SetUpSearch(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
+  AddDb(app, arguments->db);
   arguments->filter.AddTo(app);
   app.add_option("--image", arguments->image, "Example image: list the moments that show its object")
       ->type_name("FILE");

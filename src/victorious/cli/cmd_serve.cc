@@ -12,6 +12,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/http_server.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious::cli {
 namespace {
@@ -37,6 +38,11 @@ std::filesystem::path FindPage() {
 }
 
 Status Run(const Arguments& arguments) {
+  if (IsDatabaseUrl(arguments.db)) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: the page shows an index in a file; the other commands read "
+                                                     "this one, too",
+                                                     StoreName(arguments.db)));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const HttpServerOptions server_options, ParseListenAddress(arguments.listen));
   ApiOptions options{.index = arguments.db, .models = arguments.models, .telemetry = {}, .web = arguments.web};
   options.uploads = arguments.uploads.empty() ? arguments.db + ".uploads" : arguments.uploads;

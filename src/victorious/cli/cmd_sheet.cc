@@ -1,4 +1,4 @@
-// victorious sheet --db FILE --out PNG: draws the found objects on a contact sheet
+// victorious sheet --db DB --out PNG: draws the found objects on a contact sheet
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -16,6 +16,7 @@
 #include "victorious/image/image_file.h"
 #include "victorious/pipeline/contact_sheet.h"
 #include "victorious/store/catalogue.h"
+#include "victorious/store/open_store.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -57,9 +58,7 @@ Action SetUpSheet(CLI::App& app) {
     FilterArguments filter;
   };
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("--db", arguments->db, "The index; its videos must still be at their paths")
-      ->required()
-      ->type_name("FILE");
+  AddDb(app, arguments->db, "The index, whose videos must still be at their paths");
   app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
   app.add_option("--most", arguments->options.max_tiles, "Largest number of objects to show, best first")
       ->type_name("N");
@@ -74,8 +73,7 @@ Action SetUpSheet(CLI::App& app) {
         CheckFlags(CollectFields(arguments->options),
                    {{"max_tiles", "--most"}, {"columns", "--columns"}, {"moments", "--moments"}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
-                                OpenSqliteStore(arguments->db, StoreMode::kRead));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
     std::vector<std::string> videos;
     for (const VideoRecord& video : catalogue.videos()) videos.push_back(FindVideoFile(video));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/listed_object.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 
@@ -165,16 +167,20 @@ Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListO
 Expected<LandmarkList> ReadLandmarks(const std::string& path, const LandmarkListOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   Expected<LandmarkList> list = LandmarkList{};
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto file, MappedFile::Open(path));
-  const auto bytes = file->bytes();
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with(kSqlite)) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(path, StoreMode::kRead));
+  std::shared_ptr<const MappedFile> file;
+  std::string_view text;
+  if (!IsDatabaseUrl(path)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(file, MappedFile::Open(path));
+    const auto bytes = file->bytes();
+    text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  if (IsDatabaseUrl(path) || text.starts_with(kSqlite)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(path, StoreMode::kRead));
     list = ReadIndexLandmarks(*store, options);
   } else {
     list = ParseLandmarks(text, options);
   }
-  if (!list) return std::unexpected(std::move(list).error().WithContext(path));
+  if (!list) return std::unexpected(std::move(list).error().WithContext(StoreName(path)));
   const auto variance = [](const Landmark& landmark) { return landmark.covariance_enu_m2.trace(); };
   const Landmark& best = *std::ranges::min_element(list->landmarks, {}, variance);
   list->common_covariance_enu_m2 = options.common_fraction * options.common_fraction * best.covariance_enu_m2;
