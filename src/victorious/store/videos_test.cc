@@ -58,7 +58,8 @@ class VideosTest : public ::testing::TestWithParam<testing::StoreKind> {
 
   std::vector<std::string> ContentIds() const {
     std::vector<std::string> ids;
-    for (const VideoRecord& video : store_->Videos().value()) ids.push_back(video.content_id);
+    const auto videos = store_->Videos().value();
+    for (const VideoRecord& video : videos) ids.push_back(video.content_id);
     return ids;
   }
 
