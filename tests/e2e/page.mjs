@@ -353,7 +353,7 @@ async function jobs(page, [photos, video]) {
     await tab.waitForSelector("[role=option]");
     await tab.waitForFunction(() => document.querySelector(".stage canvas[data-frame]"));
   }
-  // One stream of events for both tabs: the second is told by the first.
+  // One stream of events for both tabs: the first forwards the events to the second.
   assert.equal(await second.locator("[role=option]").count(), await page.locator("[role=option]").count());
 
   // What cannot be read says why.

@@ -8,7 +8,7 @@ type Handler = (data: unknown) => void;
 
 const handlers = new Map<EventName, Handler[]>();
 const channel = new BroadcastChannel("victorious-events");
-/** The latest of each name: what a tab is told that comes later. */
+/** The latest event of each name, sent to a tab that opens later. */
 const latest = new Map<EventName, unknown>();
 let isLeader = false;
 

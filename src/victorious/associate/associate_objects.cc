@@ -506,7 +506,7 @@ Status WarnOfRangeFactors(const std::map<std::int64_t, RangeFactor>& factors, In
     const double percent = 100 * std::abs(found->second.factor - 1);
     const std::string name = videos.size() > 1 ? video.name + ": " : "";
     warn(
-        fmt::format("{}the lines of sight of {} objects meet {:.0f} % {} than their sizes say: the field of view is "
+        fmt::format("{}the lines of sight of {} objects meet {:.0f} % {} than their sizes imply: the field of view is "
                     "about {:.0f} % too {}; ranges are corrected by it",
                     name, found->second.objects, percent, found->second.factor > 1 ? "farther" : "nearer", percent,
                     found->second.factor > 1 ? "wide" : "narrow"));

@@ -12,7 +12,7 @@
 
 namespace victorious {
 
-/// Lines of sight of a track are placed one by one, and smoothed to a path, if the median standard deviation of their
+/// Each line of sight of a track gets a place, smoothed to a path, if the median standard deviation of their
 /// ranges is at most this fraction: those of CAD models are, those of boxes and photos are not.
 inline constexpr double kMaxPathRangeFraction = 0.1;
 

@@ -80,7 +80,7 @@ void LiveService::Watch() {
 }
 
 void LiveService::PublishIndex() {
-  // Nobody listens: the next listener is told once.
+  // Without a listener nothing is published: the version stays old, so that the next one gets the event.
   if (hub_->listeners() == 0 && published_version_ != 0) return;
   const auto lists = index_.Lists();
   if (!lists || (*lists)->version == published_version_) return;

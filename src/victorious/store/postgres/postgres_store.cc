@@ -156,17 +156,9 @@ Expected<std::vector<ModelRecord>> PostgresStore::Models() {
 }
 
 Expected<std::optional<SearchRecord>> PostgresStore::FindSearch(std::int64_t video, std::int64_t model) {
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      Result found, connection_->Query("SELECT s.next_frame, s.finished, o.json, s.program_version FROM searches s "
-                                       "JOIN options o ON o.id = s.options_id WHERE s.video_id = ? AND s.model_id = ?",
-                                       video, model));
+  VICTORIOUS_ASSIGN_OR_RETURN(Result found, connection_->Query(sql::kFindSearch, video, model));
   if (!found.Next()) return std::nullopt;
-  return SearchRecord{.video = video,
-                      .model = model,
-                      .next_frame = found.Integer(0),
-                      .finished = found.Integer(1) != 0,
-                      .options_json = found.Text(2),
-                      .program_version = found.Text(3)};
+  return sql::ReadSearch(found, video, model);
 }
 
 Status PostgresStore::DeleteSearch(std::int64_t video, std::int64_t model) {

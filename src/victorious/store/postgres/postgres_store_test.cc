@@ -11,6 +11,7 @@
 
 #include "testing/data.h"
 #include "testing/scratch_postgres.h"
+#include "testing/sighting_batch.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/migrations.h"
 
@@ -20,23 +21,10 @@ namespace {
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::kSightingsInBatch;
 using ::testing::Not;
+using testing::SightingBatch;
 using ::testing::SizeIs;
-
-constexpr int kSightingsInBatch = 20;
-
-// A new object with sightings in the frames [first, first + kSightingsInBatch), and the corresponding progress.
-IndexBatch Batch(std::int64_t video, std::int64_t model, std::int64_t first) {
-  IndexBatch batch;
-  batch.tracklets.push_back(
-      {std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = kSightingsInBatch}});
-  for (int i = 0; i < kSightingsInBatch; ++i) {
-    batch.sightings.push_back({0, {.frame = first + i, .outline = {{0, 0}, {9, 0}, {9, 9}}, .score = 0.5}});
-  }
-  batch.progress.push_back(
-      {{.video = video, .model = model, .next_frame = first + kSightingsInBatch, .options_json = "{}"}, first});
-  return batch;
-}
 
 class PostgresStoreTest : public ::testing::Test {
  protected:
@@ -238,7 +226,7 @@ TEST_F(PostgresStoreTest, WritersOfDifferentVideosDoNotDisturbEachOther) {
                                 store->PutVideo({.content_id = std::to_string(writer), .name = "a.mp4"}));
     VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord model, store->PutModel({.name = "m", .content_id = "1"}));
     for (int i = 0; i < kBatches; ++i) {
-      VICTORIOUS_RETURN_IF_ERROR(store->Commit(Batch(video.id, model.id, i * kSightingsInBatch)));
+      VICTORIOUS_RETURN_IF_ERROR(store->Commit(SightingBatch(video.id, model.id, i * kSightingsInBatch)));
     }
     return {};
   };
@@ -276,7 +264,7 @@ TEST_F(PostgresStoreTest, KilledWriterLeavesCompleteBatches) {
     if (child == 0) {
       // A connection of its own: that of the parent must not be used, nor closed.
       const auto writer = OpenPostgresStore(url_, StoreMode::kCreate);
-      for (std::int64_t frame = last; writer && (*writer)->Commit(Batch(video.id, model.id, frame));) {
+      for (std::int64_t frame = last; writer && (*writer)->Commit(SightingBatch(video.id, model.id, frame));) {
         frame += kSightingsInBatch;
       }
       ::_exit(1);  // it should have been killed
@@ -308,7 +296,7 @@ TEST_F(PostgresStoreTest, ReconnectsBetweenTransactions) {
   EndConnections();
   EXPECT_THAT(*store->Videos(), SizeIs(1)) << "a query";
   EndConnections();
-  const auto committed = store->Commit(Batch(video.id, model.id, 0));
+  const auto committed = store->Commit(SightingBatch(video.id, model.id, 0));
   EXPECT_TRUE(committed) << "a transaction: " << committed.error().message;
   EndConnections();
   EXPECT_THAT(*store->Sightings({}), SizeIs(kSightingsInBatch)) << "a visit";
@@ -337,7 +325,7 @@ TEST_F(PostgresStoreTest, LostConnectionEndsAVisitWithAnError) {
   const auto store = OpenOrDie();
   const auto video = *store->PutVideo({.content_id = "c", .name = "a.mp4"});
   const auto model = *store->PutModel({.name = "m", .content_id = "1"});
-  IndexBatch batch = Batch(video.id, model.id, 0);
+  IndexBatch batch = SightingBatch(video.id, model.id, 0);
   for (std::int64_t frame = kSightingsInBatch; frame < 5000; ++frame) {
     batch.sightings.push_back(batch.sightings.front());
     batch.sightings.back().sighting.frame = frame;
@@ -358,7 +346,7 @@ TEST_F(PostgresStoreTest, FindsFaults) {
   const auto store = OpenOrDie();
   const std::int64_t video = store->PutVideo({.content_id = "c", .name = "a.mp4", .width = 64, .height = 48})->id;
   const std::int64_t model = store->PutModel({.name = "shed", .content_id = "m", .kind = ModelKind::kPhotos})->id;
-  const auto ids = store->Commit(Batch(video, model, 0));
+  const auto ids = store->Commit(SightingBatch(video, model, 0));
   ASSERT_TRUE(ids) << ids.error().message;
   EXPECT_THAT(store->FindFaults().value(), SizeIs(0));
   Run("UPDATE sightings SET source = 'guess' WHERE frame = 3");
@@ -377,7 +365,7 @@ TEST_F(PostgresStoreTest, PlacesAreGeometries) {
   const auto store = OpenOrDie();
   const auto video = *store->PutVideo({.content_id = "c", .name = "a.mp4"});
   const auto model = *store->PutModel({.name = "m", .content_id = "1"});
-  const auto ids = store->Commit(Batch(video.id, model.id, 0));
+  const auto ids = store->Commit(SightingBatch(video.id, model.id, 0));
   ASSERT_TRUE(ids);
   Geolocation place{.point = {0.5, -0.25, 80}};
   place.covariance_enu_m2.setIdentity();

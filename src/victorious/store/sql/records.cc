@@ -216,6 +216,15 @@ Expected<ModelRecord> ReadModel(const Row& row, std::string_view name) {
   return ModelRecord{.id = row.Integer(0), .name = row.Text(1), .content_id = row.Text(2), .kind = *kind};
 }
 
+SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model) {
+  return {.video = video,
+          .model = model,
+          .next_frame = row.Integer(0),
+          .finished = row.Integer(1) != 0,
+          .options_json = row.Text(2),
+          .program_version = row.Text(3)};
+}
+
 TrackletRecord ReadTracklet(const Row& row) {
   constexpr const auto& kTracklet = kTrackletColumns;
   return {.id = row.Integer(kTracklet.Size()),

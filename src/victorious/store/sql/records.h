@@ -70,6 +70,10 @@ std::string SelectTracklets();
 std::string ObjectResultColumns();
 inline constexpr std::string_view kFromObjects = " FROM objects o JOIN tracklets t ON t.object_id = o.id ";
 inline constexpr std::string_view kGroupObjects = "GROUP BY o.id ORDER BY score DESC, frames DESC, o.id";
+/// Whole; parameters: the ids of the video and of the model. ReadSearch converts its row.
+inline constexpr std::string_view kFindSearch =
+    "SELECT s.next_frame, s.finished, o.json, s.program_version FROM searches s JOIN options o ON o.id = s.options_id "
+    "WHERE s.video_id = ? AND s.model_id = ?";
 /// To be followed by conditions and kOrderSightings. Aliases: s for the sighting, t for its tracklet, o for its object.
 std::string SelectSightings();
 inline constexpr std::string_view kOrderSightings = "ORDER BY s.video_id, s.frame, s.tracklet_id";
@@ -86,6 +90,7 @@ void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::in
 VideoRecord ReadVideo(const Row& row);
 /// Error: kDataLoss for an unknown kind. `name`: the index's, for the message.
 [[nodiscard]] Expected<ModelRecord> ReadModel(const Row& row, std::string_view name);
+SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model);
 TrackletRecord ReadTracklet(const Row& row);
 /// Columns: ObjectResultColumns(), then the ids of its videos and of its tracklets, each as a text "3,1,3".
 /// Error: kDataLoss if a binary column has the wrong size. `name`: the index's, for the message.

@@ -176,18 +176,10 @@ Expected<std::vector<ModelRecord>> SqliteStore::Models() {
 }
 
 Expected<std::optional<SearchRecord>> SqliteStore::FindSearch(std::int64_t video, std::int64_t model) {
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement find,
-      connection_->Prepare("SELECT s.next_frame, s.finished, o.json, s.program_version FROM searches s "
-                           "JOIN options o ON o.id = s.options_id WHERE s.video_id = ? AND s.model_id = ?"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(sql::kFindSearch));
   VICTORIOUS_ASSIGN_OR_RETURN(const bool found, find.Bind(video, model).Step());
   if (!found) return std::nullopt;
-  return SearchRecord{.video = video,
-                      .model = model,
-                      .next_frame = find.Integer(0),
-                      .finished = find.Integer(1) != 0,
-                      .options_json = find.Text(2),
-                      .program_version = find.Text(3)};
+  return sql::ReadSearch(find, video, model);
 }
 
 Status SqliteStore::DeleteSearch(std::int64_t video, std::int64_t model) {

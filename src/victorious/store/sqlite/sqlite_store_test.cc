@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "testing/data.h"
+#include "testing/sighting_batch.h"
 #include "victorious/base/file.h"
 #include "victorious/store/sqlite/migrations.h"
 
@@ -21,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-constexpr int kSightingsInBatch = 20;
+using testing::kSightingsInBatch;
+using testing::SightingBatch;
 
 std::unique_ptr<IndexStore> OpenOrDie(const fs::path& path, StoreMode mode = StoreMode::kCreate) {
   auto store = OpenSqliteStore(path, mode);
@@ -36,19 +37,6 @@ Error OpenError(const fs::path& path, StoreMode mode) {
   return store ? Error{} : store.error();
 }
 
-// A new object with sightings in the frames [first, first + kSightingsInBatch), and the corresponding progress.
-IndexBatch Batch(std::int64_t video, std::int64_t model, std::int64_t first) {
-  IndexBatch batch;
-  batch.tracklets.push_back(
-      {std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = kSightingsInBatch}});
-  for (int i = 0; i < kSightingsInBatch; ++i) {
-    batch.sightings.push_back({0, {.frame = first + i, .outline = {{0, 0}, {9, 0}, {9, 9}}, .score = 0.5}});
-  }
-  batch.progress.push_back(
-      {{.video = video, .model = model, .next_frame = first + kSightingsInBatch, .options_json = "{}"}, first});
-  return batch;
-}
-
 // Commits batches from the index's progress up to frame `end` or the first error.
 Status CommitBatches(const fs::path& path, std::int64_t end) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenSqliteStore(path, StoreMode::kCreate));
@@ -57,7 +45,7 @@ Status CommitBatches(const fs::path& path, std::int64_t end) {
                               store->PutModel({.name = "m", .content_id = "1", .kind = ModelKind::kPhotos}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto search, store->FindSearch(video.id, model.id));
   for (std::int64_t frame = search ? search->next_frame : 0; frame < end; frame += kSightingsInBatch) {
-    VICTORIOUS_RETURN_IF_ERROR(store->Commit(Batch(video.id, model.id, frame)));
+    VICTORIOUS_RETURN_IF_ERROR(store->Commit(SightingBatch(video.id, model.id, frame)));
   }
   return {};
 }
@@ -352,7 +340,7 @@ TEST_F(SqliteStoreTest, ConcurrentReadersDuringWrites) {
   const auto model = *writer->PutModel({.name = "m", .content_id = "1", .kind = ModelKind::kPhotos});
   const auto reader = OpenOrDie(path_, StoreMode::kRead);
   for (std::int64_t frame = 0; frame < 100; frame += kSightingsInBatch) {
-    ASSERT_TRUE(writer->Commit(Batch(video.id, model.id, frame)));
+    ASSERT_TRUE(writer->Commit(SightingBatch(video.id, model.id, frame)));
     EXPECT_EQ(CountWholeBatches(*reader), frame + kSightingsInBatch);
   }
 }
@@ -407,7 +395,7 @@ TEST_F(SqliteStoreTest, IndexOfKilledWriterIsReadableInReadOnlyFolder) {
               auto store = OpenSqliteStore(path_, StoreMode::kCreate);
               const auto video = (*store)->PutVideo({.content_id = "c", .name = "a.mp4"});
               const auto model = (*store)->PutModel({.name = "m", .content_id = "1", .kind = ModelKind::kPhotos});
-              static_cast<void>((*store)->Commit(Batch(video->id, model->id, 0)));
+              static_cast<void>((*store)->Commit(SightingBatch(video->id, model->id, 0)));
               ::kill(::getpid(), SIGKILL);
               return 0;
             }),
