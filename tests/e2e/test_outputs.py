@@ -1,5 +1,6 @@
 """No output overwrites an input, and no existing file of another kind is replaced without --force."""
 
+import itertools
 import json
 import os
 import re
@@ -55,14 +56,16 @@ class OutputsTest(program.ProgramTest):
         yield ("category", "refine", "--model", self.category, *images), "--out", [self.list, self.category]
 
     def test_no_output_is_an_input(self):
+        """Each input of each command, by its path or by a link, in turn with and without --force: one check serves all."""
+        ways = itertools.cycle(itertools.product(range(3), ((), ("--force",))))
         for arguments, flag, inputs in self.commands():
             for path in inputs:
-                for name in self.names(path):
-                    for force in ((), ("--force",)):
-                        with self.subTest(f"{' '.join(map(str, arguments))} {flag} {name}"):
-                            # A category model that cannot be read is refused for that.
-                            words = [] if arguments[:2] == ("category", "refine") else [flag, name, "input"]
-                            self.keeps_files(words, *arguments, flag, name, *force)
+                way, force = next(ways)
+                name = self.names(path)[way]
+                with self.subTest(f"{' '.join(map(str, arguments))} {flag} {name}"):
+                    # A category model that cannot be read is refused for that.
+                    words = [] if arguments[:2] == ("category", "refine") else [flag, name, "input"]
+                    self.keeps_files(words, *arguments, flag, name, *force)
 
     def names(self, path):
         """The path, a symbolic link and a hard link to it."""
