@@ -265,11 +265,12 @@ class ServeTest(program.ProgramTest):
             video = self.upload(server, self.video, "it's a flight.mp4")
             job = self.wait_for_job(server, self.post_job(server, kind="index", upload=video), "done")
             self.assertEqual(job["title"], "it's a flight.mp4")
-            for _ in range(200):  # the lists follow within a second
+            for _ in range(int(program.TIMEOUT_S / 0.05)):  # the list of videos follows within a second, the count at once
                 project = self.get(server, "/api/v1/project")
-                if project["objects"]:
+                if project["objects"] and project["videos"]:
                     break
                 time.sleep(0.05)
+            self.assertGreater(project["objects"], 0)
             self.assertEqual(project["videos"], 1)
             found = self.get(server, "/api/v1/objects")["objects"]
         expected = program.run("export", "--db", index_of_mp4(), "--format", "objects").rows()
