@@ -9,6 +9,11 @@
 
 namespace victorious {
 
+std::int64_t NowUtcMicroseconds() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
 std::string FormatUtc(std::int64_t microseconds, int decimals) {
   VICTORIOUS_CHECK(decimals >= 1 && decimals <= 6);
   namespace chr = std::chrono;

@@ -1,10 +1,13 @@
-// UTC times as text.
+// UTC times: the present one, and their text.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
 namespace victorious {
+
+/// The time of the system's clock, microseconds since 1970-01-01 UTC.
+[[nodiscard]] std::int64_t NowUtcMicroseconds();
 
 /// ISO 8601 with "Z", as in "2026-05-27T13:14:22.911Z"; for the years 0 to 9999.
 /// @param microseconds  since 1970-01-01 UTC

@@ -8,7 +8,7 @@
 
 #include "victorious/base/error.h"
 #include "victorious/cli/command.h"
-#include "victorious/evaluate/findable.h"
+#include "victorious/evaluate/detectability.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious::cli {

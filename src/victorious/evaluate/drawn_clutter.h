@@ -1,4 +1,4 @@
-// Synthetic clutter: a background image without the object, for the detectability test of a model (findable.h).
+// Synthetic clutter: a background image without the object, for the detectability test of a model (detectability.h).
 //
 // Method: sum of noise octaves (wavelengths of 2 to 128 px, amplitude proportional to the square root of the
 // wavelength, as natural ground), then random straight-edged rectangles, as a town has them. The image depends on its

@@ -1,4 +1,4 @@
-// Novel view synthesis for the detectability test (findable.h): the appearance of a CAD model from a direction between
+// Novel view synthesis for the detectability test (detectability.h): the appearance of a CAD model from a direction between
 // its views, or of a photo that is turned. The test must not use the images that the model was built from, and it needs
 // neither the CAD file nor the photos.
 //

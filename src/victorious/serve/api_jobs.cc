@@ -1,6 +1,5 @@
 // The routes of uploads, jobs and events.
 #include <algorithm>
-#include <chrono>
 #include <string_view>
 #include <utility>
 
@@ -8,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
+#include "victorious/base/utc.h"
 #include "victorious/model/model_library.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
@@ -18,11 +18,6 @@ namespace victorious {
 namespace {
 
 using Body = nlohmann::json;
-
-std::int64_t NowMicroseconds() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-}
 
 // The value of a member that must be a text.
 ApiExpected<std::string> ReadText(const Body& body, const std::string& name) {
@@ -78,7 +73,7 @@ ApiExpected<HttpResponse> Api::Upload(const HttpRequest& request) {
 
 ApiExpected<HttpResponse> Api::Jobs() {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, live_->Jobs());
-  return JsonResponse(JobsToJson(jobs, NowMicroseconds()));
+  return JsonResponse(JobsToJson(jobs, NowUtcMicroseconds()));
 }
 
 ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request) {
@@ -137,13 +132,13 @@ ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request) {
     return FailField("kind", fmt::format("kind \"{}\": must be index or model", kind));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Put(kind, Dump(input)));
-  return JsonResponse(JobToJson(job, NowMicroseconds()));
+  return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 
 ApiExpected<HttpResponse> Api::CancelJob(std::string_view number) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Cancel(id));
-  return JsonResponse(JobToJson(job, NowMicroseconds()));
+  return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 
 ApiExpected<HttpResponse> Api::Events() {

@@ -1,7 +1,6 @@
 #include "victorious/serve/api_json.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
+#include "victorious/base/utc.h"
 #include "victorious/base/version.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/store/listed_object.h"
@@ -149,7 +149,6 @@ Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, 
     bounds = {GeodeticJson(lists.places->west_rad), GeodeticJson(lists.places->south_rad),
               GeodeticJson(lists.places->east_rad), GeodeticJson(lists.places->north_rad)};
   }
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
   return {{"name", index.filename().string()},
           {"version", kVersion},
           {"can_review", can_review},
@@ -162,7 +161,7 @@ Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, 
           {"unreviewed", counts.objects - counts.accepted - counts.rejected},
           {"models", std::move(models)},
           {"bounds", std::move(bounds)},
-          {"now_utc_us", std::chrono::duration_cast<std::chrono::microseconds>(now).count()}};
+          {"now_utc_us", NowUtcMicroseconds()}};
 }
 
 Json JobToJson(const JobRecord& job, std::int64_t now_us) {

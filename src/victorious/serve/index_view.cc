@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "victorious/base/utc.h"
+
 namespace victorious {
 namespace {
 
@@ -111,8 +113,7 @@ Expected<Review> IndexView::PutReview(std::int64_t object, Review review) {
                     ": cannot be written, so reviews are not kept: allow writing to the file and its "
                     "folder, then start `victorious serve` again");
   }
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  review.updated_utc_us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  review.updated_utc_us = NowUtcMicroseconds();
   VICTORIOUS_RETURN_IF_ERROR(writer_->PutReview(object, review));
   return review;
 }

@@ -9,17 +9,13 @@
 #include <unistd.h>
 
 #include "victorious/base/json.h"
+#include "victorious/base/utc.h"
 #include "victorious/serve/child_process.h"
 
 namespace victorious {
 namespace {
 
 using Json = nlohmann::json;
-
-std::int64_t NowMicroseconds() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-}
 
 std::int64_t Microseconds(std::chrono::milliseconds duration) {
   return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
@@ -114,7 +110,7 @@ JobRunner::JobRunner(std::unique_ptr<JobQueue> queue, JobFolders folders, std::f
       folders_(std::move(folders)),
       on_change_(std::move(on_change)),
       options_(options),
-      owner_(fmt::format("{}.{}", ::getpid(), NowMicroseconds())),
+      owner_(fmt::format("{}.{}", ::getpid(), NowUtcMicroseconds())),
       thread_([this] { Run(); }) {}
 
 JobRunner::~JobRunner() {
@@ -137,7 +133,7 @@ void JobRunner::WaitForWork() {
 
 void JobRunner::Run() {
   while (!is_ending_) {
-    const auto job = queue_->Claim(owner_, NowMicroseconds(), Microseconds(options_.lease));
+    const auto job = queue_->Claim(owner_, NowUtcMicroseconds(), Microseconds(options_.lease));
     if (!job) spdlog::warn("the queue of jobs: {}", job.error().message);
     if (!job || !*job) {
       WaitForWork();
@@ -151,7 +147,7 @@ void JobRunner::Run() {
 
 void JobRunner::Work(const JobRecord& job) {
   const auto finish = [&](JobState state, const std::string& message) {
-    const Status status = queue_->Finish(job.id, owner_, state, message, NowMicroseconds());
+    const Status status = queue_->Finish(job.id, owner_, state, message, NowUtcMicroseconds());
     if (!status) spdlog::warn("job {}: {}", job.id, status.error().message);
   };
   const auto arguments = JobArguments(job, folders_);
@@ -176,7 +172,7 @@ void JobRunner::Work(const JobRecord& job) {
     const auto now = std::chrono::steady_clock::now();
     if (beaten && now - *beaten < options_.heartbeat && !is_new) continue;
     beaten = now;
-    const auto goes_on = queue_->Beat(job.id, owner_, NowMicroseconds(), Microseconds(options_.lease), progress);
+    const auto goes_on = queue_->Beat(job.id, owner_, NowUtcMicroseconds(), Microseconds(options_.lease), progress);
     // Another worker has it: two must not write the same results.
     if (!goes_on && goes_on.error().code == ErrorCode::kConflict) return;
     if (goes_on && !*goes_on && !is_cancelled) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "victorious/base/utc.h"
 #include "victorious/serve/api_json.h"
 
 namespace victorious {
@@ -12,11 +13,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kWatchInterval{200};
 constexpr std::int64_t kEndedJobs = 20;
-
-std::int64_t NowMicroseconds() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-}
 
 }  // namespace
 
@@ -51,7 +47,7 @@ Status LiveService::CheckHasJobs() const {
 Expected<JobRecord> LiveService::Put(const std::string& kind, const std::string& input_json) {
   VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
   const std::scoped_lock lock(queue_mutex_);
-  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord job, queue_->Put(kind, input_json, NowMicroseconds()));
+  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord job, queue_->Put(kind, input_json, NowUtcMicroseconds()));
   jobs_changed_ = true;
   runner_->Wake();
   return job;
@@ -60,7 +56,7 @@ Expected<JobRecord> LiveService::Put(const std::string& kind, const std::string&
 Expected<JobRecord> LiveService::Cancel(std::int64_t job) {
   VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
   const std::scoped_lock lock(queue_mutex_);
-  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Cancel(job, NowMicroseconds()));
+  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Cancel(job, NowUtcMicroseconds()));
   jobs_changed_ = true;
   return record;
 }
@@ -96,7 +92,7 @@ void LiveService::PublishIndex() {
 void LiveService::PublishJobs() {
   const auto jobs = Jobs();
   if (!jobs) return spdlog::warn("the queue of jobs: {}", jobs.error().message);
-  hub_->Publish("jobs", Dump(JobsToJson(*jobs, NowMicroseconds())));
+  hub_->Publish("jobs", Dump(JobsToJson(*jobs, NowUtcMicroseconds())));
 }
 
 }  // namespace victorious

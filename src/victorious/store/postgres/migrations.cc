@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "victorious/store/schema/embedded_schema.h"
+#include "victorious/store/sql/row.h"
 
 namespace victorious::postgres {
 namespace {
@@ -47,15 +48,7 @@ Expected<int> ReadVersion(Connection& connection, int newest) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Result row, connection.Query("SELECT schema FROM victorious.version"));
   const std::int64_t version = row.Next() ? row.Integer(0) : 0;
-  if (version > newest) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("{}: written by a newer version (schema {}; this program reads up to {}): use that version",
-                            connection.name(), version, newest));
-  }
-  if (version < 1) {
-    return std::unexpected(
-        sql::DamagedIndex(connection.name(), fmt::format("schema {}, expected 1 to {}", version, newest)));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(sql::CheckSchemaVersion(connection.name(), version, newest));
   return static_cast<int>(version);
 }
 

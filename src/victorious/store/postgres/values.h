@@ -20,7 +20,7 @@ namespace victorious::postgres {
 class BoundValues final : public sql::Parameters {
  public:
   struct Value {
-    unsigned type = 0;                 ///< the type's id in PostgreSQL; 0: the statement tells
+    unsigned type = 0;                 ///< the type's id in PostgreSQL; 0: the server infers it
     std::optional<std::string> bytes;  ///< std::nullopt: NULL
   };
 

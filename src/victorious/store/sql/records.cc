@@ -135,6 +135,18 @@ Error DamagedIndex(std::string_view name, std::string_view fault) {
           fmt::format("{}: the index is damaged ({}): restore it from a copy, or index again", name, fault)};
 }
 
+Status CheckSchemaVersion(std::string_view name, std::int64_t version, std::int64_t newest) {
+  if (version > newest) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: written by a newer version (schema {}; this program reads up to {}): use that version",
+                            name, version, newest));
+  }
+  if (version < 1) {
+    return std::unexpected(DamagedIndex(name, fmt::format("schema {}, expected 1 to {}", version, newest)));
+  }
+  return {};
+}
+
 std::string SelectVideos() {
   return "SELECT v.id, v.content_id, v.name, v.width_px, v.height_px, v.frame_count, v.duration_s, "
          "coalesce(o.json, ''), v.start_utc_us, v.folder FROM videos v LEFT JOIN options o ON o.id = "

@@ -71,4 +71,9 @@ class Parameters {
 /// The error of an index whose content is not valid: kDataLoss with the index's name, the fault and what to do.
 [[nodiscard]] Error DamagedIndex(std::string_view name, std::string_view fault);
 
+/// Whether this program reads an index of this schema version.
+/// @param newest  version that the program writes; it reads 1 to `newest`
+/// Errors: kUnsupported if a newer program wrote it; that of DamagedIndex below 1.
+[[nodiscard]] Status CheckSchemaVersion(std::string_view name, std::int64_t version, std::int64_t newest);
+
 }  // namespace victorious::sql

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "victorious/store/schema/embedded_schema.h"
+#include "victorious/store/sql/row.h"
 
 namespace victorious::sqlite {
 
@@ -34,15 +35,7 @@ Expected<int> ReadVersion(Connection& connection, int newest) {
                     "give a file that `victorious index` made, or a new name",
                     connection.name(), static_cast<std::uint32_t>(application), kApplicationId));
   }
-  if (version > newest) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("{}: written by a newer version (schema {}; this program reads up to {}): use that version",
-                            connection.name(), version, newest));
-  }
-  if (version < 1) {
-    return std::unexpected(
-        DamagedIndex(connection.name(), fmt::format("schema {}, expected 1 to {}", version, newest)));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(sql::CheckSchemaVersion(connection.name(), version, newest));
   return static_cast<int>(version);
 }
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/evaluate/findable.h"
+#include "victorious/evaluate/detectability.h"
 
 namespace victorious {
 namespace {

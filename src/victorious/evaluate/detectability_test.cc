@@ -1,4 +1,4 @@
-#include "victorious/evaluate/findable.h"
+#include "victorious/evaluate/detectability.h"
 
 #include <cmath>
 #include <memory>
