@@ -514,10 +514,8 @@ Status WarnOfRangeFactors(const std::map<std::int64_t, RangeFactor>& factors, In
   return {};
 }
 
-}  // namespace
-
-Status UpdateObjects(const ObjectOptions& options, IndexStore& store,
-                     const std::function<void(const std::string&)>& warn) {
+Expected<std::vector<ObjectRecord>> MakeObjects(const ObjectOptions& options, IndexStore& store,
+                                                const std::function<void(const std::string&)>& warn) {
   std::map<std::int64_t, ObservedTracklet> tracklets;
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> records, store.Tracklets());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
@@ -548,7 +546,20 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store,
   ScaleRanges(factors, seen);
   if (!factors.empty()) VICTORIOUS_RETURN_IF_ERROR(WarnOfRangeFactors(factors, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, FramesSearched(models, store));
-  return store.PutObjects(AssociateTracklets(std::move(seen), frames_searched, options));
+  return AssociateTracklets(std::move(seen), frames_searched, options);
+}
+
+}  // namespace
+
+Status UpdateObjects(const ObjectOptions& options, IndexStore& store,
+                     const std::function<void(const std::string&)>& warn) {
+  std::vector<std::string> warnings;
+  VICTORIOUS_RETURN_IF_ERROR(store.UpdateObjects([&] {
+    warnings.clear();
+    return MakeObjects(options, store, [&](const std::string& warning) { warnings.push_back(warning); });
+  }));
+  for (const std::string& warning : warnings) warn(warning);
+  return {};
 }
 
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {

@@ -22,6 +22,7 @@ struct Command {
 };
 
 Action SetUpCategory(CLI::App& app);
+Action SetUpCluster(CLI::App& app);
 Action SetUpDoctor(CLI::App& app);
 Action SetUpEvaluate(CLI::App& app);
 Action SetUpExport(CLI::App& app);
@@ -38,7 +39,9 @@ Action SetUpSearch(CLI::App& app);
 Action SetUpServe(CLI::App& app);
 Action SetUpSheet(CLI::App& app);
 Action SetUpSimulate(CLI::App& app);
+Action SetUpSubmit(CLI::App& app);
 Action SetUpTelemetry(CLI::App& app);
 Action SetUpTrack(CLI::App& app);
+Action SetUpWork(CLI::App& app);
 
 }  // namespace victorious::cli

@@ -30,12 +30,12 @@ Status CheckName(std::string_view name) {
 
 }  // namespace
 
-fs::path ModelLibrary::ModelPath(std::string_view name) const { return folder_ / fmt::format("{}{}", name, kSuffix); }
+fs::path ModelLibrary::PathOf(std::string_view name) const { return folder_ / fmt::format("{}{}", name, kSuffix); }
 
 Status ModelLibrary::CheckNewName(std::string_view name) const {
   VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
   std::error_code error;
-  if (fs::exists(ModelPath(name), error)) {
+  if (fs::exists(PathOf(name), error)) {
     return Fail(
         ErrorCode::kAlreadyExists,
         fmt::format("model {} is already in {}: choose another name, or remove it first", name, folder_.string()));
@@ -48,7 +48,7 @@ Status ModelLibrary::Add(const ObjectModel& model) const {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("create folder {}", folder_.string())));
-  return WriteModelFile(ModelPath(model.name), model);
+  return WriteModelFile(PathOf(model.name), model);
 }
 
 Expected<std::vector<std::string>> ModelLibrary::Names() const {
@@ -78,8 +78,8 @@ Error ModelLibrary::NotFoundError(std::string_view name) const {
 Expected<ObjectModel> ModelLibrary::Load(std::string_view name) const {
   VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
   std::error_code error;
-  if (!fs::exists(ModelPath(name), error)) return std::unexpected(NotFoundError(name));
-  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ReadModelFile(ModelPath(name)));
+  if (!fs::exists(PathOf(name), error)) return std::unexpected(NotFoundError(name));
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ReadModelFile(PathOf(name)));
   // The file name gives the model's name: a file may be copied or renamed.
   model.name = name;
   return model;
@@ -98,8 +98,8 @@ Expected<std::vector<ObjectModel>> ModelLibrary::LoadAll() const {
 Status ModelLibrary::Remove(std::string_view name) const {
   VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
   std::error_code error;
-  if (fs::remove(ModelPath(name), error)) return {};
-  if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("remove {}", ModelPath(name).string())));
+  if (fs::remove(PathOf(name), error)) return {};
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("remove {}", PathOf(name).string())));
   return std::unexpected(NotFoundError(name));
 }
 

@@ -27,13 +27,15 @@ class ModelLibrary {
   /// The names of all files with valid model names, in alphabetical order. Error: kNotFound, no such folder.
   [[nodiscard]] Expected<std::vector<std::string>> Names() const;
 
+  /// The file of the model of this name, which need not exist.
+  [[nodiscard]] std::filesystem::path PathOf(std::string_view name) const;
+
   /// Errors: kInvalidArgument, kNotFound, and those of ReadModelFile().
   [[nodiscard]] Expected<ObjectModel> Load(std::string_view name) const;
   [[nodiscard]] Expected<std::vector<ObjectModel>> LoadAll() const;
   [[nodiscard]] Status Remove(std::string_view name) const;
 
  private:
-  [[nodiscard]] std::filesystem::path ModelPath(std::string_view name) const;
   [[nodiscard]] Error NotFoundError(std::string_view name) const;
 
   std::filesystem::path folder_;

@@ -8,9 +8,9 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "victorious/base/child_process.h"
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
-#include "victorious/serve/child_process.h"
 
 namespace victorious {
 namespace {

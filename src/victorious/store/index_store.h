@@ -249,6 +249,10 @@ class IndexStore {
   /// In one transaction, assigns the tracklets of these objects to them, and deletes objects without a tracklet. Uses
   /// only id, model, tracklets, place, heading and rejection of ObjectRecord; ignores tracklets that were deleted.
   [[nodiscard]] virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
+  /// Stores the objects that `make` computes from the content of the store, as PutObjects does. Of processes that do so at
+  /// once, the last one to store has seen what the others had stored before: `make` may be called again. Errors: those of
+  /// `make`.
+  [[nodiscard]] virtual Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) = 0;
 
   /// Returns the matching objects, best first: by score, then by number of frames, then by id.
   [[nodiscard]] virtual Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) = 0;

@@ -33,7 +33,8 @@ Status AddPostgis(Connection& connection) {
 }  // namespace
 
 std::span<const Migration> Migrations() {
-  static constexpr std::array kMigrations = {Migration{1, kSchema001}, Migration{2, kSchema002}};
+  static constexpr std::array kMigrations = {Migration{1, kSchema001}, Migration{2, kSchema002},
+                                             Migration{3, kSchema003}};
   return kMigrations;
 }
 

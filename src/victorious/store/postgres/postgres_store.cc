@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -15,6 +16,12 @@ namespace {
 
 constexpr int kSightingsAtOnce = 2000;
 constexpr int kKeptFramesAtOnce = 8;  // some 0.3 MB each
+
+// Of the advisory lock of UpdateObjects: "OBJS" in ASCII.
+constexpr std::int64_t kObjectsLockKey = 0x4F424A53;
+
+// Ids of a video's tracklets: those of one video lie below those of the next, whichever is indexed first.
+constexpr std::int64_t kIdsPerVideo = 1'000'000'000;
 
 // To be followed by conditions, then by kGroupObjects.
 std::string SelectObjects() {
@@ -67,13 +74,21 @@ Expected<VideoRecord> PostgresStore::PutVideo(const VideoRecord& video) {
   if (!video.features_json.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(features_options, PutOptions(video.features_json));
   }
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
-      "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
-      "features_options_id, "
-      "start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, "
-      "folder = excluded.folder, start_utc_us = coalesce(excluded.start_utc_us, videos.start_utc_us)",
-      video.content_id, video.name, video.folder, video.width, video.height, video.frame_count, video.duration_s,
-      features_options, video.start_utc_us));
+  // Updated first: an INSERT takes an id even if the row exists, and ids follow one another.
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result updated,
+      connection_->Query("UPDATE videos SET name = ?, folder = ?, start_utc_us = coalesce(?, start_utc_us) "
+                         "WHERE content_id = ?",
+                         video.name, video.folder, video.start_utc_us, video.content_id));
+  if (updated.Changes() == 0) {
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+        "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
+        "features_options_id, start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_id) DO UPDATE SET "
+        "name = excluded.name, folder = excluded.folder, "
+        "start_utc_us = coalesce(excluded.start_utc_us, videos.start_utc_us)",
+        video.content_id, video.name, video.folder, video.width, video.height, video.frame_count, video.duration_s,
+        features_options, video.start_utc_us));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(Result found,
                               connection_->Query(sql::SelectVideos() + "WHERE v.content_id = ?", video.content_id));
   VICTORIOUS_CHECK(found.Next());
@@ -201,11 +216,18 @@ Status PostgresStore::PutProgress(const IndexBatch::Progress& progress) {
 
 Expected<std::vector<std::int64_t>> PostgresStore::PutTracklets(
     const std::vector<IndexBatch::TrackletUpdate>& updates) {
-  const auto is_new = [](const IndexBatch::TrackletUpdate& update) { return !update.id; };
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      Result new_ids,
-      connection_->Query("SELECT nextval(pg_get_serial_sequence('tracklets', 'id')) FROM generate_series(1, ?)",
-                         std::int64_t{std::ranges::count_if(updates, is_new)}));
+  std::map<std::int64_t, std::int64_t> next_ids;  // by video
+  for (const auto& [known_id, tracklet] : updates) {
+    if (!known_id) ++next_ids[tracklet.video];
+  }
+  for (auto& [video, number] : next_ids) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Result made,
+                                connection_->Query("UPDATE videos SET tracklets_made = tracklets_made + ? WHERE id = ? "
+                                                   "RETURNING (id - 1) * ? + tracklets_made - ? + 1",
+                                                   number, video, kIdsPerVideo, number));
+    if (!made.Next()) return std::unexpected(Missing("video", video));
+    number = made.Integer(0);
+  }
   std::vector<std::int64_t> ids;
   CopyRows objects;
   CopyRows tracklets;
@@ -220,8 +242,7 @@ Expected<std::vector<std::int64_t>> PostgresStore::PutTracklets(
       if (grown.Changes() != 1) return std::unexpected(Missing("tracklet", *known_id));
       ids.push_back(*known_id);
     } else {
-      VICTORIOUS_CHECK(new_ids.Next());
-      ids.push_back(new_ids.Integer(0));
+      ids.push_back(next_ids[tracklet.video]++);
       objects.AddRow(ids.back(), tracklet.model);
       tracklets.AddRow(tracklet.video, tracklet.model, tracklet.score, tracklet.frames, tracklet.first_time_s,
                        tracklet.last_time_s, ids.back(), ids.back());
@@ -304,6 +325,18 @@ Status PostgresStore::PutObjects(std::span<const ObjectRecord> objects) {
       columns, sql::kObjectColumns.Updates(sql::kObjectColumns.Index("place_time_s")),
       sql::kObjectColumns.Names("objects"), sql::kObjectColumns.Names("excluded"))));
   return transaction.Commit();
+}
+
+Status PostgresStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) {
+  // Held over several transactions: by the session, not by one of them.
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query("SELECT pg_advisory_lock(?)", kObjectsLockKey));
+  const auto put = [&]() -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, make());
+    return PutObjects(objects);
+  };
+  const Status status = put();
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query("SELECT pg_advisory_unlock(?)", kObjectsLockKey));
+  return status;
 }
 
 Expected<sql::NearIds> PostgresStore::FindNear(const SightingFilter& filter) {

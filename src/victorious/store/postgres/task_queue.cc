@@ -6,10 +6,11 @@
 
 namespace victorious::postgres {
 
-Expected<std::unique_ptr<TaskQueue>> TaskQueue::Open(const std::string& url, std::string worker) {
+Expected<std::unique_ptr<TaskQueue>> TaskQueue::Open(const std::string& url, std::string worker,
+                                                     std::chrono::seconds lease) {
   VICTORIOUS_ASSIGN_OR_RETURN(auto connection, Connection::Open(url, false));
   VICTORIOUS_RETURN_IF_ERROR(CheckVersion(*connection));
-  return std::unique_ptr<TaskQueue>(new TaskQueue(std::move(connection), std::move(worker)));
+  return std::unique_ptr<TaskQueue>(new TaskQueue(std::move(connection), std::move(worker), lease));
 }
 
 Expected<std::int64_t> TaskQueue::Submit(std::span<const NewTask> tasks) {
@@ -20,10 +21,12 @@ Expected<std::int64_t> TaskQueue::Submit(std::span<const NewTask> tasks) {
       connection_->Execute("CREATE TEMPORARY TABLE new_tasks (position bigint GENERATED ALWAYS AS IDENTITY, kind text, "
                            "key text, priority bigint, payload text) ON COMMIT DROP"));
   VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_tasks (kind, key, priority, payload)", rows));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Result added,
-                              connection_->Query("INSERT INTO tasks (kind, key, priority, payload) SELECT kind, key, "
-                                                 "priority, payload FROM new_tasks ORDER BY position "
-                                                 "ON CONFLICT (kind, key) DO NOTHING"));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result added, connection_->Query("INSERT INTO tasks (kind, key, priority, payload) SELECT kind, key, "
+                                             "priority, payload FROM new_tasks ORDER BY position "
+                                             "ON CONFLICT (kind, key) DO UPDATE SET state = 'waiting', failures = 0, "
+                                             "reason = NULL, payload = excluded.payload "
+                                             "WHERE tasks.state = 'quarantined'"));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return added.Changes();
 }
@@ -33,13 +36,13 @@ Status TaskQueue::EndLostLeases() {
       const Result ended,
       connection_->Query(
           "WITH lost AS (SELECT id, worker FROM tasks WHERE state = 'running' AND leased_until < now() "
-          "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET lost_workers = t.lost_workers + 1, "
+          "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET failures = t.failures + 1, "
           "leased_until = NULL, worker = NULL, "
-          "state = CASE WHEN t.lost_workers + 1 < ? THEN 'waiting' ELSE 'quarantined' END, "
-          "reason = CASE WHEN t.lost_workers + 1 < ? THEN NULL ELSE 'lost its worker ' || (t.lost_workers + 1) || "
-          "' times' END FROM lost WHERE t.id = lost.id RETURNING t.id, t.attempt, lost.worker) "
+          "state = CASE WHEN t.failures + 1 < ? THEN 'waiting' ELSE 'quarantined' END, "
+          "reason = 'its worker did not answer any more' FROM lost WHERE t.id = lost.id "
+          "RETURNING t.id, t.attempt, lost.worker) "
           "INSERT INTO task_log (task_id, attempt, event, worker) SELECT id, attempt, 'lost', worker FROM ended",
-          kMaxLostWorkers, kMaxLostWorkers));
+          kMaxFailures));
   return {};
 }
 
@@ -52,7 +55,7 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
                          "FOR UPDATE SKIP LOCKED) UPDATE tasks t SET state = 'running', attempt = t.attempt + 1, "
                          "worker = ?, leased_until = now() + ? * interval '1 s' FROM next WHERE t.id = next.id "
                          "RETURNING t.id, t.attempt, t.kind, t.key, t.payload",
-                         worker_, static_cast<double>(kLease.count())));
+                         worker_, static_cast<double>(lease_.count())));
   std::optional<Task> task;
   if (row.Next()) {
     task = {.id = row.Integer(0),
@@ -60,9 +63,7 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
             .kind = row.Text(2),
             .key = row.Text(3),
             .payload = row.Text(4)};
-    VICTORIOUS_RETURN_IF_ERROR(
-        connection_->Query("INSERT INTO task_log (task_id, attempt, event, worker) VALUES (?, ?, 'claimed', ?)",
-                           task->id, task->attempt, worker_));
+    VICTORIOUS_RETURN_IF_ERROR(Log(*task, "claimed"));
   }
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return task;
@@ -74,45 +75,57 @@ Status TaskQueue::Renew(const Task& task) {
       const Result renewed,
       connection_->Query("UPDATE tasks SET leased_until = now() + ? * interval '1 s' WHERE id = ? AND attempt = ? AND "
                          "state = 'running'",
-                         static_cast<double>(kLease.count()), task.id, task.attempt));
+                         static_cast<double>(lease_.count()), task.id, task.attempt));
   if (renewed.Changes() != 1) return LostLease(task);
   return transaction.Commit();
 }
 
-Status TaskQueue::Complete(const Task& task, const std::function<Status(Connection&)>& write) {
-  return EndLease(task, "done", std::nullopt, "done", write);
-}
+Status TaskQueue::Complete(const Task& task) { return EndLease(task, "done", std::nullopt, "done"); }
 
-Status TaskQueue::Return(const Task& task) {
-  return EndLease(task, "waiting", std::nullopt, "returned", [](Connection&) { return Status(); });
-}
+Status TaskQueue::Return(const Task& task) { return EndLease(task, "waiting", std::nullopt, "returned"); }
 
 Status TaskQueue::Quarantine(const Task& task, const std::string& reason) {
-  return EndLease(task, "quarantined", reason, "failed", [](Connection&) { return Status(); });
+  return EndLease(task, "quarantined", reason, "failed");
+}
+
+Status TaskQueue::Abandon(const Task& task, const std::string& reason) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result ended,
+      connection_->Query("UPDATE tasks SET failures = failures + 1, state = CASE WHEN failures + 1 < ? THEN 'waiting' "
+                         "ELSE 'quarantined' END, reason = ?, worker = NULL, leased_until = NULL "
+                         "WHERE id = ? AND attempt = ? AND state = 'running'",
+                         kMaxFailures, reason, task.id, task.attempt));
+  if (ended.Changes() != 1) return LostLease(task);
+  VICTORIOUS_RETURN_IF_ERROR(Log(task, "failed"));
+  return transaction.Commit();
 }
 
 Status TaskQueue::EndLease(const Task& task, std::string_view state, std::optional<std::string> reason,
-                           std::string_view event, const std::function<Status(Connection&)>& write) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
-  // First, so that the row stays locked until the results are written: nobody else can end the lease.
+                           std::string_view event) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
       connection_->Query("UPDATE tasks SET state = ?, reason = ?, worker = NULL, leased_until = NULL "
                          "WHERE id = ? AND attempt = ? AND state = 'running'",
                          state, reason, task.id, task.attempt));
   if (ended.Changes() != 1) return LostLease(task);
-  VICTORIOUS_RETURN_IF_ERROR(write(*connection_));
+  VICTORIOUS_RETURN_IF_ERROR(Log(task, event));
+  return transaction.Commit();
+}
+
+Status TaskQueue::Log(const Task& task, std::string_view event) {
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Query("INSERT INTO task_log (task_id, attempt, event, worker) VALUES (?, ?, ?, ?)", task.id,
                          task.attempt, event, worker_));
-  return transaction.Commit();
+  return {};
 }
 
 std::unexpected<Error> TaskQueue::LostLease(const Task& task) const {
   return Fail(ErrorCode::kConflict,
               fmt::format("{}: attempt {} of task {} ({} {}) does not run any more: it was not renewed for {} s, and "
                           "another worker may do it: claim a task again",
-                          connection_->name(), task.attempt, task.id, task.kind, task.key, kLease.count()));
+                          connection_->name(), task.attempt, task.id, task.kind, task.key, lease_.count()));
 }
 
 Expected<TaskCounts> TaskQueue::Count() {
@@ -122,6 +135,38 @@ Expected<TaskCounts> TaskQueue::Count() {
                                      "= 'quarantined') FROM tasks"));
   if (!row.Next()) return TaskCounts{};
   return TaskCounts{row.Integer(0), row.Integer(1), row.Integer(2), row.Integer(3)};
+}
+
+Expected<std::vector<TaskState>> TaskQueue::List(std::int64_t limit) {
+  std::vector<TaskState> tasks;
+  for (const std::string_view state : {"running", "quarantined"}) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Result rows,
+        connection_->Query("SELECT id, kind, payload, attempt, worker, extract(epoch FROM leased_until - "
+                           "now())::double precision, reason FROM tasks WHERE state = ? ORDER BY id LIMIT ?",
+                           state, limit));
+    while (rows.Next()) {
+      tasks.push_back({.id = rows.Integer(0),
+                       .kind = rows.Text(1),
+                       .payload = rows.Text(2),
+                       .is_quarantined = state == "quarantined",
+                       .attempt = rows.Integer(3),
+                       .worker = rows.Text(4),
+                       .lease_left_s = rows.OptionalReal(5),
+                       .reason = rows.Text(6)});
+    }
+  }
+  return tasks;
+}
+
+Expected<std::optional<double>> TaskQueue::DonePerHour() {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result row,
+      connection_->Query("SELECT count(*) FILTER (WHERE event = 'done'), extract(epoch FROM now() - min(at) "
+                         "FILTER (WHERE event = 'claimed'))::double precision / 3600 FROM task_log "
+                         "WHERE at > now() - interval '1 hour'"));
+  if (!row.Next() || row.Integer(0) == 0 || row.IsNull(1) || row.Real(1) <= 0) return std::nullopt;
+  return static_cast<double>(row.Integer(0)) / row.Real(1);
 }
 
 }  // namespace victorious::postgres

@@ -2,18 +2,18 @@
 //
 // A worker claims one task at a time by SELECT … FOR UPDATE SKIP LOCKED, so that claims do not wait for each other. A claim
 // is a lease, renewed while the worker lives. A lease that ends without a word is that of a dead worker: the task waits
-// again with the next attempt, or is quarantined if it lost its worker three times. The results of a task and its end
-// are one transaction, refused unless this attempt still runs: each task takes effect once, whatever dies or stands
-// still meanwhile. No transaction is open while a worker computes.
+// again with the next attempt, or is quarantined if it failed or lost its worker three times. The end of an attempt is
+// refused unless it still runs. A worker stores results with its progress by compare-and-swap (IndexStore::Commit), so
+// that each task takes effect once, whatever dies or stands still meanwhile. No transaction is open while it computes.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "victorious/base/error.h"
 #include "victorious/store/postgres/connection.h"
@@ -53,29 +53,49 @@ struct TaskCounts {
   bool operator==(const TaskCounts&) const = default;
 };
 
-/// Use from one thread at a time; one that renews needs a queue of its own.
+/// A task that is not done, as a person sees it.
+struct TaskState {
+  std::int64_t id = 0;
+  std::string kind;
+  std::string payload;
+  bool is_quarantined = false;  ///< otherwise it runs
+  std::int64_t attempt = 0;
+  std::string worker;                  ///< that runs it
+  std::optional<double> lease_left_s;  ///< of a running one
+  std::string reason;                  ///< of the last failure; empty: none
+};
+
+/// Use from one thread at a time.
 class TaskQueue {
  public:
   static constexpr std::chrono::seconds kLease{60};
-  static constexpr int kMaxLostWorkers = 3;
+  static constexpr int kMaxFailures = 3;
 
   /// @param url     of an index that exists (OpenPostgresStore)
   /// @param worker  the name of this process in the log
-  [[nodiscard]] static Expected<std::unique_ptr<TaskQueue>> Open(const std::string& url, std::string worker);
+  /// @param lease   of this worker's claims
+  [[nodiscard]] static Expected<std::unique_ptr<TaskQueue>> Open(const std::string& url, std::string worker,
+                                                                 std::chrono::seconds lease = kLease);
 
-  /// Adds the tasks, in one transaction. Returns the number of those that are new.
+  [[nodiscard]] std::chrono::seconds lease() const { return lease_; }
+
+  /// Adds the tasks, in one transaction; one that is quarantined waits again. Returns the number of those that are new or
+  /// wait again.
   [[nodiscard]] Expected<std::int64_t> Submit(std::span<const NewTask> tasks);
 
   /// Claims the waiting task of the highest priority, of these the one that was added first; std::nullopt if none waits.
   /// Ends the leases of dead workers first.
   [[nodiscard]] Expected<std::optional<Task>> Claim();
 
-  /// Renews the lease by kLease from now. Error: kConflict if it was lost.
+  /// Renews the lease from now on. Error: kConflict if it was lost.
   [[nodiscard]] Status Renew(const Task& task);
 
-  /// Ends the task: `write` writes its results in the same transaction. Error: kConflict if the lease was lost, that of
-  /// `write`; nothing is written then.
-  [[nodiscard]] Status Complete(const Task& task, const std::function<Status(Connection&)>& write);
+  /// Ends the task: its results are stored. Error: kConflict if the lease was lost.
+  [[nodiscard]] Status Complete(const Task& task);
+
+  /// Ends a failed attempt: the task waits again, or is quarantined after kMaxFailures. Error: kConflict if the lease was
+  /// lost.
+  [[nodiscard]] Status Abandon(const Task& task, const std::string& reason);
 
   /// Gives the task back, as at a shutdown: it waits again. Error: kConflict if the lease was lost.
   [[nodiscard]] Status Return(const Task& task);
@@ -85,18 +105,27 @@ class TaskQueue {
 
   [[nodiscard]] Expected<TaskCounts> Count();
 
+  /// Returns the tasks that run, then those that are quarantined, by id; at most `limit` of each.
+  [[nodiscard]] Expected<std::vector<TaskState>> List(std::int64_t limit);
+
+  /// Returns the tasks done an hour, over the last hour, or since the first one was claimed in it; std::nullopt if none
+  /// was done.
+  [[nodiscard]] Expected<std::optional<double>> DonePerHour();
+
  private:
-  TaskQueue(std::unique_ptr<Connection> connection, std::string worker)
-      : connection_(std::move(connection)), worker_(std::move(worker)) {}
+  TaskQueue(std::unique_ptr<Connection> connection, std::string worker, std::chrono::seconds lease)
+      : connection_(std::move(connection)), worker_(std::move(worker)), lease_(lease) {}
 
   [[nodiscard]] Status EndLostLeases();
-  /// Ends the lease in a transaction, after `write`: the task gets a new state and reason, the log an event.
+  /// Ends the lease in a transaction: the task gets a new state and reason, the log an event.
   [[nodiscard]] Status EndLease(const Task& task, std::string_view state, std::optional<std::string> reason,
-                                std::string_view event, const std::function<Status(Connection&)>& write);
+                                std::string_view event);
+  [[nodiscard]] Status Log(const Task& task, std::string_view event);
   [[nodiscard]] std::unexpected<Error> LostLease(const Task& task) const;
 
   std::unique_ptr<Connection> connection_;
   std::string worker_;
+  std::chrono::seconds lease_;
 };
 
 }  // namespace victorious::postgres

@@ -287,6 +287,25 @@ Expected<std::vector<TrackletRecord>> SqliteStore::Tracklets() {
 
 Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+  VICTORIOUS_RETURN_IF_ERROR(WriteObjects(objects));
+  return transaction.Commit();
+}
+
+Status SqliteStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) {
+  // A process that changes the index again and again meanwhile will itself update the objects.
+  constexpr int kMaxTries = 3;
+  for (int tries = 1;; ++tries) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t before, ChangeNumber());
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, make());
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t now, ChangeNumber());
+    if (now != before && tries < kMaxTries) continue;
+    VICTORIOUS_RETURN_IF_ERROR(WriteObjects(objects));
+    return transaction.Commit();
+  }
+}
+
+Status SqliteStore::WriteObjects(std::span<const ObjectRecord> objects) {
   {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement put, connection_->Prepare(InsertOrUpdateObject()));
     VICTORIOUS_ASSIGN_OR_RETURN(
@@ -303,8 +322,7 @@ Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Execute("DELETE FROM objects WHERE id NOT IN (SELECT object_id FROM tracklets "
                            "WHERE object_id IS NOT NULL)"));
-  VICTORIOUS_RETURN_IF_ERROR(AssignAllReviews());
-  return transaction.Commit();
+  return AssignAllReviews();
 }
 
 Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& filter) {

@@ -32,6 +32,7 @@ class SqliteStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
+  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) override;
 
   [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override;
   [[nodiscard]] Status VisitSightings(const SightingFilter& filter,
@@ -49,6 +50,8 @@ class SqliteStore final : public IndexStore {
   [[nodiscard]] Status PutProgress(const IndexBatch::Progress& progress);
   [[nodiscard]] Expected<std::int64_t> PutTracklet(const IndexBatch::TrackletUpdate& update);
   [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
+  /// PutObjects inside a transaction.
+  [[nodiscard]] Status WriteObjects(std::span<const ObjectRecord> objects);
   /// Writes to each object its review. Inside a transaction.
   [[nodiscard]] Status AssignAllReviews();
   /// Likewise, to the objects of these tracklets, whose former reviews stay.

@@ -1,4 +1,4 @@
-#include "victorious/serve/child_process.h"
+#include "victorious/base/child_process.h"
 
 #include <array>
 #include <cerrno>

@@ -1,0 +1,122 @@
+// victorious cluster status --db postgresql://…: what workers do
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/cluster/index_task.h"
+#include "victorious/store/open_store.h"
+
+namespace victorious::cli {
+namespace {
+
+constexpr std::int64_t kMaxListed = 1000;
+
+struct Arguments {
+  std::string db;
+  bool json = false;
+};
+
+struct ListedTask {
+  postgres::TaskState state;
+  std::string video;                       ///< empty: not a valid task
+  std::optional<std::int64_t> next_frame;  ///< frames before this one are searched for all models
+};
+
+// How far the search of a video is.
+Expected<std::optional<std::int64_t>> NextFrame(const std::string& name, const std::vector<VideoRecord>& videos,
+                                                const std::vector<ModelRecord>& models, IndexStore& store) {
+  const auto video = std::ranges::find(videos, name, &VideoRecord::name);
+  std::optional<std::int64_t> next;
+  if (video == videos.end()) return next;
+  for (const ModelRecord& model : models) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video->id, model.id));
+    if (search) next = std::min(next.value_or(search->next_frame), search->next_frame);
+  }
+  return next;
+}
+
+nlohmann::ordered_json ToJson(const ListedTask& task) {
+  const postgres::TaskState& state = task.state;
+  nlohmann::ordered_json row = {
+      {"video", task.video}, {"state", state.is_quarantined ? "quarantined" : "running"}, {"attempt", state.attempt}};
+  if (!state.is_quarantined) {
+    row["worker"] = state.worker;
+    row["lease_left_s"] = state.lease_left_s ? nlohmann::ordered_json(*state.lease_left_s) : nullptr;
+    row["frames"] = task.next_frame.value_or(0);
+  }
+  row["reason"] = state.reason;
+  return row;
+}
+
+std::string ToText(const ListedTask& task) {
+  const postgres::TaskState& state = task.state;
+  if (state.is_quarantined) {
+    return fmt::format("quarantined  {}  {}\n", OneLine(task.video), OneLine(state.reason));
+  }
+  return fmt::format("running      {}  {} frames, {}, attempt {}, lease {:.0f} s{}\n", OneLine(task.video),
+                     task.next_frame.value_or(0), OneLine(state.worker), state.attempt, state.lease_left_s.value_or(0),
+                     state.reason.empty() ? "" : "; last: " + OneLine(state.reason));
+}
+
+Status Run(const Arguments& arguments) {
+  if (!IsDatabaseUrl(arguments.db)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue, postgres::TaskQueue::Open(arguments.db, "status"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<postgres::TaskState> states, queue->List(kMaxListed));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<double> rate, queue->DonePerHour());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store->Videos());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store->Models());
+  std::vector<ListedTask> tasks;
+  for (postgres::TaskState& state : states) {
+    const Expected<IndexTask> work = FromQueue(state.kind, state.payload);
+    ListedTask task{.state = std::move(state), .video = work ? work->video : "", .next_frame = {}};
+    if (!task.state.is_quarantined) {
+      VICTORIOUS_ASSIGN_OR_RETURN(task.next_frame, NextFrame(task.video, videos, models, *store));
+    }
+    tasks.push_back(std::move(task));
+  }
+  const auto left = static_cast<double>(counts.waiting + counts.running);
+  if (arguments.json) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const ListedTask& task : tasks) rows.push_back(ToJson(task));
+    const nlohmann::ordered_json status = {{"waiting", counts.waiting},
+                                           {"running", counts.running},
+                                           {"done", counts.done},
+                                           {"quarantined", counts.quarantined},
+                                           {"done_per_hour", rate ? nlohmann::ordered_json(*rate) : nullptr},
+                                           {"hours_left", rate ? nlohmann::ordered_json(left / *rate) : nullptr},
+                                           {"tasks", std::move(rows)}};
+    return WriteOutput("", status.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  }
+  std::string text = fmt::format("{} waiting, {} running, {} done, {} quarantined", counts.waiting, counts.running,
+                                 counts.done, counts.quarantined);
+  if (rate && left > 0) text += fmt::format("; {:.1f} videos an hour, about {:.1f} hours left", *rate, left / *rate);
+  text += "\n";
+  for (const ListedTask& task : tasks) text += ToText(task);
+  return WriteOutput("", text);
+}
+
+}  // namespace
+
+Action SetUpCluster(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.require_subcommand(1);
+  CLI::App* const status =
+      app.add_subcommand("status", "Videos that wait, run, are done or failed; rate and time left");
+  status->add_option("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE")->required()->type_name("URL");
+  status->add_flag("--json", arguments->json, "Print one JSON object");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,139 @@
+// victorious submit VIDEO... --models DIR --db postgresql://…: videos to be indexed by workers
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "victorious/base/count_text.h"
+#include "victorious/base/file.h"
+#include "victorious/base/program_id.h"
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/cluster/index_task.h"
+#include "victorious/model/model_library.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/preset.h"
+#include "victorious/store/open_store.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::vector<std::string> videos;
+  std::string models;
+  std::string categories;
+  std::string db;
+  std::string params;
+  std::string quality;
+  std::optional<int> every;
+  bool urgent = false;
+};
+
+std::string AbsolutePath(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+
+// The options of `victorious index`, with absolute paths: workers start in other folders.
+std::vector<std::string> IndexOptionsOf(const Arguments& arguments) {
+  std::vector<std::string> options;
+  const auto add = [&](const char* flag, const std::string& value) {
+    if (!value.empty()) options.insert(options.end(), {flag, value});
+  };
+  add("--models", arguments.models.empty() ? "" : AbsolutePath(arguments.models));
+  add("--categories", arguments.categories.empty() ? "" : AbsolutePath(arguments.categories));
+  const bool is_file = !arguments.params.empty() && !FindPreset(arguments.params);
+  add("--params", is_file ? AbsolutePath(arguments.params) : arguments.params);
+  add("--quality", arguments.quality);
+  if (arguments.every) add("--every", fmt::format("{}", *arguments.every));
+  return options;
+}
+
+// Identifies what is searched for: the models' files and the categories' file.
+Expected<std::string> IdOfTargets(const Arguments& arguments) {
+  std::vector<fs::path> files;
+  if (!arguments.models.empty()) {
+    const ModelLibrary library(arguments.models);
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> names, library.Names());
+    if (names.empty()) {
+      return Fail(ErrorCode::kNotFound,
+                  fmt::format("{}: no models; make one with `victorious model add`", arguments.models));
+    }
+    for (const std::string& name : names) files.push_back(library.PathOf(name));
+  }
+  if (!arguments.categories.empty()) files.emplace_back(arguments.categories);
+  return ContentIdOfFiles(files, Interrupt());
+}
+
+Status CheckArguments(const Arguments& arguments) {
+  if (!IsDatabaseUrl(arguments.db)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE; into a file, "
+                            "`victorious index` searches by itself",
+                            arguments.db));
+  }
+  if (arguments.models.empty() && arguments.categories.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "nothing to search for: give --models, --categories, or both");
+  }
+  // What a worker would refuse is refused here.
+  IndexOptions options;
+  if (!arguments.quality.empty()) VICTORIOUS_RETURN_IF_ERROR(ApplyQuality(arguments.quality, false, options));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
+  if (arguments.every) options.every = *arguments.every;
+  return CheckFlags(CollectFields(options), {{"every", "--every"}});
+}
+
+Status Run(const Arguments& arguments) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string targets, IdOfTargets(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
+  const auto priority = arguments.urgent ? postgres::TaskPriority::kPerson : postgres::TaskPriority::kBatch;
+  std::vector<postgres::NewTask> tasks;
+  std::vector<VideoRecord> videos;
+  for (const std::string& video : arguments.videos) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video, {}));
+    if (reader->info().live) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: a live source cannot wait for a worker: give it to `victorious index`", video));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, reader->ContentId(Interrupt(), {}));
+    const IndexTask task{.video = AbsolutePath(video), .options = IndexOptionsOf(arguments), .program = program};
+    tasks.push_back(ToQueue(task, fmt::format("{} {}", content, targets), priority));
+    videos.push_back(
+        {.content_id = content, .name = task.video, .width = reader->info().width, .height = reader->info().height});
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
+  // In the order given, which is that of the results, whichever worker is first.
+  for (const VideoRecord& video : videos) VICTORIOUS_RETURN_IF_ERROR(store->PutVideo(video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue, postgres::TaskQueue::Open(arguments.db, "submit"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t added, queue->Submit(tasks));
+  VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
+  const auto known = static_cast<std::int64_t>(tasks.size()) - added;
+  spdlog::info("{} submitted{}; {} waiting, {} running", CountText(added, "video"),
+               known > 0 ? fmt::format(", {} known already", known) : "", counts.waiting, counts.running);
+  return {};
+}
+
+}  // namespace
+
+Action SetUpSubmit(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("VIDEO", arguments->videos, "Files or folders of frames, at the same path on all machines")
+      ->required();
+  app.add_option("--models", arguments->models, "Folder of models to search for")->type_name("DIR");
+  app.add_option("--categories", arguments->categories, "A category model, searched for as well")->type_name("FILE");
+  app.add_option("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE")->required()->type_name("URL");
+  AddParams(app, arguments->params, "index");
+  app.add_option("--quality", arguments->quality, "fast, normal or thorough, as of `victorious index`")
+      ->type_name("NAME");
+  app.add_option("--every", arguments->every, "Search every N-th frame completely")->type_name("N");
+  app.add_flag("--urgent", arguments->urgent, "Before what was submitted without this flag");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,70 @@
+// victorious work --db postgresql://…: a worker
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "victorious/base/count_text.h"
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/cluster/worker.h"
+#include "victorious/store/open_store.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string db;
+  int threads = 0;
+  int lease_s = static_cast<int>(postgres::TaskQueue::kLease.count());
+  bool until_empty = false;
+};
+
+std::string WorkerName() {
+  std::string host(256, '\0');
+  if (::gethostname(host.data(), host.size() - 1) != 0) host = "unknown";
+  host.resize(host.find('\0'));
+  return fmt::format("{}:{}", host, ::getpid());
+}
+
+Status Run(const Arguments& arguments) {
+  if (!IsDatabaseUrl(arguments.db)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
+  }
+  const CancelToken& interrupt = Interrupt();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
+  const std::string name = WorkerName();
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
+                              postgres::TaskQueue::Open(arguments.db, name, std::chrono::seconds(arguments.lease_s)));
+  const auto inform = [](const std::string& line) { spdlog::info("{}", OneLine(line)); };
+  spdlog::info("worker {} of {}", name, StoreName(arguments.db));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::int64_t done,
+      Work(*queue, *store, RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform),
+           {.until_empty = arguments.until_empty, .inform = inform}, interrupt));
+  spdlog::info("{} done", CountText(done, "video"));
+  return {};
+}
+
+}  // namespace
+
+Action SetUpWork(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE")->required()->type_name("URL");
+  app.add_option("--threads", arguments->threads, "Number of threads; 0: one per processor")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--lease", arguments->lease_s,
+                 "Seconds after which another worker takes over from this one if it does not answer")
+      ->capture_default_str()
+      ->check(CLI::Range(4, 86'400))
+      ->type_name("SECONDS");
+  app.add_flag("--until-empty", arguments->until_empty, "End once no video waits or is being indexed");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

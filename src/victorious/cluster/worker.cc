@@ -1,0 +1,205 @@
+#include "victorious/cluster/worker.h"
+
+#include <algorithm>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/base/child_process.h"
+#include "victorious/base/program_id.h"
+
+namespace victorious {
+namespace {
+
+using postgres::Task;
+using postgres::TaskQueue;
+
+constexpr std::chrono::milliseconds kPatience{200};
+constexpr std::chrono::minutes kOutage{5};  // of the database, that a worker waits out
+
+// Whether all searches of the video are finished.
+Expected<bool> IsIndexed(const std::string& video, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
+  const auto stored = std::ranges::find(videos, video, &VideoRecord::name);
+  if (stored == videos.end()) return false;
+  for (const ModelRecord& model : models) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(stored->id, model.id));
+    if (search && !search->finished) return false;
+  }
+  return true;
+}
+
+std::string DescribeEnd(const TaskEnd& end) {
+  if (!end.error.empty()) return end.error;
+  if (end.status > 128) {
+    return fmt::format("its process was ended by signal {}: the file may be damaged", end.status - 128);
+  }
+  return fmt::format("its process ended with the status {}", end.status);
+}
+
+// Renews the lease of a task while its process runs.
+class Heartbeat {
+ public:
+  Heartbeat(TaskQueue& queue, const Task& task, const CancelToken& cancel)
+      : queue_(queue), task_(task), cancel_(cancel) {}
+
+  /// Returns false once the process has to end.
+  bool Beat() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!is_lost_ && now - renewed_ >= queue_.lease() / 4) {
+      const Status status = queue_.Renew(task_);
+      // A server that does not answer for a while may come back before the lease has run out.
+      if (status) renewed_ = now;
+      is_lost_ = (!status && status.error().code == ErrorCode::kConflict) || now - renewed_ >= queue_.lease();
+    }
+    return !is_lost_ && !cancel_.IsCancelled();
+  }
+
+  [[nodiscard]] bool is_lost() const { return is_lost_; }
+
+ private:
+  TaskQueue& queue_;
+  const Task& task_;
+  const CancelToken& cancel_;
+  std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
+  bool is_lost_ = false;
+};
+
+// Ends a task in the queue by how its process ended. Returns whether it is done.
+Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
+                       IndexStore& store, const WorkerOptions& options) {
+  if (is_cancelled && end.status != 0) {
+    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
+    return false;
+  }
+  if (end.status != 0) {
+    options.inform(fmt::format("{}: attempt {} failed: {}", work.video, task.attempt, DescribeEnd(end)));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Abandon(task, DescribeEnd(end)));
+    return false;
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool is_indexed, IsIndexed(work.video, store));
+  if (!is_indexed) {
+    options.inform(fmt::format("{}: another process is indexing it: waits again", work.video));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
+    return false;
+  }
+  VICTORIOUS_RETURN_IF_ERROR(queue.Complete(task));
+  options.inform(fmt::format("{}: done", work.video));
+  return true;
+}
+
+// Does one task. Returns whether it is done.
+Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, const RunTask& run,
+                      const WorkerOptions& options, const CancelToken& cancel) {
+  const Expected<IndexTask> work = FromQueue(task.kind, task.payload);
+  if (!work) {
+    VICTORIOUS_RETURN_IF_ERROR(queue.Quarantine(task, work.error().message));
+    return false;
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
+  if (work->program != program) {
+    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: submitted by another build of the program ({}; this one is {}), whose results may differ: "
+                    "run the same build on all machines, or submit the video again",
+                    work->video, work->program, program));
+  }
+  options.inform(fmt::format("{}: begun (attempt {})", work->video, task.attempt));
+  Heartbeat heartbeat(queue, task, cancel);
+  const Expected<TaskEnd> end = run(*work, [&] { return heartbeat.Beat(); });
+  if (!end) {
+    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
+    return std::unexpected(end.error());
+  }
+  if (heartbeat.is_lost()) {
+    options.inform(fmt::format("{}: its lease was lost: left to another worker", work->video));
+    return false;
+  }
+  const Expected<bool> done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, store, options);
+  if (!done && done.error().code == ErrorCode::kConflict) {
+    options.inform(done.error().message);
+    return false;
+  }
+  return done;
+}
+
+enum class Step {
+  kDone,   ///< a task
+  kLeft,   ///< a task that was begun, not done
+  kWait,   ///< no task waits, some run
+  kEmpty,  ///< no task waits or runs
+};
+
+Expected<Step> DoNext(TaskQueue& queue, IndexStore& store, const RunTask& run, const WorkerOptions& options,
+                      const CancelToken& cancel) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Task> task, queue.Claim());
+  if (task) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool is_done, DoTask(*task, queue, store, run, options, cancel));
+    return is_done ? Step::kDone : Step::kLeft;
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue.Count());
+  return counts.waiting + counts.running == 0 ? Step::kEmpty : Step::kWait;
+}
+
+// In short steps, so that an interrupt is not kept waiting.
+void Pause(std::chrono::milliseconds time, const CancelToken& cancel) {
+  const auto end = std::chrono::steady_clock::now() + time;
+  while (!cancel.IsCancelled() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::min(time, kPatience));
+  }
+}
+
+}  // namespace
+
+RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform) {
+  return [more = std::move(more), inform = std::move(inform)](const IndexTask& task,
+                                                              const std::function<bool()>& beat) -> Expected<TaskEnd> {
+    std::vector<std::string> arguments = {"index"};
+    arguments.insert(arguments.end(), task.options.begin(), task.options.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    // "--" ends the options: the name of a file that begins with a dash is none.
+    arguments.insert(arguments.end(), {"--", task.video});
+    VICTORIOUS_ASSIGN_OR_RETURN(ChildProcess child, ChildProcess::StartSelf(arguments));
+    TaskEnd end;
+    bool is_asked = false;
+    while (!child.has_ended()) {
+      for (const std::string& line : child.ReadLines(kPatience)) {
+        constexpr std::string_view kError = "error: ";
+        if (line.starts_with(kError)) end.error = line.substr(kError.size());
+        if (line.starts_with("warning: ")) inform(line);
+      }
+      if (is_asked || beat()) continue;
+      is_asked = true;
+      child.Interrupt();
+    }
+    end.status = child.Wait();
+    return end;
+  };
+}
+
+Expected<std::int64_t> Work(TaskQueue& queue, IndexStore& store, const RunTask& run, const WorkerOptions& options,
+                            const CancelToken& cancel) {
+  std::int64_t done = 0;
+  auto answered = std::chrono::steady_clock::now();
+  while (!cancel.IsCancelled()) {
+    const Expected<Step> step = DoNext(queue, store, run, options, cancel);
+    if (!step) {
+      const bool is_outage = step.error().code != ErrorCode::kUnsupported;
+      if (!is_outage || std::chrono::steady_clock::now() - answered > kOutage) return std::unexpected(step.error());
+      options.inform(step.error().message);
+    } else {
+      answered = std::chrono::steady_clock::now();
+      done += *step == Step::kDone ? 1 : 0;
+      if (*step == Step::kEmpty && options.until_empty) return done;
+      if (*step == Step::kDone) continue;
+    }
+    Pause(options.poll, cancel);
+  }
+  return done;
+}
+
+}  // namespace victorious

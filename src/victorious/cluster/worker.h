@@ -1,0 +1,51 @@
+// A worker: claims tasks of the queue, one at a time, and does each by `victorious index` as a child process. A video that
+// crashes a decoder ends its attempt, not the worker.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/cluster/index_task.h"
+#include "victorious/store/index_store.h"
+#include "victorious/store/postgres/task_queue.h"
+
+namespace victorious {
+
+/// How a task's process ended.
+struct TaskEnd {
+  int status = 0;     ///< exit status; 128 + the number of the signal that killed it
+  std::string error;  ///< its line of error; empty: none
+};
+
+struct WorkerOptions {
+  bool until_empty = false;                                                    ///< ends once no task waits or runs
+  std::chrono::milliseconds poll{1'000};                                       ///< between claims while no task waits
+  std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
+};
+
+/// Runs a task's process. Calls `beat` at least every second; asks the process to end once that returns false. Error: the
+/// process cannot be started.
+using RunTask = std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<bool()>& beat)>;
+
+/// Runs `victorious index` of this executable with `more` after the task's options. Lines of warning go to `inform`.
+RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform);
+
+/// Does tasks until `cancel` is set, or until there are none left. A task
+/// - whose process ends well is done, if the index says that its searches are finished; else it waits again (another
+///   process indexes the same video);
+/// - whose process fails or crashes waits again; after TaskQueue::kMaxFailures failures it is quarantined with the reason;
+/// - that runs when `cancel` is set is given back, and resumed by the next worker.
+/// Renews the lease while a task runs; once it is lost (this worker stood still too long), ends the task's process.
+/// Waits up to 5 minutes for a database that does not answer.
+/// @param store  the index of the queue, to be read
+/// Returns the number of tasks done. Errors: kUnsupported if a task was submitted by another build of the program; those
+/// of the database.
+[[nodiscard]] Expected<std::int64_t> Work(postgres::TaskQueue& queue, IndexStore& store, const RunTask& run,
+                                          const WorkerOptions& options, const CancelToken& cancel);
+
+}  // namespace victorious

@@ -1,0 +1,142 @@
+// What a worker does with a task, by how the task's process ends. The process is a function here; tests/e2e/test_cluster.py
+// has the real one.
+#include "victorious/cluster/worker.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/scratch_postgres.h"
+#include "victorious/base/program_id.h"
+#include "victorious/store/open_store.h"
+
+namespace victorious {
+namespace {
+
+using postgres::NewTask;
+using postgres::TaskCounts;
+using postgres::TaskPriority;
+using postgres::TaskQueue;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class PostgresWorkerTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    VICTORIOUS_STORE_OR_SKIP(url_, testing::EmptyPostgresDatabase());
+    auto store = OpenStore(url_, StoreMode::kCreate);
+    ASSERT_TRUE(store) << store.error().message;
+    store_ = *std::move(store);
+    auto queue = TaskQueue::Open(url_, "worker");
+    ASSERT_TRUE(queue) << queue.error().message;
+    queue_ = *std::move(queue);
+  }
+
+  void Submit(const std::string& video, const std::string& program = ProgramId().value()) {
+    const NewTask task = ToQueue({.video = video, .options = {}, .program = program}, video, TaskPriority::kBatch);
+    ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
+  }
+
+  // Adds the video with a search that is finished or not.
+  void Store(const std::string& video, bool finished) {
+    const ModelRecord model = store_->PutModel({.name = "truck", .content_id = "t"}).value();
+    const VideoRecord record = store_->PutVideo({.content_id = video, .name = video, .width = 1, .height = 1}).value();
+    const SearchRecord search{
+        .video = record.id, .model = model.id, .next_frame = 1, .finished = finished, .options_json = "{}"};
+    ASSERT_TRUE(store_->Commit({.progress = {{.search = search, .expected_next_frame = 0}}}));
+  }
+
+  Expected<std::int64_t> WorkUntilEmpty(const RunTask& run) {
+    return Work(*queue_, *store_, run,
+                {.until_empty = true,
+                 .poll = std::chrono::milliseconds(1),
+                 .inform = [&](const std::string& line) { lines_.push_back(line); }},
+                cancel_);
+  }
+
+  static RunTask EndWith(TaskEnd end) {
+    return [end](const IndexTask&, const std::function<bool()>&) { return end; };
+  }
+
+  std::string url_;
+  std::unique_ptr<IndexStore> store_;
+  std::unique_ptr<TaskQueue> queue_;
+  std::vector<std::string> lines_;
+  CancelToken cancel_;
+};
+
+TEST_F(PostgresWorkerTest, DoesWhatWaits) {
+  Submit("/a.mp4");
+  Submit("/b.mp4");
+  std::vector<std::string> videos;
+  const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>& beat) -> Expected<TaskEnd> {
+    EXPECT_TRUE(beat());
+    videos.push_back(task.video);
+    Store(task.video, true);
+    return TaskEnd{};
+  });
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(*done, 2);
+  EXPECT_EQ(videos, (std::vector<std::string>{"/a.mp4", "/b.mp4"}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 2}));
+}
+
+TEST_F(PostgresWorkerTest, FailingTaskIsQuarantinedAndTheRestGoesOn) {
+  Submit("/broken.mp4");
+  Submit("/good.mp4");
+  Store("/good.mp4", true);
+  const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>&) -> Expected<TaskEnd> {
+    return task.video == "/good.mp4" ? TaskEnd{} : TaskEnd{.status = 128 + 11};
+  });
+  EXPECT_EQ(done.value_or(0), 1);
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1, .quarantined = 1}));
+  const auto listed = queue_->List(10);
+  ASSERT_EQ(listed->size(), 1U);
+  EXPECT_THAT(listed->front().reason, HasSubstr("signal 11"));
+}
+
+// Another process indexes the same video, so that this one stepped aside.
+TEST_F(PostgresWorkerTest, UnfinishedSearchIsNotDone) {
+  Submit("/a.mp4");
+  Store("/a.mp4", false);
+  int runs = 0;
+  const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>&) -> Expected<TaskEnd> {
+    if (++runs == 2) {
+      const SearchRecord search{.video = 1, .model = 1, .next_frame = 2, .finished = true, .options_json = "{}"};
+      EXPECT_TRUE(store_->Commit({.progress = {{.search = search, .expected_next_frame = 1}}}));
+    }
+    return TaskEnd{};
+  });
+  EXPECT_EQ(done.value_or(0), 1);
+  EXPECT_EQ(runs, 2);
+  EXPECT_THAT(lines_, Contains(HasSubstr("another process")));
+}
+
+TEST_F(PostgresWorkerTest, InterruptedTaskWaitsForTheNextWorker) {
+  Submit("/a.mp4");
+  const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>& beat) -> Expected<TaskEnd> {
+    cancel_.Cancel();
+    EXPECT_FALSE(beat());
+    return TaskEnd{.status = 130};
+  });
+  EXPECT_EQ(done.value_or(-1), 0);
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+}
+
+TEST_F(PostgresWorkerTest, TaskOfAnotherBuildIsNotTouched) {
+  Submit("/a.mp4", "0.0.1-0123456789abcdef");
+  const auto done = WorkUntilEmpty(EndWith({}));
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(done.error().message, HasSubstr("0.0.1-0123456789abcdef"));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+}
+
+TEST_F(PostgresWorkerTest, InvalidTaskIsQuarantined) {
+  const NewTask task{.kind = "stitch", .key = "a", .payload = "{}"};
+  ASSERT_TRUE(queue_->Submit(std::span(&task, 1)));
+  EXPECT_EQ(WorkUntilEmpty(EndWith({})).value_or(-1), 0);
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.quarantined = 1}));
+}
+
+}  // namespace
+}  // namespace victorious

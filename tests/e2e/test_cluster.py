@@ -1,0 +1,130 @@
+"""Videos shared out to workers: what N workers write is what one process writes, whoever dies meanwhile."""
+
+import json
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import program
+from test_postgres import Postgres
+
+FRAMES = (40, 20, 30)  # of the videos, so that their contents differ
+
+
+class ClusterTest(program.ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = cls.enterClassContext(Postgres())
+
+    def setUp(self):
+        super().setUp()
+        self.url = self.make_database()
+        self.videos = [program.flight(frames) / "flight.mkv" for frames in FRAMES]
+
+    def make_database(self) -> str:
+        name = f"t{time.monotonic_ns()}"
+        subprocess.run(["psql", self.server.url, "--quiet", "--command", f"CREATE DATABASE {name}"], check=True)
+        base, _, parameters = self.server.url.partition("?")
+        return f"{base.rpartition('/')[0]}/{name}?{parameters}"
+
+    def submit(self, *videos, **options):
+        return self.succeeds("submit", *videos, "--models", program.models(), "--db", self.url, **options)
+
+    def start_worker(self, *flags):
+        command = [program.PROGRAM, "work", "--db", self.url, "--threads", 1, *flags]
+        return subprocess.Popen(list(map(str, command)), stderr=subprocess.PIPE, text=True)
+
+    def finish(self, *workers):
+        for worker in workers:
+            err = worker.communicate(timeout=program.TIMEOUT_S)[1]
+            self.assertEqual(worker.returncode, 0, err)
+
+    def status(self) -> dict:
+        return json.loads(self.succeeds("cluster", "status", "--db", self.url, "--json").out)
+
+    def assert_same_as_one_process(self):
+        """Objects and sightings are those of one process; the objects have other ids."""
+        db = self.scratch / "one.db"
+        self.succeeds("index", *self.videos, "--models", program.models(), "--db", db)
+        for form in ("objects", "sightings"):
+            of_workers, of_one = (self.numbered(self.exported(index, form)) for index in (self.url, db))
+            self.assertEqual(of_workers, of_one, form)
+            self.assertGreater(len(of_one), 3)
+
+    def exported(self, db, form) -> str:
+        return self.succeeds("export", "--db", db, "--format", form).out
+
+    @staticmethod
+    def numbered(lines: str) -> list[dict]:
+        """The rows, with the ids of objects replaced by the order in which they come first."""
+        rows = [json.loads(line) for line in lines.splitlines()]
+        numbers = {}
+        return [row | {"object_id": numbers.setdefault(row["object_id"], len(numbers))} for row in rows]
+
+    def test_workers_write_what_one_process_writes(self):
+        said = self.submit(*self.videos)
+        self.assertIn("3 videos submitted; 3 waiting", said.err)
+        self.assertIn("0 videos submitted, 3 known already", self.submit(*self.videos).err)
+        self.finish(*(self.start_worker("--until-empty") for _ in range(2)))
+        status = self.status()
+        self.assertEqual((status["waiting"], status["running"], status["done"]), (0, 0, 3), status)
+        self.assertGreater(status["done_per_hour"], 0)
+        self.assertIn("3 done, 0 quarantined", self.succeeds("cluster", "status", "--db", self.url).out)
+        self.assert_same_as_one_process()
+        of_two, self.url = self.url, self.make_database()
+        self.submit(*self.videos)
+        self.finish(self.start_worker("--until-empty"))
+        for form in ("objects", "sightings", "geojson", "kml"):
+            self.assertEqual(self.exported(self.url, form), self.exported(of_two, form), form)
+
+    def test_killed_and_interrupted_workers_lose_nothing(self):
+        self.submit(*self.videos)
+        killed = self.start_worker("--lease", 4)
+        self.wait_until(lambda: self.status()["running"] == 1)
+        killed.send_signal(signal.SIGKILL)
+        killed.communicate()
+        interrupted = self.start_worker("--lease", 4)
+        self.wait_until(lambda: self.status()["running"] >= 1)
+        interrupted.send_signal(signal.SIGINT)
+        interrupted.communicate(timeout=program.TIMEOUT_S)
+        self.finish(self.start_worker("--lease", 4, "--until-empty"))
+        self.assertEqual(self.status()["done"], 3)
+        self.assert_same_as_one_process()
+
+    def wait_until(self, is_so):
+        for _ in range(int(program.TIMEOUT_S / 0.05)):
+            if is_so():
+                return
+            time.sleep(0.05)
+        self.fail("did not come")
+
+    def test_what_fails_is_quarantined_with_its_reason(self):
+        gone = Path(self.write("gone.mkv", self.videos[1].read_bytes()))
+        self.submit(gone, self.videos[0])
+        gone.unlink()
+        self.finish(self.start_worker("--until-empty"))
+        status = self.status()
+        self.assertEqual((status["done"], status["quarantined"]), (1, 1), status)
+        self.assertEqual(status["tasks"][0]["video"], str(gone))
+        self.assertIn("gone.mkv", status["tasks"][0]["reason"])
+        gone.write_bytes(self.videos[1].read_bytes())
+        self.assertIn("1 video submitted", self.submit(gone).err)
+        self.finish(self.start_worker("--until-empty"))
+        self.assertEqual(self.status()["done"], 2)
+
+    def test_bad_arguments(self):
+        models = program.models()
+        self.refuses(2, ["--db", "postgresql://"], "submit", self.videos[0], "--models", models, "--db", "x.db")
+        self.refuses(2, ["--db", "postgresql://"], "work", "--db", "x.db")
+        self.refuses(2, ["--db", "postgresql://"], "cluster", "status", "--db", "x.db")
+        self.refuses(2, "nothing to search for", "submit", self.videos[0], "--db", self.url)
+        self.refuses(2, "no models", "submit", self.videos[0], "--models", self.scratch, "--db", self.url)
+        self.refuses(2, "none.mkv", "submit", "none.mkv", "--models", models, "--db", self.url)
+        self.refuses(2, "--every", "submit", self.videos[0], "--models", models, "--db", self.url, "--every", 0)
+        self.refuses(2, "quality", "submit", self.videos[0], "--models", models, "--db", self.url, "--quality", "best")
+        self.refuses(2, "no index in this database", "work", "--db", self.url)
+
+
+if __name__ == "__main__":
+    program.main()
