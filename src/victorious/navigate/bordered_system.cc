@@ -13,12 +13,14 @@ using Eigen::VectorXd;
 // Factors of the chain: L diag(P) L', where P are the pivots and E the blocks below the diagonal of L.
 struct BorderedSystem::Factors {
   std::vector<Eigen::LLT<MatrixXd>> pivots;
-  std::vector<MatrixXd> below;     // E_k = U_k' inverse(P_k)
-  std::vector<MatrixXd> solved;    // inverse(chain) * border, by block
-  Eigen::LLT<MatrixXd> remainder;  // Schur complement of the chain: C - B' inverse(chain) B
+  std::vector<MatrixXd> below;   // E_k = U_k' inverse(P_k)
+  std::vector<MatrixXd> solved;  // inverse(chain) * border, by block
+  // Schur complement of the chain: C - B' inverse(chain) B; std::nullopt without a border.
+  std::optional<Eigen::LLT<MatrixXd>> remainder;
 
   // inverse(chain) * sides, in place.
   void SolveChain(std::vector<MatrixXd>& sides) const {
+    if (sides.empty() || sides.front().size() == 0) return;  // no border
     for (std::size_t k = 1; k < sides.size(); ++k) sides[k] -= below[k - 1] * sides[k - 1];
     for (std::size_t k = sides.size(); k-- > 0;) {
       sides[k] = pivots[k].solve(sides[k]).eval();
@@ -60,8 +62,10 @@ std::optional<BorderedSystem::Factors> BorderedSystem::Factorise(double damping)
       remainder.middleRows(part.first, part.columns.cols()) -= part.columns.transpose() * factors.solved[k];
     }
   }
-  factors.remainder.compute(remainder);
-  if (remainder.size() > 0 && factors.remainder.info() != Eigen::Success) return std::nullopt;
+  if (remainder.size() > 0) {
+    factors.remainder.emplace(remainder);
+    if (factors.remainder->info() != Eigen::Success) return std::nullopt;
+  }
   return factors;
 }
 
@@ -77,7 +81,7 @@ std::optional<BorderedSystem::Solution> BorderedSystem::Solve(double damping) co
     }
   }
   Solution solution;
-  solution.border = border_size() > 0 ? VectorXd(factors->remainder.solve(left)) : left;
+  solution.border = factors->remainder ? VectorXd(factors->remainder->solve(left)) : left;
   for (std::size_t k = 0; k < blocks(); ++k) {
     solution.blocks.emplace_back(sides[k] - factors->solved[k] * solution.border);
   }
@@ -89,7 +93,7 @@ std::optional<BorderedSystem::Covariances> BorderedSystem::Invert() const {
   if (!factors) return std::nullopt;
   Covariances inverse;
   inverse.border = MatrixXd::Identity(border_size(), border_size());
-  if (border_size() > 0) factors->remainder.solveInPlace(inverse.border);
+  if (factors->remainder) factors->remainder->solveInPlace(inverse.border);
   inverse.blocks.resize(blocks());
   const MatrixXd identity = MatrixXd::Identity(block_size_, block_size_);
   for (std::size_t k = blocks(); k-- > 0;) {  // of the chain without the border

@@ -18,10 +18,9 @@ struct World {
   MatchSet matches;
 
   void Add(const Eigen::Vector2d& template_place, const Eigen::Vector2d& scene_place) {
-    const auto i = static_cast<std::uint32_t>(scene.size());
+    matches.push_back({static_cast<std::uint32_t>(scene.size()), static_cast<std::uint32_t>(model.size()), 0.5F});
     model.push_back({static_cast<float>(template_place.x()), static_cast<float>(template_place.y()), 2, 0});
     scene.push_back({static_cast<float>(scene_place.x()), static_cast<float>(scene_place.y()), 2, 0});
-    matches.push_back({i, i, 0.5F});
   }
   [[nodiscard]] std::vector<PlanarFit> Poses(const PoseOptions& options = {}) const {
     return EstimatePoses(scene, model, matches, kOutline, 640.0 * 480.0, options);
