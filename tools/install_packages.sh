@@ -10,7 +10,7 @@ packages=(
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev
   libassimp-dev libopengl-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
   libsqlite3-dev libpq-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
-  libboost-dev
+  libboost-dev libsodium-dev
   libgtest-dev libgmock-dev libbenchmark-dev
 )
 case "${1:-}" in

@@ -16,6 +16,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "victorious/base/version.h"
+#include "victorious/cli/cmd_user.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/run_program.h"
 #include "victorious/cli/suggestion.h"
@@ -33,6 +34,7 @@ constexpr std::array kCommands = {
     Command{"export", "Find", "Export the results as JSON, map or annotation files", &SetUpExport},
     Command{"track", "Find", "Track the objects in user boxes through one or more videos", &SetUpTrack},
     Command{"serve", "Find", "Show the results in the browser: ranked list, video and map", &SetUpServe},
+    Command{"user", "Find", "Say who may use `serve`: accounts, roles, tokens, log", &SetUpUser},
     Command{"sheet", "Find", "Draw the objects found on a contact sheet", &SetUpSheet},
     Command{"locate", "Find", "Locate the intersection of lines of sight, with covariance", &SetUpLocate},
     Command{"navigate", "Find", "Estimate the camera pose from landmarks of known place", &SetUpNavigate},

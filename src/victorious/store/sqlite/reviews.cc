@@ -1,8 +1,10 @@
 // The reviews of an index: bound to a sighting's place in a video, resolved to the object that is there at present.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/store/export_json.h"
 #include "victorious/store/sql/records.h"
 #include "victorious/store/sqlite/sqlite_store.h"
 
@@ -91,6 +93,21 @@ std::string AssignReviews(std::string_view from, std::string_view where) {
       from, where);
 }
 
+// Writes to the log who decided what. The place says which object it was after its id has changed.
+Status LogReview(Connection& connection, std::int64_t object, const Review& review, const Anchor& place) {
+  Json detail;
+  detail["verdict"] = review.verdict ? Json(ToText(*review.verdict)) : Json();
+  detail["note"] = review.note;
+  detail["model"] = place.model_name;
+  detail["video"] = place.video_content_id;
+  detail["frame"] = place.frame;
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
+                              connection.Prepare("INSERT INTO audit (time_utc_us, actor, action, subject, detail) "
+                                                 "VALUES (?, ?, 'review', ?, ?)"));
+  insert.Bind(review.updated_utc_us, review.reviewer, fmt::format("object {}", object), Dump(detail));
+  return insert.Run();
+}
+
 }  // namespace
 
 Status SqliteStore::PutReview(std::int64_t object, const Review& review) {
@@ -130,6 +147,7 @@ Status SqliteStore::PutReview(std::int64_t object, const Review& review) {
       assign.Bind(verdict, review.note, review.reviewer, review.updated_utc_us, object);
     }
     VICTORIOUS_RETURN_IF_ERROR(assign.Run());
+    VICTORIOUS_RETURN_IF_ERROR(LogReview(*connection_, object, review, places.front()));
   }
   return transaction.Commit();
 }

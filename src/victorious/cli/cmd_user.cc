@@ -1,0 +1,266 @@
+// victorious user add | change | remove | list | token | revoke | log: who may use `victorious serve`
+#include "victorious/cli/cmd_user.h"
+
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <termios.h>
+#include <unistd.h>
+
+#include "victorious/base/utc.h"
+#include "victorious/cli/arguments.h"
+#include "victorious/serve/secret.h"
+#include "victorious/store/account_store.h"
+#include "victorious/store/export_json.h"
+#include "victorious/store/open_store.h"
+
+namespace victorious::cli {
+namespace {
+
+constexpr std::int64_t kDay = 86'400'000'000;
+
+struct Arguments {
+  std::string db;
+  std::string name;
+  std::string role;
+  bool has_new_password = false;
+  std::string label;
+  int days = 365;
+  std::int64_t token = 0;
+  std::int64_t limit = 100;
+  bool json = false;
+};
+
+Expected<std::unique_ptr<AccountStore>> Open(const Arguments& arguments, StoreMode mode) {
+  if (IsDatabaseUrl(arguments.db)) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: `victorious serve` shows an index in a file, and accounts are for it; a PostgreSQL "
+                            "server has its own",
+                            StoreName(arguments.db)));
+  }
+  std::error_code error;
+  if (!std::filesystem::exists(arguments.db, error)) {
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such index", arguments.db));
+  }
+  return OpenSqliteAccountStore(arguments.db, mode);
+}
+
+// What is typed is not shown.
+class HiddenInput {
+ public:
+  HiddenInput() : is_terminal_(::tcgetattr(STDIN_FILENO, &former_) == 0) {
+    termios hidden = former_;
+    hidden.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+    if (is_terminal_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &hidden);
+  }
+  ~HiddenInput() {
+    if (is_terminal_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &former_);
+  }
+  HiddenInput(const HiddenInput&) = delete;
+  HiddenInput& operator=(const HiddenInput&) = delete;
+
+ private:
+  termios former_{};
+  bool is_terminal_;
+};
+
+Expected<std::string> ReadLine(std::string_view prompt, bool is_terminal) {
+  if (is_terminal) std::cerr << prompt << std::flush;
+  std::string line;
+  const bool has_line = static_cast<bool>(std::getline(std::cin, line));
+  if (is_terminal) std::cerr << '\n';
+  if (has_line) return line;
+  return Fail(ErrorCode::kInvalidArgument, "no password on standard input: give it there as one line");
+}
+
+// From the terminal twice, else one line of standard input. Never an argument, which every user of the machine sees.
+Expected<std::string> ReadPassword() {
+  const bool is_terminal = ::isatty(STDIN_FILENO) != 0;
+  const HiddenInput hidden;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadLine("Password: ", is_terminal));
+  VICTORIOUS_RETURN_IF_ERROR(CheckPassword(password));
+  if (is_terminal) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string again, ReadLine("Once more: ", is_terminal));
+    if (again != password) return Fail(ErrorCode::kInvalidArgument, "the two passwords differ: give the same twice");
+  }
+  return password;
+}
+
+Expected<Account> FindAccount(AccountStore& accounts, const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Account> account, accounts.Find(arguments.name));
+  if (account) return *account;
+  return Fail(ErrorCode::kNotFound, fmt::format("{}: there is no account {}: `victorious user list` lists them",
+                                                arguments.db, arguments.name));
+}
+
+// Changes of accounts are in the log. No account has this actor's name, which has a space.
+Status LogChange(AccountStore& accounts, const Arguments& arguments, const char* action, const Json& detail) {
+  return accounts.Log({.time_utc_us = NowUtcMicroseconds(),
+                       .actor = "victorious user",
+                       .action = action,
+                       .subject = "account " + arguments.name,
+                       .detail = Dump(detail)});
+}
+
+Status Add(const Arguments& arguments) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckAccountName(arguments.name));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Account> known, accounts->Find(arguments.name));
+  if (known) {
+    return Fail(ErrorCode::kAlreadyExists, fmt::format("{}: there is an account {} already: `victorious user change` "
+                                                       "changes it",
+                                                       arguments.db, known->name));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadPassword());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, HashPassword(password));
+  VICTORIOUS_RETURN_IF_ERROR(
+      accounts->Add(arguments.name, *FromText(kRoleTexts, arguments.role), hash, NowUtcMicroseconds()));
+  return LogChange(*accounts, arguments, "add_account", {{"role", arguments.role}});
+}
+
+Status Change(const Arguments& arguments) {
+  if (arguments.role.empty() && !arguments.has_new_password) {
+    return Fail(ErrorCode::kInvalidArgument, "give --role, --password or both: what is to be changed");
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
+  VICTORIOUS_RETURN_IF_ERROR(FindAccount(*accounts, arguments));
+  if (arguments.has_new_password) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadPassword());
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, HashPassword(password));
+    VICTORIOUS_RETURN_IF_ERROR(accounts->SetPassword(arguments.name, hash));
+    VICTORIOUS_RETURN_IF_ERROR(LogChange(*accounts, arguments, "change_password", Json::object()));
+  }
+  if (arguments.role.empty()) return {};
+  VICTORIOUS_RETURN_IF_ERROR(accounts->SetRole(arguments.name, *FromText(kRoleTexts, arguments.role)));
+  return LogChange(*accounts, arguments, "change_role", {{"role", arguments.role}});
+}
+
+Status Remove(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
+  VICTORIOUS_RETURN_IF_ERROR(accounts->Remove(arguments.name));
+  return LogChange(*accounts, arguments, "remove_account", Json::object());
+}
+
+Status List(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Account> all, accounts->Accounts());
+  std::string text;
+  for (const Account& account : all) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Credential> tokens, accounts->Tokens(account.id));
+    const std::string created = FormatUtc(account.created_utc_us);
+    Json rows = Json::array();
+    if (!arguments.json) text += fmt::format("{:<24} {:<8} since {}\n", account.name, ToText(account.role), created);
+    for (const Credential& token : tokens) {
+      const std::string until = FormatUtc(token.expires_utc_us);
+      rows.push_back({{"id", token.id}, {"label", token.label}, {"expires", until}});
+      if (!arguments.json) text += fmt::format("  token {} ({}) until {}\n", token.id, OneLine(token.label), until);
+    }
+    if (!arguments.json) continue;
+    text +=
+        Dump({{"name", account.name}, {"role", ToText(account.role)}, {"created", created}, {"tokens", rows}}) + "\n";
+  }
+  return WriteOutput("", text);
+}
+
+Status AddToken(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string secret, MakeSecret());
+  VICTORIOUS_ASSIGN_OR_RETURN(const Credential token,
+                              accounts->AddCredential(account.id, CredentialKind::kToken, DigestSecret(secret),
+                                                      arguments.label, NowUtcMicroseconds(), kDay * arguments.days));
+  VICTORIOUS_RETURN_IF_ERROR(
+      LogChange(*accounts, arguments, "add_token", {{"token", token.id}, {"label", arguments.label}}));
+  return WriteOutput("", secret + "\n");
+}
+
+Status Revoke(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
+  VICTORIOUS_RETURN_IF_ERROR(accounts->RemoveCredential(account.id, arguments.token));
+  return LogChange(*accounts, arguments, "revoke_token", {{"token", arguments.token}});
+}
+
+Status PrintLog(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<AuditRecord> log, accounts->Audit(arguments.limit, std::nullopt));
+  std::string text;
+  for (const AuditRecord& one : log) {
+    const std::string time = FormatUtc(one.time_utc_us);
+    text += arguments.json ? Dump({{"id", one.id},
+                                   {"time", time},
+                                   {"actor", one.actor},
+                                   {"action", one.action},
+                                   {"subject", one.subject},
+                                   {"detail", one.detail}})
+                           : fmt::format("{} {:<16} {:<14} {} {}", time, one.actor.empty() ? "-" : OneLine(one.actor),
+                                         one.action, OneLine(one.subject), OneLine(one.detail));
+    text += "\n";
+  }
+  return WriteOutput("", text);
+}
+
+void AddRole(CLI::App& app, std::string& role, std::string_view description) {
+  app.add_option("--role", role, std::string(description))
+      ->type_name("ROLE")
+      ->check(CLI::IsMember({"viewer", "analyst", "admin"}));
+}
+
+}  // namespace
+
+Action SetUpUser(CLI::App& app) {
+  app.require_subcommand(1);
+  const auto arguments = std::make_shared<Arguments>();
+  std::vector<std::pair<CLI::App*, Status (*)(const Arguments&)>> parts;
+  const auto add = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> CLI::App& {
+    CLI::App& part = *app.add_subcommand(name, summary);
+    part.add_option("--db", arguments->db, "The index that `victorious serve` shows")->required()->type_name("FILE");
+    parts.emplace_back(&part, run);
+    return part;
+  };
+  const auto add_named = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> CLI::App& {
+    CLI::App& part = add(name, summary, run);
+    part.add_option("NAME", arguments->name, "Of the account")->required();
+    return part;
+  };
+  CLI::App& added = add_named("add", "Add an account; its password is asked for, or read from standard input", &Add);
+  AddRole(added, arguments->role, "viewer looks, analyst also reviews and adds videos, admin also reads the log");
+  added.get_option("--role")->required();
+  CLI::App& changed = add_named("change", "Give an account another role or password", &Change);
+  AddRole(changed, arguments->role, "The new role");
+  changed.add_flag("--password", arguments->has_new_password,
+                   "Ask for a new password, or read it from standard input; ends sessions and tokens");
+  add_named("remove", "Remove an account; what it reviewed stays", &Remove);
+  add("list", "List the accounts and their tokens", &List).add_flag("--json", arguments->json, "Print JSON Lines");
+  CLI::App& token = add_named("token", "Print a new token, with which a script may do what the account may", &AddToken);
+  token.add_option("--label", arguments->label, "What it is for")->required()->type_name("TEXT");
+  token.add_option("--days", arguments->days, "For how long it is valid")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 3650))
+      ->type_name("N");
+  add_named("revoke", "End a token", &Revoke)
+      .add_option("--token", arguments->token, "Its number in `victorious user list`")
+      ->required()
+      ->type_name("N");
+  CLI::App& log = add("log", "Print who did what, the latest first", &PrintLog);
+  log.add_option("--limit", arguments->limit, "At most so many entries")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000))
+      ->type_name("N");
+  log.add_flag("--json", arguments->json, "Print JSON Lines");
+  return [=]() -> Status {
+    for (const auto& [part, run] : parts) {
+      if (part->parsed()) return run(*arguments);
+    }
+    return {};  // not reached: one of them is required
+  };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,146 @@
+// The contract of AccountStore.
+#include "victorious/store/account_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr std::int64_t kHour = 3'600'000'000;
+
+class AccountStoreTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    accounts_ = Open();
+    other_ = Open();
+  }
+
+  std::unique_ptr<AccountStore> Open() {
+    auto store = OpenSqliteAccountStore(folder_ / "index.db", StoreMode::kCreate);
+    EXPECT_TRUE(store) << store.error().message;
+    return *std::move(store);
+  }
+
+  testing::ScratchFolder folder_;
+  std::unique_ptr<AccountStore> accounts_;
+  std::unique_ptr<AccountStore> other_;  // of another process
+};
+
+TEST_F(AccountStoreTest, AccountsAreAddedChangedAndRemoved) {
+  EXPECT_FALSE(*accounts_->HasAccounts());
+  const auto ann = accounts_->Add("Ann", Role::kAnalyst, "hash 1", 10);
+  ASSERT_TRUE(ann) << ann.error().message;
+  ASSERT_TRUE(accounts_->Add("bob", Role::kViewer, "hash 2", 11));
+  EXPECT_TRUE(*other_->HasAccounts());
+  EXPECT_EQ(accounts_->Add("ANN", Role::kAdmin, "", 12).error().code, ErrorCode::kAlreadyExists)
+      << "two names that people take for one";
+  const auto found = other_->Find("ann");
+  ASSERT_TRUE(found && *found);
+  EXPECT_EQ((*found)->name, "Ann");
+  EXPECT_EQ((*found)->role, Role::kAnalyst);
+  EXPECT_EQ((*found)->created_utc_us, 10);
+  EXPECT_EQ(*other_->PasswordHash(ann->id), "hash 1");
+
+  ASSERT_TRUE(accounts_->SetRole("ann", Role::kAdmin));
+  ASSERT_TRUE(accounts_->SetPassword("ann", "hash 3"));
+  EXPECT_EQ((*other_->Find("Ann"))->role, Role::kAdmin);
+  EXPECT_EQ(*other_->PasswordHash(ann->id), "hash 3");
+  ASSERT_TRUE(accounts_->Remove("ann"));
+  EXPECT_FALSE(*accounts_->Find("Ann"));
+  EXPECT_THAT(*accounts_->Accounts(), SizeIs(1));
+  for (const Status& status :
+       {accounts_->Remove("ann"), accounts_->SetRole("ann", Role::kViewer), accounts_->SetPassword("ann", "")}) {
+    EXPECT_EQ(status.error().code, ErrorCode::kNotFound);
+    EXPECT_THAT(status.error().message, HasSubstr("ann"));
+  }
+  EXPECT_NE(accounts_->Add("ann", Role::kViewer, "", 20)->id, ann->id) << "an id is never another account's";
+}
+
+TEST_F(AccountStoreTest, NamesAreOfAFewCharacters) {
+  for (const std::string name : {"a", "Ann.Lee-2_x@example.org", "0"}) EXPECT_TRUE(CheckAccountName(name)) << name;
+  for (const std::string name : {"", " ann", "ann lee", ".ann", "an\nn", "\xc3\xa4nn", "a/b", "-x"}) {
+    EXPECT_FALSE(CheckAccountName(name)) << name;
+    EXPECT_EQ(accounts_->Add(name, Role::kViewer, "", 1).error().code, ErrorCode::kInvalidArgument) << name;
+  }
+  EXPECT_TRUE(CheckAccountName(std::string(64, 'a')));
+  EXPECT_FALSE(CheckAccountName(std::string(65, 'a')));
+}
+
+TEST_F(AccountStoreTest, CredentialsProveTheirAccountUntilTheyEnd) {
+  const std::int64_t ann = accounts_->Add("ann", Role::kAnalyst, "h", 1)->id;
+  const std::int64_t bob = accounts_->Add("bob", Role::kViewer, "h", 1)->id;
+  const auto session = accounts_->AddCredential(ann, CredentialKind::kSession, "digest a", "", 100, kHour);
+  ASSERT_TRUE(session) << session.error().message;
+  ASSERT_TRUE(accounts_->AddCredential(bob, CredentialKind::kToken, "digest b", "nightly", 100, 9 * kHour));
+  const auto proved = other_->Prove("digest a", 100 + kHour - 1);
+  ASSERT_TRUE(proved && *proved);
+  EXPECT_EQ((*proved)->account.name, "ann");
+  EXPECT_EQ((*proved)->credential.id, session->id);
+  EXPECT_EQ((*proved)->credential.kind, CredentialKind::kSession);
+  EXPECT_FALSE(*other_->Prove("digest a", 100 + kHour)) << "expired";
+  EXPECT_FALSE(*other_->Prove("digest c", 100));
+  EXPECT_FALSE(*other_->Prove("", 100));
+
+  ASSERT_THAT(*accounts_->Tokens(bob), SizeIs(1));
+  EXPECT_EQ(accounts_->Tokens(bob)->front().label, "nightly");
+  EXPECT_THAT(*accounts_->Tokens(ann), SizeIs(0)) << "a session is no token";
+  const std::int64_t token = accounts_->Tokens(bob)->front().id;
+  EXPECT_EQ(accounts_->RemoveCredential(ann, token).error().code, ErrorCode::kNotFound) << "bob's";
+  ASSERT_TRUE(accounts_->RemoveCredential(bob, token));
+  EXPECT_FALSE(*other_->Prove("digest b", 101));
+
+  ASSERT_TRUE(accounts_->SetPassword("ann", "h2"));
+  EXPECT_FALSE(*other_->Prove("digest a", 101)) << "another password ends the sessions";
+  ASSERT_TRUE(accounts_->AddCredential(ann, CredentialKind::kSession, "digest d", "", 100, kHour));
+  ASSERT_TRUE(accounts_->Remove("ann"));
+  EXPECT_FALSE(*other_->Prove("digest d", 101));
+  EXPECT_EQ(accounts_->AddCredential(ann, CredentialKind::kSession, "digest e", "", 100, kHour).error().code,
+            ErrorCode::kNotFound);
+}
+
+TEST_F(AccountStoreTest, LogIsReadFromTheLatestEntry) {
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(accounts_->Log(
+        {.time_utc_us = 10 + i, .actor = "ann", .action = "upload", .subject = std::to_string(i), .detail = "{}"}));
+  }
+  const auto latest = other_->Audit(2, std::nullopt);
+  ASSERT_TRUE(latest) << latest.error().message;
+  ASSERT_THAT(*latest, SizeIs(2));
+  EXPECT_EQ(latest->front().subject, "4");
+  EXPECT_EQ(latest->front().time_utc_us, 14);
+  const auto next = other_->Audit(10, latest->back().id);
+  ASSERT_THAT(*next, SizeIs(3));
+  EXPECT_EQ(next->front().subject, "2");
+}
+
+// A review and its entry in the log are one transaction.
+TEST_F(AccountStoreTest, ReviewsAreInTheLog) {
+  const auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate).value();
+  const std::int64_t video = store->PutVideo({.content_id = "c1", .name = "a.mp4", .width = 640, .height = 480})->id;
+  const std::int64_t model = store->PutModel({.name = "jeep", .content_id = "m1"})->id;
+  IndexBatch batch;
+  batch.tracklets.push_back({std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = 1}});
+  batch.sightings.push_back({0, {.frame = 7, .box = {1, 2, 30, 40}, .score = 0.5, .matches = 9}});
+  const std::int64_t object = store->Commit(batch)->front();
+  ASSERT_TRUE(store->PutReview(object, {Verdict::kRejected, "a \"shed\"", 20, "ann"}));
+  ASSERT_TRUE(store->PutReview(object, {std::nullopt, "", 30, "bob"}));
+  EXPECT_FALSE(store->PutReview(999, {Verdict::kRejected, "", 40, "eve"}));
+  const auto log = accounts_->Audit(10, std::nullopt);
+  ASSERT_THAT(*log, SizeIs(2)) << "what was refused was not decided";
+  EXPECT_EQ(log->front().actor, "bob");
+  EXPECT_THAT(log->front().detail, HasSubstr(R"("verdict":null)"));
+  EXPECT_EQ(log->back().actor, "ann");
+  EXPECT_EQ(log->back().action, "review");
+  EXPECT_EQ(log->back().time_utc_us, 20);
+  EXPECT_EQ(log->back().subject, "object " + std::to_string(object));
+  EXPECT_EQ(log->back().detail, R"({"verdict":"rejected","note":"a \"shed\"","model":"jeep","video":"c1","frame":7})");
+}
+
+}  // namespace
+}  // namespace victorious
