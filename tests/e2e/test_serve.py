@@ -163,6 +163,36 @@ class ServeTest(program.ProgramTest):
             etag = headers["ETag"]
             self.assertEqual(self.ask(server, "/api/v1/videos/1/file", **{"If-None-Match": etag})[0], 304)
 
+    def test_accounts(self):
+        """From the first account on, every request needs a session or a token; a decision has the account's name."""
+        password = "correct horse battery"
+        for name in ("analyst", "viewer"):
+            self.succeeds("user", "add", name, "--role", name, "--db", self.db, input=password)
+        token = self.succeeds("user", "token", "viewer", "--label", "test", "--db", self.db).out.strip()
+        with self.serve() as server:
+            self.assertEqual(self.described(self.ask(server, "/api/v1/session")[2], "Session")["account"], None)
+            for path in ("/api/v1/project", "/api/v1/objects", "/api/v1/videos/1/file", "/api/v1/events"):
+                status, headers, body = self.ask(server, path)
+                self.assertEqual((status, headers["WWW-Authenticate"]), (401, "Bearer"), path)
+                self.described(body, "Error")
+            log_in = json.dumps({"name": "analyst", "password": password})
+            status, headers, body = self.ask(server, "/api/v1/session", "POST", log_in)
+            self.assertEqual(status, 200, body)
+            self.assertEqual(self.described(body, "Session")["account"]["role"], "analyst")
+            cookie = headers["Set-Cookie"].split(";")[0]
+            ids = [one["id"] for one in json.loads(self.ask(server, "/api/v1/objects", Cookie=cookie)[2])["objects"]]
+            review = (f"/api/v1/objects/{ids[0]}/review", "PUT", '{"verdict": "rejected", "reviewer": "somebody"}')
+            self.assertEqual(self.ask(server, *review, Authorization=f"Bearer {token}")[0], 403)
+            status, _, body = self.ask(server, *review, Cookie=cookie)
+            self.assertEqual((status, json.loads(body)["review"]["reviewer"]), (200, "analyst"))
+            self.assertEqual(self.ask(server, "/api/v1/project", Authorization=f"Bearer {token}")[0], 200)
+            self.succeeds("user", "remove", "analyst", "--db", self.db)
+            self.assertEqual(self.ask(server, "/api/v1/project", Cookie=cookie)[0], 401, "at once")
+            self.succeeds("user", "change", "viewer", "--role", "admin", "--db", self.db)
+            _, _, body = self.ask(server, "/api/v1/audit", Authorization=f"Bearer {token}")
+            log = [(one["actor"], one["action"]) for one in self.described(body, "AuditList")["entries"]]
+            self.assertEqual(log[-5:-3], [("analyst", "review"), ("analyst", "log_in")], log)
+
     def test_refuses_foreign_and_broken_requests(self):
         outside = self.write("secret.txt", "secret")
         web = self.scratch / "web"

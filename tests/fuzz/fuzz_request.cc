@@ -1,5 +1,7 @@
-// Fuzzes the handler of `victorious serve`: the first line of an input is the method, the second the target, the third
-// the Range header, the rest the body. Every input gets a response with a status, and an error is one line of JSON.
+// Fuzzes the handler of `victorious serve`: the lines of an input are the method, the target, and the headers Range,
+// Cookie and Authorization; the rest is the body. Every input gets a response with a status from a server without
+// accounts and from one with accounts, and an error is one line of JSON. Without a credential, nothing of the index is
+// told.
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -13,14 +15,18 @@
 #include "victorious/base/check.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/byte_range.h"
+#include "victorious/serve/secret.h"
 
 namespace {
 
 using victorious::HttpMethod;
 
+constexpr char kSession[] = "sessionsessionsessionsessionsessionsession_";
+constexpr char kToken[] = "tokentokentokentokentokentokentokentokento_";
+
 // An index with one object, and a page.
 struct Server {
-  Server() {
+  explicit Server(bool has_accounts) {
     const auto store = victorious::OpenSqliteStore(folder / "index.db", victorious::StoreMode::kCreate);
     VICTORIOUS_CHECK(store.has_value());
     const auto video = (*store)->PutVideo({.content_id = "c", .name = "none.mp4", .width = 640, .height = 480});
@@ -29,6 +35,17 @@ struct Server {
     batch.tracklets.push_back({std::nullopt, {.video = video->id, .model = model->id, .score = 0.5, .frames = 1}});
     batch.sightings.push_back({0, {.box = {1, 2, 30, 40}, .score = 0.5, .matches = 9}});
     VICTORIOUS_CHECK((*store)->Commit(batch).has_value());
+    if (has_accounts) {
+      constexpr std::int64_t kForEver = std::int64_t{1} << 60;
+      const auto accounts =
+          victorious::OpenSqliteAccountStore(folder / "index.db", victorious::StoreMode::kCreate).value();
+      const auto account = accounts->Add("ann", victorious::Role::kAnalyst, "no hash", 1).value();
+      using Kind = victorious::CredentialKind;
+      for (const auto& [kind, secret] : {std::pair(Kind::kSession, kSession), std::pair(Kind::kToken, kToken)}) {
+        const std::string digest = victorious::DigestSecret(secret);
+        VICTORIOUS_CHECK(accounts->AddCredential(account.id, kind, digest, "", 1, kForEver).has_value());
+      }
+    }
     auto opened =
         victorious::Api::Open({.index = folder / "index.db", .models = {}, .telemetry = {}, .web = {}}, cancel);
     VICTORIOUS_CHECK(opened.has_value());
@@ -48,53 +65,82 @@ void CheckRange(const std::string& header) {
   }
 }
 
+void CheckResponse(const victorious::HttpResponse& response) {
+  VICTORIOUS_CHECK(response.status >= 200 && response.status < 600);
+  VICTORIOUS_CHECK(response.status != 500);
+  for (const auto& [name, value] : response.headers) {
+    VICTORIOUS_CHECK(value.find_first_of("\r\n") == std::string::npos);
+  }
+  if (response.status < 400) return;
+  const auto error = nlohmann::json::parse(response.body, nullptr, false);
+  VICTORIOUS_CHECK(error.is_object() && error["code"].is_string() && error["message"].is_string());
+  VICTORIOUS_CHECK(error["message"].get<std::string>().find('\n') == std::string::npos);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static Server server;
+  static Server server(/*has_accounts=*/false);
+  static Server guarded(/*has_accounts=*/true);
   std::istringstream input(std::string(reinterpret_cast<const char*>(data), size));
   std::string method;
-  victorious::HttpRequest request{.host = "127.0.0.1:80", .content_type = "application/json"};
+  victorious::HttpRequest request{.host = "127.0.0.1:80", .content_type = "application/json", .client = "127.0.0.1"};
   std::getline(input, method);
   std::getline(input, request.target);
   std::getline(input, request.range);
+  std::getline(input, request.cookie);
+  std::getline(input, request.authorization);
   request.body.assign(std::istreambuf_iterator<char>(input), {});
   request.method = method == "PUT"    ? HttpMethod::kPut
                    : method == "POST" ? HttpMethod::kPost
                    : method == "GET"  ? HttpMethod::kGet
                                       : HttpMethod::kOther;
   CheckRange(request.range);
-  const victorious::HttpResponse response = server.api->Handle(request, 80);
-  VICTORIOUS_CHECK(response.status >= 200 && response.status < 600);
-  VICTORIOUS_CHECK(response.status != 500);
-  if (response.status < 400) return 0;
-  const auto error = nlohmann::json::parse(response.body, nullptr, false);
-  VICTORIOUS_CHECK(error.is_object() && error["code"].is_string() && error["message"].is_string());
-  VICTORIOUS_CHECK(error["message"].get<std::string>().find('\n') == std::string::npos);
+  CheckResponse(server.api->Handle(request, 80));
+  const victorious::HttpResponse guarded_response = guarded.api->Handle(request, 80);
+  CheckResponse(guarded_response);
+  const bool has_secret =
+      request.cookie.find(kSession) != std::string::npos || request.authorization.find(kToken) != std::string::npos;
+  if (!has_secret) {
+    VICTORIOUS_CHECK(guarded_response.status >= 400 || guarded_response.body.find("jeep") == std::string::npos);
+    request.method = HttpMethod::kGet;
+    request.target = "/api/v1/project";
+    VICTORIOUS_CHECK(guarded.api->Handle(request, 80).status == 401);
+  }
   return 0;
 }
 
 std::vector<std::string> FuzzSeeds() {
-  return {"GET\n/api/v1/project\n",
-          "GET\n/api/v1/objects?model=jeep&video=1&min_score=0.5&from=0&to=9&near=52,13,100&limit=5&cursor=0_0.5_1_1\n",
-          "GET\n/api/v1/objects?sort=queue&since=5&around=1&q=jeep+1&review=none\n",
-          "GET\n/api/v1/objects?ids=1,2&after=1\n",
-          "GET\n/api/v1/objects/counts?near=90,0,1e7&q=%27+OR\n",
-          "GET\n/api/v1/tiles/3/4/2?v=1&model=jeep\n",
-          "GET\n/api/v1/objects/1\nbytes=0-99",
-          "GET\n/api/v1/objects/1/sightings?from=0&to=1e3&limit=10\n",
-          "GET\n/api/v1/objects/1/thumbnail?width=160\n",
-          "GET\n/api/v1/videos/1/file\nbytes=-5",
-          "GET\n/api/v1/videos/1/frames/0\nbytes=5-",
-          "GET\n/api/v1/videos/1/times\n",
-          "GET\n/api/v1/videos/1/camera\n",
-          "GET\n/api/v1/models/1/views/0\n",
-          "GET\n/assets/%69ndex.js?a=b+c%20\n",
-          "PUT\n/api/v1/objects/1/review\n\n{\"verdict\": \"rejected\", \"note\": \"a shed\"}",
-          "POST\n/api/v1/jobs\n\n{\"kind\": \"model\", \"name\": \"x\", \"uploads\": [\"0123456789abcdef\"], "
-          "\"length_m\": 4}",
-          "POST\n/api/v1/jobs\n\n{\"kind\": \"index\", \"upload\": \"0123456789abcdef\", \"telemetry\": \"x\"}",
-          "POST\n/api/v1/jobs/1/cancel\n\n{}",
-          "POST\n/api/v1/uploads?name=a.mp4\n\n",
-          "POST\n/api/v1/project\n\n"};
+  return {
+      "GET\n/api/v1/project\n\n\n\n",
+      "GET\n/api/v1/"
+      "objects?model=jeep&video=1&min_score=0.5&from=0&to=9&near=52,13,100&limit=5&cursor=0_0.5_1_1\n\n\n\n",
+      "GET\n/api/v1/objects?sort=queue&since=5&around=1&q=jeep+1&review=none\n\n\n\n",
+      "GET\n/api/v1/objects?ids=1,2&after=1\n\n\n\n",
+      "GET\n/api/v1/objects/counts?near=90,0,1e7&q=%27+OR\n\n\n\n",
+      "GET\n/api/v1/tiles/3/4/2?v=1&model=jeep\n\n\n\n",
+      "GET\n/api/v1/objects/1\nbytes=0-99\n\n\n",
+      "GET\n/api/v1/objects/1/sightings?from=0&to=1e3&limit=10\n\n\n\n",
+      "GET\n/api/v1/objects/1/thumbnail?width=160\n\n\n\n",
+      "GET\n/api/v1/videos/1/file\nbytes=-5\n\n\n",
+      "GET\n/api/v1/videos/1/frames/0\nbytes=5-\n\n\n",
+      "GET\n/api/v1/videos/1/times\n\n\n\n",
+      "GET\n/api/v1/videos/1/camera\n\n\n\n",
+      "GET\n/api/v1/models/1/views/0\n\n\n\n",
+      "GET\n/assets/%69ndex.js?a=b+c%20\n\n\n\n",
+      "PUT\n/api/v1/objects/1/review\n\n\n\n{\"verdict\": \"rejected\", \"note\": \"a shed\"}",
+      "POST\n/api/v1/jobs\n\n\n\n{\"kind\": \"model\", \"name\": \"x\", \"uploads\": [\"0123456789abcdef\"], "
+      "\"length_m\": 4}",
+      "POST\n/api/v1/jobs\n\n\n\n{\"kind\": \"index\", \"upload\": \"0123456789abcdef\", \"telemetry\": \"x\"}",
+      "POST\n/api/v1/jobs/1/cancel\n\n\n\n{}",
+      "POST\n/api/v1/uploads?name=a.mp4\n\n\n\n",
+      "POST\n/api/v1/project\n\n\n\n",
+      "GET\n/api/v1/session\n\n\n\n",
+      "POST\n/api/v1/session\n\n\n\n{\"name\": \"ann\", \"password\": \"correct horse\"}",
+      "POST\n/api/v1/session/end\n\n\n\n{}",
+      "GET\n/api/v1/audit?limit=5&before=9\n\n\n\n",
+      std::string("GET\n/api/v1/project\n\na=b; victorious_80=") + kSession + "\n\n",
+      std::string("PUT\n/api/v1/objects/1/review\n\nvictorious_80=") + kSession + "; c\n\n{\"verdict\": \"accepted\"}",
+      std::string("GET\n/api/v1/objects/1\n\n\nBearer ") + kToken + "\n",
+      std::string("GET\n/api/v1/audit\n\n\nBearer ") + kToken + "\n"};
 }

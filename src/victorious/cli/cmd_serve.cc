@@ -45,6 +45,7 @@ Status Run(const Arguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const HttpServerOptions server_options, ParseListenAddress(arguments.listen));
   ApiOptions options{.index = arguments.db, .models = arguments.models, .telemetry = {}, .web = arguments.web};
+  options.server.is_loopback = server_options.is_loopback;
   options.uploads = arguments.uploads.empty() ? arguments.db + ".uploads" : arguments.uploads;
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
@@ -64,6 +65,9 @@ Status Run(const Arguments& arguments) {
       HttpServer::Listen(
           server_options, [&](const HttpRequest& request, int port) { return api->Handle(request, port); },
           [&](const HttpRequest& request, int port) { return api->PlanUpload(request, port); }));
+  if (!server_options.is_loopback) {
+    spdlog::warn("passwords and videos go unencrypted through the network to {}", server_options.address);
+  }
   const bool is_ipv6 = server_options.address.find(':') != std::string::npos;
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(
       "", fmt::format("http://{}:{}/\n", is_ipv6 ? "[" + server_options.address + "]" : server_options.address,
@@ -81,7 +85,9 @@ Action SetUpServe(CLI::App& app) {
   app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
   app.add_option("--models", arguments->models, "Model library: shows the view that matched beside a sighting")
       ->type_name("DIR");
-  app.add_option("--listen", arguments->listen, "Loopback address and port; port 0: any free one")
+  app.add_option("--listen", arguments->listen,
+                 "Address and port; port 0: any free one. An address that is not a loopback address needs accounts "
+                 "(`victorious user`)")
       ->capture_default_str()
       ->type_name("ADDRESS:PORT");
   app.add_option("--telemetry", arguments->telemetry,

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kCameraCacheBytes = std::size_t{32} << 20;
 
-ApiExpected<HttpResponse> MethodNotAllowed(std::string_view allowed) {
+HttpResponse MethodNotAllowed(std::string_view allowed) {
   HttpResponse response = ErrorResponse(405, "method_not_allowed", fmt::format("only {} is answered here", allowed));
   response.headers.emplace_back("Allow", allowed);
   return response;
@@ -30,30 +30,7 @@ bool IsRead(const HttpRequest& request) {
   return request.method == HttpMethod::kGet || request.method == HttpMethod::kHead;
 }
 
-// The methods that an address of the API answers, as the header Allow names them.
-std::string_view MethodsOf(std::span<const std::string> segments) {
-  if (segments.size() < 3) return "GET, HEAD";
-  const std::string& resource = segments[2];
-  if (segments.size() == 5 && resource == "objects" && segments[4] == "review") return "PUT";
-  if (segments.size() == 5 && resource == "jobs" && segments[4] == "cancel") return "POST";
-  if (segments.size() == 3 && resource == "uploads") return "POST";
-  return segments.size() == 3 && resource == "jobs" ? "GET, HEAD, POST" : "GET, HEAD";
-}
-
-bool IsAllowed(HttpMethod method, std::string_view methods) {
-  switch (method) {
-    case HttpMethod::kGet:
-    case HttpMethod::kHead:
-      return methods.starts_with("GET");
-    case HttpMethod::kPut:
-      return methods == "PUT";
-    case HttpMethod::kPost:
-      return methods.ends_with("POST");
-    case HttpMethod::kOther:
-      break;
-  }
-  return false;
-}
+bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() && segments.front() == "api"; }
 
 }  // namespace
 
@@ -78,42 +55,65 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
           fmt::format("--telemetry: the index has {} videos: it is for an index of one video", lists->videos.size()));
     }
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(auto access, AccessControl::Open(options.index, index->can_review(), options.server));
   const JobFolders folders{.index = options.index, .models = options.models, .uploads = options.uploads};
   std::unique_ptr<Api> api(new Api(std::move(options), std::move(index), cancel));
+  api->access_ = std::move(access);
   VICTORIOUS_ASSIGN_OR_RETURN(api->live_, LiveService::Start(*api->index_, folders));
   return api;
 }
 
 HttpResponse Api::Handle(const HttpRequest& request, int port) {
-  if (auto refusal = RefuseForeign(request, port)) return *std::move(refusal);
-  const auto target = ParseRequestTarget(request.target);
-  if (!target) return ErrorResponse(target.error());
-  auto response = Route(request, *target);
+  auto admitted = Admit(request, port);
+  if (!admitted) return std::move(admitted).error();
+  auto response = Route(request, *admitted, port);
   return response ? *std::move(response) : ErrorResponse(response.error());
 }
 
-ApiExpected<HttpResponse> Api::Route(const HttpRequest& request, const RequestTarget& target) {
-  const Segments segments = target.segments;
-  if (segments.empty() || segments.front() != "api") {
-    if (!IsRead(request)) return MethodNotAllowed("GET, HEAD");
-    return page_.Get(request, target.segments);
+std::expected<Api::Admitted, HttpResponse> Api::Admit(const HttpRequest& request, int port) {
+  if (auto refusal = RefuseForeign(request, options_.server, port)) return std::unexpected(*std::move(refusal));
+  auto target = ParseRequestTarget(request.target);
+  if (!target) return std::unexpected(ErrorResponse(target.error()));
+  if (!IsOfApi(target->segments)) {
+    if (!IsRead(request)) return std::unexpected(MethodNotAllowed("GET, HEAD"));
+    return Admitted{.target = *std::move(target), .caller = {}};  // the page itself, which has the form to log in
   }
-  QueryReader query(target);
-  if (const std::string_view methods = MethodsOf(segments); !IsAllowed(request.method, methods)) {
-    return MethodNotAllowed(methods);
+  const RouteRule* rule = FindRule(request.method, target->segments);
+  if (rule == nullptr) {
+    const std::string methods = AllowedMethods(target->segments);
+    if (!methods.empty()) return std::unexpected(MethodNotAllowed(methods));
+    return std::unexpected(ErrorResponse(NotFound("there is no such address; api/openapi.json lists them").error()));
   }
+  auto caller = access_->Admit(request, *rule, port);
+  if (!caller) return std::unexpected(std::move(caller).error());
+  return Admitted{.target = *std::move(target), .caller = *std::move(caller)};
+}
+
+ApiExpected<HttpResponse> Api::Route(const HttpRequest& request, const Admitted& admitted, int port) {
+  const Segments segments = admitted.target.segments;
+  const Caller& caller = admitted.caller;
+  if (!IsOfApi(segments)) return page_.Get(request, admitted.target.segments);
+  QueryReader query(admitted.target);
   if (segments.size() >= 3 && segments[1] == "v1") {
     const std::string& resource = segments[2];
-    if (segments.size() == 3 && resource == "uploads") return Upload(request);
+    if (segments.size() == 3 && resource == "uploads") return Upload(request, caller);
+    if (resource == "audit") return Audit(query);
+    if (resource == "session") {
+      VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+      if (segments.size() == 4) return access_->LogOut(caller, port);
+      return request.method == HttpMethod::kPost ? access_->LogIn(request, port) : access_->Session(caller);
+    }
     const bool is_cancel = segments.size() == 5 && resource == "jobs" && segments[4] == "cancel";
     if (is_cancel || (segments.size() == 3 && (resource == "jobs" || resource == "events"))) {
       VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-      if (is_cancel) return CancelJob(segments[3]);
+      if (is_cancel) return CancelJob(segments[3], caller);
       if (resource == "events") return Events();
-      return request.method == HttpMethod::kPost ? PutJob(request) : Jobs();
+      return request.method == HttpMethod::kPost ? PutJob(request, caller) : Jobs();
     }
     if (resource == "videos" && segments.size() > 3) return RouteVideo(request, segments.subspan(3), query);
-    if (resource == "objects" && segments.size() > 3) return RouteObject(request, segments.subspan(3), query);
+    if (resource == "objects" && segments.size() > 3) {
+      return RouteObject(request, segments.subspan(3), query, caller);
+    }
     if (resource == "objects") return Objects(query);
     if (resource == "tiles" && segments.size() == 6) return Tile(request, segments.subspan(3), query);
     if (resource == "models" && segments.size() == 6 && segments[4] == "views") {
@@ -122,7 +122,7 @@ ApiExpected<HttpResponse> Api::Route(const HttpRequest& request, const RequestTa
     }
     if (segments.size() == 3 && (resource == "project" || resource == "videos")) {
       VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-      return resource == "project" ? Project() : Videos();
+      return resource == "project" ? Project(caller) : Videos();
     }
   }
   return NotFound("there is no such address; api/openapi.json lists them");
@@ -151,12 +151,22 @@ ApiExpected<HttpResponse> Api::RouteVideo(const HttpRequest& request, Segments s
   return NotFound("there is no such address of a video; api/openapi.json lists them");
 }
 
-ApiExpected<HttpResponse> Api::Project() {
+ApiExpected<HttpResponse> Api::Project(const Caller& caller) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count({}));
-  return JsonResponse(
-      ProjectToJson(options_.index, *lists, counts, index_->can_review(), !options_.models.empty(), live_->has_jobs()));
+  const bool may_decide = caller.May(Role::kAnalyst);
+  return JsonResponse(ProjectToJson(options_.index, *lists, counts, index_->can_review() && may_decide,
+                                    !options_.models.empty(), live_->has_jobs() && may_decide));
+}
+
+ApiExpected<HttpResponse> Api::Audit(QueryReader& query) {
+  constexpr std::int64_t kDefaultLimit = 100;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto limit, query.Integer("limit", 1, 1000));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto before, query.Integer("before", 1, INT64_MAX));
+  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto records, access_->Audit(limit.value_or(kDefaultLimit), before));
+  return JsonResponse(AuditToJson(records));
 }
 
 ApiExpected<HttpResponse> Api::Videos() {

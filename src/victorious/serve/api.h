@@ -11,6 +11,7 @@
 #include <string>
 
 #include "victorious/base/cancel.h"
+#include "victorious/serve/access_control.h"
 #include "victorious/serve/api_error.h"
 #include "victorious/serve/camera_path.h"
 #include "victorious/serve/http_message.h"
@@ -30,13 +31,14 @@ struct ApiOptions {
   std::filesystem::path web;             ///< the built page
   std::filesystem::path uploads;         ///< where uploaded files go; created when it is needed
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
+  ServerIdentity server;
 };
 
 /// Thread-safe.
 class Api {
  public:
   /// @param cancel  ends long reading of videos; must outlive the Api
-  /// Errors: those of IndexView::Open; kInvalidArgument for telemetry with several videos; kNotFound for a models
+  /// Errors: those of IndexView::Open and AccessControl::Open; kInvalidArgument for telemetry with several videos; kNotFound for a models
   /// folder that is not there.
   [[nodiscard]] static Expected<std::unique_ptr<Api>> Open(ApiOptions options, const CancelToken& cancel);
 
@@ -51,16 +53,25 @@ class Api {
 
   using Segments = std::span<const std::string>;
 
-  ApiExpected<HttpResponse> Route(const HttpRequest& request, const RequestTarget& target);
+  /// A request that may be answered.
+  struct Admitted {
+    RequestTarget target;
+    Caller caller;
+  };
+  /// Refuses what comes from elsewhere, what has no rule, and whom the rule does not admit.
+  [[nodiscard]] std::expected<Admitted, HttpResponse> Admit(const HttpRequest& request, int port);
+  ApiExpected<HttpResponse> Route(const HttpRequest& request, const Admitted& admitted, int port);
   ApiExpected<HttpResponse> RouteVideo(const HttpRequest& request, Segments segments, QueryReader& query);
-  ApiExpected<HttpResponse> RouteObject(const HttpRequest& request, Segments segments, QueryReader& query);
-  ApiExpected<HttpResponse> Project();
+  ApiExpected<HttpResponse> RouteObject(const HttpRequest& request, Segments segments, QueryReader& query,
+                                        const Caller& caller);
+  ApiExpected<HttpResponse> Project(const Caller& caller);
+  ApiExpected<HttpResponse> Audit(QueryReader& query);
   ApiExpected<HttpResponse> Videos();
   // In api_jobs.cc.
-  ApiExpected<HttpResponse> Upload(const HttpRequest& request);
+  ApiExpected<HttpResponse> Upload(const HttpRequest& request, const Caller& caller);
   ApiExpected<HttpResponse> Jobs();
-  ApiExpected<HttpResponse> PutJob(const HttpRequest& request);
-  ApiExpected<HttpResponse> CancelJob(std::string_view number);
+  ApiExpected<HttpResponse> PutJob(const HttpRequest& request, const Caller& caller);
+  ApiExpected<HttpResponse> CancelJob(std::string_view number, const Caller& caller);
   ApiExpected<HttpResponse> Events();
   // In api_objects.cc.
   ApiExpected<HttpResponse> Objects(QueryReader& query);
@@ -70,7 +81,7 @@ class Api {
   ApiExpected<HttpResponse> Sightings(SightingFilter filter, QueryReader& query);
   ApiExpected<HttpResponse> Thumbnail(const HttpRequest& request, const IndexLists& lists, std::int64_t object,
                                       QueryReader& query);
-  ApiExpected<HttpResponse> PutReview(const HttpRequest& request, std::int64_t object);
+  ApiExpected<HttpResponse> PutReview(const HttpRequest& request, std::int64_t object, const Caller& caller);
   ApiExpected<HttpResponse> VideoFile(const HttpRequest& request, const VideoRecord& video);
   ApiExpected<HttpResponse> VideoFrame(const HttpRequest& request, const VideoRecord& video, std::string_view number);
   ApiExpected<HttpResponse> Camera(const VideoRecord& video);
@@ -79,6 +90,7 @@ class Api {
 
   ApiOptions options_;
   std::unique_ptr<IndexView> index_;
+  std::unique_ptr<AccessControl> access_;
   VideoFiles videos_;
   StaticFiles page_;
   std::mutex camera_mutex_;

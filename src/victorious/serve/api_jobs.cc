@@ -36,9 +36,10 @@ ApiStatus CheckMembers(const Body& body, std::initializer_list<std::string_view>
 }  // namespace
 
 std::expected<UploadPlan, HttpResponse> Api::PlanUpload(const HttpRequest& request, int port) {
-  if (auto refusal = RefuseForeign(request, port)) return std::unexpected(*std::move(refusal));
+  const auto admitted = Admit(request, port);
+  if (!admitted) return std::unexpected(admitted.error());
   const auto plan = [&]() -> ApiExpected<UploadPlan> {
-    VICTORIOUS_ASSIGN_OR_RETURN(const RequestTarget target, ParseRequestTarget(request.target));
+    const RequestTarget& target = admitted->target;
     const bool is_upload = target.segments == std::vector<std::string>{"api", "v1", "uploads"};
     if (!is_upload) return NotFound("files are uploaded to /api/v1/uploads");
     if (!live_->has_jobs()) {
@@ -58,7 +59,7 @@ std::expected<UploadPlan, HttpResponse> Api::PlanUpload(const HttpRequest& reque
   return *plan;
 }
 
-ApiExpected<HttpResponse> Api::Upload(const HttpRequest& request) {
+ApiExpected<HttpResponse> Api::Upload(const HttpRequest& request, const Caller& caller) {
   if (!request.upload) {
     return std::unexpected(
         ApiError(Error{ErrorCode::kUnsupported, "the body must have the content type application/octet-stream"},
@@ -67,8 +68,10 @@ ApiExpected<HttpResponse> Api::Upload(const HttpRequest& request) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(*request.upload, error);
   if (error) return std::unexpected(ApiError(ErrorFromErrno(error.value(), request.upload->string())));
-  return JsonResponse(
-      {{"id", UploadFolder::IdOf(*request.upload)}, {"name", request.upload->filename().string()}, {"bytes", bytes}});
+  const Json upload = {
+      {"id", UploadFolder::IdOf(*request.upload)}, {"name", request.upload->filename().string()}, {"bytes", bytes}};
+  VICTORIOUS_RETURN_IF_ERROR(access_->Log(caller, "upload", upload["name"].get<std::string>(), Dump(upload)));
+  return JsonResponse(upload);
 }
 
 ApiExpected<HttpResponse> Api::Jobs() {
@@ -76,7 +79,7 @@ ApiExpected<HttpResponse> Api::Jobs() {
   return JsonResponse(JobsToJson(jobs, NowUtcMicroseconds()));
 }
 
-ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request) {
+ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request, const Caller& caller) {
   constexpr std::size_t kMaxFiles = 200;
   const auto body = ParseJson(request.body);
   if (!body) return std::unexpected(ApiError(body.error()));
@@ -132,12 +135,14 @@ ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request) {
     return FailField("kind", fmt::format("kind \"{}\": must be index or model", kind));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Put(kind, Dump(input)));
+  VICTORIOUS_RETURN_IF_ERROR(access_->Log(caller, "job", fmt::format("job {}", job.id), Dump(input)));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 
-ApiExpected<HttpResponse> Api::CancelJob(std::string_view number) {
+ApiExpected<HttpResponse> Api::CancelJob(std::string_view number, const Caller& caller) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Cancel(id));
+  VICTORIOUS_RETURN_IF_ERROR(access_->Log(caller, "cancel_job", fmt::format("job {}", job.id), ""));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 

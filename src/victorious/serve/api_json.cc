@@ -36,6 +36,21 @@ Json PointToJson(const GeodeticPoint& point) {
 
 }  // namespace
 
+Json AuditToJson(const std::vector<AuditRecord>& records) {
+  Json rows = Json::array();
+  for (const AuditRecord& one : records) {
+    // Written by this program as JSON, or empty.
+    const Json detail = Json::parse(one.detail, nullptr, /*allow_exceptions=*/false);
+    rows.push_back({{"id", one.id},
+                    {"time_utc_us", one.time_utc_us},
+                    {"actor", one.actor},
+                    {"action", one.action},
+                    {"subject", one.subject},
+                    {"detail", detail.is_object() ? detail : Json()}});
+  }
+  return {{"entries", std::move(rows)}};
+}
+
 EllipseAxes ComputeEllipseAxes(const Eigen::Matrix3d& covariance_enu_m2) {
   constexpr double kRadius = 2.145966026289347;  // sqrt(-2 ln 0.1), in standard deviations: 90 % of a 2D normal
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_enu_m2.topLeftCorner<2, 2>());

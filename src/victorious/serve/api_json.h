@@ -3,6 +3,7 @@
 
 #include "victorious/serve/camera_path.h"
 #include "victorious/serve/index_view.h"
+#include "victorious/store/account_store.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/job_queue.h"
 
@@ -23,6 +24,7 @@ namespace victorious {
                                bool with_searches);
 
 /// @param index       its file
+/// @param can_review  the index can be written, and who asks may decide
 /// @param has_views   images of the models' views can be had
 /// @param has_jobs    videos and models can be added
 [[nodiscard]] Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists,
@@ -33,6 +35,8 @@ namespace victorious {
 /// @param now_us  microseconds since 1970, for the time that is left
 [[nodiscard]] Json JobToJson(const JobRecord& job, std::int64_t now_us);
 [[nodiscard]] Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us);
+
+[[nodiscard]] Json AuditToJson(const std::vector<AuditRecord>& records);
 
 /// The horizontal 90 % confidence ellipse of a covariance: half axes and the direction of the longer one.
 struct EllipseAxes {

@@ -243,7 +243,8 @@ ApiExpected<HttpResponse> Api::Tile(const HttpRequest& request, Segments address
   return TaggedResponse(request, "application/vnd.mapbox-vector-tile", std::move(tile), 0);
 }
 
-ApiExpected<HttpResponse> Api::RouteObject(const HttpRequest& request, Segments segments, QueryReader& query) {
+ApiExpected<HttpResponse> Api::RouteObject(const HttpRequest& request, Segments segments, QueryReader& query,
+                                           const Caller& caller) {
   if (segments.size() == 1 && segments[0] == "counts") return Counts(query);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(segments[0], "object"));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
@@ -259,7 +260,7 @@ ApiExpected<HttpResponse> Api::RouteObject(const HttpRequest& request, Segments 
   if (segments.size() == 2 && segments[1] == "thumbnail") return Thumbnail(request, *lists, id, query);
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
   if (segments.size() == 1) return Object(*lists, found.front());
-  if (segments.size() == 2 && segments[1] == "review") return PutReview(request, id);
+  if (segments.size() == 2 && segments[1] == "review") return PutReview(request, id, caller);
   return NotFound("there is no such address of an object; api/openapi.json lists them");
 }
 
@@ -313,8 +314,10 @@ ApiExpected<HttpResponse> Api::Thumbnail(const HttpRequest& request, const Index
   return TaggedResponse(request, "image/jpeg", *bytes, 60);
 }
 
-ApiExpected<HttpResponse> Api::PutReview(const HttpRequest& request, std::int64_t object) {
+ApiExpected<HttpResponse> Api::PutReview(const HttpRequest& request, std::int64_t object, const Caller& caller) {
   VICTORIOUS_ASSIGN_OR_RETURN(Review review, ParseReview(request.body));
+  // With accounts, nobody decides in the name of another.
+  if (!caller.is_open) review.reviewer = caller.name();
   VICTORIOUS_ASSIGN_OR_RETURN(review, index_->PutReview(object, std::move(review)));
   return JsonResponse({{"object_id", object}, {"review", ReviewToJson(review)}});
 }

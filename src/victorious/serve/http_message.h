@@ -25,6 +25,9 @@ struct HttpRequest {
   std::string range;
   std::string if_range;
   std::string if_none_match;
+  std::string cookie;
+  std::string authorization;
+  std::string client;  ///< IP address of the sender
   std::string body;
   std::optional<std::filesystem::path> upload;  ///< the file that holds the body instead (UploadPlan)
 };

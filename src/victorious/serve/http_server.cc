@@ -79,6 +79,8 @@ HttpRequest FromBeast(const http::request_header<>& request) {
   plain.range = Header(request, http::field::range);
   plain.if_range = Header(request, http::field::if_range);
   plain.if_none_match = Header(request, http::field::if_none_match);
+  plain.cookie = Header(request, http::field::cookie);
+  plain.authorization = Header(request, http::field::authorization);
   return plain;
 }
 
@@ -108,6 +110,9 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(tcp::socket&& socket, Shared& shared)
       : stream_(std::move(socket)), shared_(shared), timer_(stream_.get_executor()) {
     ++shared_.connections;
+    BoostError error;
+    const auto peer = stream_.socket().remote_endpoint(error);
+    if (!error) client_ = peer.address().to_string();
   }
   ~Session() {
     RemoveUpload();
@@ -163,6 +168,7 @@ class Session : public std::enable_shared_from_this<Session> {
     keep_alive_ = message.keep_alive();
     version_ = message.version();
     HttpRequest request = FromBeast(message);
+    request.client = client_;
     is_head_ = request.method == HttpMethod::kHead;
     ++shared_.responses_due;
     stream_.expires_never();
@@ -307,6 +313,7 @@ class Session : public std::enable_shared_from_this<Session> {
       self->stream_.expires_never();
       self->WatchForLeaving();
       self->last_event_ = std::chrono::steady_clock::now();
+      self->events_end_ = self->last_event_ + self->shared_.options.event_lifetime;
       self->SendNextEvents();
     });
   }
@@ -322,9 +329,9 @@ class Session : public std::enable_shared_from_this<Session> {
   }
 
   void SendNextEvents() {
-    if (!feed_ || shared_.stopping) return Close();
-    text_to_send_ = feed_->Take();
     const auto now = std::chrono::steady_clock::now();
+    if (!feed_ || shared_.stopping || now > events_end_) return Close();
+    text_to_send_ = feed_->Take();
     if (text_to_send_.empty() && now - last_event_ >= shared_.options.event_silence) text_to_send_ = ":\n\n";
     if (text_to_send_.empty()) {
       timer_.expires_after(shared_.options.event_interval);
@@ -396,6 +403,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   beast::tcp_stream stream_;
   Shared& shared_;
+  std::string client_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<http::request_parser<http::file_body>> upload_;
@@ -405,6 +413,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::string text_to_send_;
   std::array<char, 256> ignored_{};
   std::chrono::steady_clock::time_point last_event_;
+  std::chrono::steady_clock::time_point events_end_;
   bool keep_alive_ = false;
   bool is_head_ = false;
   unsigned version_ = 11;

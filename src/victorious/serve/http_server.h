@@ -19,6 +19,7 @@ namespace victorious {
 
 struct HttpServerOptions {
   std::string address = "127.0.0.1";  ///< IPv4 or IPv6, numeric
+  bool is_loopback = true;            ///< of the address: other machines do not reach it
   int port = 8080;                    ///< 0: any free one
   int threads = 8;                    ///< that run the handler
   std::size_t max_connections = 900;  ///< further ones wait
@@ -29,10 +30,11 @@ struct HttpServerOptions {
   std::chrono::milliseconds send_timeout{60'000};     ///< without progress; also of an upload
   std::chrono::milliseconds event_interval{100};      ///< between looks for events
   std::chrono::milliseconds event_silence{15'000};    ///< after which a comment keeps a stream of events alive
+  /// Of a stream of events. The browser opens the next one by itself, and is admitted again or not.
+  std::chrono::milliseconds event_lifetime{300'000};
 };
 
-/// Parses "ADDRESS:PORT"; "[::1]:8080" for IPv6. Error: kInvalidArgument, also for an address that is not a loopback
-/// address: there are no accounts, so other machines must not reach it.
+/// Parses "ADDRESS:PORT"; "[::1]:8080" for IPv6. Error: kInvalidArgument.
 [[nodiscard]] Expected<HttpServerOptions> ParseListenAddress(const std::string& text);
 
 class HttpServer {

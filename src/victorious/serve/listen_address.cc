@@ -29,13 +29,7 @@ Expected<HttpServerOptions> ParseListenAddress(const std::string& text) {
                                                          "as in 127.0.0.1:8080",
                                                          text));
   }
-  if (!ip.is_loopback()) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("--listen \"{}\": only a loopback address "
-                                                         "(127.0.0.1, [::1]) is served: there are no "
-                                                         "accounts, so other machines must not reach it; "
-                                                         "use an SSH tunnel from there",
-                                                         text));
-  }
+  options.is_loopback = ip.is_loopback();
   options.address = ip.to_string();
   return options;
 }

@@ -21,16 +21,20 @@ bool IsOwnHost(std::string_view host, int port) {
 
 }  // namespace
 
-std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, int port) {
+std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, const ServerIdentity& server, int port) {
+  const std::string_view scheme = server.has_tls ? "https://" : "http://";
   std::string host = request.host;
   std::ranges::transform(host, host.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (!IsOwnHost(host, port)) {
+  if (server.is_loopback && !IsOwnHost(host, port)) {
     return ErrorResponse(
         421, "foreign_host",
-        fmt::format("this server answers to http://127.0.0.1:{} only, not to the host \"{}\"", port, request.host));
+        fmt::format("this server answers to {}127.0.0.1:{} only, not to the host \"{}\"", scheme, port, request.host));
   }
   const std::string_view origin = request.origin;
-  if (!origin.empty() && !(origin.starts_with("http://") && IsOwnHost(origin.substr(7), port))) {
+  const std::string_view origin_host = origin.substr(std::min(scheme.size(), origin.size()));
+  const bool is_own = origin.starts_with(scheme) &&
+                      (server.is_loopback ? IsOwnHost(origin_host, port) : !host.empty() && origin_host == host);
+  if (!origin.empty() && !is_own) {
     return ErrorResponse(403, "foreign_origin", "pages of other sites may not use this server");
   }
   if (request.fetch_site == "cross-site" && request.target.starts_with("/api/")) {

@@ -9,9 +9,17 @@
 
 namespace victorious {
 
+/// How a server is reached.
+struct ServerIdentity {
+  bool is_loopback = true;  ///< from this machine only
+  bool has_tls = false;
+};
+
 /// Returns the refusal of a request, or std::nullopt. Host must be 127.0.0.1, localhost or [::1] with this port (421);
 /// Origin, if sent, the same server, and a request for the API must not come from another site (403); a request with a
-/// body must be JSON (415).
-[[nodiscard]] std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, int port);
+/// body must be JSON (415). A server that other machines reach has any name: there, an account is needed, and its cookie
+/// goes to its own name only.
+[[nodiscard]] std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, const ServerIdentity& server,
+                                                        int port);
 
 }  // namespace victorious

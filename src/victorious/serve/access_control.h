@@ -1,0 +1,87 @@
+// Who sends a request, and log-in and log-out. Thread-safe.
+//
+// An index without accounts, served on a loopback address, is open to everybody on this machine. As soon as it has an
+// account, and on any other address, a request needs a session (a cookie) or a token (the header Authorization).
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "victorious/serve/api_error.h"
+#include "victorious/serve/http_message.h"
+#include "victorious/serve/log_in_limiter.h"
+#include "victorious/serve/request_guard.h"
+#include "victorious/serve/route_rules.h"
+#include "victorious/store/account_store.h"
+
+namespace victorious {
+
+/// Who sends a request.
+struct Caller {
+  std::optional<ProvedAccount> proved;  ///< std::nullopt: nobody in particular
+  bool is_open = false;                 ///< there are no accounts: everything is allowed
+
+  [[nodiscard]] bool May(std::optional<Role> least) const {
+    return is_open || !least || (proved && proved->account.role >= *least);
+  }
+  /// Empty: nobody in particular.
+  [[nodiscard]] std::string name() const { return proved ? proved->account.name : ""; }
+};
+
+/// The value of a cookie in the header Cookie; empty: there is none. Accepts any bytes.
+[[nodiscard]] std::string FindCookie(std::string_view header, std::string_view name);
+
+/// Hours for which a log-in is valid.
+inline constexpr int kSessionHours = 12;
+
+class AccessControl {
+ public:
+  /// @param can_write  the index can be written
+  /// Errors: kInvalidArgument for an address that is not a loopback address without accounts; kPermissionDenied for
+  /// accounts in an index that cannot be written; those of OpenSqliteAccountStore.
+  [[nodiscard]] static Expected<std::unique_ptr<AccessControl>> Open(const std::filesystem::path& index, bool can_write,
+                                                                     const ServerIdentity& server);
+
+  /// Who sends the request, or the response that refuses it: 401 without a valid credential where the rule asks for
+  /// one, 403 if the account's role is not enough.
+  [[nodiscard]] std::expected<Caller, HttpResponse> Admit(const HttpRequest& request, const RouteRule& rule, int port);
+
+  /// The routes of sessions.
+  [[nodiscard]] ApiExpected<HttpResponse> Session(const Caller& caller);
+  [[nodiscard]] ApiExpected<HttpResponse> LogIn(const HttpRequest& request, int port);
+  [[nodiscard]] ApiExpected<HttpResponse> LogOut(const Caller& caller, int port);
+
+  /// Writes to the log, if the index can be written.
+  [[nodiscard]] Status Log(const Caller& caller, std::string_view action, std::string subject, std::string detail);
+  [[nodiscard]] Expected<std::vector<AuditRecord>> Audit(std::int64_t limit, std::optional<std::int64_t> before);
+
+ private:
+  AccessControl(std::unique_ptr<AccountStore> reader, std::unique_ptr<AccountStore> writer,
+                const ServerIdentity& server)
+      : reader_(std::move(reader)), writer_(std::move(writer)), server_(server) {}
+
+  /// True from the first account on: removing the last one opens nothing.
+  [[nodiscard]] Expected<bool> NeedsAccount();
+  [[nodiscard]] Expected<Caller> Identify(const HttpRequest& request, int port);
+  /// The account of a name and password; std::nullopt: wrong.
+  [[nodiscard]] Expected<std::optional<Account>> CheckPasswordOf(const std::string& name, const std::string& password);
+  [[nodiscard]] std::string CookieName(int port) const;
+  [[nodiscard]] std::string Cookie(int port, std::string_view value, std::int64_t max_age_s) const;
+
+  std::mutex reader_mutex_;
+  std::unique_ptr<AccountStore> reader_;  ///< of its own: no request waits while another process writes
+  std::mutex writer_mutex_;
+  std::unique_ptr<AccountStore> writer_;  ///< null: the index cannot be written
+  ServerIdentity server_;
+  std::atomic<bool> needs_account_ = false;
+  LogInLimiter limiter_;
+  std::atomic<int> log_ins_ = 0;  ///< that hash a password or wait to do so
+  std::mutex hash_mutex_;         ///< one at a time: each takes 64 MiB
+};
+
+}  // namespace victorious

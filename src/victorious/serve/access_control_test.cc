@@ -1,0 +1,334 @@
+// Who may do what: every route for every role, sessions, tokens, log-ins.
+#include "victorious/serve/access_control.h"
+
+#include <fstream>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "testing/data.h"
+#include "victorious/base/utc.h"
+#include "victorious/serve/api.h"
+#include "victorious/serve/secret.h"
+
+namespace victorious {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+constexpr int kPort = 8080;
+constexpr std::int64_t kHour = 3'600'000'000;
+const std::string kPassword = "correct horse battery";
+
+std::string_view NameOf(HttpMethod method) {
+  return method == HttpMethod::kPut ? "PUT" : method == HttpMethod::kPost ? "POST" : "GET";
+}
+
+// A secret of the right form.
+std::string SecretOf(const std::string& name) { return name + std::string(43 - name.size(), '_'); }
+
+std::string HeaderOf(const HttpResponse& response, std::string_view name) {
+  for (const auto& [header, value] : response.headers) {
+    if (header == name) return value;
+  }
+  return "";
+}
+
+// An index with one object. Accounts are added by AddAccounts.
+class AccessTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto store = OpenSqliteStore(index_, StoreMode::kCreate).value();
+    const auto video = store->PutVideo({.content_id = "c", .name = "none.mp4", .width = 640, .height = 480}).value();
+    const auto model = store->PutModel({.name = "jeep", .content_id = "m", .kind = ModelKind::kCad}).value();
+    IndexBatch batch;
+    batch.tracklets.push_back({std::nullopt, {.video = video.id, .model = model.id, .score = 0.5, .frames = 1}});
+    batch.sightings.push_back({0, {.box = {1, 2, 30, 40}, .score = 0.5, .matches = 9}});
+    ASSERT_TRUE(store->Commit(batch));
+    accounts_ = OpenSqliteAccountStore(index_, StoreMode::kCreate).value();
+  }
+
+  void Open(ServerIdentity server = {}) {
+    api_.reset();
+    std::filesystem::create_directories(folder_ / "models");
+    auto api = Api::Open({.index = index_,
+                          .models = folder_ / "models",
+                          .telemetry = {},
+                          .web = {},
+                          .uploads = folder_ / "uploads",
+                          .server = server},
+                         cancel_);
+    ASSERT_TRUE(api) << api.error().message;
+    api_ = *std::move(api);
+  }
+
+  // Accounts "viewer", "analyst" and "admin", each with a session whose secret is SecretOf(name).
+  void AddAccounts() {
+    const std::string hash = HashPassword(kPassword).value();
+    for (const Role role : {Role::kViewer, Role::kAnalyst, Role::kAdmin}) {
+      const std::string name(ToText(role));
+      const Account account = accounts_->Add(name, role, hash, 1).value();
+      ASSERT_TRUE(accounts_->AddCredential(account.id, CredentialKind::kSession, DigestSecret(SecretOf(name)), "",
+                                           NowUtcMicroseconds(), kHour));
+    }
+  }
+
+  HttpResponse Send(HttpRequest request) {
+    if (request.host.empty()) request.host = "127.0.0.1:8080";
+    if (request.client.empty()) request.client = "127.0.0.1";
+    if (request.content_type.empty()) request.content_type = "application/json";
+    return api_->Handle(request, kPort);
+  }
+
+  // A request with the session of an account; empty: without.
+  HttpResponse SendAs(const std::string& account, HttpRequest request) {
+    if (!account.empty()) request.cookie = "other=1; victorious_8080=" + SecretOf(account);
+    return Send(std::move(request));
+  }
+
+  HttpResponse LogIn(const std::string& name, const std::string& password) {
+    return Send({.method = HttpMethod::kPost,
+                 .target = "/api/v1/session",
+                 .body = json({{"name", name}, {"password", password}}).dump()});
+  }
+
+  testing::ScratchFolder folder_;
+  std::filesystem::path index_ = folder_ / "index.db";
+  CancelToken cancel_;
+  std::unique_ptr<AccountStore> accounts_;
+  std::unique_ptr<Api> api_;
+};
+
+TEST_F(AccessTest, EveryDescribedRouteHasARule) {
+  std::ifstream file(VICTORIOUS_API_DESCRIPTION);
+  const json description = json::parse(file);
+  std::set<std::string> described;
+  for (const auto& [path, item] : description["paths"].items()) {
+    for (const auto& [method, operation] : item.items()) {
+      if (method == "get") described.insert("GET " + path);
+      if (method == "put") described.insert("PUT " + path);
+      if (method == "post") described.insert("POST " + path);
+    }
+  }
+  std::set<std::string> ruled;
+  for (const RouteRule& rule : RouteRules())
+    ruled.insert(std::string(NameOf(rule.method)) + " " + std::string(rule.path));
+  EXPECT_EQ(ruled, described);
+}
+
+TEST_F(AccessTest, EveryRouteAsksForItsRole) {
+  AddAccounts();
+  Open();
+  for (const RouteRule& rule : RouteRules()) {
+    HttpRequest request{.method = rule.method, .body = "{}"};
+    for (const char c : rule.path) {
+      if (request.target.find('{') == std::string::npos || c != '}') request.target += c;
+      if (c == '}') request.target.replace(request.target.find('{'), std::string::npos, "1");
+    }
+    for (const std::string account : {"", "viewer", "analyst", "admin"}) {
+      const bool is_log_out = rule.path.ends_with("/end");
+      if (is_log_out && !account.empty()) continue;  // ends the session: LogOutEndsTheSession
+      const auto role = FromText(kRoleTexts, account);
+      const int status = SendAs(account, request).status;
+      const std::string what = std::string(NameOf(rule.method)) + " " + request.target + " by " + account;
+      const bool may = !rule.least || (role && *role >= *rule.least);
+      if (may) {
+        EXPECT_THAT(status, ::testing::AllOf(Not(401), Not(403), Not(405))) << what;
+      } else {
+        EXPECT_EQ(status, role ? 403 : 401) << what;
+      }
+    }
+  }
+  for (const auto& [account, status] : {std::pair("", 401), std::pair("viewer", 403), std::pair("analyst", 200)}) {
+    HttpRequest upload{.method = HttpMethod::kPost,
+                       .target = "/api/v1/uploads?name=a.mp4",
+                       .host = "127.0.0.1:8080",
+                       .content_type = "application/octet-stream"};
+    if (*account != 0) upload.cookie = "victorious_8080=" + SecretOf(account);
+    const auto plan = api_->PlanUpload(upload, kPort);
+    EXPECT_EQ(plan ? 200 : plan.error().status, status) << account << ": refused before the body is read";
+  }
+}
+
+TEST_F(AccessTest, RequestsWithoutARuleAreRefused) {
+  AddAccounts();
+  Open();
+  for (const std::string target : {"/api", "/api/v1", "/api/v2/project", "/api/v1/projects", "/api/v1/videos/1/file/x",
+                                   "/api/v1/session/x", "/api/v1/objects/1/review/2"}) {
+    EXPECT_EQ(SendAs("admin", {.target = target}).status, 404) << target;
+  }
+  const HttpResponse refused = SendAs("admin", {.method = HttpMethod::kPut, .target = "/api/v1/jobs"});
+  EXPECT_EQ(refused.status, 405);
+  EXPECT_EQ(HeaderOf(refused, "Allow"), "GET, HEAD, POST");
+  EXPECT_EQ(SendAs("admin", {.method = HttpMethod::kOther, .target = "/api/v1/project"}).status, 405);
+}
+
+TEST_F(AccessTest, WithoutAccountsThisMachineIsOpen) {
+  Open();
+  EXPECT_EQ(Send({.target = "/api/v1/project"}).status, 200);
+  EXPECT_EQ(Send({.target = "/api/v1/audit"}).status, 200);
+  EXPECT_EQ(json::parse(Send({.target = "/api/v1/session"}).body),
+            json({{"has_accounts", false}, {"account", nullptr}}));
+  AddAccounts();
+  EXPECT_EQ(Send({.target = "/api/v1/project"}).status, 401) << "from the first account on";
+  EXPECT_EQ(SendAs("viewer", {.target = "/api/v1/project"}).status, 200);
+  for (const std::string name : {"viewer", "analyst", "admin"}) ASSERT_TRUE(accounts_->Remove(name));
+  EXPECT_EQ(Send({.target = "/api/v1/project"}).status, 401) << "removing the last account opens nothing";
+  EXPECT_EQ(SendAs("viewer", {.target = "/api/v1/project"}).status, 401);
+}
+
+TEST_F(AccessTest, OtherAddressesNeedAnAccount) {
+  const ServerIdentity outside{.is_loopback = false, .has_tls = true};
+  const auto refused =
+      Api::Open({.index = index_, .models = {}, .telemetry = {}, .web = {}, .uploads = {}, .server = outside}, cancel_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(refused.error().message, HasSubstr("victorious user add"));
+  AddAccounts();
+  Open(outside);
+  HttpRequest request{.target = "/api/v1/project", .host = "search.example:8080"};
+  EXPECT_EQ(Send(request).status, 401);
+  request.cookie = "__Host-victorious_8080=" + SecretOf("viewer");
+  EXPECT_EQ(Send(request).status, 200);
+  request.origin = "https://search.example:8080";
+  EXPECT_EQ(Send(request).status, 200);
+  for (const std::string origin :
+       {"http://search.example:8080", "https://search.example", "https://other.example:8080", "null"}) {
+    request.origin = origin;
+    EXPECT_EQ(Send(request).status, 403) << origin;
+  }
+}
+
+TEST_F(AccessTest, LogInGivesASessionThatScriptsDoNotSee) {
+  AddAccounts();
+  Open();
+  const HttpResponse answer = LogIn("Analyst", kPassword);
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  EXPECT_EQ(json::parse(answer.body)["account"], json({{"name", "analyst"}, {"role", "analyst"}}));
+  const std::string cookie = HeaderOf(answer, "Set-Cookie");
+  EXPECT_THAT(cookie, HasSubstr("; HttpOnly; SameSite=Strict; Max-Age=43200"));
+  EXPECT_THAT(cookie, Not(HasSubstr("Secure")));
+  HttpRequest request{.target = "/api/v1/session"};
+  request.cookie = cookie.substr(0, cookie.find(';'));
+  EXPECT_EQ(json::parse(Send(request).body)["account"]["name"], "analyst");
+  EXPECT_EQ(Send({.target = "/api/v1/project", .authorization = "Bearer " + request.cookie.substr(16)}).status, 401)
+      << "a session is no token";
+
+  request.method = HttpMethod::kPost;
+  request.target = "/api/v1/session/end";
+  const HttpResponse ended = Send(request);
+  EXPECT_EQ(ended.status, 200);
+  EXPECT_THAT(HeaderOf(ended, "Set-Cookie"), StartsWith("victorious_8080=; Path=/"));
+  EXPECT_THAT(HeaderOf(ended, "Set-Cookie"), HasSubstr("Max-Age=0"));
+  EXPECT_EQ(Send({.target = "/api/v1/project", .cookie = request.cookie}).status, 401) << "the session has ended";
+}
+
+TEST_F(AccessTest, CookiesOfTlsAreSecure) {
+  AddAccounts();
+  Open({.is_loopback = true, .has_tls = true});
+  const std::string cookie = HeaderOf(LogIn("admin", kPassword), "Set-Cookie");
+  EXPECT_THAT(cookie, StartsWith("__Host-victorious_8080="));
+  EXPECT_THAT(cookie, HasSubstr("; Secure"));
+}
+
+TEST_F(AccessTest, WrongLogInsGetOneAnswerAndAreCounted) {
+  AddAccounts();
+  Open();
+  EXPECT_EQ(LogIn("admin", "correct horse batterx").body, LogIn("nobody", kPassword).body)
+      << "which names exist is not told";
+  EXPECT_EQ(LogIn("admin", "").status, 401);
+  EXPECT_EQ(LogIn("a b'; DROP TABLE accounts", kPassword).status, 401);
+  for (const std::string body : {"", "[]", "{}", "{\"name\": 1, \"password\": \"x\"}", "{\"name\": \"admin\"}"}) {
+    EXPECT_EQ(Send({.method = HttpMethod::kPost, .target = "/api/v1/session", .body = body}).status, 400) << body;
+  }
+  int tried = 2;
+  HttpResponse last;
+  while (tried < 100 && (last = LogIn("admin", "wrong password")).status == 401) ++tried;
+  EXPECT_EQ(tried, 10);
+  EXPECT_EQ(last.status, 429);
+  EXPECT_GT(std::stoi(HeaderOf(last, "Retry-After")), 0);
+  EXPECT_EQ(LogIn("admin", kPassword).status, 429) << "the right password, too: it could be a guess";
+  EXPECT_EQ(LogIn("viewer", kPassword).status, 200) << "another account";
+
+  const json log = json::parse(SendAs("admin", {.target = "/api/v1/audit?limit=3"}).body)["entries"];
+  ASSERT_EQ(log.size(), 3U);
+  EXPECT_EQ(log[0]["actor"], "viewer");
+  EXPECT_EQ(log[0]["action"], "log_in");
+  EXPECT_EQ(log[0]["detail"]["client"], "127.0.0.1");
+  EXPECT_EQ(log[1]["action"], "log_in_refused");
+  EXPECT_EQ(log[1]["subject"], "account admin");
+  EXPECT_EQ(SendAs("admin", {.target = "/api/v1/audit?limit=0"}).status, 400);
+  const std::string before = std::to_string(log[2]["id"].get<std::int64_t>());
+  const json older = json::parse(SendAs("admin", {.target = "/api/v1/audit?before=" + before}).body)["entries"];
+  EXPECT_EQ(older.back()["action"], "log_in_refused");
+  EXPECT_THAT(older.dump(), HasSubstr("an unknown account"));
+  EXPECT_THAT(older.dump(), Not(HasSubstr("nobody"))) << "it could be a password in the wrong field";
+}
+
+TEST_F(AccessTest, TokensAreForScripts) {
+  AddAccounts();
+  Open();
+  const std::int64_t analyst = (*accounts_->Find("analyst"))->id;
+  const std::string good = SecretOf("token");
+  const std::string old = SecretOf("old");
+  const std::int64_t now = NowUtcMicroseconds();
+  ASSERT_TRUE(accounts_->AddCredential(analyst, CredentialKind::kToken, DigestSecret(good), "nightly", now, kHour));
+  ASSERT_TRUE(accounts_->AddCredential(analyst, CredentialKind::kToken, DigestSecret(old), "", now - kHour, kHour));
+  const auto status = [&](const std::string& authorization) {
+    return Send({.target = "/api/v1/project", .authorization = authorization}).status;
+  };
+  EXPECT_EQ(status("Bearer " + good), 200);
+  const std::vector<std::string> all_wrong = {"Bearer " + old,
+                                              "Bearer " + SecretOf("x"),
+                                              good,
+                                              "Basic " + good,
+                                              "Bearer",
+                                              "Bearer ",
+                                              "Bearer " + good + " ",
+                                              "bearer\t" + good,
+                                              "Bearer " + std::string(9000, 'a')};
+  for (const std::string& wrong : all_wrong) {
+    EXPECT_EQ(status(wrong), 401) << wrong;
+  }
+  HttpRequest both{.target = "/api/v1/project", .authorization = "Bearer " + SecretOf("x")};
+  EXPECT_EQ(SendAs("admin", both).status, 401) << "a wrong token is not helped by a session";
+  EXPECT_EQ(Send({.target = "/api/v1/project", .cookie = "victorious_8080=" + good}).status, 401)
+      << "a token is no session";
+}
+
+TEST_F(AccessTest, ReviewsHaveTheNameOfTheAccount) {
+  AddAccounts();
+  Open();
+  const HttpRequest review{.method = HttpMethod::kPut,
+                           .target = "/api/v1/objects/1/review",
+                           .body = R"({"verdict": "accepted", "note": "", "reviewer": "somebody else"})"};
+  EXPECT_EQ(SendAs("viewer", review).status, 403);
+  const HttpResponse answer = SendAs("analyst", review);
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  EXPECT_EQ(json::parse(answer.body)["review"]["reviewer"], "analyst");
+  const json log = json::parse(SendAs("admin", {.target = "/api/v1/audit"}).body)["entries"];
+  EXPECT_EQ(log[0]["actor"], "analyst");
+  EXPECT_EQ(log[0]["detail"]["verdict"], "accepted");
+  EXPECT_EQ(json::parse(SendAs("viewer", {.target = "/api/v1/project"}).body)["can_review"], false);
+  EXPECT_EQ(json::parse(SendAs("viewer", {.target = "/api/v1/project"}).body)["has_jobs"], false);
+  EXPECT_EQ(json::parse(SendAs("analyst", {.target = "/api/v1/project"}).body)["can_review"], true);
+}
+
+TEST(FindCookieTest, ReadsAnyHeader) {
+  EXPECT_EQ(FindCookie("a=1; victorious_8080=xyz; b=2", "victorious_8080"), "xyz");
+  EXPECT_EQ(FindCookie("victorious_8080=x=y", "victorious_8080"), "x=y");
+  EXPECT_EQ(FindCookie(" \tvictorious_8080=x \t", "victorious_8080"), "x");
+  for (const std::string header :
+       {"", ";", ";;;", "=", "victorious_8080", "victorious_80800=x", "Victorious_8080=x", "xvictorious_8080=y"}) {
+    EXPECT_EQ(FindCookie(header, "victorious_8080"), "") << header;
+  }
+}
+
+}  // namespace
+}  // namespace victorious
