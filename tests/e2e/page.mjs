@@ -364,6 +364,50 @@ async function jobs(page, [photos, video]) {
   await page.waitForSelector(".notice.error:has-text('notes.txt')");
 }
 
+async function accounts(page, [password]) {
+  const logIn = async (name, word) => {
+    await page.fill("#log-in-name", name);
+    await page.fill("#log-in-password", word);
+    await page.keyboard.press("Enter");
+  };
+  await page.goto("/");
+  await page.waitForSelector("dialog.log-in[open]");
+  assert.equal(await page.locator("[role=option]").count(), 0, "nothing is shown before");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "log-in-name");
+  await page.keyboard.press("Escape");
+  await logIn("ann", "not her password");
+  await page.waitForSelector("dialog.log-in .problem:has-text('name or password is wrong')");
+  await logIn("ann", password);
+  await page.waitForSelector(".stage canvas[data-frame]");
+  assert.match(await page.locator(".head .user").innerText(), /ann analyst/);
+  assert.equal(await page.locator("#reviewer").count(), 0, "the account says who reviews");
+  const { objects } = await api(page, "/objects");
+  await page.keyboard.press("a");
+  await page.waitForSelector(`#object-${objects[0].id} .verdict.accepted:not(.pending)`);
+  assert.equal((await api(page, `/objects/${objects[0].id}`)).review.reviewer, "ann");
+
+  // A session that ends while the page is open: what was decided is stored after the next log-in.
+  assert.equal(await selectedId(page), objects[1].id);
+  await page.context().clearCookies();
+  await page.keyboard.press("x");
+  await page.waitForSelector("dialog.log-in[open]");
+  await logIn("ann", password);
+  await page.waitForSelector(`#object-${objects[1].id} .verdict.rejected:not(.pending)`);
+  assert.equal((await api(page, `/objects/${objects[1].id}`)).review.verdict, "rejected");
+
+  // Log-out leaves nothing on the page, and the next user is asked for.
+  await page.click(".head .user button");
+  await page.waitForSelector("dialog.log-in[open]");
+  assert.equal(await page.locator("[role=option]").count(), 0);
+  assert.equal((await page.request.get("/api/v1/objects")).status(), 401);
+  await logIn("bob", password);
+  await page.waitForSelector("[role=option]");
+  assert.ok(await page.locator(".inspector .accept").isDisabled(), "a viewer does not review");
+  await page.keyboard.press("x");
+  await page.waitForSelector(".notice.error:has-text('role analyst')");
+  assert.equal((await api(page, `/objects/${objects[0].id}`)).review.verdict, "accepted");
+}
+
 const [scenario, url, ...inputs] = process.argv.slice(2);
 if (!existsSync(BROWSER)) {
   console.log(`SKIPPED: ${BROWSER} is not installed`);
@@ -383,7 +427,7 @@ try {
   page.on("request", (request) => {
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url)) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, images, many, jobs }[scenario](page, inputs);
+  await { triage, frames, images, many, jobs, accounts }[scenario](page, inputs);
   assert.deepEqual(faults, []);
 } finally {
   await browser.close();

@@ -101,6 +101,13 @@ class PageTest(program.ProgramTest):
         photos = ",".join(str(program.flight() / f"{name}.png") for name in ("crate", "truck"))
         self.drive("jobs", db, "--models", models, inputs=(photos, program.flight() / "flight.mp4"))
 
+    def test_accounts(self):
+        db = self.index(program.flight() / "flight.mp4")
+        password = "correct horse battery"
+        for name, role in (("ann", "analyst"), ("bob", "viewer")):
+            self.succeeds("user", "add", name, "--role", role, "--db", db, input=password)
+        self.drive("accounts", db, "--models", program.models(), inputs=(password,))
+
     def test_overlay_belongs_to_its_frame(self):
         video = self.scratch / "numbers.mp4"
         subprocess.run([DRAW_NUMBERS, video], check=True)

@@ -1,6 +1,7 @@
 // Events of the server, one stream a browser: the tab that holds a lock listens and tells the others, so that many open
 // tabs do not use up the browser's connections to the server. When it closes, the lock goes to another tab.
 const ROOT = "/api/v1/events";
+const RETRY_MS = 5000;
 const NAMES = ["index", "jobs"] as const;
 
 export type EventName = (typeof NAMES)[number];
@@ -29,6 +30,10 @@ channel.onmessage = ({ data: message }: MessageEvent<Message>) => {
 function listen() {
   isLeader = true;
   const source = new EventSource(ROOT);
+  // EventSource connects again by itself, but not after a refusal: the session may have ended.
+  source.onerror = () => {
+    if (source.readyState === EventSource.CLOSED) setTimeout(listen, RETRY_MS);
+  };
   for (const name of NAMES) {
     source.addEventListener(name, (event: MessageEvent<string>) => {
       const data: unknown = JSON.parse(event.data);

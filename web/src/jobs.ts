@@ -5,6 +5,7 @@ import { cancelJob, listJobs, postJob, uploadFile } from "./api/client";
 import type { Job, NewJob } from "./api/types";
 import { onEvent } from "./events";
 import { type Plan, planFiles, withoutUploadFolder } from "./logic/uploads";
+import { account } from "./session";
 import * as state from "./state";
 
 export interface Upload {
@@ -81,7 +82,12 @@ export async function addModel(name: string, files: readonly File[], length: num
 /** Takes files that were dropped or chosen. */
 export function addFiles(files: readonly File[]) {
   if (!canAdd.value) {
-    state.notify("This server takes no files: start it with --models DIR on an index that can be written.", "error");
+    state.notify(
+      account.value?.role === "viewer"
+        ? "You may look, but not add files: that needs the role analyst."
+        : "This server takes no files: start it with --models DIR on an index that can be written.",
+      "error",
+    );
     return;
   }
   const plan = planFiles(files);

@@ -2,6 +2,7 @@ import { render } from "preact";
 
 import { App } from "./views/app";
 import { startJobs } from "./jobs";
+import { startSession } from "./session";
 import { load } from "./state";
 
 import "./styles/tokens.css";
@@ -9,4 +10,4 @@ import "./styles/app.css";
 
 const root = document.getElementById("app");
 if (root) render(<App />, root);
-void load().then(startJobs);
+void startSession().then(load).then(startJobs);

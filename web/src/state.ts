@@ -7,6 +7,7 @@ import type { CameraPath, FoundObject, ObjectDetail, Project, Verdict, Video } f
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
 import { COORDINATE_STYLES, type CoordinateStyle, plural } from "./logic/format";
 import { onEvent, startEvents } from "./events";
+import { account } from "./session";
 import { FrameTable } from "./logic/frame_table";
 import { formatUrl, parseUrl } from "./logic/url_state";
 import * as objects from "./objects";
@@ -31,6 +32,13 @@ export const isOnlyMatching = signal(false);
 export const sort = signal<objects.Sort>("queue");
 /** Who reviews: written into each review. */
 export const reviewer = signal(localStorage.getItem("reviewer") ?? "");
+const reviewerName = () => account.value?.name ?? reviewer.value;
+/** For the case that `can_review` is not set. */
+export const whyNoReview = computed(() =>
+  account.value?.role === "viewer"
+    ? "You may look, but not review: that needs the role analyst."
+    : "This index cannot be written: reviews are not kept.",
+);
 export const selectedId = signal<number | null>(null);
 export const videoId = signal<number | null>(null);
 /** The frame that the video shows; null before it shows one. */
@@ -122,7 +130,8 @@ export async function load() {
     startLive();
   } catch (error) {
     isConnected.value = !(error instanceof ApiFailure && error.status === 0);
-    if (project.value.state !== "ready") project.value = { state: "failed", message: messageOf(error) };
+    const isLoggedOut = error instanceof ApiFailure && error.status === 401;
+    if (project.value.state !== "ready" && !isLoggedOut) project.value = { state: "failed", message: messageOf(error) };
     setTimeout(() => void load(), RETRY_MS);
   }
 }
@@ -189,6 +198,11 @@ effect(() => {
   const [order, chosen, isOnly] = [sort.value, filters.value, isOnlyMatching.value];
   if (project.value.state !== "ready") return;
   untracked(() => objects.follow(order, chosen, isOnly, (error) => notify(messageOf(error), "error")));
+});
+
+// What could not be loaded because the session had ended.
+effect(() => {
+  if (account.value !== null && project.peek().state === "ready") untracked(() => void refresh());
 });
 
 // What the time line shows of the video.
@@ -414,22 +428,22 @@ async function writeReview(id: number, verdict: Verdict, note: string) {
   const isLatest = () => latestWrite.get(id) === write;
   latestWrite.set(id, write);
   pendingReviews.value = new Set([...pendingReviews.value, id]);
-  objects.setReview(id, verdict === null && note === "" ? null : { verdict, note, reviewer: reviewer.value, updated_utc_us: Date.now() * 1000 });
+  objects.setReview(id, verdict === null && note === "" ? null : { verdict, note, reviewer: reviewerName(), updated_utc_us: Date.now() * 1000 });
   while (isLatest()) {
     try {
-      const review = await putReview(id, verdict, note, reviewer.value);
+      const review = await putReview(id, verdict, note, reviewerName());
       isConnected.value = true;
       if (isLatest()) objects.setReview(id, review);
       break;
     } catch (error) {
       if (!isLatest()) return;
-      if (!(error instanceof ApiFailure && error.status === 0)) {
+      if (!(error instanceof ApiFailure && (error.status === 0 || error.status === 401))) {
         notify(`The review is not stored: ${messageOf(error)}`, "error");
         objects.setReview(id, stored);
         break;
       }
-      // Nothing typed is lost: the review is kept and sent again once the server answers.
-      isConnected.value = false;
+      // Nothing typed is lost: the review is kept and sent again once the server answers, or the user has logged in.
+      if (error.status === 0) isConnected.value = false;
       await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
     }
   }
@@ -441,7 +455,7 @@ async function writeReview(id: number, verdict: Verdict, note: string) {
 
 function canReview() {
   const isAllowed = project.value.state !== "ready" || project.value.value.can_review;
-  if (!isAllowed) notify("This index cannot be written, so reviews are not kept.", "error");
+  if (!isAllowed) notify(whyNoReview.value, "error");
   return isAllowed;
 }
 

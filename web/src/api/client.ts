@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Sighting, Verdict, Video } from "./types";
+import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Session, Sighting, Verdict, Video } from "./types";
 
 const ROOT = "/api/v1";
 
@@ -14,6 +14,13 @@ export class ApiFailure extends Error {
   }
 }
 
+let tellUnauthenticated = () => {};
+
+/** Calls back when the server asks for a log-in: there was no session, or it has ended. */
+export function onUnauthenticated(handler: () => void) {
+  tellUnauthenticated = handler;
+}
+
 async function request<T>(path: string, init?: RequestInit): Promise<T> {
   let response: Response;
   try {
@@ -24,10 +31,18 @@ async function request<T>(path: string, init?: RequestInit): Promise<T> {
   }
   if (!response.ok) {
     const body = (await response.json().catch(() => null)) as ApiErrorBody | null;
+    if (response.status === 401 && path !== "/session") tellUnauthenticated();
     throw new ApiFailure(body?.message ?? `The server answers ${response.status}.`, response.status);
   }
   return (await response.json()) as T;
 }
+
+const send = <T>(path: string, method: "POST" | "PUT", body: unknown) =>
+  request<T>(path, { method, headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+
+export const getSession = () => request<Session>("/session");
+export const postLogIn = (name: string, password: string) => send<Session>("/session", "POST", { name, password });
+export const postLogOut = () => send<Session>("/session/end", "POST", {});
 
 export const getProject = () => request<Project>("/project");
 
@@ -64,13 +79,8 @@ export const getCameraPath = (video: number, signal: AbortSignal) =>
   request<CameraPath>(`/videos/${video}/camera`, { signal });
 
 export const putReview = async (object: number, verdict: Verdict, note: string, reviewer: string): Promise<Review | null> =>
-  (
-    await request<components["schemas"]["ReviewedObject"]>(`/objects/${object}/review`, {
-      method: "PUT",
-      headers: { "Content-Type": "application/json" },
-      body: JSON.stringify({ verdict, note, reviewer }),
-    })
-  ).review;
+  (await send<components["schemas"]["ReviewedObject"]>(`/objects/${object}/review`, "PUT", { verdict, note, reviewer }))
+    .review;
 
 export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
 export const frameUrl = (video: number, frame: number) => `${ROOT}/videos/${video}/frames/${frame}`;
@@ -78,11 +88,8 @@ export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/
 export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}/views/${view}`;
 export const listJobs = async () => (await request<components["schemas"]["JobList"]>("/jobs")).jobs;
 
-const post = (path: string, body: unknown) =>
-  request<Job>(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
-
-export const postJob = (job: NewJob) => post("/jobs", job);
-export const cancelJob = (job: number) => post(`/jobs/${job}/cancel`, {});
+export const postJob = (job: NewJob) => send<Job>("/jobs", "POST", job);
+export const cancelJob = (job: number) => send<Job>(`/jobs/${job}/cancel`, "POST", {});
 
 /** Sends a file. Not by fetch, which does not say how far it is. */
 export function uploadFile(file: File, progress: (done: number) => void, signal: AbortSignal) {
@@ -95,6 +102,7 @@ export function uploadFile(file: File, progress: (done: number) => void, signal:
     sender.onload = () => {
       if (sender.status === 200) return resolve(sender.response as components["schemas"]["Upload"]);
       const body = sender.response as ApiErrorBody | null;
+      if (sender.status === 401) tellUnauthenticated();
       reject(new ApiFailure(body?.message ?? `The server answers ${sender.status}.`, sender.status));
     };
     sender.onerror = () => reject(new ApiFailure(`${file.name}: the server broke off the upload.`, 0));

@@ -3,6 +3,7 @@ import type { components } from "./schema";
 
 type Schemas = components["schemas"];
 
+export type Session = Schemas["Session"];
 export type Project = Schemas["Project"];
 export type Video = Schemas["Video"];
 export type FoundObject = Schemas["Object"];

@@ -2,12 +2,14 @@
 import { useEffect } from "preact/hooks";
 
 import { type Action, actionOf } from "../logic/keys";
+import { needsLogIn, session } from "../session";
 import * as state from "../state";
 import { Header } from "./header";
 import { Help } from "./help";
 import { Inspector } from "./inspector";
 import { DropTarget, JobsPanel, ModelDialog } from "./jobs";
 import { ObjectList } from "./list";
+import { LogIn } from "./log_in";
 import { MapPane } from "./map";
 import { Notices } from "./notices";
 import { VideoPane, togglePlay } from "./video";
@@ -73,7 +75,7 @@ function useKeys() {
   useEffect(() => {
     const down = (event: KeyboardEvent) => {
       if (event.key === "Escape" && isTyping(event.target)) (event.target as HTMLElement).blur();
-      if (isTyping(event.target) || state.isHelpOpen.value || event.defaultPrevented) return;
+      if (isTyping(event.target) || state.isHelpOpen.value || needsLogIn.value || event.defaultPrevented) return;
       const action = actionOf(event);
       if (action === null) return;
       // Space presses a focused button, arrows move a focused slider.
@@ -101,6 +103,8 @@ function useKeys() {
 
 export function App() {
   useKeys();
+  // Before a log-in there is nothing to show, and nothing to ask the server for; later the page stays below the form.
+  const isOpen = state.project.value.state === "ready" || (session.value !== null && !needsLogIn.value);
   return (
     <>
       {!state.isConnected.value && (
@@ -108,18 +112,21 @@ export function App() {
           The server does not answer. What you decide is kept here and sent once it is back.
         </div>
       )}
-      <div class="page">
-        <Header />
-        <ObjectList />
-        <VideoPane />
-        <MapPane />
-        <Inspector />
-      </div>
+      {isOpen && (
+        <div class="page">
+          <Header />
+          <ObjectList />
+          <VideoPane />
+          <MapPane />
+          <Inspector />
+        </div>
+      )}
       <JobsPanel />
       <ModelDialog />
       <DropTarget />
       <Notices />
       <Help />
+      <LogIn />
     </>
   );
 }

@@ -1,4 +1,5 @@
 import { counts } from "../objects";
+import { account, logOut } from "../session";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { JobsButton } from "./jobs";
@@ -20,6 +21,41 @@ function Progress() {
         {(accepted + rejected).toLocaleString("en")} of {all.toLocaleString("en")} reviewed
       </span>
     </div>
+  );
+}
+
+/** The account, or the name that a reviewer gives where there are none. */
+function Reviewer() {
+  const user = account.value;
+  if (user) {
+    const leave = () => logOut().catch((error: unknown) => state.notify(String(error), "error"));
+    return (
+      <div class="user">
+        <span title={`Logged in as ${user.role}`}>
+          {user.name} <span class="muted">{user.role}</span>
+        </span>
+        <button class="button" onClick={() => void leave()}>
+          Log out
+        </button>
+      </div>
+    );
+  }
+  return (
+    <>
+      <label class="hidden" for="reviewer">
+        Your name, kept with your reviews
+      </label>
+      <input
+        id="reviewer"
+        class="field reviewer"
+        autocomplete="name"
+        maxLength={80}
+        placeholder="Your name"
+        title="Your name, kept with your reviews"
+        value={state.reviewer.value}
+        onInput={(event) => (state.reviewer.value = event.currentTarget.value)}
+      />
+    </>
   );
 }
 
@@ -51,19 +87,7 @@ export function Header() {
         />
       </form>
       <Progress />
-      <label class="hidden" for="reviewer">
-        Your name, kept with your reviews
-      </label>
-      <input
-        id="reviewer"
-        class="field reviewer"
-        autocomplete="name"
-        maxLength={80}
-        placeholder="Your name"
-        title="Your name, kept with your reviews"
-        value={state.reviewer.value}
-        onInput={(event) => (state.reviewer.value = event.currentTarget.value)}
-      />
+      <Reviewer />
       <JobsButton />
       <div class="tools">
         <button

@@ -165,7 +165,7 @@ function Review({ object }: { object: FoundObject }) {
       ? `Saved ${new Date(object.review.updated_utc_us / 1000).toLocaleString()}${object.review.reviewer ? ` by ${object.review.reviewer}` : ""}`
       : canReview
         ? "Not reviewed"
-        : "This index cannot be written: reviews are not kept";
+        : state.whyNoReview.value;
   return (
     <div class="review">
       <div class="buttons">

@@ -404,6 +404,10 @@ function connect(map: MapLibre): (() => void)[] {
   let shownTiles = tileAddress();
   let tileTimer: ReturnType<typeof setTimeout> | undefined;
 
+  map.on("error", ({ error }) => {
+    // A tile for which the session had ended is asked for again after the log-in (state.ts).
+    if (!("status" in error && error.status === 401)) console.error(error);
+  });
   map.on("moveend", () => updateGrid(map));
   updateGrid(map);
   let isHoverDue = false;
