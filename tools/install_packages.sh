@@ -10,12 +10,12 @@ packages=(
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev
   libassimp-dev libopengl-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
   libsqlite3-dev libpq-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
-  libboost-dev libsodium-dev
+  libboost-dev libsodium-dev libssl-dev
   libgtest-dev libgmock-dev libbenchmark-dev
 )
 case "${1:-}" in
   "") ;;
-  --test) packages+=(clang-format-19 chromium postgresql-15 postgresql-15-postgis-3) ;;
+  --test) packages+=(clang-format-19 chromium openssl postgresql-15 postgresql-15-postgis-3) ;;
   --tidy) packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev) ;;
   *)
     echo "install_packages.sh: unknown: $1; give --test, --tidy or nothing" >&2

@@ -8,8 +8,12 @@ import shutil
 import signal
 import socket
 import sqlite3
+import ssl
+import subprocess
 import time
+import unittest
 import urllib.parse
+import warnings
 from pathlib import Path
 
 import program
@@ -192,6 +196,60 @@ class ServeTest(program.ProgramTest):
             _, _, body = self.ask(server, "/api/v1/audit", Authorization=f"Bearer {token}")
             log = [(one["actor"], one["action"]) for one in self.described(body, "AuditList")["entries"]]
             self.assertEqual(log[-5:-3], [("analyst", "review"), ("analyst", "log_in")], log)
+
+    @unittest.skipIf(shutil.which("openssl") is None, "openssl is not installed")
+    def test_tls(self):
+        """To another machine: by TLS, with an account, under the name of the certificate."""
+        names = ("-subj", "/CN=search.example", "-addext", "subjectAltName=DNS:search.example")
+        new_key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-noenc", "-days", "2")
+        for name in ("server", "other"):
+            files = ("-keyout", self.scratch / f"{name}.key", "-out", self.scratch / f"{name}.pem")
+            subprocess.run(["openssl", "req", "-x509", *new_key, *names, *files], check=True, capture_output=True)
+        certificate = ("--tls-cert", self.scratch / "server.pem")
+        key = ("--tls-key", self.scratch / "server.key")
+        self.refuses(2, "user add", "serve", "--db", self.db, "--listen", "0.0.0.0:0", *certificate, *key)
+        self.succeeds("user", "add", "ann", "--role", "admin", "--db", self.db, input="correct horse battery")
+        self.refuses(2, "--tls-key", "serve", "--db", self.db, *certificate)
+        self.refuses(2, "other.key", "serve", "--db", self.db, *certificate, "--tls-key", self.scratch / "other.key")
+        self.refuses(2, "not a certificate", "serve", "--db", self.db, "--tls-cert", key[1], *key)
+        self.refuses(2, "none.pem", "serve", "--db", self.db, "--tls-cert", self.scratch / "none.pem", *key)
+        with program.Server(self.db, *certificate, *key, listen="0.0.0.0:0") as server:
+            self.assertTrue(server.url.startswith("https://0.0.0.0:"), server.url)
+            port = urllib.parse.urlsplit(server.url).port
+            context = ssl.create_default_context(cafile=self.scratch / "server.pem")
+
+            def ask(method, path, body=None, **headers):
+                with socket.create_connection(("127.0.0.1", port), timeout=60) as plain:
+                    connection = http.client.HTTPConnection("search.example", port)
+                    connection.sock = context.wrap_socket(plain, server_hostname="search.example")
+                    with contextlib.closing(connection):
+                        connection.request(method, path, body, {"Content-Type": "application/json", **headers})
+                        response = connection.getresponse()
+                        return response.status, response.getheader("Set-Cookie"), response.read()
+
+            self.assertEqual(ask("GET", "/api/v1/project")[0], 401)
+            log_in = json.dumps({"name": "ann", "password": "correct horse battery"})
+            origin = {"Origin": f"https://search.example:{port}"}
+            status, cookie, body = ask("POST", "/api/v1/session", log_in, **origin)
+            self.assertEqual(status, 200, body)
+            self.assertRegex(cookie, f"^__Host-victorious_{port}=.*; Secure$")
+            session = {"Cookie": cookie.split(";")[0]}
+            self.assertEqual(ask("GET", "/api/v1/videos/1/file", **session)[2], self.video.read_bytes())
+            self.assertEqual(ask("GET", "/api/v1/project", Origin="https://other.example", **session)[0], 403)
+            # What is no TLS ends at the handshake, and an old protocol is refused.
+            with socket.create_connection(("127.0.0.1", port), timeout=60) as plain:
+                plain.sendall(b"GET /api/v1/session HTTP/1.1\r\nHost: x\r\n\r\n")
+                self.assertNotIn(b"HTTP", plain.recv(4096))
+            old = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+            old.check_hostname = False
+            old.verify_mode = ssl.CERT_NONE
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", DeprecationWarning)
+                old.maximum_version = ssl.TLSVersion.TLSv1_1
+            with socket.create_connection(("127.0.0.1", port), timeout=60) as plain, self.assertRaises(ssl.SSLError):
+                old.wrap_socket(plain)
+            self.assertEqual(ask("GET", "/api/v1/session")[0], 200)  # still there
+        self.assertNotIn("unencrypted", server.err)
 
     def test_refuses_foreign_and_broken_requests(self):
         outside = self.write("secret.txt", "secret")

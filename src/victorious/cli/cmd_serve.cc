@@ -24,6 +24,8 @@ struct Arguments {
   std::string telemetry;
   std::string web;
   std::string uploads;
+  std::string tls_certificate;
+  std::string tls_key;
   double max_upload_gb = 50;
 };
 
@@ -43,9 +45,12 @@ Status Run(const Arguments& arguments) {
                                                      "this one, too",
                                                      StoreName(arguments.db)));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const HttpServerOptions server_options, ParseListenAddress(arguments.listen));
+  VICTORIOUS_ASSIGN_OR_RETURN(HttpServerOptions server_options, ParseListenAddress(arguments.listen));
+  server_options.tls_certificate = arguments.tls_certificate;
+  server_options.tls_key = arguments.tls_key;
+  const bool has_tls = !arguments.tls_certificate.empty();
   ApiOptions options{.index = arguments.db, .models = arguments.models, .telemetry = {}, .web = arguments.web};
-  options.server.is_loopback = server_options.is_loopback;
+  options.server = {.is_loopback = server_options.is_loopback, .has_tls = has_tls};
   options.uploads = arguments.uploads.empty() ? arguments.db + ".uploads" : arguments.uploads;
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
@@ -65,13 +70,13 @@ Status Run(const Arguments& arguments) {
       HttpServer::Listen(
           server_options, [&](const HttpRequest& request, int port) { return api->Handle(request, port); },
           [&](const HttpRequest& request, int port) { return api->PlanUpload(request, port); }));
-  if (!server_options.is_loopback) {
-    spdlog::warn("passwords and videos go unencrypted through the network to {}", server_options.address);
+  if (!server_options.is_loopback && !has_tls) {
+    spdlog::warn("passwords and videos go through the network unencrypted: give --tls-cert and --tls-key");
   }
   const bool is_ipv6 = server_options.address.find(':') != std::string::npos;
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(
-      "", fmt::format("http://{}:{}/\n", is_ipv6 ? "[" + server_options.address + "]" : server_options.address,
-                      server->port())));
+      "", fmt::format("{}://{}:{}/\n", has_tls ? "https" : "http",
+                      is_ipv6 ? "[" + server_options.address + "]" : server_options.address, server->port())));
   std::fflush(stdout);
   spdlog::info("open this address in a browser; Ctrl-C ends the server");
   server->Run(interrupt);
@@ -90,6 +95,13 @@ Action SetUpServe(CLI::App& app) {
                  "(`victorious user`)")
       ->capture_default_str()
       ->type_name("ADDRESS:PORT");
+  CLI::Option* certificate =
+      app.add_option("--tls-cert", arguments->tls_certificate, "Certificate of the server (PEM), with its issuers")
+          ->type_name("FILE");
+  CLI::Option* key =
+      app.add_option("--tls-key", arguments->tls_key, "Its private key (PEM, not encrypted)")->type_name("FILE");
+  certificate->needs(key);
+  key->needs(certificate);
   app.add_option("--telemetry", arguments->telemetry,
                  "Telemetry of the index's only video (default: in the video or beside it)")
       ->type_name("FILE");

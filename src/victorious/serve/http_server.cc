@@ -4,22 +4,26 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/ssl/context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/ssl/ssl_stream.hpp>
 #include <boost/beast/version.hpp>
 #include <fmt/format.h>
 
 #include "victorious/serve/api_error.h"
 #include "victorious/serve/open_file.h"
+#include "victorious/serve/tls_certificate.h"
 
 namespace victorious {
 namespace {
@@ -27,12 +31,14 @@ namespace {
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
 namespace net = boost::asio;
+namespace ssl = boost::asio::ssl;
 using tcp = net::ip::tcp;
 using BoostError = boost::system::error_code;
 
 constexpr std::chrono::milliseconds kCancelPoll{50};
 constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::chrono::seconds kFinishTime{2};
+constexpr std::chrono::seconds kTlsCloseTime{2};
 
 // What browsers are told about every response: no content type by guess, no frame, nothing from elsewhere.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kSecurityHeaders = {{
@@ -93,6 +99,7 @@ struct Shared {
   std::size_t connections = 0;
   std::size_t responses_due = 0;
   bool stopping = false;
+  std::optional<ssl::context> tls;
   // Last: their destructors destroy the sessions.
   net::io_context io{1};
   net::thread_pool pool;
@@ -104,14 +111,21 @@ struct Shared {
         pool(static_cast<std::size_t>(given.threads)) {}
 };
 
+using TlsStream = beast::ssl_stream<beast::tcp_stream>;
+
 // One connection: reads a request, lets the pool answer it, sends the response, and reads the next one.
-class Session : public std::enable_shared_from_this<Session> {
+// @tparam Stream  beast::tcp_stream or TlsStream
+template <typename Stream>
+class Session : public std::enable_shared_from_this<Session<Stream>> {
+  using std::enable_shared_from_this<Session<Stream>>::shared_from_this;
+  static constexpr bool kHasTls = std::is_same_v<Stream, TlsStream>;
+
  public:
-  Session(tcp::socket&& socket, Shared& shared)
-      : stream_(std::move(socket)), shared_(shared), timer_(stream_.get_executor()) {
+  Session(Stream&& stream, Shared& shared)
+      : stream_(std::move(stream)), shared_(shared), timer_(stream_.get_executor()) {
     ++shared_.connections;
     BoostError error;
-    const auto peer = stream_.socket().remote_endpoint(error);
+    const auto peer = tcp_stream().socket().remote_endpoint(error);
     if (!error) client_ = peer.address().to_string();
   }
   ~Session() {
@@ -121,6 +135,22 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  void Start() {
+    if constexpr (kHasTls) {
+      tcp_stream().expires_after(shared_.options.request_timeout);
+      stream_.async_handshake(ssl::stream_base::server, [self = shared_from_this()](const BoostError& error) {
+        if (error) return self->CloseSocket();
+        self->is_encrypted_ = true;
+        self->Read();
+      });
+    } else {
+      Read();
+    }
+  }
+
+ private:
+  beast::tcp_stream& tcp_stream() { return beast::get_lowest_layer(stream_); }
+
   // Waits for the first byte of a request, then reads it under its own time-out.
   void Read() {
     parser_.emplace();
@@ -128,7 +158,7 @@ class Session : public std::enable_shared_from_this<Session> {
     // Known once the header says what the body is. Not boost::none, which Beast 1.74 takes for 0 here.
     parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
     if (buffer_.size() > 0) return ReadRequest();
-    stream_.expires_after(shared_.options.idle_timeout);
+    tcp_stream().expires_after(shared_.options.idle_timeout);
     stream_.async_read_some(buffer_.prepare(4096),
                             [self = shared_from_this()](const BoostError& error, std::size_t bytes) {
                               if (error) return self->Close();
@@ -137,9 +167,8 @@ class Session : public std::enable_shared_from_this<Session> {
                             });
   }
 
- private:
   void ReadRequest() {
-    stream_.expires_after(shared_.options.request_timeout);
+    tcp_stream().expires_after(shared_.options.request_timeout);
     http::async_read_header(
         stream_, buffer_, *parser_,
         [self = shared_from_this()](const BoostError& error, std::size_t) { self->OnHeader(error); });
@@ -171,7 +200,7 @@ class Session : public std::enable_shared_from_this<Session> {
     request.client = client_;
     is_head_ = request.method == HttpMethod::kHead;
     ++shared_.responses_due;
-    stream_.expires_never();
+    tcp_stream().expires_never();
     return request;
   }
 
@@ -214,7 +243,7 @@ class Session : public std::enable_shared_from_this<Session> {
     header_ = {};
     header_.version(version_);
     header_.result(http::status::continue_);
-    stream_.expires_after(shared_.options.send_timeout);
+    tcp_stream().expires_after(shared_.options.send_timeout);
     http::async_write(stream_, header_, [self = shared_from_this()](const BoostError& error, std::size_t) {
       if (error) return self->FailUpload(error);
       self->ReadUpload();
@@ -226,10 +255,10 @@ class Session : public std::enable_shared_from_this<Session> {
     if (upload_->is_done()) {
       upload_->get().body().close();
       upload_.reset();
-      stream_.expires_never();
+      tcp_stream().expires_never();
       return Answer(std::exchange(upload_request_, {}));
     }
-    stream_.expires_after(shared_.options.send_timeout);
+    tcp_stream().expires_after(shared_.options.send_timeout);
     http::async_read_some(stream_, buffer_, *upload_,
                           [self = shared_from_this()](const BoostError& error, std::size_t) {
                             if (error) return self->FailUpload(error);
@@ -306,11 +335,11 @@ class Session : public std::enable_shared_from_this<Session> {
     keep_alive_ = false;
     SetHeader(header_, response, std::nullopt);
     serializer_.emplace(header_);
-    stream_.expires_after(shared_.options.send_timeout);
+    tcp_stream().expires_after(shared_.options.send_timeout);
     http::async_write_header(stream_, *serializer_, [self = shared_from_this()](const BoostError& error, std::size_t) {
       --self->shared_.responses_due;  // it never ends: the server's end does not wait for it
       if (error || self->is_head_) return self->Close();
-      self->stream_.expires_never();
+      self->tcp_stream().expires_never();
       self->WatchForLeaving();
       self->last_event_ = std::chrono::steady_clock::now();
       self->events_end_ = self->last_event_ + self->shared_.options.event_lifetime;
@@ -318,14 +347,23 @@ class Session : public std::enable_shared_from_this<Session> {
     });
   }
 
-  // A client that leaves is noticed although nothing is sent to it.
+  // A client that leaves is noticed although nothing is sent to it. It has nothing to say, so that any byte of a TLS
+  // client is its farewell.
   void WatchForLeaving() {
-    stream_.socket().async_read_some(net::buffer(ignored_),
-                                     [self = shared_from_this()](const BoostError& error, std::size_t) {
-                                       if (!error) return self->WatchForLeaving();
-                                       self->feed_.reset();
-                                       self->timer_.cancel();
-                                     });
+    const auto leave = [self = shared_from_this()] {
+      self->feed_.reset();
+      self->timer_.cancel();
+    };
+    tcp::socket& socket = tcp_stream().socket();
+    if constexpr (kHasTls) {
+      socket.async_wait(tcp::socket::wait_read, [leave](const BoostError&) { leave(); });
+    } else {
+      socket.async_read_some(net::buffer(ignored_),
+                             [self = shared_from_this(), leave](const BoostError& error, std::size_t) {
+                               if (!error) return self->WatchForLeaving();
+                               leave();
+                             });
+    }
   }
 
   void SendNextEvents() {
@@ -339,11 +377,11 @@ class Session : public std::enable_shared_from_this<Session> {
       return;
     }
     last_event_ = now;
-    stream_.expires_after(shared_.options.send_timeout);
+    tcp_stream().expires_after(shared_.options.send_timeout);
     net::async_write(stream_, net::buffer(text_to_send_),
                      [self = shared_from_this()](const BoostError& error, std::size_t) {
                        if (error) return self->Close();
-                       self->stream_.expires_never();
+                       self->tcp_stream().expires_never();
                        self->SendNextEvents();
                      });
   }
@@ -361,7 +399,7 @@ class Session : public std::enable_shared_from_this<Session> {
         file_ ? static_cast<std::uint64_t>(response.file->length) : static_cast<std::uint64_t>(response.body.size());
     text_ = {};
     SetHeader(text_, response, length);
-    stream_.expires_after(shared_.options.send_timeout);
+    tcp_stream().expires_after(shared_.options.send_timeout);
     if (!file_ && !is_head_) {
       text_.body() = std::move(response.body);
       http::async_write(stream_, text_,
@@ -381,7 +419,7 @@ class Session : public std::enable_shared_from_this<Session> {
     if (file_->left() == 0) return Finish({});
     // The length is sent already: a file that became shorter can only end the connection.
     if (!file_->ReadChunk(chunk_)) return Finish(net::error::eof);
-    stream_.expires_after(shared_.options.send_timeout);
+    tcp_stream().expires_after(shared_.options.send_timeout);
     net::async_write(stream_, net::buffer(chunk_), [self = shared_from_this()](const BoostError& error, std::size_t) {
       if (error) return self->Finish(error);
       self->SendChunk();
@@ -396,12 +434,22 @@ class Session : public std::enable_shared_from_this<Session> {
   }
 
   void Close() {
-    BoostError ignored;
-    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-    stream_.close();
+    if constexpr (kHasTls) {
+      if (std::exchange(is_encrypted_, false)) {
+        tcp_stream().expires_after(kTlsCloseTime);
+        return stream_.async_shutdown([self = shared_from_this()](const BoostError&) { self->CloseSocket(); });
+      }
+    }
+    CloseSocket();
   }
 
-  beast::tcp_stream stream_;
+  void CloseSocket() {
+    BoostError ignored;
+    tcp_stream().socket().shutdown(tcp::socket::shutdown_send, ignored);
+    tcp_stream().close();
+  }
+
+  Stream stream_;
   Shared& shared_;
   std::string client_;
   beast::flat_buffer buffer_;
@@ -414,6 +462,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::array<char, 256> ignored_{};
   std::chrono::steady_clock::time_point last_event_;
   std::chrono::steady_clock::time_point events_end_;
+  bool is_encrypted_ = false;
   bool keep_alive_ = false;
   bool is_head_ = false;
   unsigned version_ = 11;
@@ -434,6 +483,10 @@ class BeastServer final : public HttpServer {
 
   Status Bind() {
     const HttpServerOptions& options = shared_.options;
+    if (!options.tls_certificate.empty()) {
+      shared_.tls.emplace(ssl::context::tls_server);
+      VICTORIOUS_RETURN_IF_ERROR(LoadCertificate(options.tls_certificate, options.tls_key, *shared_.tls));
+    }
     BoostError error;
     const auto address = net::ip::make_address(options.address, error);
     const std::string name = fmt::format("{}:{}", options.address, options.port);
@@ -463,12 +516,20 @@ class BeastServer final : public HttpServer {
   }
 
  private:
+  void Begin(beast::tcp_stream stream) {
+    if (shared_.tls) {
+      std::make_shared<Session<TlsStream>>(TlsStream(std::move(stream), *shared_.tls), shared_)->Start();
+    } else {
+      std::make_shared<Session<beast::tcp_stream>>(std::move(stream), shared_)->Start();
+    }
+  }
+
   void Accept() {
     acceptor_.async_accept([this](const BoostError& error, tcp::socket socket) {
       if (shared_.stopping) return;
       if (!error) {
         socket.set_option(tcp::no_delay(true));
-        std::make_shared<Session>(std::move(socket), shared_)->Read();
+        Begin(beast::tcp_stream(std::move(socket)));
       }
       // Too many connections, or no descriptor for another: those that wait are accepted when one ends.
       if (!error && shared_.connections < shared_.options.max_connections) return Accept();

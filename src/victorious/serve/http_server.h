@@ -1,4 +1,4 @@
-// An HTTP/1.1 server (Boost.Beast): limits, time-outs, keep-alive, files in parts. The handler makes the responses.
+// An HTTP/1.1 server (Boost.Beast): limits, time-outs, keep-alive, TLS (OpenSSL), files in parts. The handler makes the responses.
 //
 // One thread (that of Run) does all input and output; a pool of threads runs the handler, so that a request that
 // decodes a frame holds up no other. Boost does not leave http_server.cc.
@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <expected>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,11 +19,13 @@
 namespace victorious {
 
 struct HttpServerOptions {
-  std::string address = "127.0.0.1";  ///< IPv4 or IPv6, numeric
-  bool is_loopback = true;            ///< of the address: other machines do not reach it
-  int port = 8080;                    ///< 0: any free one
-  int threads = 8;                    ///< that run the handler
-  std::size_t max_connections = 900;  ///< further ones wait
+  std::string address = "127.0.0.1";      ///< IPv4 or IPv6, numeric
+  bool is_loopback = true;                ///< of the address: other machines do not reach it
+  int port = 8080;                        ///< 0: any free one
+  std::filesystem::path tls_certificate;  ///< PEM, with those that issued it; empty: no TLS
+  std::filesystem::path tls_key;          ///< PEM, not encrypted
+  int threads = 8;                        ///< that run the handler
+  std::size_t max_connections = 900;      ///< further ones wait
   std::size_t max_header_bytes = 16 << 10;
   std::size_t max_body_bytes = 64 << 10;
   std::chrono::milliseconds request_timeout{15'000};  ///< from a request's first byte to its last
@@ -49,7 +52,7 @@ class HttpServer {
 
   /// @param plan_upload  empty: no uploads
   /// Binds the port. Errors: kConflict if another program has it;
-  /// kPermissionDenied; kInvalidArgument.
+  /// kPermissionDenied; kNotFound and kInvalidArgument, also for a certificate and key that do not belong together.
   [[nodiscard]] static Expected<std::unique_ptr<HttpServer>> Listen(const HttpServerOptions& options, Handler handler,
                                                                     UploadHandler plan_upload = {});
 
