@@ -44,6 +44,7 @@ Status CheckOptions(const fs::path& path, const VideoWriterOptions& options) {
   if (!(options.fps > 0 && options.fps <= 1000)) {
     return fail(fmt::format("{:g} frames/s: must be above 0, up to 1000", options.fps));
   }
+  if (options.key_frame_interval < 1) return fail("the interval of key frames must be at least 1");
   if (options.crf < 0 || options.crf > 51) return fail(fmt::format("crf {}: must be 0 to 51", options.crf));
   return {};
 }
@@ -114,6 +115,7 @@ Status H264Writer::OpenEncoder(AVRational rate) {
   encoder_->time_base = options_.timed ? kFineTimeBase : av_inv_q(rate);
   duration_ = std::max<std::int64_t>(1, av_rescale_q(1, av_inv_q(rate), encoder_->time_base));
   encoder_->framerate = rate;
+  encoder_->gop_size = options_.key_frame_interval;
   encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   av_opt_set(encoder_->priv_data, "preset", "fast", 0);
   av_opt_set_double(encoder_->priv_data, "crf", options_.crf, 0);

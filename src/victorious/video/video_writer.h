@@ -17,6 +17,7 @@ struct VideoWriterOptions {
   int crf = 18;       ///< x264's constant rate factor, 0 (lossless) to 51
   /// Each frame is written with its own time (WriteAt); `fps` is then only the nominal rate.
   bool timed = false;
+  int key_frame_interval = 250;  ///< frames between key frames at most, from 1: a seek decodes so many
 };
 
 /// Not thread-safe. Writes to a temporary file; `path` is created or replaced only when Finish() succeeds.

@@ -1,0 +1,173 @@
+#include "victorious/video/remuxer.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "victorious/base/progress.h"
+#include "victorious/video/demuxer.h"
+#include "victorious/video/ffmpeg_handles.h"
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The time stamps of the file's packets, in units of its time base.
+struct PacketSurvey {
+  std::vector<std::int64_t> stamps;  // of presentation, ascending
+  std::int64_t delay = 0;            // from the decoding of a frame to its presentation, at most
+};
+
+bool IsCopyable(const AVStream& stream) {
+  const AVCodecParameters& codec = *stream.codecpar;
+  const auto is_square = [](AVRational aspect) { return aspect.num == 0 || aspect.num == aspect.den; };
+  return codec.codec_id == AV_CODEC_ID_H264 &&
+         (codec.format == AV_PIX_FMT_YUV420P || codec.format == AV_PIX_FMT_YUVJ420P) && codec.extradata_size > 0 &&
+         codec.width % 2 == 0 && codec.height % 2 == 0 &&
+         (codec.field_order == AV_FIELD_UNKNOWN || codec.field_order == AV_FIELD_PROGRESSIVE) &&
+         is_square(codec.sample_aspect_ratio) && is_square(stream.sample_aspect_ratio) &&
+         av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr) == nullptr;
+}
+
+bool IsOfVideo(const Demuxer& demuxer, const AVPacket& packet) { return packet.stream_index == demuxer.video().index; }
+
+void KeepVideo(Demuxer& demuxer) {
+  demuxer.KeepStreams([index = demuxer.video().index](const AVStream& stream) { return stream.index == index; });
+}
+
+// std::nullopt: a packet cannot be copied as it is.
+std::optional<PacketSurvey> Survey(Demuxer& demuxer, const CancelToken& cancel) {
+  KeepVideo(demuxer);
+  const PacketHandle packet(av_packet_alloc());
+  std::vector<std::int64_t> stamps;
+  int result = 0;
+  bool is_sound = true;
+  while (is_sound && !cancel.IsCancelled() && (result = demuxer.Read(packet.get())) >= 0) {
+    if (IsOfVideo(demuxer, *packet)) {
+      constexpr int kUnfit = AV_PKT_FLAG_CORRUPT | AV_PKT_FLAG_DISCARD;
+      is_sound = packet->pts != AV_NOPTS_VALUE && (packet->flags & kUnfit) == 0 &&
+                 (stamps.empty() ? (packet->flags & AV_PKT_FLAG_KEY) != 0 : packet->pts > stamps.front());
+      stamps.push_back(packet->pts);
+    }
+    av_packet_unref(packet.get());
+  }
+  if (!is_sound || result != AVERROR_EOF || stamps.empty()) return std::nullopt;
+  PacketSurvey survey{.stamps = stamps, .delay = 0};
+  std::ranges::sort(survey.stamps);
+  if (std::ranges::adjacent_find(survey.stamps) != survey.stamps.end()) return std::nullopt;
+  for (std::size_t i = 0; i < stamps.size(); ++i) survey.delay = std::max(survey.delay, survey.stamps[i] - stamps[i]);
+  return survey;
+}
+
+// An MP4 file of one stream, which gets its name once it is complete.
+class Mp4File {
+ public:
+  explicit Mp4File(const fs::path& path)
+      : path_(path), temporary_(fmt::format("{}.tmp-{}", path.string(), ::getpid())) {}
+  ~Mp4File() {
+    if (container_ == nullptr) return;
+    if (container_->pb != nullptr) avio_closep(&container_->pb);
+    avformat_free_context(container_);
+    std::error_code ignored;
+    fs::remove(temporary_, ignored);
+  }
+  Mp4File(const Mp4File&) = delete;
+  Mp4File& operator=(const Mp4File&) = delete;
+
+  Status Open(const AVStream& source) {
+    VICTORIOUS_RETURN_IF_ERROR(Check(avformat_alloc_output_context2(&container_, nullptr, "mp4", nullptr), "create"));
+    AVStream* stream = avformat_new_stream(container_, nullptr);
+    if (stream == nullptr) return Fail(ErrorCode::kInternal, "no memory for a video stream");
+    VICTORIOUS_RETURN_IF_ERROR(Check(avcodec_parameters_copy(stream->codecpar, source.codecpar), "create"));
+    stream->codecpar->codec_tag = 0;  // of the source's container
+    stream->time_base = source.time_base;
+    stream->avg_frame_rate = source.avg_frame_rate;
+    const std::string url = "file:" + temporary_.string();
+    VICTORIOUS_RETURN_IF_ERROR(Check(avio_open(&container_->pb, url.c_str(), AVIO_FLAG_WRITE), "create"));
+    return Check(avformat_write_header(container_, nullptr), "write");
+  }
+
+  /// @param time_base  of the packet's stamps
+  Status Write(AVPacket& packet, AVRational time_base) {
+    packet.stream_index = 0;
+    packet.pos = -1;
+    av_packet_rescale_ts(&packet, time_base, container_->streams[0]->time_base);
+    return Check(av_interleaved_write_frame(container_, &packet), "write");
+  }
+
+  Status Finish() {
+    VICTORIOUS_RETURN_IF_ERROR(Check(av_write_trailer(container_), "write"));
+    VICTORIOUS_RETURN_IF_ERROR(Check(avio_closep(&container_->pb), "write"));
+    // Before the rename, so that a crash leaves no partial file under the final name.
+    const int fd = ::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
+    const int result = fd < 0 ? -1 : ::fsync(fd);
+    const int failure = errno;
+    if (fd >= 0) ::close(fd);
+    VICTORIOUS_RETURN_IF_ERROR(Check(result < 0 ? AVERROR(failure) : 0, "write"));
+    std::error_code error;
+    fs::rename(temporary_, path_, error);
+    return Check(error ? AVERROR(error.value()) : 0, "rename to");
+  }
+
+ private:
+  [[nodiscard]] Status Check(int result, std::string_view verb) const {
+    if (result >= 0) return {};
+    const std::string what = fmt::format("{} {}", verb, path_.string());
+    if (result > -1000) return std::unexpected(ErrorFromErrno(AVUNERROR(result), what));  // an errno, not a tag
+    return Fail(ErrorCode::kInternal, fmt::format("{}: {}", what, FfmpegErrorText(result)));
+  }
+
+  fs::path path_;
+  fs::path temporary_;
+  AVFormatContext* container_ = nullptr;
+};
+
+}  // namespace
+
+Expected<std::optional<std::int64_t>> Remux(const std::string& source, const fs::path& path,
+                                            const CancelToken& cancel) {
+  PrepareFfmpeg();
+  std::error_code error;
+  if (!fs::is_regular_file(source, error)) return std::nullopt;
+  const auto cancelled = [&] { return Fail(ErrorCode::kCancelled, source + ": cancelled"); };
+  PacketSurvey survey;
+  {
+    const auto demuxer = Demuxer::Open({.name = source});
+    if (!demuxer || !IsCopyable((*demuxer)->video())) return std::nullopt;
+    const auto surveyed = Survey(**demuxer, cancel);
+    if (cancel.IsCancelled()) return cancelled();
+    if (!surveyed) return std::nullopt;
+    survey = *surveyed;
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto demuxer, Demuxer::Open({.name = source}));
+  KeepVideo(*demuxer);
+  Mp4File file(path);
+  VICTORIOUS_RETURN_IF_ERROR(file.Open(demuxer->video()));
+  Progress progress(source, std::ssize(survey.stamps), "frames");
+  const PacketHandle packet(av_packet_alloc());
+  const std::int64_t first = survey.stamps.front();
+  std::size_t frames = 0;
+  while (demuxer->Read(packet.get()) >= 0) {
+    if (cancel.IsCancelled()) return cancelled();
+    if (IsOfVideo(*demuxer, *packet)) {
+      if (frames == survey.stamps.size()) break;
+      // Not every container has times of decoding: frames are decoded at the times at which others are presented.
+      packet->pts -= first;
+      packet->dts = survey.stamps[frames] - survey.delay - first;
+      VICTORIOUS_RETURN_IF_ERROR(file.Write(*packet, demuxer->video().time_base));
+      progress.Update(static_cast<std::int64_t>(++frames));
+    }
+    av_packet_unref(packet.get());
+  }
+  if (frames != survey.stamps.size()) return Fail(ErrorCode::kDataLoss, source + ": changed while it was copied");
+  VICTORIOUS_RETURN_IF_ERROR(file.Finish());
+  return static_cast<std::int64_t>(frames);
+}
+
+}  // namespace victorious
