@@ -79,6 +79,8 @@ TEST(PlayableCopy, HasTheSameFramesAtTheSameTimes) {
     ExpectSameFrames(path, source);
     const auto reader = VideoReader::Open(path.string(), {});
     EXPECT_EQ((*reader)->info().codec, "h264");
+    EXPECT_GT((*reader)->info().duration_s.value_or(0), ReadAll(source).back().time_s)
+        << kind.name << ": the last frame is shown for a while";
   }
 }
 

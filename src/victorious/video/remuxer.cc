@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -63,6 +64,13 @@ std::optional<PacketSurvey> Survey(Demuxer& demuxer, const CancelToken& cancel) 
   if (std::ranges::adjacent_find(survey.stamps) != survey.stamps.end()) return std::nullopt;
   for (std::size_t i = 0; i < stamps.size(); ++i) survey.delay = std::max(survey.delay, survey.stamps[i] - stamps[i]);
   return survey;
+}
+
+// Until the next frame; of the last one as of the one before. Without it, the file would end when the last frame begins.
+std::int64_t DurationAt(const std::vector<std::int64_t>& stamps, std::int64_t pts) {
+  if (stamps.size() < 2) return 1;
+  const auto next = std::ranges::upper_bound(stamps, pts);
+  return next == stamps.end() ? *std::prev(next) - *std::prev(next, 2) : *next - pts;
 }
 
 // An MP4 file of one stream, which gets its name once it is complete.
@@ -158,6 +166,7 @@ Expected<std::optional<std::int64_t>> Remux(const std::string& source, const fs:
     if (IsOfVideo(*demuxer, *packet)) {
       if (frames == survey.stamps.size()) break;
       // Not every container has times of decoding: frames are decoded at the times at which others are presented.
+      packet->duration = DurationAt(survey.stamps, packet->pts);
       packet->pts -= first;
       packet->dts = survey.stamps[frames] - survey.delay - first;
       VICTORIOUS_RETURN_IF_ERROR(file.Write(*packet, demuxer->video().time_base));
