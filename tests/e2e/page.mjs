@@ -272,6 +272,22 @@ const readNumber = (page) =>
 /** After each seek and while playing, the picture is the frame that the overlay is drawn for. */
 async function frames(page) {
   await open(page, "/");
+  await checkFrames(page);
+}
+
+/** The server copies what the browser cannot play; after a seek, the copy shows the frame that the video has there. */
+async function copies(page) {
+  await open(page, "/");
+  await page.waitForFunction(() => document.querySelector("video").src.endsWith("/copy"), null, { timeout: 60_000 });
+  await page.waitForFunction(() => !document.querySelector(".stage .message"));
+  await checkFrames(page);
+  // The next visitor plays the copy at once.
+  await open(page, "/?video=1&t=0.5");
+  await page.waitForFunction(() => document.querySelector("video").src.endsWith("/copy"));
+}
+
+/** Whatever is shown, by seeking, stepping and playing, the overlay belongs to it. The frames show their numbers. */
+async function checkFrames(page) {
   assert.match(await page.locator(".list").innerText(), /Nothing found/);
   const { times_s: times } = await api(page, "/videos/1/times");
   assert.equal(times.length, 90);
@@ -422,12 +438,12 @@ try {
   page.on("pageerror", (error) => faults.push(`error on the page: ${error.message}`));
   page.on("console", (message) => {
     const isExpected = /status of 4\d\d|GPU stall/.test(message.text());
-    if (message.type() === "error" && !isExpected) faults.push(`console: ${message.text()}`);
+    if (message.type() === "error" && !isExpected) faults.push(`console: ${message.text()}`)
   });
   page.on("request", (request) => {
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url)) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, images, many, jobs, accounts }[scenario](page, inputs);
+  await { triage, frames, copies, images, many, jobs, accounts }[scenario](page, inputs);
   assert.deepEqual(faults, []);
 } finally {
   await browser.close();

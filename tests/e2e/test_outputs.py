@@ -39,6 +39,7 @@ class OutputsTest(program.ProgramTest):
         images = ("--images", self.list.parent, "--list", self.list)
         yield ("features", self.photo), "--out", [self.photo]
         yield ("frame", self.video, "--at", "0"), "--out", [self.video]
+        yield ("copy", self.video), "--out", [self.video]
         yield ("match", self.photo, self.listed), "--draw", [self.photo, self.listed]
         yield ("model", "add", "crate", self.photo, "--models", self.scratch / "m"), "--draw", [self.photo]
         yield ("model", "show", "crate", "--models", MODELS), "--views", []

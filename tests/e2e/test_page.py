@@ -113,6 +113,16 @@ class PageTest(program.ProgramTest):
         subprocess.run([DRAW_NUMBERS, video], check=True)
         self.drive("frames", self.index(video))
 
+    def test_copies_show_the_same_frames(self):
+        """Remuxed (H.264 in MPEG-TS) and encoded again (MPEG-1)."""
+        for name in ("numbers.ts", "numbers.mpg"):
+            with self.subTest(name):
+                video = self.scratch / name
+                subprocess.run([DRAW_NUMBERS, video], check=True)
+                db = self.scratch / f"{name}.db"
+                self.succeeds("index", video, "--models", program.models(), "--db", db)
+                self.drive("copies", db, "--models", program.models())
+
     def test_shows_a_format_that_the_browser_cannot_play(self):
         video = self.scratch / "frames"
         video.mkdir()

@@ -124,6 +124,7 @@ class ServeTest(program.ProgramTest):
             found = self.get(server, "/api/v1/objects")["objects"][0]
             best = self.get(server, f"/api/v1/objects/{found['id']}")["best"]
             video = found["moments"][0]["video_id"]
+            self.wait_for_job(server, self.post_job(server, kind="copy", video_id=video), "done")
             for path, item in API["paths"].items():
                 real = path.replace("{view}", str(best["view_index"])).replace("{frame}", "3")
                 wrong = path.replace("{id}", "987654").replace("{z}/{x}/{y}", "3/9/0")
@@ -368,6 +369,26 @@ class ServeTest(program.ProgramTest):
             "the same as by the command line",
         )
 
+    def test_copies_for_browsers(self):
+        """A video in MPEG-TS: the copy is made once, however many ask for it, and is found again after a restart."""
+        video = self.scratch / "flight.ts"
+        subprocess.run([program.path_from_environment("VICTORIOUS_DRAW_NUMBERS"), video], check=True)
+        db = self.scratch / "copies.db"
+        self.succeeds("index", video, "--models", program.models(), "--db", db)
+        with program.Server(db, "--models", program.models()) as server:
+            self.assertFalse(self.get(server, "/api/v1/videos/1")["has_copy"])
+            self.get(server, "/api/v1/videos/1/copy", 404)
+            numbers = {self.post_job(server, kind="copy", video_id=1) for _ in range(3)}
+            job = self.wait_for_job(server, max(numbers), "done")
+            self.assertEqual((job["title"], job["message"]), ("flight.ts", "90 frames, copied as they are"))
+            status, _, body = self.ask(server, "/api/v1/jobs", "POST", '{"kind": "copy", "video_id": 1}')
+            self.assertEqual(status, 409, body)
+        with program.Server(db) as server:
+            self.assertTrue(self.get(server, "/api/v1/videos")["videos"][0]["has_copy"])
+            status, headers, copy = self.ask(server, "/api/v1/videos/1/copy")
+            self.assertEqual((status, headers["Content-Type"], copy[4:8]), (200, "video/mp4", b"ftyp"))
+            self.assertEqual(self.ask(server, "/api/v1/videos/1/copy", Range="bytes=4-7")[2], b"ftyp")
+
     def test_jobs_that_fail_say_why(self):
         with self.serve("--models", program.models()) as server:
             broken = self.upload(server, self.write("broken.mp4", "no video"))
@@ -378,6 +399,9 @@ class ServeTest(program.ProgramTest):
                 ({"kind": "dance"}, "kind"),
                 ({"kind": "index"}, "upload"),
                 ({"kind": "index", "video_id": 99}, "video_id"),
+                ({"kind": "copy", "video_id": 99}, "video_id"),
+                ({"kind": "copy"}, "video_id"),
+                ({"kind": "copy", "video_id": 1, "out": "/etc/x"}, "out"),
                 ({"kind": "index", "upload": "../../etc", "x": 1}, "x"),
                 ({"kind": "model", "name": "../x", "uploads": [broken]}, "name"),
                 ({"kind": "model", "name": "x", "uploads": []}, "uploads"),

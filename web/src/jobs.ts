@@ -1,7 +1,7 @@
 // What the server works on: uploads of this page, and the jobs of all users.
 import { computed, signal } from "@preact/signals";
 
-import { cancelJob, listJobs, postJob, uploadFile } from "./api/client";
+import { ApiFailure, cancelJob, listJobs, postJob, uploadFile } from "./api/client";
 import type { Job, NewJob } from "./api/types";
 import { onEvent } from "./events";
 import { type Plan, planFiles, withoutUploadFolder } from "./logic/uploads";
@@ -34,7 +34,7 @@ function take(list: readonly Job[]) {
   for (const job of list) {
     const was = before.get(job.id);
     if (was === undefined || was === job.state) continue;
-    if (job.state === "done") state.notify(job.kind === "model" ? `The model ${job.title} is ready.` : `${job.title} is searched.`);
+    if (job.state === "done" && job.kind !== "copy") state.notify(job.kind === "model" ? `The model ${job.title} is ready.` : `${job.title} is searched.`);
     if (job.state === "failed") state.notify(withoutUploadFolder(job.message), "error");
     if (job.state === "done") void state.refresh();
   }
@@ -99,6 +99,20 @@ export function addFiles(files: readonly File[]) {
     });
   }
   if (plan.model.length > 0) askedModel.value = plan.model;
+}
+
+/** Has a copy made of a video that this browser cannot play. Returns whether there will be one. */
+export async function askForCopy(video: number): Promise<boolean> {
+  if (!canAdd.value) return false;
+  try {
+    await postJob({ kind: "copy", video_id: video });
+    return true;
+  } catch (error) {
+    // Made meanwhile, by another viewer.
+    if (error instanceof ApiFailure && error.status === 409) void state.refresh();
+    else state.notify(messageOf(error), "error");
+    return error instanceof ApiFailure && error.status === 409;
+  }
 }
 
 /** Searches all videos again, for models that are new. */

@@ -1,9 +1,11 @@
 // Shows exact frames of a video. Whatever the browser presents is copied to a canvas together with the number of its
 // frame, looked up by its time stamp in the table of presentation times; everything drawn over it uses that number, so
-// that box and picture cannot part. A video that the browser cannot play is shown frame by frame as images.
+// that box and picture cannot part. Of a video that the browser cannot play, the server makes a copy; until it is there,
+// the video is shown frame by frame as images.
 import { batch, effect, signal } from "@preact/signals";
 
-import { frameUrl, videoFileUrl } from "./api/client";
+import { frameUrl, videoCopyUrl, videoFileUrl } from "./api/client";
+import { askForCopy } from "./jobs";
 import type { FrameTable } from "./logic/frame_table";
 import * as state from "./state";
 
@@ -19,6 +21,9 @@ export const frameCanvas = document.createElement("canvas");
 class Player {
   private element: HTMLVideoElement | null = null;
   private video: number | null = null;
+  private isCopy = false;
+  /** Videos whose file this browser cannot play. */
+  private readonly unplayableFiles = new Set<number>();
   /** Time stamp of the first frame; null until the browser has presented it. */
   private origin: number | null = null;
   private wanted: number | null = null;
@@ -32,7 +37,13 @@ class Player {
     element.addEventListener("play", () => (state.isPlaying.value = true));
     element.addEventListener("pause", () => (state.isPlaying.value = false));
     element.addEventListener("error", () => this.giveUp());
+    // A browser may play the sound of a video whose pictures it cannot decode.
+    element.addEventListener("loadedmetadata", () => element.videoWidth === 0 && this.giveUp());
     effect(() => this.open(state.videoId.value));
+    effect(() => {
+      const hasCopy = state.video.value?.has_copy === true;
+      if (hasCopy && unplayable.peek() !== null && state.video.peek()?.id === this.video) this.playCopy();
+    });
     effect(() => {
       const request = state.seekRequest.value;
       const table = state.frameTable.value;
@@ -54,7 +65,24 @@ class Player {
     unplayable.value = null;
     state.isPlaying.value = false;
     if (video === null) return;
-    this.element.src = videoFileUrl(video);
+    this.isCopy = this.unplayableFiles.has(video) && this.hasCopy();
+    this.element.src = this.isCopy ? videoCopyUrl(video) : videoFileUrl(video);
+    this.element.load();
+  }
+
+  private hasCopy(): boolean {
+    return state.videos.peek().find((one) => one.id === this.video)?.has_copy === true;
+  }
+
+  /** Goes on with the copy at the frame that is shown. */
+  private playCopy() {
+    if (this.video === null || !this.element || this.isCopy) return;
+    this.isCopy = true;
+    this.wanted ??= state.shownFrame.peek();
+    this.origin = null;
+    unplayable.value = null;
+    state.isPlaying.value = false;
+    this.element.src = videoCopyUrl(this.video);
     this.element.load();
   }
 
@@ -101,9 +129,20 @@ class Player {
   }
 
   private giveUp() {
-    if (this.video === null || !this.element?.error) return;
-    unplayable.value = "This browser cannot play the format of this video: it is shown frame by frame, without sound.";
+    const video = this.video;
+    const hasNoPictures = this.element?.readyState !== 0 && this.element?.videoWidth === 0;
+    if (video === null || !(this.element?.error || hasNoPictures)) return;
+    this.unplayableFiles.add(video);
+    if (!this.isCopy && this.hasCopy()) return this.playCopy();
+    const reason = "This browser cannot play the format of this video";
+    unplayable.value = `${reason}: it is shown frame by frame, without sound.`;
     state.isPlaying.value = false;
+    if (!this.isCopy) {
+      void askForCopy(video).then((isComing) => {
+        const isWaiting = unplayable.value !== null && this.video === video;
+        if (isComing && isWaiting) unplayable.value = `${reason}: it is shown frame by frame until a copy is made that it can play.`;
+      });
+    }
     this.wanted ??= state.shownFrame.peek() ?? 0;
     this.seekOn();
   }

@@ -52,6 +52,7 @@ Status Run(const Arguments& arguments) {
   ApiOptions options{.index = arguments.db, .models = arguments.models, .telemetry = {}, .web = arguments.web};
   options.server = {.is_loopback = server_options.is_loopback, .has_tls = has_tls};
   options.uploads = arguments.uploads.empty() ? arguments.db + ".uploads" : arguments.uploads;
+  options.copies = arguments.db + ".copies";
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
   std::error_code error;

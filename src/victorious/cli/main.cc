@@ -16,6 +16,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "victorious/base/version.h"
+#include "victorious/cli/cmd_copy.h"
 #include "victorious/cli/cmd_user.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/run_program.h"
@@ -27,6 +28,7 @@ namespace {
 constexpr std::array kCommands = {
     Command{"model", "Make", "Make, list, show and remove models of objects", &SetUpModel},
     Command{"frame", "Make", "Write one frame of a video as an image, to cut an object out", &SetUpFrame},
+    Command{"copy", "Make", "Write a copy of a video that browsers play, every frame at its time", &SetUpCopy},
     Command{"category", "Make", "Train categories from images, and classify images", &SetUpCategory},
     Command{"simulate", "Make", "Render a flight over a scene, with telemetry and ground truth", &SetUpSimulate},
     Command{"index", "Find", "Find every model in every video, and store the results", &SetUpIndex},

@@ -30,6 +30,14 @@ bool IsRead(const HttpRequest& request) {
   return request.method == HttpMethod::kGet || request.method == HttpMethod::kHead;
 }
 
+ApiExpected<HttpResponse> SendVideo(const HttpRequest& request, const std::filesystem::path& path) {
+  std::error_code error;
+  const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
+  const std::string etag = FileEtag(path);
+  if (error || etag.empty()) return NotFound(path.string() + ": cannot be read");
+  return FileResponse(request, path, size, ContentTypeOf(path), etag);
+}
+
 bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() && segments.front() == "api"; }
 
 }  // namespace
@@ -37,7 +45,7 @@ bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() &
 Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken& cancel)
     : options_(std::move(options)),
       index_(std::move(index)),
-      videos_(options_.index, cancel),
+      videos_(options_.index, options_.copies, cancel),
       page_(options_.web),
       camera_paths_(kCameraCacheBytes),
       uploads_(options_.uploads) {}
@@ -137,9 +145,11 @@ ApiExpected<HttpResponse> Api::RouteVideo(const HttpRequest& request, Segments s
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
   if (segments.size() == 1) {
     const auto path = videos_.Find(*video);
-    return JsonResponse(VideoToJson(*video, *lists, path ? "" : path.error().message, /*with_searches=*/true));
+    return JsonResponse(
+        VideoToJson(*video, *lists, path ? "" : path.error().message, videos_.HasCopy(*video), /*with_searches=*/true));
   }
   if (segments.size() == 2 && segments[1] == "file") return VideoFile(request, *video);
+  if (segments.size() == 2 && segments[1] == "copy") return VideoCopy(request, *video);
   if (segments.size() == 2 && segments[1] == "camera") return Camera(*video);
   if (segments.size() == 2 && segments[1] == "times") {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video));
@@ -174,7 +184,8 @@ ApiExpected<HttpResponse> Api::Videos() {
   Json rows = Json::array();
   for (const VideoRecord& video : lists->videos) {
     const auto path = videos_.Find(video);
-    rows.push_back(VideoToJson(video, *lists, path ? "" : path.error().message, /*with_searches=*/false));
+    rows.push_back(
+        VideoToJson(video, *lists, path ? "" : path.error().message, videos_.HasCopy(video), /*with_searches=*/false));
   }
   return JsonResponse({{"videos", std::move(rows)}});
 }
@@ -186,10 +197,12 @@ ApiExpected<HttpResponse> Api::VideoFile(const HttpRequest& request, const Video
     return std::unexpected(
         ApiError(Error{ErrorCode::kUnsupported, path.string() + ": a folder of images: read its frames one by one"}));
   }
-  const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
-  const std::string etag = FileEtag(path);
-  if (error || etag.empty()) return NotFound(path.string() + ": cannot be read");
-  return FileResponse(request, path, size, ContentTypeOf(path), etag);
+  return SendVideo(request, path);
+}
+
+ApiExpected<HttpResponse> Api::VideoCopy(const HttpRequest& request, const VideoRecord& video) {
+  if (videos_.HasCopy(video)) return SendVideo(request, videos_.CopyPath(video));
+  return NotFound("there is no copy of the video for browsers: a job of the kind copy makes one");
 }
 
 ApiExpected<HttpResponse> Api::VideoFrame(const HttpRequest& request, const VideoRecord& video,

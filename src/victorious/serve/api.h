@@ -21,6 +21,7 @@
 #include "victorious/serve/static_files.h"
 #include "victorious/serve/upload_folder.h"
 #include "victorious/serve/video_files.h"
+#include "victorious/store/export_json.h"
 
 namespace victorious {
 
@@ -30,6 +31,7 @@ struct ApiOptions {
   std::optional<std::string> telemetry;  ///< telemetry file of the index's only video; std::nullopt: found by itself
   std::filesystem::path web;             ///< the built page
   std::filesystem::path uploads;         ///< where uploaded files go; created when it is needed
+  std::filesystem::path copies;          ///< where copies of videos for browsers go; created when it is needed
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
   ServerIdentity server;
 };
@@ -70,6 +72,8 @@ class Api {
   // In api_jobs.cc.
   ApiExpected<HttpResponse> Upload(const HttpRequest& request, const Caller& caller);
   ApiExpected<HttpResponse> Jobs();
+  /// The input of a job of the kind "copy".
+  ApiExpected<Json> CopyInput(std::int64_t video);
   ApiExpected<HttpResponse> PutJob(const HttpRequest& request, const Caller& caller);
   ApiExpected<HttpResponse> CancelJob(std::string_view number, const Caller& caller);
   ApiExpected<HttpResponse> Events();
@@ -83,6 +87,7 @@ class Api {
                                       QueryReader& query);
   ApiExpected<HttpResponse> PutReview(const HttpRequest& request, std::int64_t object, const Caller& caller);
   ApiExpected<HttpResponse> VideoFile(const HttpRequest& request, const VideoRecord& video);
+  ApiExpected<HttpResponse> VideoCopy(const HttpRequest& request, const VideoRecord& video);
   ApiExpected<HttpResponse> VideoFrame(const HttpRequest& request, const VideoRecord& video, std::string_view number);
   ApiExpected<HttpResponse> Camera(const VideoRecord& video);
   ApiExpected<HttpResponse> ViewImage(const HttpRequest& request, Segments segments);

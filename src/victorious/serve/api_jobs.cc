@@ -79,6 +79,22 @@ ApiExpected<HttpResponse> Api::Jobs() {
   return JsonResponse(JobsToJson(jobs, NowUtcMicroseconds()));
 }
 
+ApiExpected<Json> Api::CopyInput(std::int64_t video) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  const VideoRecord* record = lists->Video(video);
+  if (record == nullptr) return FailField("video_id", "video_id: not a video of the index");
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*record));
+  if (videos_.HasCopy(*record)) {
+    return std::unexpected(
+        ApiError(Error{ErrorCode::kAlreadyExists, fmt::format("video {} has a copy already", video)}, "video_id"));
+  }
+  const std::filesystem::path copy = videos_.CopyPath(*record);
+  std::error_code error;
+  std::filesystem::create_directories(copy.parent_path(), error);
+  if (error) return std::unexpected(ApiError(ErrorFromErrno(error.value(), "create " + copy.parent_path().string())));
+  return Json{{"video", path.string()}, {"copy", copy.string()}};
+}
+
 ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request, const Caller& caller) {
   constexpr std::size_t kMaxFiles = 200;
   const auto body = ParseJson(request.body);
@@ -131,8 +147,21 @@ ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request, const Caller& 
       }
       input["length_m"] = length->get<double>();
     }
+  } else if (kind == "copy") {
+    VICTORIOUS_RETURN_IF_ERROR(CheckMembers(*body, {"kind", "video_id"}));
+    const auto id = body->find("video_id");
+    const bool has_id = id != body->end() && id->is_number_integer();
+    VICTORIOUS_ASSIGN_OR_RETURN(input, CopyInput(has_id ? id->get<std::int64_t>() : -1));
+    // Several viewers ask for the same one.
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, live_->Jobs());
+    for (const JobRecord& job : jobs) {
+      const bool is_open = job.state == JobState::kQueued || job.state == JobState::kRunning;
+      if (is_open && job.kind == kind && job.input_json == Dump(input)) {
+        return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
+      }
+    }
   } else {
-    return FailField("kind", fmt::format("kind \"{}\": must be index or model", kind));
+    return FailField("kind", fmt::format("kind \"{}\": must be index, model or copy", kind));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Put(kind, Dump(input)));
   VICTORIOUS_RETURN_IF_ERROR(access_->Log(caller, "job", fmt::format("job {}", job.id), Dump(input)));

@@ -122,7 +122,8 @@ Json SightingToJson(const SightingRecord& sighting) {
           {"heading_deg", OrNull(heading_rad, &DegreesJson)}};
 }
 
-Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing, bool with_searches) {
+Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing, bool has_copy,
+                 bool with_searches) {
   Json searches = Json::array();
   std::optional<std::int64_t> searched;  // by the search that is behind all others
   bool is_begun = false;
@@ -143,6 +144,7 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
                {"start_utc_us", video.start_utc_us ? Json(*video.start_utc_us) : Json()},
                {"objects", objects == lists.objects_of_video.end() ? 0 : objects->second},
                {"missing", missing.empty() ? Json() : Json(missing)},
+               {"has_copy", has_copy},
                {"is_searched", is_begun},
                {"searched_frames", searched ? Json(*searched) : Json()}};
   if (with_searches) json["searches"] = std::move(searches);
@@ -196,7 +198,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
       const auto found = input->find(name);
       return found != input->end() && found->is_string() ? found->get<std::string>() : std::string();
     };
-    title = job.kind == "index" ? std::filesystem::path(text("video")).filename().string() : text("name");
+    title = job.kind == "model" ? text("name") : std::filesystem::path(text("video")).filename().string();
   }
   return {{"id", job.id},
           {"kind", job.kind},

@@ -19,9 +19,10 @@ namespace victorious {
 [[nodiscard]] Json SightingToJson(const SightingRecord& sighting);
 
 /// @param missing  why the video's file cannot be read; empty: it can
+/// @param has_copy  there is a copy that browsers play
 /// @param with_searches  how far it was searched for each model
 [[nodiscard]] Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing,
-                               bool with_searches);
+                               bool has_copy, bool with_searches);
 
 /// @param index       its file
 /// @param can_review  the index can be written, and who asks may decide

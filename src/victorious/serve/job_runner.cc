@@ -78,7 +78,12 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
     }
     return arguments;
   }
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("kind \"{}\": must be index or model", job.kind));
+  if (job.kind == "copy") {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string copy, TextMember(input, "copy"));
+    return std::vector<std::string>{"copy", "--force", "--out", copy, "--", video};
+  }
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("kind \"{}\": must be index, model or copy", job.kind));
 }
 
 bool ReadProgressLine(std::string_view line, JobProgress& progress) {

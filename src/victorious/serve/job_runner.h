@@ -29,6 +29,7 @@ struct JobFolders {
 /// The arguments of `victorious` that do a job. Errors: kInvalidArgument for an
 /// unknown kind or an input that is not valid, with the member that is wrong.
 ///   index  {"video": path, "telemetry": path or null}
+///   copy   {"video": path, "copy": path}
 ///   model  {"name": text, "files": [path, …], "length_m": number or null}
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
 

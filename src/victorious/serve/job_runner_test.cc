@@ -20,6 +20,8 @@ TEST(JobArguments, AreThoseOfTheCommands) {
                   {.kind = "model", .input_json = R"({"name": "jeep", "files": ["a.jpg", "b.jpg"], "length_m": 4.5})"},
                   kFolders),
               ElementsAre("model", "add", "--models", "/d/models", "--length", "4.5", "--", "jeep", "a.jpg", "b.jpg"));
+  EXPECT_THAT(*JobArguments({.kind = "copy", .input_json = R"({"video": "-x.ts", "copy": "/d/c.mp4"})"}, kFolders),
+              ElementsAre("copy", "--force", "--out", "/d/c.mp4", "--", "-x.ts"));
 }
 
 TEST(JobArguments, InvalidInputsAreErrors) {
@@ -33,6 +35,8 @@ TEST(JobArguments, InvalidInputsAreErrors) {
            {"model", R"({"name": "jeep", "files": []})"},
            {"model", R"({"name": "jeep", "files": [3]})"},
            {"model", R"({"name": "jeep", "files": ["a"], "length_m": "x"})"},
+           {"copy", R"({"video": "a"})"},
+           {"copy", R"({"copy": "a"})"},
            {"dance", "{}"}}) {
     EXPECT_FALSE(JobArguments({.kind = kind, .input_json = input}, kFolders)) << kind << input;
   }

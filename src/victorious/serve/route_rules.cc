@@ -17,6 +17,7 @@ constexpr auto kRules = std::to_array<RouteRule>({
     {HttpMethod::kGet, "/api/v1/videos/{id}/sightings", Role::kViewer},
     {HttpMethod::kGet, "/api/v1/videos/{id}/camera", Role::kViewer},
     {HttpMethod::kGet, "/api/v1/videos/{id}/file", Role::kViewer},
+    {HttpMethod::kGet, "/api/v1/videos/{id}/copy", Role::kViewer},
     {HttpMethod::kGet, "/api/v1/videos/{id}/frames/{frame}", Role::kViewer},
     {HttpMethod::kGet, "/api/v1/objects", Role::kViewer},
     {HttpMethod::kGet, "/api/v1/objects/counts", Role::kViewer},

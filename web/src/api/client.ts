@@ -83,6 +83,7 @@ export const putReview = async (object: number, verdict: Verdict, note: string, 
     .review;
 
 export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
+export const videoCopyUrl = (video: number) => `${ROOT}/videos/${video}/copy`;
 export const frameUrl = (video: number, frame: number) => `${ROOT}/videos/${video}/frames/${frame}`;
 export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/${object}/thumbnail?width=${width}`;
 export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}/views/${view}`;

@@ -8,7 +8,7 @@ import * as jobs from "../jobs";
 import * as state from "../state";
 import { Icon } from "./icons";
 
-const WHAT = { index: "search", model: "make the model" } as const;
+const WHAT = { index: "search", model: "make the model", copy: "copy for browsers" } as const;
 
 function Bar({ part }: { part: number | null }) {
   return (
