@@ -130,7 +130,7 @@ Expected<Report> RunFigure316(const ExperimentSettings& settings) {
       .title = "Objects detected in one image of each scene, with all views of four models",
       .columns = {"setting", "object", "in view", "found", "false detections", "view error (degrees), median"}};
   std::vector<MatchSetup> setups = {ThesisSetup(), DefaultSetup()};
-  setups.back().recognize.method = IndexOptions().recognize.method;
+  setups.back().recognize.method = SearchMethod::kVotes;
   for (const MatchSetup& setup : setups) {
     std::vector<ObjectModel> models;
     for (const char* kind : kKinds) {
@@ -163,7 +163,7 @@ Expected<Report> RunFigure316(const ExperimentSettings& settings) {
   }
   report.notes = {
       fmt::format("Found: a detection of the model has an IoU of {:g} or more with the true box; in view: visible by "
-                  "0.5 or more. Ours: the program's default, votes of ranked matches, without telemetry. The "
+                  "0.5 or more. Ours: votes of ranked matches, without telemetry. The "
                   "image: whole images, crops around the box, templates; true detections green, a false one red.",
                   kFoundOverlap)};
   return report;

@@ -148,7 +148,10 @@ Status ApplyQuality(std::string_view name, bool cad_only, IndexOptions& options)
     options.follow.search_interval_frames = kFastInterval_frames;
     if (cad_only) options.recognize.method = SearchMethod::kShortlist;
   }
-  if (name == "thorough") options.recognize.search.nearest = kThoroughNearest;
+  if (name == "thorough") {
+    options.recognize.search.nearest = kThoroughNearest;
+    if (cad_only) options.recognize.method = SearchMethod::kVotes;
+  }
   return {};
 }
 

@@ -62,11 +62,11 @@ template <typename Options>
 /// | quality  | every | region searches | CAD models by | matches per template keypoint |
 /// | -------- | ----- | --------------- | ------------- | ----------------------------- |
 /// | fast     | 5     | every 5 frames  | shortlist     | 4                             |
-/// | normal   | 1     | every frame     | votes         | 4                             |
+/// | normal   | 1     | every frame     | auto          | 4                             |
 /// | thorough | 1     | every frame     | votes         | 8                             |
 ///
-/// @param cad_only  all models are CAD models: `fast` leaves the method as it is if there are models of photos, which the
-///                  grammar searches
+/// @param cad_only  all models are CAD models: the method stays auto if there are models of photos, which the grammar
+///                  searches
 /// Error: kInvalidArgument for another name.
 [[nodiscard]] Status ApplyQuality(std::string_view name, bool cad_only, IndexOptions& options);
 

@@ -113,6 +113,10 @@ TEST(Quality, TradesTimeForCompleteness) {
   IndexOptions thorough;
   ASSERT_TRUE(ApplyQuality("thorough", true, thorough));
   EXPECT_GT(thorough.recognize.search.nearest, defaults.recognize.search.nearest);
+  EXPECT_EQ(thorough.recognize.method, SearchMethod::kVotes);
+  IndexOptions thorough_for_photos;
+  ASSERT_TRUE(ApplyQuality("thorough", false, thorough_for_photos));
+  EXPECT_EQ(thorough_for_photos.recognize.method, SearchMethod::kAuto);
   EXPECT_EQ(ApplyQuality("best", true, thorough).error().code, ErrorCode::kInvalidArgument);
 }
 

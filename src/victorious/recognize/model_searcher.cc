@@ -1,5 +1,6 @@
 #include "victorious/recognize/model_searcher.h"
 
+#include <cstddef>
 #include <utility>
 
 #include "victorious/recognize/grammar_search.h"
@@ -9,10 +10,14 @@
 namespace victorious {
 namespace {
 
+// Fewer views are all matched in full: proposals would save little time. `model add` makes 253 by default.
+constexpr std::size_t kMinShortlistViews = 60;
+
 // ADR 0008: the matches of a photo pass the ratio test, those of a rendering mostly do not.
 SearchMethod MethodFor(const ObjectModel& model, SearchMethod method) {
   if (method != SearchMethod::kAuto) return method;
-  return model.kind == ModelKind::kCad ? SearchMethod::kVotes : SearchMethod::kGrammar;
+  if (model.kind != ModelKind::kCad) return SearchMethod::kGrammar;
+  return model.views.size() >= kMinShortlistViews ? SearchMethod::kShortlist : SearchMethod::kVotes;
 }
 
 }  // namespace

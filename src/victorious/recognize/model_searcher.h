@@ -3,7 +3,7 @@
 //
 // The methods:
 //   GrammarSearch (grammar_search.h)  ratio test, cascade, MLESAC: the thesis's method; for models from photos
-//   VoteSearch (vote_search.h)        ranked matches, Hough voting, coarse to fine over the views; for CAD models
+//   VoteSearch (vote_search.h)        ranked matches, Hough voting, coarse to fine; for CAD models of few views
 //   ShortlistSearch (shortlist_search.h)  proposals, the best of them verified as VoteSearch does it; for CAD models
 //
 // To add a search method:

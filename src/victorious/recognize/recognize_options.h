@@ -17,7 +17,7 @@ namespace victorious {
 
 /// The method that searches a model (model_searcher.h).
 enum class SearchMethod {
-  kAuto,       ///< kVotes for CAD models, kGrammar for photos
+  kAuto,       ///< kShortlist or, of few views, kVotes for CAD models; kGrammar for photos
   kGrammar,    ///< grammar_search.h
   kVotes,      ///< vote_search.h
   kShortlist,  ///< shortlist_search.h

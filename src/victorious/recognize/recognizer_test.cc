@@ -261,6 +261,32 @@ TEST(Recognizer, ShortlistRefinesProposalsOnly) {
   EXPECT_TRUE(templates->sharp().empty());
 }
 
+// By `auto` a CAD model of many views is searched by the shortlist, one of few by all of its votes.
+TEST(Recognizer, AutoIsTheShortlistForManyViews) {
+  ObjectModel few = ModelFromAround();
+  ObjectModel many = few;
+  ModelView plain = many.views[0];  // a view without features is never matched
+  plain.feature_count = 0;
+  plain.neighbours.clear();
+  many.views.resize(60, plain);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(SunDependentTemplates::ImageOf(3, 2), 1.0, 0, {320, 240}, scene);
+  const FeatureSet features = FeaturesOf(scene);
+  const auto templates = std::make_shared<const SunDependentTemplates>();
+  const FrameConditions conditions{.vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480),
+                                   .relative_sun = Sun{.azimuth_rad = -5 * kPi / 6, .elevation_rad = kPi / 4}};
+  const auto is_found = [&](const ObjectModel& model, const RecognizeOptions& options) {
+    const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, options, {templates}).value();
+    return !recognizer.Recognize(features, conditions).value().empty();
+  };
+  RecognizeOptions options;
+  EXPECT_TRUE(is_found(few, options));
+  EXPECT_TRUE(is_found(many, options));
+  options.shortlist.max_verified = 0;  // the shortlist finds nothing
+  EXPECT_TRUE(is_found(few, options));
+  EXPECT_FALSE(is_found(many, options));
+}
+
 // The surface samples of a flat object.
 std::shared_ptr<const RelitTemplateSource> SurfaceSamplesOf(const cv::Mat& grey) {
   cv::Mat blurred;
@@ -341,7 +367,7 @@ TEST(Recognizer, RefusesModelsOfAnotherEngine) {
 // What each parameter changes.
 
 // Only the vote search sets a fit's own -log10 NFA.
-TEST(RecognizeParameter, MethodAutoIsVotesForCadModelsAndTheGrammarForPhotos) {
+TEST(RecognizeParameter, MethodAutoIsVotesForCadModelsOfFewViewsAndTheGrammarForPhotos) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
