@@ -39,10 +39,17 @@ std::string ExifBytes(int orientation) {
          BigEndian(1, 4) + BigEndian(static_cast<std::uint32_t>(orientation), 2) + std::string(6, '\0');
 }
 
-std::string WithExif(const std::string& jpeg, int orientation) {
-  const std::string payload = std::string("Exif\0\0", 6) + ExifBytes(orientation);
+std::string WithSegment(const std::string& jpeg, const std::string& payload) {
   return jpeg.substr(0, 2) + "\xFF\xE1" + BigEndian(static_cast<std::uint32_t>(payload.size() + 2), 2) + payload +
          jpeg.substr(2);
+}
+
+std::string WithExif(const std::string& jpeg, int orientation) {
+  return WithSegment(jpeg, std::string("Exif\0\0", 6) + ExifBytes(orientation));
+}
+
+std::string TextOf(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 // Left half red, right half blue, a green corner at the top left: all eight orientations differ.
@@ -130,6 +137,20 @@ TEST(ImageFile, ExifOrientationIsApplied) {
     ASSERT_EQ(image->bgr.size(), expected.size()) << orientation;
     EXPECT_EQ(LargestDifference(image->bgr, expected), 0) << orientation;
   }
+}
+
+TEST(ImageFile, ExifAndXmpOfAJpegArePartsOfItsHeader) {
+  const std::string jpeg = Encode(".jpg", Flag());
+  const std::string photo =
+      WithExif(WithSegment(jpeg, std::string("http://ns.adobe.com/xap/1.0/\0", 29) + "<x:xmpmeta/>"), 1);
+  const auto header = ReadImageHeader(Bytes(photo));
+  ASSERT_TRUE(header);
+  EXPECT_EQ(TextOf(header->exif), std::string("Exif\0\0", 6) + ExifBytes(1));
+  EXPECT_EQ(TextOf(header->xmp), "<x:xmpmeta/>");
+  EXPECT_EQ(header->width, 64U);
+  const auto plain = ReadImageHeader(Bytes(jpeg));
+  ASSERT_TRUE(plain);
+  EXPECT_TRUE(plain->exif.empty() && plain->xmp.empty());
 }
 
 TEST(ImageFile, ExifOrientationOfPngIsAppliedToAlpha) {

@@ -33,6 +33,10 @@ class ByteView {
   [[nodiscard]] std::span<const std::byte> From(std::size_t at) const {
     return bytes_.subspan(std::min(at, bytes_.size()));
   }
+  [[nodiscard]] std::span<const std::byte> Part(std::size_t begin, std::size_t end) const {
+    const std::span<const std::byte> rest = From(begin);
+    return rest.first(end > begin ? std::min(end - begin, rest.size()) : 0);
+  }
 
  private:
   std::span<const std::byte> bytes_;
@@ -40,6 +44,7 @@ class ByteView {
 };
 
 constexpr std::string_view kExifPrefix("Exif\0\0", 6);
+constexpr std::string_view kXmpPrefix("http://ns.adobe.com/xap/1.0/\0", 29);
 constexpr std::string_view kLittleEndian("II*\0", 4);
 constexpr std::string_view kBigEndian("MM\0*", 4);
 
@@ -95,9 +100,14 @@ std::optional<ImageHeader> ReadJpeg(std::span<const std::byte> bytes) {
       return header;
     }
     if (marker == 0xDA) return std::nullopt;  // start of scan without a frame header
-    if (marker == 0xE1 && view.Has(at + 4, kExifPrefix)) header.orientation = ExifOrientation(view.From(at + 4));
     const bool alone = marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8);
-    at += alone ? 2 : std::size_t{2} + view.U16(at + 2);
+    const std::size_t end = at + 2 + (alone ? 0 : view.U16(at + 2));
+    if (marker == 0xE1 && view.Has(at + 4, kExifPrefix)) {
+      header.orientation = ExifOrientation(view.From(at + 4));
+      header.exif = view.Part(at + 4, end);
+    }
+    if (marker == 0xE1 && view.Has(at + 4, kXmpPrefix)) header.xmp = view.Part(at + 4 + kXmpPrefix.size(), end);
+    at = end;
   }
   return std::nullopt;
 }

@@ -26,13 +26,15 @@ struct ImageHeader {
   std::uint32_t width = 0;   ///< px, as stored
   std::uint32_t height = 0;  ///< px, as stored
   Orientation orientation = Orientation::kUpright;
-  bool cut_off = false;  ///< true for a PNG or JPEG without its end marker
+  bool cut_off = false;                  ///< true for a PNG or JPEG without its end marker
+  std::span<const std::byte> exif = {};  ///< of a JPEG: the EXIF segment, from "Exif"; part of the given bytes
+  std::span<const std::byte> xmp = {};   ///< of a JPEG: the XMP packet, XML; part of the given bytes
 };
 
 /// Identifies the format by the first bytes (32 suffice); std::nullopt if it is none of these.
 [[nodiscard]] std::optional<ImageFormat> DetectImageFormat(std::span<const std::byte> bytes);
 
-/// Parses the header. Returns std::nullopt for an unknown format or a header without a size. The values are those of
+/// Parses the header; of a JPEG the bytes before the image data suffice. Returns std::nullopt for an unknown format or a header without a size. The values are those of
 /// the file, unchecked.
 [[nodiscard]] std::optional<ImageHeader> ReadImageHeader(std::span<const std::byte> bytes);
 
