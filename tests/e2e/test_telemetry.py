@@ -75,6 +75,25 @@ class TelemetryTest(program.ProgramTest):
         self.assertAlmostEqual(float(rows[0]["hfov_deg"]), 60)
         self.assertAlmostEqual(float(rows[0]["time_s"]), 2)
 
+    def test_what_the_pilot_knows_completes_subtitles(self):
+        cues = (
+            f"{i + 1}\n00:00:0{i},000 --> 00:00:0{i + 1},000\nHOME(11.41,48.1) 2017.08.05 14:11:51\n"
+            f"GPS(11.41,{48.1 + 1e-4 * i},16) BAROMETER:51.9\nISO:100 Shutter:60 EV: Fnum:2.2\n"
+            for i in range(4)
+        )
+        subtitles = self.write("a.SRT", "\n".join(cues))
+        (said,) = self.succeeds("telemetry", subtitles).messages()
+        for flag in ("--nadir", "--camera", "--takeoff"):
+            self.assertIn(flag, said)
+        flags = ("--nadir", "--camera", "Mavic Pro", "--takeoff", "500")
+        done = self.succeeds("telemetry", subtitles, *flags)
+        self.assertEqual(done.messages(), [])
+        row = self.rows(done.out)[0]
+        self.assertEqual((row["vertical_datum"], float(row["pitch_deg"])), ("ellipsoid", -90))
+        self.assertAlmostEqual(float(row["altitude_m"]), 551.9)
+        self.assertAlmostEqual(float(row["hfov_deg"]), 66.6, delta=0.1)
+        self.refuses(2, ["--camera", "phantom-9", "mavic-pro"], "telemetry", subtitles, "--camera", "phantom-9")
+
     def test_klv_items_by_number_and_name(self):
         good = packet(b"\x02\x08" + (1_000_000).to_bytes(8, "big") + b"\x05\x02\x71\xc2")
         bad = good[:-1] + bytes([good[-1] ^ 1])

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,6 +25,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/camera_models.h"
 
 namespace victorious::cli {
 
@@ -156,6 +158,16 @@ void AddCamera(CLI::App& app, CameraArguments& camera) {
   app.add_option("--takeoff", camera.takeoff_m, "Height of the take-off above the ellipsoid, in metres")
       ->check(CLI::Range(-1e3, 9e3))
       ->type_name("METRES");
+  const auto check = [](std::string& text) -> std::string {
+    if (FindCameraModel(text) != nullptr) return {};
+    const auto names = CameraModels() | std::views::transform(&CameraModel::aircraft);
+    return fmt::format("\"{}\": unknown; give --hfov, or one of {}", text, fmt::join(names, ", "));
+  };
+  app.add_option("--camera", camera.camera,
+                 "The aircraft or camera, for its field of view, if the telemetry has none or only a focal length: "
+                 "\"mavic-pro\", or the model that its photos name, \"FC220\"")
+      ->check(CLI::Validator(check, ""))
+      ->type_name("NAME");
 }
 
 void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) {
@@ -163,6 +175,7 @@ void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) {
   if (arguments.pitch_deg) options.camera_pitch_deg = arguments.pitch_deg;
   if (arguments.nadir) options.camera_pitch_deg = kNadir_deg;
   options.camera_yaw_deg = arguments.yaw_deg;
+  options.camera_model = arguments.camera;
   if (arguments.takeoff_m) options.takeoff_altitude_m = *arguments.takeoff_m;
 }
 

@@ -29,12 +29,13 @@ struct GroundArguments {
   std::string geoid_grid;
 };
 
-/// The values of --pitch, --yaw, --nadir and --takeoff; an empty member was not given.
+/// The values of --pitch, --yaw, --nadir, --takeoff and --camera; an empty member was not given.
 struct CameraArguments {
   std::optional<double> pitch_deg;
   std::optional<double> yaw_deg;
   std::optional<double> takeoff_m;
   bool nadir = false;
+  std::string camera;
 };
 
 /// Parses "x,y,w,h" in pixels. Error: kInvalidArgument for any other text or a box without area.
@@ -59,8 +60,8 @@ void AddParams(CLI::App& app, std::string& params, std::string_view lists);
 /// Adds the option --hfov.
 void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg);
 
-/// Adds the options --pitch, --yaw, --nadir and --takeoff: what telemetry without gimbal angles or absolute heights
-/// lacks.
+/// Adds the options --pitch, --yaw, --nadir, --takeoff and --camera: what telemetry without gimbal angles, absolute
+/// heights or a field of view lacks.
 void AddCamera(CLI::App& app, CameraArguments& camera);
 
 /// Copies the values that were given to `options`.

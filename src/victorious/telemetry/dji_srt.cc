@@ -11,6 +11,7 @@
 
 #include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/telemetry/camera_models.h"
 #include "victorious/telemetry/utc_text.h"
 
 namespace victorious {
@@ -131,14 +132,16 @@ void SetHeight(std::string_view text, std::span<const HeightWord> words, CameraS
 }
 
 // Reads "[latitude: …] [longitude: …]" and the heights beside it.
-bool ReadBrackets(std::string_view text, CameraState& state) {
+bool ReadBrackets(std::string_view text, DjiHeight height, CameraState& state) {
   const auto latitude = QuantityAfter(text, "latitude");
   auto longitude = QuantityAfter(text, "longitude");
   if (!longitude) longitude = QuantityAfter(text, "longtitude");
   if (!latitude || !longitude || !SetPlace(state, *latitude, *longitude)) return false;
   // "altitude" alone is above the sea for some aircraft and above the take-off for others: the weaker claim is used.
-  constexpr std::array<HeightWord, 3> kWords = {{{"altitude"}, {"rel_alt"}, {"abs_alt", VerticalDatum::kEgm96}}};
-  SetHeight(text, kWords, state);
+  constexpr HeightWord kAboveSea = {"abs_alt", VerticalDatum::kEgm96};
+  constexpr std::array<HeightWord, 3> kSeaFirst = {{{"altitude"}, {"rel_alt"}, kAboveSea}};
+  constexpr std::array<HeightWord, 3> kTakeoffFirst = {{kAboveSea, {"altitude"}, {"rel_alt"}}};
+  SetHeight(text, height == DjiHeight::kAboveTakeoff ? kTakeoffFirst : kSeaFirst, state);
   return true;
 }
 
@@ -159,21 +162,12 @@ bool ReadGps(std::string_view text, CameraState& state) {
   return true;
 }
 
-std::optional<Attitude> AttitudeFrom(std::optional<double> yaw_deg, std::optional<double> pitch_deg,
-                                     std::optional<double> roll_deg) {
-  if (!yaw_deg || !pitch_deg || !roll_deg || std::abs(*pitch_deg) > 180) return std::nullopt;
-  // Gimbals that pass the vertical continue to count: the rotation is right, but its angles are outside the ranges of
-  // Attitude. The conversion normalises them.
-  const Attitude turns{RadiansFromDegrees(*yaw_deg), RadiansFromDegrees(*pitch_deg), RadiansFromDegrees(*roll_deg)};
-  return AttitudeFromRotation(CameraFromEnu(turns));
-}
-
 std::optional<Attitude> ReadAttitude(std::string_view text) {
   if (const auto gimbal = TripleAfter(text, "G.PRY")) {
     const auto& [pitch, roll, yaw] = *gimbal;
-    return AttitudeFrom(yaw.number, pitch.number, roll.number);
+    return AttitudeFromGimbal(yaw.number, pitch.number, roll.number);
   }
-  return AttitudeFrom(NumberAfter(text, "gb_yaw"), NumberAfter(text, "gb_pitch"), NumberAfter(text, "gb_roll"));
+  return AttitudeFromGimbal(NumberAfter(text, "gb_yaw"), NumberAfter(text, "gb_pitch"), NumberAfter(text, "gb_roll"));
 }
 
 // "dzoom" and a "dzoom_ratio" in ten-thousandths are not in the focal length. A plain ratio, "dzoom_ratio: 4.00",
@@ -196,18 +190,15 @@ bool HasDecimals(std::string_view text, std::string_view word) {
   return rest.substr(end).starts_with('.');
 }
 
-// From the 35 mm equivalent focal length (same diagonal as 36 x 24 mm), for an image of 16:9. Some aircraft write whole
-// tenths of millimetres: 280 is 28 mm. A number with decimals is in millimetres.
+// From the 35 mm equivalent focal length. Some aircraft write whole tenths of millimetres: 280 is 28 mm. A number with
+// decimals is in millimetres.
 std::optional<double> ReadFieldOfView(std::string_view text) {
-  constexpr double kDiagonalMm = 43.267;
-  constexpr double kWidthOverDiagonal = 0.8716;
   constexpr double kMaxFocal_mm = 200;
   auto focal_mm = NumberAfter(text, "focal_len");
   if (!focal_mm || !(*focal_mm > 0)) return std::nullopt;
   const bool has_decimals = HasDecimals(text, "focal_len");
   if (*focal_mm > kMaxFocal_mm && !has_decimals) *focal_mm /= 10;
-  *focal_mm *= DigitalZoom(text, has_decimals);
-  return 2 * std::atan(kDiagonalMm * kWidthOverDiagonal / (2 * *focal_mm));
+  return FieldOfViewFromFocal(*focal_mm * DigitalZoom(text, has_decimals));
 }
 
 // Reads "01:02:03,456" as seconds and removes it from the front.
@@ -294,9 +285,18 @@ std::optional<double> CueTime(const Cue& cue, std::optional<std::int64_t>& first
 
 }  // namespace
 
-std::optional<CameraState> CameraFromDjiText(std::string_view text) {
+std::optional<Attitude> AttitudeFromGimbal(std::optional<double> yaw_deg, std::optional<double> pitch_deg,
+                                           std::optional<double> roll_deg) {
+  if (!yaw_deg || !pitch_deg || !roll_deg || std::abs(*pitch_deg) > 180) return std::nullopt;
+  // Gimbals that pass the vertical continue to count: the rotation is right, but its angles are outside the ranges of
+  // Attitude. The conversion normalises them.
+  const Attitude turns{RadiansFromDegrees(*yaw_deg), RadiansFromDegrees(*pitch_deg), RadiansFromDegrees(*roll_deg)};
+  return AttitudeFromRotation(CameraFromEnu(turns));
+}
+
+std::optional<CameraState> CameraFromDjiText(std::string_view text, DjiHeight height) {
   CameraState state{.datum = VerticalDatum::kUnknown};
-  if (!ReadBrackets(text, state) && !ReadGps(text, state)) return std::nullopt;
+  if (!ReadBrackets(text, height, state) && !ReadGps(text, state)) return std::nullopt;
   state.attitude = ReadAttitude(text);
   state.hfov_rad = ReadFieldOfView(text);
   return state;
@@ -328,7 +328,7 @@ void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtit
   }
 }
 
-DjiSubtitles ParseDjiSrt(std::string_view text) {
+DjiSubtitles ParseDjiSrt(std::string_view text, DjiHeight height) {
   DjiSubtitles subtitles;
   text = StripByteOrderMark(text);
   std::optional<std::int64_t> first_utc_us;
@@ -336,7 +336,7 @@ DjiSubtitles ParseDjiSrt(std::string_view text) {
   int without_time = 0;
   for (const Cue& cue : SplitCues(text)) {
     ++subtitles.cues;
-    auto state = CameraFromDjiText(cue.text);
+    auto state = CameraFromDjiText(cue.text, height);
     if (const auto takeoff_m = TakeoffAltitudeFromDjiText(cue.text)) subtitles.takeoff_m.push_back(*takeoff_m);
     const auto time_s = CueTime(cue, first_utc_us);
     if (!state || !time_s) {

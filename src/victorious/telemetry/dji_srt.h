@@ -13,9 +13,18 @@
 
 namespace victorious {
 
+/// The attitude of a camera with these gimbal angles, degrees: the yaw clockwise from north, the pitch above the horizon.
+/// @return std::nullopt if one of them is missing, or the pitch beyond 180
+[[nodiscard]] std::optional<Attitude> AttitudeFromGimbal(std::optional<double> yaw_deg, std::optional<double> pitch_deg,
+                                                         std::optional<double> roll_deg);
+
+/// Which height of a text is taken that has both: the take-off's own height may be known better than the sea's.
+enum class DjiHeight { kAboveSea, kAboveTakeoff };
+
 /// Parses one text. The state's time is 0; its datum is kUnknown if the text has no height.
 /// @return std::nullopt for a text without a position, or with the position 0, 0, which means "no fix"
-[[nodiscard]] std::optional<CameraState> CameraFromDjiText(std::string_view text);
+[[nodiscard]] std::optional<CameraState> CameraFromDjiText(std::string_view text,
+                                                           DjiHeight height = DjiHeight::kAboveSea);
 
 /// The height of the take-off above the sea that a text implies, metres: its height above the sea less that above the
 /// take-off; std::nullopt if it lacks one of them.
@@ -35,6 +44,6 @@ void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtit
 [[nodiscard]] bool LooksLikeDjiSrt(std::string_view text);
 
 /// Parses a whole .SRT file. If the cues have no times, the UTC times in their texts are used, relative to the first.
-[[nodiscard]] DjiSubtitles ParseDjiSrt(std::string_view text);
+[[nodiscard]] DjiSubtitles ParseDjiSrt(std::string_view text, DjiHeight height = DjiHeight::kAboveSea);
 
 }  // namespace victorious

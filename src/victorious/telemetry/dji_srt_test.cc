@@ -29,6 +29,14 @@ TEST(DjiSrt, Dialects) {
               -34.2, -58.8, 85.8, VerticalDatum::kTakeoff);
 }
 
+TEST(DjiSrt, OfTwoHeightsTheWantedOneIsTaken) {
+  const std::string place = "[latitude: 41.15] [longitude: 16.41] ";
+  ExpectPlace(CameraFromDjiText(place + "[rel_alt: 50.7 abs_alt: 172.0]", DjiHeight::kAboveTakeoff), 41.15, 16.41, 50.7,
+              VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText(place + "[abs_alt: 172.0]", DjiHeight::kAboveTakeoff), 41.15, 16.41, 172,
+              VerticalDatum::kEgm96);
+}
+
 TEST(DjiSrt, GimbalAngles) {
   const auto p4 =
       CameraFromDjiText("GPS (-58.8, -34.2, 15), H 85.80m, F.PRY (2.7°, -7.0°, 110.1°), G.PRY (-24.4°, 0.0°, 110.4°)");
@@ -45,9 +53,9 @@ TEST(DjiSrt, GimbalAngles) {
 
 TEST(DjiSrt, FieldOfViewFromTheFocalLength) {
   const std::string place = "[latitude: 49.1] [longitude: 14.6] [rel_alt: 1] ";
-  EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len: 24.00]")->hfov_rad), 76.3, 0.1);
-  EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len : 240]")->hfov_rad), 76.3, 0.1);
-  EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len: 24.00] [dzoom: 2.00]")->hfov_rad), 42.9, 0.1);
+  EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len: 24.00]")->hfov_rad), 73.7, 0.1);
+  EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len : 240]")->hfov_rad), 73.7, 0.1);
+  EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len: 24.00] [dzoom: 2.00]")->hfov_rad), 41.1, 0.1);
 }
 
 // A tele camera with digital zoom writes millimetres that contain the zoom; older aircraft write whole tenths.
@@ -56,10 +64,10 @@ TEST(DjiSrt, FocalLengthsAboveTwoHundredAreTenthsOnlyIfWhole) {
   const auto hfov_deg = [&](const std::string& text) {
     return DegreesFromRadians(*CameraFromDjiText(place + text)->hfov_rad);
   };
-  EXPECT_NEAR(hfov_deg("[dzoom_ratio: 4.00] [focal_len: 643.30]"), 3.36, 0.01);
-  EXPECT_NEAR(hfov_deg("[focal_len: 162.00] [dzoom_ratio: 1.00]"), 13.3, 0.1);
-  EXPECT_NEAR(hfov_deg("[focal_len : 280] [dzoom_ratio: 10000, delta:0]"), 67.9, 0.1);
-  EXPECT_NEAR(hfov_deg("[focal_len : 280] [dzoom_ratio: 20000, delta:0]"), 37.2, 0.1);
+  EXPECT_NEAR(hfov_deg("[dzoom_ratio: 4.00] [focal_len: 643.30]"), 3.21, 0.01);
+  EXPECT_NEAR(hfov_deg("[focal_len: 162.00] [dzoom_ratio: 1.00]"), 12.7, 0.1);
+  EXPECT_NEAR(hfov_deg("[focal_len : 280] [dzoom_ratio: 10000, delta:0]"), 65.5, 0.1);
+  EXPECT_NEAR(hfov_deg("[focal_len : 280] [dzoom_ratio: 20000, delta:0]"), 35.6, 0.1);
 }
 
 TEST(DjiSrt, MissingPlaceIsUnknown) {

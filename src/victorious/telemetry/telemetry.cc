@@ -14,6 +14,7 @@
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/camera_models.h"
 #include "victorious/telemetry/dji_srt.h"
 #include "victorious/telemetry/given_attitude.h"
 #include "victorious/telemetry/klv_camera.h"
@@ -42,6 +43,13 @@ constexpr double kMinJump_m = 10;
 // A take-off this far below the sea is taken for an error of the height: the dry land that people fly from is below -30
 // m in a few basins only.
 constexpr double kLowestTakeoff_m = -30;
+
+// Heights above the take-off are used where its height is known: the aircraft's own heights above the sea are often wrong
+// by tens of metres.
+DjiHeight HeightOf(const TelemetryOptions& options) {
+  return options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight ? DjiHeight::kAboveSea
+                                                                        : DjiHeight::kAboveTakeoff;
+}
 
 bool HasBadChecksum(const KlvPacket& packet) { return packet.checksum && !packet.checksum->IsValid(); }
 
@@ -187,17 +195,50 @@ void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
   }
 }
 
+// Names the flags that give what all states lack, in one line; std::nullopt if a state is complete, or there is none.
+std::optional<std::string> FlagsForMissing(const std::vector<CameraState>& states) {
+  const auto none = [&](auto has) { return std::ranges::none_of(states, has); };
+  if (states.empty() || !none(&CameraState::IsComplete)) return std::nullopt;
+  std::vector<std::string_view> flags;
+  if (none([](const CameraState& state) { return state.attitude.has_value(); })) {
+    flags.emplace_back("--nadir, or --pitch and --yaw (the gimbal angles)");
+  }
+  if (none([](const CameraState& state) { return state.hfov_rad.has_value(); })) {
+    flags.emplace_back("--camera or --hfov (the field of view)");
+  }
+  const auto is_above_takeoff = [](const CameraState& state) { return state.datum == VerticalDatum::kTakeoff; };
+  if (std::ranges::all_of(states, is_above_takeoff)) {
+    flags.emplace_back("--takeoff (the height of the take-off above the ellipsoid)");
+  }
+  if (flags.empty()) return std::nullopt;
+  return fmt::format("for places give {}", fmt::join(flags, "; and "));
+}
+
+void WarnOfTakeoffHeight(std::vector<double> takeoff_m, std::string_view word, const TelemetryOptions& options,
+                         std::vector<std::string>& warnings) {
+  if (takeoff_m.empty() || HeightOf(options) == DjiHeight::kAboveTakeoff) return;
+  const double median_m = Median(std::move(takeoff_m));
+  if (median_m >= kLowestTakeoff_m) return;
+  warnings.push_back(
+      fmt::format("the heights above the sea ({}) put the take-off {:.0f} m below it, and the camera under the ground: "
+                  "give --takeoff, the height of the take-off above the ellipsoid",
+                  word, -median_m));
+}
+
 // The steps common to all formats: options, order of times, checks, vertical datum.
 Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  const CameraModel* camera = FindCameraModel(options.camera_model);
   for (CameraState& state : telemetry.states) {
     state.time_s += options.time_offset_s;
+    if (camera != nullptr && !state.hfov_rad) state.hfov_rad = FieldOfView(*camera, std::nullopt);
     if (options.hfov_deg > 0) state.hfov_rad = RadiansFromDegrees(options.hfov_deg);
   }
   KeepIncreasingTimes(telemetry);
   CompleteAttitudes(telemetry.states, options, telemetry.warnings);
   WarnOfJumps(telemetry, options.max_gap_s);
   VICTORIOUS_RETURN_IF_ERROR(ConvertToEllipsoid(telemetry.states, options, telemetry.warnings));
+  if (auto flags = FlagsForMissing(telemetry.states)) telemetry.warnings.push_back(*std::move(flags));
   return telemetry;
 }
 
@@ -247,29 +288,23 @@ Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& opti
   telemetry.records = subtitles.cues;
   telemetry.states = std::move(subtitles.states);
   telemetry.warnings = std::move(subtitles.warnings);
+  const CameraModel* camera = FindCameraModel(options.camera_model);
   const auto has_hfov = [](const CameraState& state) { return state.hfov_rad.has_value(); };
-  if (options.hfov_deg == 0 && std::ranges::any_of(telemetry.states, has_hfov)) {
-    telemetry.warnings.emplace_back(
-        "the field of view is estimated from the focal length, for an uncropped image of 16:9");
-  }
-  const auto has_attitude = [](const CameraState& state) { return state.attitude.has_value(); };
-  if (!options.camera_pitch_deg && !telemetry.states.empty() && std::ranges::none_of(telemetry.states, has_attitude)) {
-    telemetry.warnings.emplace_back("the subtitles have no gimbal angles: give --nadir, or --pitch and --yaw");
-  }
-  if (!subtitles.takeoff_m.empty()) {
-    const double takeoff_m = Median(std::move(subtitles.takeoff_m));
-    if (takeoff_m < kLowestTakeoff_m) {
-      telemetry.warnings.push_back(fmt::format(
-          "the heights above the sea (abs_alt) put the take-off {:.0f} m below it, and the camera under the ground: "
-          "give --takeoff, the height of the take-off above the ellipsoid",
-          -takeoff_m));
+  if (camera != nullptr) {
+    for (CameraState& state : telemetry.states) {
+      if (state.hfov_rad) state.hfov_rad = FieldOfView(*camera, FocalFromFieldOfView(*state.hfov_rad));
     }
+  } else if (options.hfov_deg == 0 && std::ranges::any_of(telemetry.states, has_hfov)) {
+    telemetry.warnings.emplace_back(
+        "the field of view is estimated from the focal length, within 4 % for an uncropped image: --camera or --hfov "
+        "gives it exactly");
   }
+  WarnOfTakeoffHeight(std::move(subtitles.takeoff_m), "abs_alt", options, telemetry.warnings);
   return Finish(std::move(telemetry), options);
 }
 
 // Parses the subtitle packets of a video; a text may start with its length.
-DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets) {
+DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets, DjiHeight height) {
   DjiSubtitles subtitles;
   int without_place = 0;
   int without_time = 0;
@@ -277,7 +312,7 @@ DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets) {
     if (packet.kind != DataKind::kSubtitle) continue;
     ++subtitles.cues;
     const std::string_view text(reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size());
-    auto state = CameraFromDjiText(text);
+    auto state = CameraFromDjiText(text, height);
     if (const auto takeoff_m = TakeoffAltitudeFromDjiText(text)) subtitles.takeoff_m.push_back(*takeoff_m);
     if (!state || !packet.time_s) {
       ++(state ? without_time : without_place);
@@ -334,7 +369,7 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
                    .warnings = std::move(rows.warnings)},
                   options);
   }
-  if (LooksLikeDjiSrt(bytes)) return FromDji(ParseDjiSrt(bytes), options);
+  if (LooksLikeDjiSrt(bytes)) return FromDji(ParseDjiSrt(bytes, HeightOf(options)), options);
   KlvPackets decoded = DecodeKlv(AsBytes(bytes));
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
   if (!decoded.warnings.empty()) return Fail(ErrorCode::kDataLoss, decoded.warnings.Lines()[0]);
@@ -346,7 +381,7 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
 Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, const TelemetryOptions& options) {
   KlvPackets decoded = DecodeKlv(packets);
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
-  DjiSubtitles subtitles = ParseSubtitlePackets(packets);
+  DjiSubtitles subtitles = ParseSubtitlePackets(packets, HeightOf(options));
   if (!subtitles.states.empty()) return FromDji(std::move(subtitles), options);
   return Finish({.states = {}, .packets = {}, .records = 0, .warnings = decoded.warnings.Lines()}, options);
 }

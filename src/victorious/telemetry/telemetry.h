@@ -35,6 +35,9 @@ struct TelemetryOptions {
   /// parameters: they describe one video, as its telemetry file does.
   std::optional<double> camera_pitch_deg;
   std::optional<double> camera_yaw_deg;
+  /// The camera (camera_models.h), which gives the field of view; empty: that of the telemetry, if it names one. Not a
+  /// user parameter, for the same reason.
+  std::string camera_model;
 
   void ListFields(FieldList& fields);
 };

@@ -221,7 +221,7 @@ TEST(Telemetry, HeightsAboveTakeOffNeedItsHeight) {
   const auto unknown = ParseTelemetry(table, {});
   ASSERT_TRUE(unknown);
   EXPECT_EQ(unknown->states[0].datum, VerticalDatum::kTakeoff);
-  EXPECT_THAT(unknown->warnings, Contains(HasSubstr("take-off")));
+  EXPECT_THAT(unknown->warnings, Contains(HasSubstr("--takeoff")));
   const auto known = ParseTelemetry(table, {.takeoff_altitude_m = 12});
   EXPECT_EQ(known->states[0].datum, VerticalDatum::kEllipsoid);
   EXPECT_EQ(known->states[0].place.altitude_m, 42);
@@ -304,7 +304,7 @@ TEST(Telemetry, SubtitlesWithoutGimbalAnglesTakeTheGivenOnes) {
   const std::string srt =
       Srt("[latitude: 48.0] [longitude: 11.0] [rel_alt: 50]", "[latitude: 48.0] [longitude: 11.00015] [rel_alt: 50]");
   const auto without = ParseTelemetry(srt, {});
-  EXPECT_THAT(without->warnings, Contains(HasSubstr("give --nadir, or --pitch and --yaw")));
+  EXPECT_THAT(without->warnings, Contains(HasSubstr("--nadir, or --pitch and --yaw")));
   EXPECT_FALSE(without->states[0].attitude);
 
   TelemetryOptions options;
@@ -320,6 +320,60 @@ TEST(Telemetry, SubtitlesWithoutGimbalAnglesTakeTheGivenOnes) {
   ASSERT_TRUE(by_course->states[1].attitude) << "the last state has the last course";
   EXPECT_NEAR(DegreesFromRadians(by_course->states[1].attitude->yaw_rad), 90, 0.1);
   EXPECT_GT(by_course->states[0].sigma_attitude_rad, given->states[0].sigma_attitude_rad);
+}
+
+// What each dialect lacks, in one line that names the flags; what a pilot then gives makes all states complete.
+TEST(Telemetry, OneLineNamesTheFlagsThatSubtitlesLack) {
+  const auto check = [](const std::string& text, const std::vector<std::string>& flags, const TelemetryOptions& given) {
+    const auto without = ParseTelemetry(Srt(text, text), {});
+    std::vector<std::string> lines;
+    for (const std::string& line : without->warnings) {
+      if (line.starts_with("for places give")) lines.push_back(line);
+    }
+    ASSERT_EQ(lines.size(), flags.empty() ? 0U : 1U) << text;
+    for (const std::string flag : {"--nadir", "--camera", "--takeoff"}) {
+      const bool named = !lines.empty() && lines[0].contains(flag);
+      EXPECT_EQ(named, std::ranges::find(flags, flag) != flags.end()) << text << flag;
+    }
+    const auto complete = ParseTelemetry(Srt(text, text), given);
+    ASSERT_EQ(complete->states.size(), 2U) << text;
+    EXPECT_TRUE(complete->states[0].IsComplete()) << text;
+    EXPECT_THAT(complete->warnings, Not(Contains(HasSubstr("for places")))) << text;
+  };
+  TelemetryOptions options{.takeoff_altitude_m = 500};
+  options.camera_pitch_deg = -90;
+  options.camera_yaw_deg = 0;
+  options.camera_model = "mavic-pro";
+  check("HOME(11.0,48.0) 2017.08.05 14:11:51\nGPS(11.0,48.0,16) BAROMETER:51.9", {"--nadir", "--camera", "--takeoff"},
+        options);
+  check("2022.06.21 16:06:17\nGPS(48.0,11.0,0.0M) BAROMETER:50.3M", {"--nadir", "--camera", "--takeoff"}, options);
+  check("[focal_len : 240] [latitude : 48.0] [longtitude : 11.0] [altitude: 57.87]", {"--nadir", "--takeoff"}, options);
+  check("GPS (11.0, 48.0, 15), H 85.80m, G.PRY (-24.4, 0.0, 110.4)", {"--camera", "--takeoff"}, options);
+  check("[focal_len: 24.00] [latitude: 48.0] [longitude: 11.0] [rel_alt: 43.2] [gb_yaw: 1 gb_pitch: -86 gb_roll: 0]",
+        {"--takeoff"}, options);
+}
+
+TEST(Telemetry, TheTakeOffsHeightReplacesTheAircraftsHeightAboveTheSea) {
+  const std::string text = "[latitude: 53.36] [longitude: 6.46] [rel_alt: 6.0 abs_alt: -122.8]";
+  EXPECT_THAT(ParseTelemetry(Srt(text, text), {})->warnings, Contains(HasSubstr("129 m below")));
+  const auto given = ParseTelemetry(Srt(text, text), {.takeoff_altitude_m = 42});
+  EXPECT_EQ(given->states[0].datum, VerticalDatum::kEllipsoid);
+  EXPECT_NEAR(given->states[0].place.altitude_m, 48, 1e-9);
+  EXPECT_THAT(given->warnings, Not(Contains(HasSubstr("below"))));
+}
+
+TEST(Telemetry, TheCameraGivesTheFieldOfViewOfItsFocalLength) {
+  const std::string place = "[latitude: 49.1] [longitude: 14.6] [rel_alt: 90.0] ";
+  const auto hfov_deg = [&](const std::string& text, const std::string& camera) {
+    TelemetryOptions options;
+    options.camera_model = camera;
+    const auto telemetry = ParseTelemetry(Srt(place + text, place + text), options);
+    return DegreesFromRadians(telemetry->states[0].hfov_rad.value());
+  };
+  EXPECT_NEAR(hfov_deg("[focal_len: 24.00]", ""), 73.7, 0.1);
+  EXPECT_NEAR(hfov_deg("[focal_len: 24.00]", "mavic-3"), 71.6, 0.1) << "a sensor of 4:3";
+  EXPECT_NEAR(hfov_deg("[focal_len: 48.00]", "mavic-3"), 39.7, 0.1) << "zoomed";
+  EXPECT_NEAR(hfov_deg("", "Mavic Pro"), 66.6, 0.1) << "78.8 degrees by the diagonal";
 }
 
 TEST(Telemetry, AHoveringCameraHasNoCourse) {

@@ -67,10 +67,7 @@ Status ConvertToEllipsoid(std::vector<CameraState>& states, const TelemetryOptio
   VICTORIOUS_RETURN_IF_ERROR(ConvertFromGeoid(states, VerticalDatum::kEgm2008, options, warnings));
   if (!HasDatum(states, VerticalDatum::kTakeoff)) return {};
   if (options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight) {
-    warnings.emplace_back(
-        "heights are above the take-off, whose height is unknown: set telemetry.takeoff_altitude_m to its height above "
-        "the ellipsoid");
-    return {};
+    return {};  // telemetry.cc names the flag that is missing
   }
   for (CameraState& state : states) {
     if (state.datum != VerticalDatum::kTakeoff) continue;
