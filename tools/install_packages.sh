@@ -9,7 +9,7 @@ packages=(
   libopencv-dev libeigen3-dev libhwy-dev libtbb-dev libxxhash-dev libgeographiclib-dev libgdal-dev libceres-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev
   libassimp-dev libopengl-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
-  libsqlite3-dev libpq-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
+  libsqlite3-dev libpq-dev libexif-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
   libboost-dev libsodium-dev libssl-dev
   libgtest-dev libgmock-dev libbenchmark-dev
 )

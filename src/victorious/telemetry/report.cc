@@ -152,6 +152,8 @@ std::string_view Name(TelemetryFormat format) {
       return "DJI subtitles";
     case TelemetryFormat::kTable:
       return "table";
+    case TelemetryFormat::kPhotos:
+      return "photos";
   }
   return "";
 }
@@ -179,7 +181,7 @@ std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
   AddNestedSets(lines, telemetry.packets);
   const std::vector<CameraState>& states = telemetry.states;
   if (states.empty()) {
-    lines.emplace_back("missing: a camera state: no packet has position, height and pointing together");
+    lines.emplace_back("missing: a camera state: no record has position, height and pointing together");
   } else {
     const CameraState& first = states.front();
     const std::string height = first.datum == VerticalDatum::kUnknown

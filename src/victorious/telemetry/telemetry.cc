@@ -20,6 +20,7 @@
 #include "victorious/telemetry/klv_camera.h"
 #include "victorious/telemetry/klv_packets.h"
 #include "victorious/telemetry/klv_streams.h"
+#include "victorious/telemetry/photo.h"
 #include "victorious/telemetry/vertical_datum.h"
 #include "victorious/types/vertical_datum.h"
 
@@ -236,7 +237,7 @@ Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options)
   }
   KeepIncreasingTimes(telemetry);
   CompleteAttitudes(telemetry.states, options, telemetry.warnings);
-  WarnOfJumps(telemetry, options.max_gap_s);
+  if (telemetry.format != TelemetryFormat::kPhotos) WarnOfJumps(telemetry, options.max_gap_s);
   VICTORIOUS_RETURN_IF_ERROR(ConvertToEllipsoid(telemetry.states, options, telemetry.warnings));
   if (auto flags = FlagsForMissing(telemetry.states)) telemetry.warnings.push_back(*std::move(flags));
   return telemetry;
@@ -384,6 +385,32 @@ Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, co
   DjiSubtitles subtitles = ParseSubtitlePackets(packets, HeightOf(options));
   if (!subtitles.states.empty()) return FromDji(std::move(subtitles), options);
   return Finish({.states = {}, .packets = {}, .records = 0, .warnings = decoded.warnings.Lines()}, options);
+}
+
+Expected<Telemetry> TelemetryFromPhotos(std::span<const PhotoMetadata> photos, const TelemetryOptions& options) {
+  Telemetry telemetry{.format = TelemetryFormat::kPhotos, .records = static_cast<int>(photos.size())};
+  std::vector<double> takeoff_m;
+  std::size_t turned = 0;
+  for (const PhotoMetadata& photo : photos) {
+    if (auto state = CameraFromPhoto(photo, HeightOf(options), options.camera_model))
+      telemetry.states.push_back(*state);
+    turned += photo.HasPlace() && !photo.is_upright ? 1 : 0;
+    if (photo.altitude_m && photo.above_takeoff_m && photo.altitude_datum == VerticalDatum::kEgm96) {
+      takeoff_m.push_back(*photo.altitude_m - *photo.above_takeoff_m);
+    }
+  }
+  const std::size_t without_place = photos.size() - telemetry.states.size() - turned;
+  if (without_place > 0) {
+    telemetry.warnings.push_back(fmt::format("{} of {} photos have no position", without_place, photos.size()));
+  }
+  if (turned > 0) {
+    telemetry.warnings.push_back(
+        fmt::format("{} of {} photos are turned (EXIF orientation), which the gimbal's angles do not say: they give no "
+                    "camera state",
+                    turned, photos.size()));
+  }
+  WarnOfTakeoffHeight(std::move(takeoff_m), "AbsoluteAltitude", options, telemetry.warnings);
+  return Finish(std::move(telemetry), options);
 }
 
 }  // namespace victorious

@@ -1,5 +1,5 @@
-// telemetry/: entry point. In: KLV (MISB ST 0601, EG 0104), DJI subtitles or a table, as bytes or as a video's data
-// packets. Out: camera states on the video's clock, with heights above the ellipsoid if the datum can be converted.
+// telemetry/: entry point. In: KLV (MISB ST 0601, EG 0104), DJI subtitles, a table, as bytes or as a video's data
+// packets, or photos with EXIF and XMP. Out: camera states on the video's clock, with heights above the ellipsoid if the datum can be converted.
 //
 //   bytes -> packets, cues or rows -> CameraState, each with its own datum -> order, clock, datum -> Telemetry
 #pragma once
@@ -19,6 +19,8 @@
 #include "victorious/types/data_packet.h"
 
 namespace victorious {
+
+struct PhotoMetadata;
 
 /// telemetry.cc gives ranges, units and reasons.
 struct TelemetryOptions {
@@ -43,9 +45,9 @@ struct TelemetryOptions {
 };
 
 /// The format of a source; `kNone` for a video without telemetry.
-enum class TelemetryFormat { kNone, kSt0601, kEg0104, kOtherKlv, kDjiSubtitles, kTable };
+enum class TelemetryFormat { kNone, kSt0601, kEg0104, kOtherKlv, kDjiSubtitles, kTable, kPhotos };
 
-/// "none", "MISB ST 0601", "MISB EG 0104", "KLV of another standard", "DJI subtitles", "table".
+/// "none", "MISB ST 0601", "MISB EG 0104", "KLV of another standard", "DJI subtitles", "table", "photos".
 [[nodiscard]] std::string_view Name(TelemetryFormat format);
 
 struct Telemetry {
@@ -68,6 +70,12 @@ struct Telemetry {
 /// Errors: kInvalidArgument for invalid options.
 [[nodiscard]] Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets,
                                                        const TelemetryOptions& options);
+
+/// The camera states of photos (photo.h), by increasing time. They hold at their own times only: the times of photos in a
+/// folder are invented, so nothing between them is known.
+/// Errors: kInvalidArgument for invalid options.
+[[nodiscard]] Expected<Telemetry> TelemetryFromPhotos(std::span<const PhotoMetadata> photos,
+                                                      const TelemetryOptions& options);
 
 /// Every item of every KLV packet by number and name, checksums and time stamps; the states; the warnings.
 nlohmann::json ToJson(const Telemetry& telemetry);
