@@ -22,6 +22,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/kernels/nearest.h"
+#include "victorious/pipeline/photo_telemetry.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/model_file.h"
 #include "victorious/store/open_store.h"
@@ -136,14 +137,19 @@ Report DescribeTelemetrySource(const std::string& source, const VideoProbe& prob
     return {"telemetry in the file\n" + Indented(statements), {{"source", source}, {"says", statements}}};
   }
   const auto beside = FindTelemetryFile(source);
+  const auto of_photos = !beside && IsOfImages(source) ? ReadTelemetry(source, {}) : Expected<Telemetry>(Telemetry());
+  if (of_photos && of_photos->records > 0) {
+    const std::vector<std::string> statements = DescribeTelemetry(*of_photos);
+    return {"telemetry of the photos (EXIF, XMP)\n" + Indented(statements), {{"source", source}, {"says", statements}}};
+  }
   if (!beside) {
     const std::string name = OneLine(std::filesystem::path(source).stem().string());
-    return {
-        fmt::format("impossible: no telemetry\n"
-                    "  missing: KLV or a DJI aircraft's subtitles in the file, {}.SRT or {}.telemetry.csv beside it, "
-                    "or a table given to `index --telemetry`\n",
-                    name, name),
-        nullptr};
+    return {fmt::format(
+                "impossible: no telemetry\n"
+                "  missing: KLV or a DJI aircraft's subtitles in the file, positions in a folder's photos, {}.SRT or "
+                "{}.telemetry.csv beside it, or a table given to `index --telemetry`\n",
+                name, name),
+            nullptr};
   }
   const auto telemetry = ReadTelemetry(beside->string(), {});
   std::vector<std::string> statements =

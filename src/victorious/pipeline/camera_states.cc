@@ -26,8 +26,9 @@ Expected<CameraStates> CameraStates::Load(const std::string& video, const VideoI
       cameras.start_utc_us_ = *state.utc_us - std::llround(state.time_s * 1e6);
     }
   }
-  cameras.max_gap_s_ = options.max_gap_s;
-  cameras.trajectory_.emplace(std::move(telemetry->states), options.max_gap_s);
+  cameras.is_of_photos_ = telemetry->format == TelemetryFormat::kPhotos;
+  cameras.max_gap_s_ = cameras.is_of_photos_ ? 0 : options.max_gap_s;
+  cameras.trajectory_.emplace(std::move(telemetry->states), cameras.max_gap_s_);
   return cameras;
 }
 

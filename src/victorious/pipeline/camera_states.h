@@ -53,6 +53,8 @@ class CameraStates {
   [[nodiscard]] const CameraTrajectory* trajectory() const { return trajectory_ ? &*trajectory_ : nullptr; }
   /// True if there is a state at any time.
   [[nodiscard]] bool HasStates() const { return trajectory_ && !trajectory_->states().empty(); }
+  /// True if the states are those of photos: each holds at its own time only, and there is no motion between them.
+  [[nodiscard]] bool is_of_photos() const { return is_of_photos_; }
   /// The first field of view that telemetry gives, rad.
   [[nodiscard]] std::optional<double> first_hfov_rad() const { return first_hfov_rad_; }
   /// UTC time of the video's first frame, from the first state with a clock.
@@ -66,6 +68,7 @@ class CameraStates {
  private:
   std::optional<CameraTrajectory> trajectory_;
   std::optional<LiveCameraTrack> live_;
+  bool is_of_photos_ = false;
   double max_gap_s_ = 0;  // of trajectory_
   std::optional<double> fallback_hfov_rad_;
   std::optional<double> first_hfov_rad_;

@@ -22,7 +22,7 @@ std::optional<double> ClockCorrection(const TimeOffset& offset) {
 
 Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,
                     const WarningSink& warn, CameraStates& cameras) {
-  if (!cameras.HasStates()) return {};
+  if (!cameras.HasStates() || cameras.is_of_photos()) return {};
   const TimeOffsetOptions options{.max_offset_s = kMaxOffset_s, .max_duration_s = kMaxDuration_s};
   const Expected<ImageMotions> motions = MeasureMotions(video, options, impulse_fraction, cancel);
   if (!motions) {

@@ -10,6 +10,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/median.h"
+#include "victorious/pipeline/photo_telemetry.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -40,7 +41,16 @@ Expected<Telemetry> ReadPackets(const std::string& source, const TelemetryOption
   return TelemetryFromPackets(reader->TakeDataPackets(), options);
 }
 
+Expected<Telemetry> ReadFromPhotos(const std::string& source, const TelemetryOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Telemetry> telemetry,
+                              ReadPhotoTelemetry(source, VideoReaderOptions().folder_frame_rate, options));
+  if (telemetry) return *std::move(telemetry);
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: no telemetry: no image has a position (EXIF or XMP of a JPEG)", source));
+}
+
 Expected<Telemetry> ReadFromVideo(const std::string& source, const TelemetryOptions& options) {
+  if (IsOfImages(source)) return ReadFromPhotos(source, options);
   std::vector<std::string> damage;
   VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, ReadPackets(source, options, &damage));
   std::ranges::move(damage, std::back_inserter(telemetry.warnings));
@@ -49,6 +59,25 @@ Expected<Telemetry> ReadFromVideo(const std::string& source, const TelemetryOpti
                 fmt::format("{}: no telemetry: no KLV and no subtitles of a DJI aircraft are in this video", source));
   }
   return telemetry;
+}
+
+Expected<std::optional<Telemetry>> Find(const std::string& video, double folder_frame_rate,
+                                        const TelemetryOptions& options,
+                                        const std::function<void(const std::string&)>& warn) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  const bool of_images = IsOfImages(video);
+  Expected<Telemetry> own = Telemetry{};
+  if (!of_images) own = ReadPackets(video, options, nullptr);
+  if (own && !own->packets.empty()) return std::optional(*std::move(own));
+  if (const auto telemetry_file = FindTelemetryFile(video)) {
+    Expected<Telemetry> read = ReadTelemetry(telemetry_file->string(), options);
+    if (read) return std::optional(*std::move(read));
+    warn(read.error().message);
+  }
+  if (of_images) return ReadPhotoTelemetry(video, folder_frame_rate, options);
+  if (own && own->records > 0) return std::optional(*std::move(own));
+  if (!own) warn(own.error().message);
+  return std::nullopt;
 }
 
 }  // namespace
@@ -72,19 +101,7 @@ Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOpti
 
 Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
                                                  const std::function<void(const std::string&)>& warn) {
-  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  std::error_code error;
-  Expected<Telemetry> own = Telemetry{};
-  if (!fs::is_directory(video, error)) own = ReadPackets(video, options, nullptr);
-  if (own && !own->packets.empty()) return std::optional(*std::move(own));
-  if (const auto telemetry_file = FindTelemetryFile(video)) {
-    Expected<Telemetry> read = ReadTelemetry(telemetry_file->string(), options);
-    if (read) return std::optional(*std::move(read));
-    warn(read.error().message);
-  }
-  if (own && own->records > 0) return std::optional(*std::move(own));
-  if (!own) warn(own.error().message);
-  return std::nullopt;
+  return Find(video, VideoReaderOptions().folder_frame_rate, options, warn);
 }
 
 Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const VideoInfo& info,
@@ -95,7 +112,8 @@ Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const
   if (file) {
     VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*file, options));
   } else if (!info.live) {
-    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(video, options, warn));
+    const double rate = info.frame_rate > 0 ? info.frame_rate : VideoReaderOptions().folder_frame_rate;
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, Find(video, rate, options, warn));
   }
   if (!telemetry) return telemetry;
   for (const std::string& warning : telemetry->warnings) warn("telemetry: " + warning);

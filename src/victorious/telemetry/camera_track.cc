@@ -48,8 +48,8 @@ CameraState Interpolate(const CameraState& a, const CameraState& b, double time_
   return state;
 }
 
-std::optional<CameraState> HoldNearest(CameraState state, double time_s) {
-  if (std::abs(state.time_s - time_s) > kMaxHold_s) return std::nullopt;
+std::optional<CameraState> HoldNearest(CameraState state, double time_s, double max_gap_s) {
+  if (std::abs(state.time_s - time_s) > std::min(kMaxHold_s, max_gap_s)) return std::nullopt;
   state.time_s = time_s;
   return state;
 }
@@ -66,9 +66,9 @@ CameraTrajectory::CameraTrajectory(std::vector<CameraState> states, double max_g
 std::optional<CameraState> CameraTrajectory::At(double time_s) const {
   if (states_.empty() || !std::isfinite(time_s)) return std::nullopt;
   const auto after = std::ranges::lower_bound(states_, time_s, {}, &CameraState::time_s);
-  if (after == states_.end()) return HoldNearest(states_.back(), time_s);
+  if (after == states_.end()) return HoldNearest(states_.back(), time_s, max_gap_s_);
   if (after->time_s == time_s) return *after;
-  if (after == states_.begin()) return HoldNearest(*after, time_s);
+  if (after == states_.begin()) return HoldNearest(*after, time_s, max_gap_s_);
   const CameraState& before = *std::prev(after);
   if (after->time_s - before.time_s > max_gap_s_ || after->datum != before.datum) return std::nullopt;
   return Interpolate(before, *after, time_s);

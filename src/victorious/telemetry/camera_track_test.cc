@@ -42,6 +42,15 @@ TEST(CameraTrajectory, NoStateInGapsAndBeyondTheEnds) {
   EXPECT_FALSE(track.At(std::numeric_limits<double>::quiet_NaN()));
 }
 
+TEST(CameraTrajectory, WithoutAGapStatesHoldAtTheirTimesOnly) {
+  const CameraTrajectory track({StateAt(0, 10, 0), StateAt(0.1, 10, 0)}, 0);
+  EXPECT_TRUE(track.At(0));
+  EXPECT_TRUE(track.At(0.1));
+  EXPECT_FALSE(track.At(0.05));
+  EXPECT_FALSE(track.At(0.15));
+  EXPECT_FALSE(track.At(-0.01));
+}
+
 TEST(CameraTrajectory, FieldMissingInOneNeighbourIsUnknown) {
   CameraState bare = StateAt(1, 10, 0);
   bare.attitude.reset();

@@ -18,6 +18,7 @@
 #include "victorious/image/image_file.h"
 #include "victorious/image/image_header.h"
 #include "victorious/video/damage_log.h"
+#include "victorious/video/image_folder.h"
 
 namespace victorious {
 namespace {
@@ -150,7 +151,7 @@ Expected<std::unique_ptr<VideoReader>> Open(const fs::path& source, Sequence seq
 
 }  // namespace
 
-Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const fs::path& folder, const VideoReaderOptions& options) {
+Expected<std::vector<fs::path>> ListImages(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
@@ -165,6 +166,11 @@ Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const fs::path& folder, c
   std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
     return NaturalLess(a.filename().native(), b.filename().native());
   });
+  return files;
+}
+
+Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const fs::path& folder, const VideoReaderOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<fs::path> files, ListImages(folder));
   return Open(folder, Sequence::kFolder, std::move(files), options);
 }
 

@@ -1,0 +1,23 @@
+// The telemetry of a folder of drone photos, or of one photo: EXIF and XMP (telemetry/photo.h).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "victorious/base/error.h"
+#include "victorious/telemetry/telemetry.h"
+
+namespace victorious {
+
+/// True for a folder, and for a JPEG file: of images only these have tags that are read.
+[[nodiscard]] bool IsOfImages(const std::string& video);
+
+/// Reads the tags of all images. Each state has the time of its frame.
+/// @param video       a folder or an image
+/// @param frame_rate  of the folder, frames/s (VideoReaderOptions::folder_frame_rate)
+/// @return std::nullopt if no image has a position
+/// Errors: those of VideoReader and of the options. Cost: reads the first megabytes of every JPEG, and the first image.
+[[nodiscard]] Expected<std::optional<Telemetry>> ReadPhotoTelemetry(const std::string& video, double frame_rate,
+                                                                    const TelemetryOptions& options);
+
+}  // namespace victorious
