@@ -95,6 +95,16 @@ class CategoryTest(program.ProgramTest):
         words = self.classify(model, "--method", "words")
         self.assertNotEqual([row["scores"] for row in words], [row["scores"] for row in results])
 
+    def test_training_and_refining_report_as_json(self):
+        model = self.scratch / "model.vcat"
+        (report,) = self.succeeds(
+            "category", "train", "--images", FOLDER, "--list", self.write("train.csv", listing(TRAIN)), "--out", model,
+            "--params", self.write("params.json", json.dumps(SMALL)), "--json",
+        ).rows()  # fmt: skip
+        self.assertEqual((report["model"], report["images"], report["cad_files"]), (str(model), len(TRAIN), 0))
+        self.assertEqual(set(report["categories"]), {row.split(",")[1] for row in TRAIN})
+        self.assertGreater(report["words"], 0)
+
     def test_missing_background_is_reported(self):
         def train(rows):
             listed, params = self.write("list.csv", listing(rows)), self.write("params.json", json.dumps(SMALL))
@@ -141,7 +151,8 @@ class CategoryTest(program.ProgramTest):
         marks = self.write("marks.csv", f"image,category,mark\n{image},{name},wrong\n")
         better = self.scratch / "better.vcat"
         command = ("category", "refine", "--model", model, "--images", FOLDER, "--out", better, "--list")
-        self.succeeds(*command, marks)
+        (report,) = self.succeeds(*command, marks, "--json").rows()
+        self.assertEqual(report, {"model": str(better), "marks": 1})
         after = next(row for row in self.classify(better) if row["image"] == image)["scores"][name]
         self.assertLess(after, before)
         better.unlink()

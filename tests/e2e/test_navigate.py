@@ -193,8 +193,12 @@ class NavigateTest(program.ProgramTest):
         grey = program.plain_image(self.scratch / "grey.ppm")
         out = self.scratch / "camera.csv"
         flags = ("--landmarks", self.list_of(landmarks), "--models", flight() / "models", "--out", out, "--hfov", "20")
-        done = self.succeeds("navigate", grey, *flags)
+        done = self.succeeds("navigate", grey, *flags, "--json")
         self.assertIn("the camera position is unknown", done.err)
+        (report,) = done.rows()
+        self.assertEqual((report["out"], report["frames"], report["frames_with_landmark"]), (str(out), 1, 0))
+        self.assertIn("no landmark recognised", report["status"])
+        self.assertEqual([(one["model"], one["frames"]) for one in report["landmarks"]], [(landmarks[0]["model"], 0)])
         self.assertEqual(set(out.read_text().strip().split(",")), COLUMNS)  # only the header
 
 

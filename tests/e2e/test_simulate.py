@@ -35,8 +35,11 @@ def with_changes(**changes) -> str:
 
 class SimulateTest(program.ProgramTest):
     def simulate(self, name: str, scene: str = with_changes()):
-        self.succeeds("simulate", self.write("scene.json", scene), "--out", self.scratch / name)
         folder = self.scratch / name
+        (report,) = self.succeeds("simulate", self.write("scene.json", scene), "--out", folder, "--json").rows()
+        self.assertEqual(report["frames"], json.loads(scene)["video"]["frames"])
+        for kind, file in (("video", "video.mp4"), ("telemetry", "telemetry.csv"), ("truth", "truth.jsonl")):
+            self.assertEqual(report[kind], str(folder / file))
         self.assertEqual(
             sorted(path.name for path in folder.iterdir()), ["telemetry.csv", "truth.jsonl", "video.mp4"]
         )

@@ -66,6 +66,10 @@ Error WithListContext(Error error, const std::string& list) {
   return std::move(error).WithContext(list);
 }
 
+std::string ToLine(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 Status Train(const Arguments& arguments, const CLI::App& app) {
   CategoryTrainOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
@@ -83,6 +87,17 @@ Status Train(const Arguments& arguments, const CLI::App& app) {
   VICTORIOUS_RETURN_IF_ERROR(WarnWithoutBackground(*model));
   const auto labels = std::ranges::count(model->nodes, true, &CategoryNode::can_be_label);
   const auto cad_files = std::ranges::count_if(rows, [](const CategoryListRow& row) { return IsCadFile(row.image); });
+  if (arguments.json) {
+    nlohmann::ordered_json categories = nlohmann::ordered_json::array();
+    for (const CategoryNode& node : model->nodes) {
+      if (node.can_be_label) categories.push_back(node.name);
+    }
+    return WriteOutput("", ToLine({{"model", arguments.out},
+                                   {"categories", std::move(categories)},
+                                   {"words", model->vocabulary.size()},
+                                   {"images", std::ssize(rows) - cad_files},
+                                   {"cad_files", cad_files}}));
+  }
   const std::string cad = cad_files == 0 ? "" : fmt::format(" and {} CAD file{}", cad_files, cad_files == 1 ? "" : "s");
   return WriteOutput("", fmt::format("{}: {} categories, {} words, from {} images{}\n", arguments.out, labels,
                                      model->vocabulary.size(), std::ssize(rows) - cad_files, cad));
@@ -98,7 +113,7 @@ std::string FormatResult(const std::string& image, const CategoryModel& model, c
   for (std::size_t n = 0; n < model.nodes.size(); ++n) scores[model.nodes[n].name] = result.scores[n].probability;
   const nlohmann::ordered_json line = {
       {"image", image}, {"label", model.nodes[result.label].name}, {"scores", std::move(scores)}};
-  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return ToLine(line);
 }
 
 // The output file of --explain for one image: FILE itself for the first image, FILE-2.png and so on for the others.
@@ -184,7 +199,8 @@ Status Refine(const Arguments& arguments, const CLI::App& app) {
   Expected<CategoryModel> refined = RefineCategories(std::move(model), marks);
   if (!refined) return std::unexpected(WithListContext(std::move(refined).error(), arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(WriteCategoryModel(arguments.out, *refined));
-  return WriteOutput("", fmt::format("{}: refined with {} marks\n", arguments.out, marks.size()));
+  return WriteOutput("", arguments.json ? ToLine({{"model", arguments.out}, {"marks", marks.size()}})
+                                        : fmt::format("{}: refined with {} marks\n", arguments.out, marks.size()));
 }
 
 }  // namespace
@@ -206,6 +222,7 @@ Action SetUpCategory(CLI::App& app) {
   train->add_option("--out", arguments->out, "The category model to write")->required()->type_name("FILE");
   AddParams(*train, arguments->params, "category");
   train->add_option("--seed", arguments->seed, "Seed of the random numbers (default 1)")->type_name("N");
+  train->add_flag("--json", arguments->json, "Print one JSON object: the model, its categories, words, images");
 
   CLI::App* classify = app.add_subcommand("classify", "Classify images: a label, and a score for each category");
   classify->add_option("--model", arguments->model, "A category model")->required()->type_name("FILE");
@@ -225,6 +242,7 @@ Action SetUpCategory(CLI::App& app) {
       ->type_name("FILE");
   add_images(refine, "CSV with a header and lines image,category,mark; mark is right or wrong");
   refine->add_option("--out", arguments->out, "The new category model to write")->required()->type_name("FILE");
+  refine->add_flag("--json", arguments->json, "Print one JSON object: the model, the number of marks");
   for (CLI::App* command : {train, classify, refine}) AddForce(*command);
   return [=] {
     if (refine->parsed()) return Refine(*arguments, *refine);

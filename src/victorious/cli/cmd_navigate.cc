@@ -1,4 +1,4 @@
-// victorious navigate VIDEO --landmarks DB --models DIR --out FILE.csv: estimates the camera pose from landmarks
+// victorious navigate VIDEO --landmarks DB --models DIR --out FILE.csv [--json]: estimates the camera pose from landmarks
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "victorious/base/count_text.h"
@@ -29,7 +30,32 @@ struct Arguments {
   std::optional<std::string> telemetry;
   std::optional<double> hfov_deg;
   CameraArguments camera;
+  bool json = false;
 };
+
+std::int64_t CountFramesWithLandmark(const NavigationResult& result) {
+  return std::ranges::count_if(result.navigation.frames,
+                               [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
+}
+
+nlohmann::ordered_json ToJson(const Arguments& arguments, const NavigationResult& result) {
+  nlohmann::ordered_json landmarks = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < result.landmarks.size(); ++i) {
+    const Landmark& landmark = result.landmarks[i];
+    landmarks.push_back({{"model", landmark.model},
+                         {"latitude_deg", DegreesFromRadians(landmark.place.latitude_rad)},
+                         {"longitude_deg", DegreesFromRadians(landmark.place.longitude_rad)},
+                         {"frames", result.sightings[i]}});
+  }
+  return {{"video", arguments.video},
+          {"out", arguments.out},
+          {"status", ToText(kNavigationStatusTexts, result.navigation.status)},
+          {"frames", result.frames},
+          {"frames_with_landmark", CountFramesWithLandmark(result)},
+          {"frames_located", result.states.size()},
+          {"rejected_sightings", result.rejected_sightings},
+          {"landmarks", std::move(landmarks)}};
+}
 
 // Logs the estimated telemetry error of the middle frame among those with landmarks. Warns if it exceeds 10 times
 // `expected_sigma_m`, the standard deviation of the modelled position offset.
@@ -57,11 +83,8 @@ void LogTelemetryError(const Navigation& navigation, double expected_sigma_m) {
 }
 
 void LogSummary(const NavigationResult& result, const NavigateOptions& options) {
-  const std::vector<NavigatedFrame>& frames = result.navigation.frames;
-  const auto with_landmark =
-      std::ranges::count_if(frames, [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
-  spdlog::info("{}, {} with a landmark; {} rejected as outliers", CountText(result.frames, "frame"), with_landmark,
-               CountText(result.rejected_sightings, "sighting"));
+  spdlog::info("{}, {} with a landmark; {} rejected as outliers", CountText(result.frames, "frame"),
+               CountFramesWithLandmark(result), CountText(result.rejected_sightings, "sighting"));
   for (std::size_t i = 0; i < result.landmarks.size(); ++i) {
     if (result.sightings[i] == 0) continue;
     const Landmark& landmark = result.landmarks[i];
@@ -98,7 +121,9 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToCsv(result)));
   LogSummary(result, options.navigate);
-  return {};
+  if (!arguments.json) return {};
+  return WriteOutput(
+      "", ToJson(arguments, result).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace
@@ -121,6 +146,7 @@ Action SetUpNavigate(CLI::App& app) {
   AddFieldOfView(app, arguments->hfov_deg);
   AddCamera(app, arguments->camera);
   AddParams(app, arguments->params, "navigate");
+  app.add_flag("--json", arguments->json, "Print one JSON object: frames, landmarks, status");
   AddForce(app);
   return [=, &app] { return Run(*arguments, app); };
 }

@@ -1,9 +1,10 @@
-// victorious simulate SCENE.json --out DIR
+// victorious simulate SCENE.json --out DIR [--json]
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "victorious/cli/arguments.h"
@@ -18,6 +19,7 @@ struct Arguments {
   std::string scene;
   std::string out;
   bool gpu = false;
+  bool json = false;
 };
 
 Status Run(const Arguments& arguments, const CLI::App& app) {
@@ -28,7 +30,12 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, outputs));
   VICTORIOUS_ASSIGN_OR_RETURN(const Scene scene, ReadScene(arguments.scene));
   const auto warn = [](const std::string& warning) { spdlog::warn("{}", OneLine(warning)); };
-  return Simulate(scene, arguments.out, {.software = !arguments.gpu}, Interrupt(), warn);
+  VICTORIOUS_RETURN_IF_ERROR(Simulate(scene, arguments.out, {.software = !arguments.gpu}, Interrupt(), warn));
+  if (!arguments.json) return {};
+  const nlohmann::ordered_json line = {{"scene", arguments.scene},     {"video", outputs[0].path},
+                                       {"telemetry", outputs[1].path}, {"truth", outputs[2].path},
+                                       {"frames", scene.video.frames}, {"objects", scene.objects.size()}};
+  return WriteOutput("", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace
@@ -40,6 +47,7 @@ Action SetUpSimulate(CLI::App& app) {
       ->required()
       ->type_name("DIR");
   app.add_flag("--gpu", arguments->gpu, "Render on a GPU if there is one: faster, but not pixel-identical");
+  app.add_flag("--json", arguments->json, "Print one JSON object: the files written, frames, objects");
   AddForce(app);
   return [=, &app] { return Run(*arguments, app); };
 }
