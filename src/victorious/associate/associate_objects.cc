@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/associate/heading_error.h"
 #include "victorious/associate/object_place.h"
 #include "victorious/associate/range_factor.h"
 #include "victorious/base/median.h"
@@ -542,6 +543,12 @@ Expected<std::vector<ObjectRecord>> MakeObjects(const ObjectOptions& options, In
   }));
   std::vector<ObservedTracklet> seen;
   for (auto& [id, tracklet] : tracklets) seen.push_back(std::move(tracklet));
+  const std::map<std::int64_t, HeadingError> heading_errors = EstimateHeadingErrors(seen);
+  TurnBack(heading_errors, seen);
+  if (!heading_errors.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+    WarnOfHeadingErrors(heading_errors, videos, warn);
+  }
   const std::map<std::int64_t, RangeFactor> factors = EstimateRangeFactors(seen, options);
   ScaleRanges(factors, seen);
   if (!factors.empty()) VICTORIOUS_RETURN_IF_ERROR(WarnOfRangeFactors(factors, store, warn));

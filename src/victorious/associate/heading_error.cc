@@ -1,0 +1,191 @@
+#include "victorious/associate/heading_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "victorious/associate/agreed_error.h"
+#include "victorious/base/median.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr std::size_t kMinLines = 10;
+constexpr std::size_t kMaxLines = 60;                    // of a tracklet: more change little
+constexpr double kMinTurn_rad = RadiansFromDegrees(25);  // of the lines of one tracklet
+constexpr double kMaxError_rad = RadiansFromDegrees(20);
+constexpr double kMinError_rad = RadiansFromDegrees(1.5);  // of a flight: three times the usual one
+constexpr double kAgreement_rad = RadiansFromDegrees(0.7);
+constexpr double kMaxSigma_rad = RadiansFromDegrees(0.5);  // of a tracklet's angle
+
+// Standard deviation of a line, at least that of the object's centre, which differs from view to view.
+constexpr double kMinSigma_rad = RadiansFromDegrees(0.2);
+
+// A fit is one of lines that meet if the median of its residuals is within this many standard deviations.
+constexpr double kMaxMedianSigmas = 2;
+
+struct Line {
+  Vector3d camera;  // ENU, m
+  double azimuth_rad = 0;
+  double elevation_rad = 0;
+  double sigma_rad = 0;
+
+  [[nodiscard]] Vector3d Direction(double error_rad) const {
+    const double azimuth = azimuth_rad - error_rad;
+    const double level = std::cos(elevation_rad);
+    return {level * std::sin(azimuth), level * std::cos(azimuth), std::sin(elevation_rad)};
+  }
+};
+
+std::vector<Line> LinesOf(const ObservedTracklet& tracklet) {
+  const std::vector<BearingObservation>& observations = tracklet.observations;
+  if (observations.size() < kMinLines) return {};
+  const TangentPlane plane(observations.front().line.camera);
+  const std::size_t count = std::min(observations.size(), kMaxLines);
+  std::vector<Line> lines;
+  for (std::size_t k = 0; k < count; ++k) {
+    const LineOfSight& line = observations[k * (observations.size() - 1) / (count - 1)].line;
+    lines.push_back({plane.EnuFromGeodetic(line.camera), line.azimuth_rad, line.elevation_rad,
+                     std::max(line.sigma_rad.value_or(kMinSigma_rad), kMinSigma_rad)});
+  }
+  return lines;
+}
+
+// The largest angle between the azimuths of two lines, as seen from the first.
+double TurnOf(std::span<const Line> lines) {
+  double low = 0;
+  double high = 0;
+  for (const Line& line : lines) {
+    const double turn = WrapAngle(line.azimuth_rad - lines.front().azimuth_rad);
+    low = std::min(low, turn);
+    high = std::max(high, turn);
+  }
+  return high - low;
+}
+
+struct Meeting {
+  double cost = std::numeric_limits<double>::infinity();
+  double median_sigmas = 0;  // median residual, in standard deviations
+};
+
+// The point nearest to the lines turned back by an angle, by iteratively reweighted least squares.
+Meeting Meet(std::span<const Line> lines, double error_rad) {
+  constexpr int kRounds = 4;
+  constexpr double kHuber = 2;
+  std::vector<double> sigmas(lines.size(), 0);  // residuals
+  std::vector<double> distances_m(lines.size(), 1);
+  for (int round = 0; round < kRounds; ++round) {
+    Matrix3d normal = Matrix3d::Zero();
+    Vector3d right = Vector3d::Zero();
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const Vector3d direction = lines[i].Direction(error_rad);
+      const Matrix3d across = Matrix3d::Identity() - direction * direction.transpose();
+      const double huber = sigmas[i] <= kHuber ? 1 : kHuber / sigmas[i];
+      const double weight = huber / std::pow(distances_m[i] * lines[i].sigma_rad, 2);
+      normal += weight * across;
+      right += weight * across * lines[i].camera;
+    }
+    const Eigen::LDLT<Matrix3d> solver(normal);
+    if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-9)) return {};
+    const Vector3d point = solver.solve(right);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const Vector3d to_point = point - lines[i].camera;
+      const Vector3d direction = lines[i].Direction(error_rad);
+      if (!(direction.dot(to_point) > 0)) return {};  // behind a camera
+      distances_m[i] = to_point.norm();
+      sigmas[i] = direction.cross(to_point).norm() / (distances_m[i] * lines[i].sigma_rad);
+    }
+  }
+  Meeting meeting{.cost = 0};
+  for (const double sigma : sigmas) {
+    meeting.cost += sigma <= kHuber ? sigma * sigma : kHuber * (2 * sigma - kHuber);
+  }
+  meeting.median_sigmas = Median(std::move(sigmas));
+  return meeting;
+}
+
+// The error that one object shows; std::nullopt if its lines determine none.
+std::optional<double> ErrorOf(const ObservedTracklet& tracklet) {
+  const std::vector<Line> lines = LinesOf(tracklet);
+  if (lines.empty() || TurnOf(lines) < kMinTurn_rad) return std::nullopt;
+  constexpr double kStep_rad = RadiansFromDegrees(0.5);
+  constexpr int kSteps = static_cast<int>(kMaxError_rad / kStep_rad) + 1;
+  std::optional<int> best;
+  std::vector<Meeting> meetings;
+  for (int k = -kSteps; k <= kSteps; ++k) {
+    meetings.push_back(Meet(lines, k * kStep_rad));
+    if (!best || meetings.back().cost < meetings[static_cast<std::size_t>(*best)].cost) best = k + kSteps;
+  }
+  if (*best == 0 || *best == 2 * kSteps) return std::nullopt;
+  const auto at = static_cast<std::size_t>(*best);
+  const double before = meetings[at - 1].cost;
+  const double here = meetings[at].cost;
+  const double after = meetings[at + 1].cost;
+  const double curvature = before - 2 * here + after;  // per kStep_rad^2
+  if (!std::isfinite(curvature) || !(curvature > 0) || meetings[at].median_sigmas > kMaxMedianSigmas) {
+    return std::nullopt;
+  }
+  // A cost of squares in standard deviations rises by 1 at one standard deviation. Errors of neighbouring lines are
+  // correlated, of about ten of them.
+  constexpr double kCorrelated = 10;
+  const double misfit = std::max(1.0, here / static_cast<double>(lines.size()));
+  const double sigma_rad = kStep_rad * std::sqrt(2 * kCorrelated * misfit / curvature);
+  if (sigma_rad > kMaxSigma_rad) return std::nullopt;
+  const double fraction = (before - after) / (2 * curvature);
+  return (*best - kSteps + fraction) * kStep_rad;
+}
+
+}  // namespace
+
+std::map<std::int64_t, HeadingError> EstimateHeadingErrors(std::span<const ObservedTracklet> tracklets) {
+  std::map<std::int64_t, std::vector<ErrorSample>> of_video;
+  for (const ObservedTracklet& tracklet : tracklets) {
+    if (const auto error_rad = ErrorOf(tracklet)) of_video[tracklet.record.video].push_back({&tracklet, *error_rad});
+  }
+  std::map<std::int64_t, HeadingError> errors;
+  for (const auto& [video, samples] : of_video) {
+    const auto agreed =
+        FindAgreedError(samples, {.tolerance = kAgreement_rad, .min_error = kMinError_rad, .max_error = kMaxError_rad});
+    if (agreed) errors[video] = {.error_rad = agreed->error, .objects = agreed->objects};
+  }
+  return errors;
+}
+
+void TurnBack(const std::map<std::int64_t, HeadingError>& errors, std::span<ObservedTracklet> tracklets) {
+  for (ObservedTracklet& tracklet : tracklets) {
+    const auto found = errors.find(tracklet.record.video);
+    if (found == errors.end()) continue;
+    for (BearingObservation& observation : tracklet.observations) {
+      const auto turn = [&](double& angle_rad) {
+        angle_rad = WrapAngle(angle_rad - found->second.error_rad);
+        if (angle_rad < 0) angle_rad += 2 * kPi;
+      };
+      turn(observation.line.azimuth_rad);
+      if (observation.heading_rad) turn(*observation.heading_rad);
+    }
+  }
+}
+
+void WarnOfHeadingErrors(const std::map<std::int64_t, HeadingError>& errors, std::span<const VideoRecord> videos,
+                         const std::function<void(const std::string&)>& warn) {
+  for (const VideoRecord& video : videos) {
+    const auto found = errors.find(video.id);
+    if (found == errors.end()) continue;
+    warn(fmt::format(
+        "{}the lines of sight of {} objects meet only if the yaw of the telemetry is {:.1f} degrees too {}: "
+        "places are corrected by it",
+        videos.size() > 1 ? video.name + ": " : "", found->second.objects,
+        std::abs(DegreesFromRadians(found->second.error_rad)), found->second.error_rad > 0 ? "large" : "small"));
+  }
+}
+
+}  // namespace victorious
