@@ -1,8 +1,12 @@
 #include "victorious/pipeline/clock_offset.h"
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+
+#include "victorious/base/median.h"
 
 namespace victorious {
 namespace {
@@ -11,6 +15,32 @@ constexpr double kMinOffset_s = 0.05;
 constexpr double kMinSigmas = 3;
 constexpr double kMaxOffset_s = 4;
 constexpr double kMaxDuration_s = 20;
+constexpr double kHover_m_s = 0.5;
+
+double MedianSpeed(std::span<const CameraState> states) {
+  std::vector<double> speeds_m_s;
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    const double metres = TangentPlane(states[i - 1].place).EnuFromGeodetic(states[i].place).norm();
+    speeds_m_s.push_back(metres / (states[i].time_s - states[i - 1].time_s));
+  }
+  return speeds_m_s.empty() ? 0 : Median(std::move(speeds_m_s));
+}
+
+bool IsEstimable(TimeOffsetStatus status) {
+  switch (status) {
+    case TimeOffsetStatus::kOk:
+    case TimeOffsetStatus::kUncertain:
+    case TimeOffsetStatus::kUnexplained:
+    case TimeOffsetStatus::kPeriodic:
+    case TimeOffsetStatus::kOutOfRange:
+      return true;
+    case TimeOffsetStatus::kNoAttitude:
+    case TimeOffsetStatus::kFewPairs:
+    case TimeOffsetStatus::kNoOverlap:
+      break;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -18,6 +48,17 @@ std::optional<double> ClockCorrection(const TimeOffset& offset) {
   if (!offset.offset_s) return std::nullopt;
   const double size_s = std::abs(*offset.offset_s);
   return size_s > kMinOffset_s && size_s > kMinSigmas * offset.sigma_s ? offset.offset_s : std::nullopt;
+}
+
+std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset, std::span<const CameraState> states) {
+  if (offset.offset_s || !IsEstimable(offset.status)) return std::nullopt;
+  const double speed_m_s = MedianSpeed(states);
+  if (speed_m_s < kHover_m_s) return std::nullopt;
+  return fmt::format(
+      "telemetry: the offset of its clock is unknown ({}): each second that it is off shifts all places by {:.1f} m "
+      "along "
+      "the flight, which their errors do not contain; telemetry.time_offset_s corrects it",
+      DescribeStatus(offset), speed_m_s);
 }
 
 Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,
@@ -32,7 +73,10 @@ Status CorrectClock(const std::string& video, double impulse_fraction, const Can
   }
   const TimeOffset offset = EstimateTimeOffset(*motions, *cameras.trajectory(), options);
   const std::optional<double> correction_s = ClockCorrection(offset);
-  if (!correction_s) return {};
+  if (!correction_s) {
+    if (const auto unknown = DescribeUnknownClock(offset, cameras.trajectory()->states())) warn(*unknown);
+    return {};
+  }
   cameras.ShiftClock(*correction_s);
   warn(
       fmt::format("telemetry: its clock is {:.2f} s {}: {:+.3f} s are added to its times, with a standard error of "

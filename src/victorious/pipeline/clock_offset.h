@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "victorious/base/cancel.h"
@@ -18,8 +19,14 @@ namespace victorious {
 /// or its offset unknown, and it stays as it is.
 [[nodiscard]] std::optional<double> ClockCorrection(const TimeOffset& offset);
 
+/// What an offset that stays unknown means for places, in one line: why it does, and by how many metres each second shifts
+/// them, which no line of sight contradicts. std::nullopt if it is known, or the camera hovers, and where there is nothing
+/// to estimate it from (no attitude, a short video).
+[[nodiscard]] std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset,
+                                                              std::span<const CameraState> states);
+
 /// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is
-/// significant; `warn` receives one line with the offset and its standard error. No effect without states of the whole
+/// significant; `warn` receives one line with the offset and its standard error, or DescribeUnknownClock. No effect without states of the whole
 /// video. A video whose frames cannot be read again gives a warning.
 /// @param impulse_fraction  as MeasureMotions
 /// Errors: kCancelled. Cost: up to 200 frames are read and their motion is measured, some 15 ms each at 640 x 480.

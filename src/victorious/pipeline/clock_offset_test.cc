@@ -7,6 +7,7 @@
 
 #include "testing/data.h"
 #include "victorious/base/file.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
@@ -37,6 +38,21 @@ TEST(ClockCorrection, ShiftedStatesAreThoseOfAnotherTime) {
   EXPECT_NEAR(cameras.At(5)->place.altitude_m, 170, 1e-6);
   EXPECT_FALSE(cameras.At(9));
   EXPECT_EQ(cameras.start_utc_us(), start_utc_us + 2'000'000);
+}
+
+TEST(UnknownClock, IsSaidWithWhatItMeansForPlaces) {
+  std::vector<CameraState> states;
+  const TangentPlane plane({RadiansFromDegrees(48), RadiansFromDegrees(11), 100});
+  for (int i = 0; i < 5; ++i) states.push_back({.time_s = 0.1 * i, .place = plane.GeodeticFromEnu({1.2 * i, 0, 0})});
+  const TimeOffset unknown{.status = TimeOffsetStatus::kUncertain, .sigma_s = 40};
+  const auto line = DescribeUnknownClock(unknown, states);
+  ASSERT_TRUE(line);
+  EXPECT_TRUE(line->contains("the camera's motion changes too little")) << *line;
+  EXPECT_TRUE(line->contains("by 12.0 m")) << *line;
+  EXPECT_FALSE(DescribeUnknownClock({.offset_s = 0.001, .sigma_s = 0.01}, states)) << "known";
+  EXPECT_FALSE(DescribeUnknownClock({.status = TimeOffsetStatus::kNoAttitude}, states));
+  for (CameraState& state : states) state.place = states[0].place;
+  EXPECT_FALSE(DescribeUnknownClock(unknown, states)) << "hovering";
 }
 
 TEST(CorrectClock, UnreadableVideoLeavesTelemetryAsItIs) {
