@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 // The time stamps of the file's packets, in units of its time base.
 struct PacketSurvey {
   std::vector<std::int64_t> stamps;  // of presentation, ascending
+  std::int64_t step = 1;             // usual one, from frame to frame
   std::int64_t delay = 0;            // from the decoding of a frame to its presentation, at most
 };
 
@@ -34,6 +35,16 @@ bool IsCopyable(const AVStream& stream) {
          (codec.field_order == AV_FIELD_UNKNOWN || codec.field_order == AV_FIELD_PROGRESSIVE) &&
          is_square(codec.sample_aspect_ratio) && is_square(stream.sample_aspect_ratio) &&
          av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr) == nullptr;
+}
+
+// The usual step from frame to frame.
+std::int64_t MedianStep(const std::vector<std::int64_t>& stamps) {
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
+  if (steps.empty()) return 1;
+  const auto middle = steps.begin() + std::ssize(steps) / 2;
+  std::ranges::nth_element(steps, middle);
+  return *middle;
 }
 
 bool IsOfVideo(const Demuxer& demuxer, const AVPacket& packet) { return packet.stream_index == demuxer.video().index; }
@@ -62,15 +73,15 @@ std::optional<PacketSurvey> Survey(Demuxer& demuxer, const CancelToken& cancel) 
   PacketSurvey survey{.stamps = stamps, .delay = 0};
   std::ranges::sort(survey.stamps);
   if (std::ranges::adjacent_find(survey.stamps) != survey.stamps.end()) return std::nullopt;
+  survey.step = MedianStep(survey.stamps);
   for (std::size_t i = 0; i < stamps.size(); ++i) survey.delay = std::max(survey.delay, survey.stamps[i] - stamps[i]);
   return survey;
 }
 
-// Until the next frame; of the last one as of the one before. Without it, the file would end when the last frame begins.
-std::int64_t DurationAt(const std::vector<std::int64_t>& stamps, std::int64_t pts) {
-  if (stamps.size() < 2) return 1;
-  const auto next = std::ranges::upper_bound(stamps, pts);
-  return next == stamps.end() ? *std::prev(next) - *std::prev(next, 2) : *next - pts;
+// Until the next frame; of the last one the usual step. Without it, the file would end when the last frame begins.
+std::int64_t DurationAt(const PacketSurvey& survey, std::int64_t pts) {
+  const auto next = std::ranges::upper_bound(survey.stamps, pts);
+  return next == survey.stamps.end() ? survey.step : *next - pts;
 }
 
 // An MP4 file of one stream, which gets its name once it is complete.
@@ -166,7 +177,7 @@ Expected<std::optional<std::int64_t>> Remux(const std::string& source, const fs:
     if (IsOfVideo(*demuxer, *packet)) {
       if (frames == survey.stamps.size()) break;
       // Not every container has times of decoding: frames are decoded at the times at which others are presented.
-      packet->duration = DurationAt(survey.stamps, packet->pts);
+      packet->duration = DurationAt(survey, packet->pts);
       packet->pts -= first;
       packet->dts = survey.stamps[frames] - survey.delay - first;
       VICTORIOUS_RETURN_IF_ERROR(file.Write(*packet, demuxer->video().time_base));

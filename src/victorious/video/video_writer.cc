@@ -116,6 +116,8 @@ Status H264Writer::OpenEncoder(AVRational rate) {
   duration_ = std::max<std::int64_t>(1, av_rescale_q(1, av_inv_q(rate), encoder_->time_base));
   encoder_->framerate = rate;
   encoder_->gop_size = options_.key_frame_interval;
+  // B-frames would shift the times of decoding, whose steps add up to the duration that the container gives.
+  if (options_.timed) encoder_->max_b_frames = 0;
   encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   av_opt_set(encoder_->priv_data, "preset", "fast", 0);
   av_opt_set_double(encoder_->priv_data, "crf", options_.crf, 0);
