@@ -16,7 +16,6 @@
 namespace victorious {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kMinLines = 10;
@@ -33,8 +32,18 @@ constexpr double kMinSigma_rad = RadiansFromDegrees(0.2);
 // A fit is one of lines that meet if the median of its residuals is within this many standard deviations.
 constexpr double kMaxMedianSigmas = 2;
 
+// Of an object that moves: a prior that keeps the fit of a camera that flies straight from being singular.
+constexpr double kSigmaSpeed_m_s = 30;
+
+// Errors of neighbouring lines are correlated, of about ten of them.
+constexpr double kCorrelated = 10;
+
+// A steady level motion explains the lines as well as an angle does if its cost is no more than this above, in units of chi^2.
+constexpr double kAmbiguous = 10;
+
 struct Line {
-  Vector3d camera;  // ENU, m
+  double time_s = 0;  // since the middle of the tracklet
+  Vector3d camera;    // ENU, m
   double azimuth_rad = 0;
   double elevation_rad = 0;
   double sigma_rad = 0;
@@ -51,11 +60,15 @@ std::vector<Line> LinesOf(const ObservedTracklet& tracklet) {
   if (observations.size() < kMinLines) return {};
   const TangentPlane plane(observations.front().line.camera);
   const std::size_t count = std::min(observations.size(), kMaxLines);
+  const double middle_s = 0.5 * (observations.front().line.time_s + observations.back().line.time_s);
   std::vector<Line> lines;
   for (std::size_t k = 0; k < count; ++k) {
     const LineOfSight& line = observations[k * (observations.size() - 1) / (count - 1)].line;
-    lines.push_back({plane.EnuFromGeodetic(line.camera), line.azimuth_rad, line.elevation_rad,
-                     std::max(line.sigma_rad.value_or(kMinSigma_rad), kMinSigma_rad)});
+    lines.push_back({.time_s = line.time_s - middle_s,
+                     .camera = plane.EnuFromGeodetic(line.camera),
+                     .azimuth_rad = line.azimuth_rad,
+                     .elevation_rad = line.elevation_rad,
+                     .sigma_rad = std::max(line.sigma_rad.value_or(kMinSigma_rad), kMinSigma_rad)});
   }
   return lines;
 }
@@ -77,28 +90,45 @@ struct Meeting {
   double median_sigmas = 0;  // median residual, in standard deviations
 };
 
-// The point nearest to the lines turned back by an angle, by iteratively reweighted least squares.
+// The place nearest to the lines turned back by an angle, by iteratively reweighted least squares.
+// @tparam kUnknowns  3: a point; 5: a point that moves steadily and level. A free rise would explain a wrong azimuth.
+template <int kUnknowns>
 Meeting Meet(std::span<const Line> lines, double error_rad) {
+  static_assert(kUnknowns == 3 || kUnknowns == 5);
+  using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+  using Vector = Eigen::Matrix<double, kUnknowns, 1>;
+  using Factors = Eigen::Matrix<double, 3, kUnknowns>;  // of the place at the time of a line
+  const auto factors_of = [](const Line& line) {
+    Factors factors = Factors::Identity();
+    if constexpr (kUnknowns == 5)
+      factors.template rightCols<2>() = line.time_s * Eigen::Matrix<double, 3, 2>::Identity();
+    return factors;
+  };
+  Square prior = Square::Zero();
+  if constexpr (kUnknowns == 5)
+    prior.diagonal().template tail<2>().setConstant(1 / (kSigmaSpeed_m_s * kSigmaSpeed_m_s));
+  constexpr double kMinRcond = kUnknowns == 5 ? 1e-13 : 1e-9;
   constexpr int kRounds = 4;
   constexpr double kHuber = 2;
   std::vector<double> sigmas(lines.size(), 0);  // residuals
   std::vector<double> distances_m(lines.size(), 1);
   for (int round = 0; round < kRounds; ++round) {
-    Matrix3d normal = Matrix3d::Zero();
-    Vector3d right = Vector3d::Zero();
+    Square normal = prior;
+    Vector right = Vector::Zero();
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const Vector3d direction = lines[i].Direction(error_rad);
-      const Matrix3d across = Matrix3d::Identity() - direction * direction.transpose();
+      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - direction * direction.transpose();
       const double huber = sigmas[i] <= kHuber ? 1 : kHuber / sigmas[i];
       const double weight = huber / std::pow(distances_m[i] * lines[i].sigma_rad, 2);
-      normal += weight * across;
-      right += weight * across * lines[i].camera;
+      const Factors factors = factors_of(lines[i]);
+      normal += weight * factors.transpose() * across * factors;
+      right += weight * factors.transpose() * across * lines[i].camera;
     }
-    const Eigen::LDLT<Matrix3d> solver(normal);
-    if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-9)) return {};
-    const Vector3d point = solver.solve(right);
+    const Eigen::LDLT<Square> solver(normal);
+    if (solver.info() != Eigen::Success || !(solver.rcond() > kMinRcond)) return {};
+    const Vector unknowns = solver.solve(right);
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      const Vector3d to_point = point - lines[i].camera;
+      const Vector3d to_point = factors_of(lines[i]) * unknowns - lines[i].camera;
       const Vector3d direction = lines[i].Direction(error_rad);
       if (!(direction.dot(to_point) > 0)) return {};  // behind a camera
       distances_m[i] = to_point.norm();
@@ -122,7 +152,7 @@ std::optional<double> ErrorOf(const ObservedTracklet& tracklet) {
   std::optional<int> best;
   std::vector<Meeting> meetings;
   for (int k = -kSteps; k <= kSteps; ++k) {
-    meetings.push_back(Meet(lines, k * kStep_rad));
+    meetings.push_back(Meet<3>(lines, k * kStep_rad));
     if (!best || meetings.back().cost < meetings[static_cast<std::size_t>(*best)].cost) best = k + kSteps;
   }
   if (*best == 0 || *best == 2 * kSteps) return std::nullopt;
@@ -134,12 +164,12 @@ std::optional<double> ErrorOf(const ObservedTracklet& tracklet) {
   if (!std::isfinite(curvature) || !(curvature > 0) || meetings[at].median_sigmas > kMaxMedianSigmas) {
     return std::nullopt;
   }
-  // A cost of squares in standard deviations rises by 1 at one standard deviation. Errors of neighbouring lines are
-  // correlated, of about ten of them.
-  constexpr double kCorrelated = 10;
+  // A cost of squares in standard deviations rises by 1 at one standard deviation.
   const double misfit = std::max(1.0, here / static_cast<double>(lines.size()));
   const double sigma_rad = kStep_rad * std::sqrt(2 * kCorrelated * misfit / curvature);
   if (sigma_rad > kMaxSigma_rad) return std::nullopt;
+  // What drives steadily past a camera that flies straight looks as if the yaw were off.
+  if (Meet<5>(lines, 0).cost <= here + kAmbiguous * kCorrelated * misfit) return std::nullopt;
   const double fraction = (before - after) / (2 * curvature);
   return (*best - kSteps + fraction) * kStep_rad;
 }
@@ -181,7 +211,7 @@ void WarnOfHeadingErrors(const std::map<std::int64_t, HeadingError>& errors, std
     const auto found = errors.find(video.id);
     if (found == errors.end()) continue;
     warn(fmt::format(
-        "{}the lines of sight of {} objects meet only if the yaw of the telemetry is {:.1f} degrees too {}: "
+        "{}the lines of sight in {} tracks meet only if the yaw of the telemetry is {:.1f} degrees too {}: "
         "places are corrected by it",
         videos.size() > 1 ? video.name + ": " : "", found->second.objects,
         std::abs(DegreesFromRadians(found->second.error_rad)), found->second.error_rad > 0 ? "large" : "small"));

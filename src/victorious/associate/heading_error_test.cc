@@ -96,13 +96,23 @@ TEST(HeadingError, DrivingObjectsAndStraightFlightsShowNone) {
           .empty());
 }
 
+// Two vehicles that drive across a straight flight: lines turned by some 8 degrees meet, too.
+TEST(HeadingError, ConvoyPastAStraightFlightShowsNone) {
+  for (const Vector3d& velocity : {Vector3d(0, 1.5, 0), Vector3d(0, -1.5, 0), Vector3d(1, 2, 0)}) {
+    EXPECT_TRUE(EstimateHeadingErrors(std::vector{Seen(1, {0, 0, 1}, 0, Path::kStraight, velocity),
+                                                  Seen(2, {8, 5, 1}, 0, Path::kStraight, velocity)})
+                    .empty())
+        << velocity.transpose();
+  }
+}
+
 TEST(HeadingError, IsSaidInNumbers) {
   std::vector<std::string> lines;
   const auto warn = [&](const std::string& line) { lines.push_back(line); };
   const std::vector<VideoRecord> videos = {{.id = 1, .name = "a.mp4"}, {.id = 2, .name = "b.mp4"}};
   WarnOfHeadingErrors({{2, {.error_rad = RadiansFromDegrees(-4.96), .objects = 3}}}, videos, warn);
   ASSERT_EQ(lines.size(), 1U);
-  EXPECT_TRUE(lines[0].starts_with("b.mp4: the lines of sight of 3 objects")) << lines[0];
+  EXPECT_TRUE(lines[0].starts_with("b.mp4: the lines of sight in 3 tracks")) << lines[0];
   EXPECT_TRUE(lines[0].contains("5.0 degrees too small")) << lines[0];
 }
 
