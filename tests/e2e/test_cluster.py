@@ -69,7 +69,7 @@ class ClusterTest(program.ProgramTest):
         self.finish(*(self.start_worker("--until-empty") for _ in range(2)))
         status = self.status()
         self.assertEqual((status["waiting"], status["running"], status["done"]), (0, 0, 3), status)
-        self.assertGreater(status["done_per_hour"], 0)
+        self.assertGreater(status["seconds_per_video"], 0)
         self.assertIn("3 done, 0 quarantined", self.succeeds("cluster", "status", "--db", self.url).out)
         self.assert_same_as_one_process()
         of_two, self.url = self.url, self.make_database()
@@ -80,17 +80,26 @@ class ClusterTest(program.ProgramTest):
 
     def test_killed_and_interrupted_workers_lose_nothing(self):
         self.submit(*self.videos)
-        killed = self.start_worker("--lease", 4)
-        self.wait_until(lambda: self.status()["running"] == 1)
-        killed.send_signal(signal.SIGKILL)
-        killed.communicate()
-        interrupted = self.start_worker("--lease", 4)
-        self.wait_until(lambda: self.status()["running"] >= 1)
-        interrupted.send_signal(signal.SIGINT)
-        interrupted.communicate(timeout=program.TIMEOUT_S)
-        self.finish(self.start_worker("--lease", 4, "--until-empty"))
+        for sent in (signal.SIGKILL, signal.SIGINT):
+            worker = self.start_worker()
+            self.wait_until(lambda: self.events_of(worker) or worker.poll() is not None)
+            worker.send_signal(sent)
+            worker.communicate(timeout=program.TIMEOUT_S)
+            if sent == signal.SIGINT:
+                events = self.events_of(worker)
+                self.assertEqual(events.count("claimed"), events.count("done") + events.count("returned"), events)
+        # As after a minute: the killed worker does not answer any more.
+        self.sql("UPDATE victorious.tasks SET leased_until = now() - interval '1 s' WHERE state = 'running'")
+        self.finish(self.start_worker("--until-empty"))
         self.assertEqual(self.status()["done"], 3)
         self.assert_same_as_one_process()
+
+    def sql(self, statement) -> list[str]:
+        command = ["psql", self.url, "--quiet", "--no-align", "--tuples-only", "--command", statement]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
+
+    def events_of(self, worker) -> list[str]:
+        return self.sql(f"SELECT event FROM victorious.task_log WHERE worker LIKE '%:{worker.pid}'")
 
     def wait_until(self, is_so):
         for _ in range(int(program.TIMEOUT_S / 0.05)):
@@ -124,6 +133,10 @@ class ClusterTest(program.ProgramTest):
         self.refuses(2, "--every", "submit", self.videos[0], "--models", models, "--db", self.url, "--every", 0)
         self.refuses(2, "quality", "submit", self.videos[0], "--models", models, "--db", self.url, "--quality", "best")
         self.refuses(2, "no index in this database", "work", "--db", self.url)
+        done = program.run("submit", "none.mkv", self.videos[0], "--models", models, "--db", self.url)
+        self.assertEqual(done.status, 2)
+        self.assertIn("none.mkv", done.messages()[-1])
+        self.assertEqual(self.status()["waiting"], 1, "the others are submitted")
 
 
 if __name__ == "__main__":

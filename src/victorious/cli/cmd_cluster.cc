@@ -44,11 +44,13 @@ Expected<std::optional<std::int64_t>> NextFrame(const std::string& name, const s
 
 nlohmann::ordered_json ToJson(const ListedTask& task) {
   const postgres::TaskState& state = task.state;
-  nlohmann::ordered_json row = {
-      {"video", task.video}, {"state", state.is_quarantined ? "quarantined" : "running"}, {"attempt", state.attempt}};
+  nlohmann::ordered_json row = {{"video", task.video},
+                                {"state", state.is_quarantined ? "quarantined" : "running"},
+                                {"attempt", state.attempt},
+                                {"program", state.program}};
   if (!state.is_quarantined) {
     row["worker"] = state.worker;
-    row["lease_left_s"] = state.lease_left_s ? nlohmann::ordered_json(*state.lease_left_s) : nullptr;
+    row["lease_left_s"] = state.lease_left_s ? nlohmann::ordered_json(*state.lease_left_s) : nlohmann::ordered_json();
     row["frames"] = task.next_frame.value_or(0);
   }
   row["reason"] = state.reason;
@@ -71,10 +73,12 @@ Status Run(const Arguments& arguments) {
                 fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue, postgres::TaskQueue::Open(arguments.db, "status"));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const auto queue,
+      postgres::TaskQueue::Open(arguments.db, {.worker = "status", .program = {}, .is_read_only = true}));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<postgres::TaskState> states, queue->List(kMaxListed));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<double> rate, queue->DonePerHour());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<double> mean_s, queue->MeanSeconds());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store->Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store->Models());
   std::vector<ListedTask> tasks;
@@ -86,22 +90,28 @@ Status Run(const Arguments& arguments) {
     }
     tasks.push_back(std::move(task));
   }
-  const auto left = static_cast<double>(counts.waiting + counts.running);
+  // A task that runs is half done, on average.
+  std::optional<double> hours_left;
+  if (mean_s && counts.running > 0) {
+    const auto running = static_cast<double>(counts.running);
+    hours_left = (static_cast<double>(counts.waiting) / running + 0.5) * *mean_s / 3600;
+  }
   if (arguments.json) {
+    const auto number = [](const std::optional<double>& value) {
+      return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+    };
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const ListedTask& task : tasks) rows.push_back(ToJson(task));
-    const nlohmann::ordered_json status = {{"waiting", counts.waiting},
-                                           {"running", counts.running},
-                                           {"done", counts.done},
-                                           {"quarantined", counts.quarantined},
-                                           {"done_per_hour", rate ? nlohmann::ordered_json(*rate) : nullptr},
-                                           {"hours_left", rate ? nlohmann::ordered_json(left / *rate) : nullptr},
-                                           {"tasks", std::move(rows)}};
+    const nlohmann::ordered_json status = {
+        {"waiting", counts.waiting},         {"running", counts.running},           {"done", counts.done},
+        {"quarantined", counts.quarantined}, {"seconds_per_video", number(mean_s)}, {"hours_left", number(hours_left)},
+        {"tasks", std::move(rows)}};
     return WriteOutput("", status.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   }
   std::string text = fmt::format("{} waiting, {} running, {} done, {} quarantined", counts.waiting, counts.running,
                                  counts.done, counts.quarantined);
-  if (rate && left > 0) text += fmt::format("; {:.1f} videos an hour, about {:.1f} hours left", *rate, left / *rate);
+  if (mean_s) text += fmt::format("; {:.0f} s a video", *mean_s);
+  if (hours_left) text += fmt::format(", about {:.1f} hours left", *hours_left);
   text += "\n";
   for (const ListedTask& task : tasks) text += ToText(task);
   return WriteOutput("", text);

@@ -17,6 +17,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
+#include "victorious/cluster/index_task.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/drawn_video.h"
@@ -210,7 +211,7 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
                        .inform = [&](const std::string& text) { spdlog::info("{}: {}", OneLine(video), text); }};
     const Expected<IndexReport> report = indexer.Index(job, Interrupt(), *store, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
-      spdlog::info("{}; the video is left to it", OneLine(report.error().message));
+      spdlog::info("{}; {}", OneLine(report.error().message), kLeftToAnother);
       continue;
     }
     if (!report) {

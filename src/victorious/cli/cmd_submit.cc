@@ -39,6 +39,8 @@ struct Arguments {
 
 std::string AbsolutePath(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
 
+bool IsParamsFile(const Arguments& arguments) { return !arguments.params.empty() && !FindPreset(arguments.params); }
+
 // The options of `victorious index`, with absolute paths: workers start in other folders.
 std::vector<std::string> IndexOptionsOf(const Arguments& arguments) {
   std::vector<std::string> options;
@@ -47,14 +49,14 @@ std::vector<std::string> IndexOptionsOf(const Arguments& arguments) {
   };
   add("--models", arguments.models.empty() ? "" : AbsolutePath(arguments.models));
   add("--categories", arguments.categories.empty() ? "" : AbsolutePath(arguments.categories));
-  const bool is_file = !arguments.params.empty() && !FindPreset(arguments.params);
+  const bool is_file = IsParamsFile(arguments);
   add("--params", is_file ? AbsolutePath(arguments.params) : arguments.params);
   add("--quality", arguments.quality);
   if (arguments.every) add("--every", fmt::format("{}", *arguments.every));
   return options;
 }
 
-// Identifies what is searched for: the models' files and the categories' file.
+// Identifies what is searched for and how: the files of the models, categories and parameters.
 Expected<std::string> IdOfTargets(const Arguments& arguments) {
   std::vector<fs::path> files;
   if (!arguments.models.empty()) {
@@ -67,6 +69,7 @@ Expected<std::string> IdOfTargets(const Arguments& arguments) {
     for (const std::string& name : names) files.push_back(library.PathOf(name));
   }
   if (!arguments.categories.empty()) files.emplace_back(arguments.categories);
+  if (IsParamsFile(arguments)) files.emplace_back(arguments.params);
   return ContentIdOfFiles(files, Interrupt());
 }
 
@@ -88,6 +91,17 @@ Status CheckArguments(const Arguments& arguments) {
   return CheckFlags(CollectFields(options), {{"every", "--every"}});
 }
 
+Expected<VideoRecord> DescribeVideo(const std::string& video, const std::string& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video, {}));
+  const VideoInfo& info = reader->info();
+  if (info.live) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: a live source cannot wait for a worker: give it to `victorious index`", video));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, reader->ContentId(Interrupt(), {}));
+  return VideoRecord{.content_id = content, .name = path, .width = info.width, .height = info.height};
+}
+
 Status Run(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string targets, IdOfTargets(arguments));
@@ -95,27 +109,35 @@ Status Run(const Arguments& arguments) {
   const auto priority = arguments.urgent ? postgres::TaskPriority::kPerson : postgres::TaskPriority::kBatch;
   std::vector<postgres::NewTask> tasks;
   std::vector<VideoRecord> videos;
+  std::optional<Error> failure;
   for (const std::string& video : arguments.videos) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video, {}));
-    if (reader->info().live) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: a live source cannot wait for a worker: give it to `victorious index`", video));
-    }
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, reader->ContentId(Interrupt(), {}));
     const IndexTask task{.video = AbsolutePath(video), .options = IndexOptionsOf(arguments), .program = program};
-    tasks.push_back(ToQueue(task, fmt::format("{} {}", content, targets), priority));
-    videos.push_back(
-        {.content_id = content, .name = task.video, .width = reader->info().width, .height = reader->info().height});
+    Expected<VideoRecord> record = DescribeVideo(video, task.video);
+    if (!record) {  // the others are submitted all the same
+      if (record.error().code == ErrorCode::kCancelled) return std::unexpected(record.error());
+      if (failure) spdlog::warn("left out: {}", OneLine(failure->message));
+      failure = std::move(record).error();
+      continue;
+    }
+    tasks.push_back(ToQueue(task, fmt::format("{} {}", record->content_id, targets), priority));
+    const Expected<IndexTask> read = FromQueue(tasks.back().kind, tasks.back().payload);
+    if (!read || read->video != task.video || read->options != task.options) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a path that is not UTF-8: rename it", video));
+    }
+    videos.push_back(*std::move(record));
   }
+  if (tasks.empty()) return std::unexpected(*std::move(failure));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
   // In the order given, which is that of the results, whichever worker is first.
   for (const VideoRecord& video : videos) VICTORIOUS_RETURN_IF_ERROR(store->PutVideo(video));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue, postgres::TaskQueue::Open(arguments.db, "submit"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
+                              postgres::TaskQueue::Open(arguments.db, {.worker = "submit", .program = program}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t added, queue->Submit(tasks));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   const auto known = static_cast<std::int64_t>(tasks.size()) - added;
   spdlog::info("{} submitted{}; {} waiting, {} running", CountText(added, "video"),
                known > 0 ? fmt::format(", {} known already", known) : "", counts.waiting, counts.running);
+  if (failure) return std::unexpected(*std::move(failure));
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/program_id.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cluster/worker.h"
@@ -20,7 +21,7 @@ namespace {
 struct Arguments {
   std::string db;
   int threads = 0;
-  int lease_s = static_cast<int>(postgres::TaskQueue::kLease.count());
+  int lease_s = static_cast<int>(postgres::TaskQueueOptions{}.lease.count());
   bool until_empty = false;
 };
 
@@ -39,9 +40,20 @@ Status Run(const Arguments& arguments) {
   const CancelToken& interrupt = Interrupt();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   const std::string name = WorkerName();
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
-                              postgres::TaskQueue::Open(arguments.db, name, std::chrono::seconds(arguments.lease_s)));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const auto queue,
+      postgres::TaskQueue::Open(
+          arguments.db, {.worker = name, .program = program, .lease = std::chrono::seconds(arguments.lease_s)}));
   const auto inform = [](const std::string& line) { spdlog::info("{}", OneLine(line)); };
+  VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue->HasOpenTasks());
+  if (counts.waiting > 0 && !has_open) {
+    spdlog::warn(
+        "the {} that wait were submitted by another build of the program, whose results may differ: run that "
+        "build, or submit them again by this one ({})",
+        CountText(counts.waiting, "video"), program);
+  }
   spdlog::info("worker {} of {}", name, StoreName(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::int64_t done,

@@ -1,19 +1,27 @@
 #include "victorious/cluster/index_task.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
 
 namespace victorious {
+namespace {
+
+// Bytes that are not UTF-8 are replaced.
+std::string Dump(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
 
 postgres::NewTask ToQueue(const IndexTask& task, const std::string& content, postgres::TaskPriority priority) {
   const nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
   return {.kind = std::string(kIndexTaskKind),
-          .key = fmt::format("{} {}", content, fmt::join(task.options, " ")),
+          .key = fmt::format("{} {}", content, Dump(task.options)),
           .priority = priority,
-          .payload = payload.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)};
+          .payload = Dump(payload),
+          .program = task.program};
 }
 
 Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {

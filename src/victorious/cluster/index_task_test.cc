@@ -13,7 +13,8 @@ TEST(IndexTask, ComesBackAsItWasSubmitted) {
   const IndexTask task{
       .video = "/data/a \"flight\".mp4", .options = {"--models", "/m", "--every", "5"}, .program = "1-x"};
   const postgres::NewTask queued = ToQueue(task, "0123", postgres::TaskPriority::kPerson);
-  EXPECT_EQ(queued.key, "0123 --models /m --every 5") << "the same content with other options is another task";
+  EXPECT_EQ(queued.key, R"(0123 ["--models","/m","--every","5"])") << "other options are another task";
+  EXPECT_EQ(queued.program, "1-x");
   EXPECT_EQ(queued.priority, postgres::TaskPriority::kPerson);
   const auto read = FromQueue(queued.kind, queued.payload);
   ASSERT_TRUE(read) << read.error().message;

@@ -1,6 +1,7 @@
 #include "victorious/cluster/worker.h"
 
 #include <algorithm>
+#include <csignal>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "victorious/base/child_process.h"
-#include "victorious/base/program_id.h"
 
 namespace victorious {
 namespace {
@@ -17,19 +17,21 @@ using postgres::Task;
 using postgres::TaskQueue;
 
 constexpr std::chrono::milliseconds kPatience{200};
+constexpr std::chrono::seconds kGrace{60};  // of a process that was asked to end
 constexpr std::chrono::minutes kOutage{5};  // of the database, that a worker waits out
 
-// Whether all searches of the video are finished.
-Expected<bool> IsIndexed(const std::string& video, IndexStore& store) {
+// Frames of the video that are searched, summed over models: a measure of progress.
+Expected<std::int64_t> FramesSearched(const std::string& video, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
   const auto stored = std::ranges::find(videos, video, &VideoRecord::name);
-  if (stored == videos.end()) return false;
+  std::int64_t frames = 0;
+  if (stored == videos.end()) return frames;
   for (const ModelRecord& model : models) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(stored->id, model.id));
-    if (search && !search->finished) return false;
+    if (search) frames += search->next_frame;
   }
-  return true;
+  return frames;
 }
 
 std::string DescribeEnd(const TaskEnd& end) {
@@ -43,14 +45,17 @@ std::string DescribeEnd(const TaskEnd& end) {
 // Renews the lease of a task while its process runs.
 class Heartbeat {
  public:
-  Heartbeat(TaskQueue& queue, const Task& task, const CancelToken& cancel)
-      : queue_(queue), task_(task), cancel_(cancel) {}
+  Heartbeat(TaskQueue& queue, IndexStore& store, const Task& task, std::string video, const CancelToken& cancel)
+      : queue_(queue), store_(store), task_(task), video_(std::move(video)), cancel_(cancel) {}
 
   /// Returns false once the process has to end.
   bool Beat() {
     const auto now = std::chrono::steady_clock::now();
     if (!is_lost_ && now - renewed_ >= queue_.lease() / 4) {
-      const Status status = queue_.Renew(task_);
+      const Expected<std::int64_t> frames = FramesSearched(video_, store_);
+      const bool has_progress = frames && frames_ && *frames > *frames_;
+      const Status status = queue_.Renew(task_, has_progress);
+      if (frames) frames_ = *frames;
       // A server that does not answer for a while may come back before the lease has run out.
       if (status) renewed_ = now;
       is_lost_ = (!status && status.error().code == ErrorCode::kConflict) || now - renewed_ >= queue_.lease();
@@ -62,15 +67,18 @@ class Heartbeat {
 
  private:
   TaskQueue& queue_;
+  IndexStore& store_;
   const Task& task_;
+  std::string video_;
   const CancelToken& cancel_;
   std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
+  std::optional<std::int64_t> frames_;
   bool is_lost_ = false;
 };
 
 // Ends a task in the queue by how its process ended. Returns whether it is done.
 Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
-                       IndexStore& store, const WorkerOptions& options) {
+                       const WorkerOptions& options) {
   if (is_cancelled && end.status != 0) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
     return false;
@@ -80,10 +88,9 @@ Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& e
     VICTORIOUS_RETURN_IF_ERROR(queue.Abandon(task, DescribeEnd(end)));
     return false;
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const bool is_indexed, IsIndexed(work.video, store));
-  if (!is_indexed) {
+  if (end.is_left) {
     options.inform(fmt::format("{}: another process is indexing it: waits again", work.video));
-    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task, options.left_delay));
     return false;
   }
   VICTORIOUS_RETURN_IF_ERROR(queue.Complete(task));
@@ -99,32 +106,18 @@ Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, con
     VICTORIOUS_RETURN_IF_ERROR(queue.Quarantine(task, work.error().message));
     return false;
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
-  if (work->program != program) {
-    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("{}: submitted by another build of the program ({}; this one is {}), whose results may differ: "
-                    "run the same build on all machines, or submit the video again",
-                    work->video, work->program, program));
-  }
   options.inform(fmt::format("{}: begun (attempt {})", work->video, task.attempt));
-  Heartbeat heartbeat(queue, task, cancel);
+  Heartbeat heartbeat(queue, store, task, work->video, cancel);
   const Expected<TaskEnd> end = run(*work, [&] { return heartbeat.Beat(); });
   if (!end) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
     return std::unexpected(end.error());
   }
-  if (heartbeat.is_lost()) {
-    options.inform(fmt::format("{}: its lease was lost: left to another worker", work->video));
-    return false;
-  }
-  const Expected<bool> done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, store, options);
-  if (!done && done.error().code == ErrorCode::kConflict) {
-    options.inform(done.error().message);
-    return false;
-  }
-  return done;
+  Expected<bool> done = false;
+  if (!heartbeat.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, options);
+  if (!heartbeat.is_lost() && (done || done.error().code != ErrorCode::kConflict)) return done;
+  options.inform(fmt::format("{}: its lease was lost: left to another worker", work->video));
+  return false;
 }
 
 enum class Step {
@@ -141,8 +134,8 @@ Expected<Step> DoNext(TaskQueue& queue, IndexStore& store, const RunTask& run, c
     VICTORIOUS_ASSIGN_OR_RETURN(const bool is_done, DoTask(*task, queue, store, run, options, cancel));
     return is_done ? Step::kDone : Step::kLeft;
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue.Count());
-  return counts.waiting + counts.running == 0 ? Step::kEmpty : Step::kWait;
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue.HasOpenTasks());
+  return has_open ? Step::kWait : Step::kEmpty;
 }
 
 // In short steps, so that an interrupt is not kept waiting.
@@ -165,16 +158,23 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
     arguments.insert(arguments.end(), {"--", task.video});
     VICTORIOUS_ASSIGN_OR_RETURN(ChildProcess child, ChildProcess::StartSelf(arguments));
     TaskEnd end;
-    bool is_asked = false;
+    std::optional<std::chrono::steady_clock::time_point> asked;
     while (!child.has_ended()) {
       for (const std::string& line : child.ReadLines(kPatience)) {
         constexpr std::string_view kError = "error: ";
         if (line.starts_with(kError)) end.error = line.substr(kError.size());
         if (line.starts_with("warning: ")) inform(line);
+        end.is_left |= line.ends_with(kLeftToAnother);
       }
-      if (is_asked || beat()) continue;
-      is_asked = true;
-      child.Interrupt();
+      // Also while the process ends: its lease must not run out meanwhile.
+      if (beat()) continue;
+      const auto now = std::chrono::steady_clock::now();
+      if (!asked) {
+        asked = now;
+        child.Interrupt();
+      } else if (now - *asked > kGrace) {
+        return TaskEnd{.status = 128 + SIGKILL, .is_left = false, .error = {}};  // ChildProcess kills it
+      }
     }
     end.status = child.Wait();
     return end;
@@ -188,8 +188,7 @@ Expected<std::int64_t> Work(TaskQueue& queue, IndexStore& store, const RunTask& 
   while (!cancel.IsCancelled()) {
     const Expected<Step> step = DoNext(queue, store, run, options, cancel);
     if (!step) {
-      const bool is_outage = step.error().code != ErrorCode::kUnsupported;
-      if (!is_outage || std::chrono::steady_clock::now() - answered > kOutage) return std::unexpected(step.error());
+      if (std::chrono::steady_clock::now() - answered > kOutage) return std::unexpected(step.error());
       options.inform(step.error().message);
     } else {
       answered = std::chrono::steady_clock::now();

@@ -18,17 +18,19 @@ namespace victorious {
 
 /// How a task's process ended.
 struct TaskEnd {
-  int status = 0;     ///< exit status; 128 + the number of the signal that killed it
-  std::string error;  ///< its line of error; empty: none
+  int status = 0;        ///< exit status; 128 + the number of the signal that killed it
+  bool is_left = false;  ///< another process indexes the same video
+  std::string error;     ///< its line of error; empty: none
 };
 
 struct WorkerOptions {
-  bool until_empty = false;                                                    ///< ends once no task waits or runs
-  std::chrono::milliseconds poll{1'000};                                       ///< between claims while no task waits
+  bool until_empty = false;               ///< ends once no task of this program waits or runs
+  std::chrono::milliseconds poll{1'000};  ///< between claims while no task waits
+  std::chrono::seconds left_delay{30};    ///< before a task whose video another process indexes is claimed again
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
 };
 
-/// Runs a task's process. Calls `beat` at least every second; asks the process to end once that returns false. Error: the
+/// Runs a task's process. Calls `beat` at least every second; ends the process once that has returned false. Error: the
 /// process cannot be started.
 using RunTask = std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<bool()>& beat)>;
 
@@ -36,15 +38,14 @@ using RunTask = std::function<Expected<TaskEnd>(const IndexTask& task, const std
 RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform);
 
 /// Does tasks until `cancel` is set, or until there are none left. A task
-/// - whose process ends well is done, if the index says that its searches are finished; else it waits again (another
-///   process indexes the same video);
-/// - whose process fails or crashes waits again; after TaskQueue::kMaxFailures failures it is quarantined with the reason;
+/// - whose process ends well is done, unless another process indexes the same video: then it waits again;
+/// - whose process fails or crashes waits again; after TaskQueue::kMaxFailures failures without progress it is quarantined
+///   with the reason;
 /// - that runs when `cancel` is set is given back, and resumed by the next worker.
 /// Renews the lease while a task runs; once it is lost (this worker stood still too long), ends the task's process.
 /// Waits up to 5 minutes for a database that does not answer.
 /// @param store  the index of the queue, to be read
-/// Returns the number of tasks done. Errors: kUnsupported if a task was submitted by another build of the program; those
-/// of the database.
+/// Returns the number of tasks done. Errors: those of the database.
 [[nodiscard]] Expected<std::int64_t> Work(postgres::TaskQueue& queue, IndexStore& store, const RunTask& run,
                                           const WorkerOptions& options, const CancelToken& cancel);
 

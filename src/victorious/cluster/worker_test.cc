@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "testing/scratch_postgres.h"
-#include "victorious/base/program_id.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious {
@@ -26,29 +25,21 @@ class PostgresWorkerTest : public ::testing::Test {
     auto store = OpenStore(url_, StoreMode::kCreate);
     ASSERT_TRUE(store) << store.error().message;
     store_ = *std::move(store);
-    auto queue = TaskQueue::Open(url_, "worker");
+    auto queue = TaskQueue::Open(url_, {.worker = "worker", .program = "this"});
     ASSERT_TRUE(queue) << queue.error().message;
     queue_ = *std::move(queue);
   }
 
-  void Submit(const std::string& video, const std::string& program = ProgramId().value()) {
+  void Submit(const std::string& video, const std::string& program = "this") {
     const NewTask task = ToQueue({.video = video, .options = {}, .program = program}, video, TaskPriority::kBatch);
     ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
-  }
-
-  // Adds the video with a search that is finished or not.
-  void Store(const std::string& video, bool finished) {
-    const ModelRecord model = store_->PutModel({.name = "truck", .content_id = "t"}).value();
-    const VideoRecord record = store_->PutVideo({.content_id = video, .name = video, .width = 1, .height = 1}).value();
-    const SearchRecord search{
-        .video = record.id, .model = model.id, .next_frame = 1, .finished = finished, .options_json = "{}"};
-    ASSERT_TRUE(store_->Commit({.progress = {{.search = search, .expected_next_frame = 0}}}));
   }
 
   Expected<std::int64_t> WorkUntilEmpty(const RunTask& run) {
     return Work(*queue_, *store_, run,
                 {.until_empty = true,
                  .poll = std::chrono::milliseconds(1),
+                 .left_delay = {},
                  .inform = [&](const std::string& line) { lines_.push_back(line); }},
                 cancel_);
   }
@@ -71,7 +62,6 @@ TEST_F(PostgresWorkerTest, DoesWhatWaits) {
   const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>& beat) -> Expected<TaskEnd> {
     EXPECT_TRUE(beat());
     videos.push_back(task.video);
-    Store(task.video, true);
     return TaskEnd{};
   });
   ASSERT_TRUE(done) << done.error().message;
@@ -83,9 +73,8 @@ TEST_F(PostgresWorkerTest, DoesWhatWaits) {
 TEST_F(PostgresWorkerTest, FailingTaskIsQuarantinedAndTheRestGoesOn) {
   Submit("/broken.mp4");
   Submit("/good.mp4");
-  Store("/good.mp4", true);
   const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>&) -> Expected<TaskEnd> {
-    return task.video == "/good.mp4" ? TaskEnd{} : TaskEnd{.status = 128 + 11};
+    return task.video == "/good.mp4" ? TaskEnd{} : TaskEnd{.status = 128 + 11, .is_left = false, .error = {}};
   });
   EXPECT_EQ(done.value_or(0), 1);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1, .quarantined = 1}));
@@ -94,21 +83,37 @@ TEST_F(PostgresWorkerTest, FailingTaskIsQuarantinedAndTheRestGoesOn) {
   EXPECT_THAT(listed->front().reason, HasSubstr("signal 11"));
 }
 
-// Another process indexes the same video, so that this one stepped aside.
-TEST_F(PostgresWorkerTest, UnfinishedSearchIsNotDone) {
+TEST_F(PostgresWorkerTest, VideoOfAnotherProcessWaitsAgain) {
   Submit("/a.mp4");
-  Store("/a.mp4", false);
   int runs = 0;
   const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>&) -> Expected<TaskEnd> {
-    if (++runs == 2) {
-      const SearchRecord search{.video = 1, .model = 1, .next_frame = 2, .finished = true, .options_json = "{}"};
-      EXPECT_TRUE(store_->Commit({.progress = {{.search = search, .expected_next_frame = 1}}}));
-    }
-    return TaskEnd{};
+    return TaskEnd{.status = 0, .is_left = ++runs < 3, .error = {}};
   });
   EXPECT_EQ(done.value_or(0), 1);
-  EXPECT_EQ(runs, 2);
+  EXPECT_EQ(runs, 3);
   EXPECT_THAT(lines_, Contains(HasSubstr("another process")));
+}
+
+// This worker stood still past its lease, while another one did the task.
+TEST_F(PostgresWorkerTest, LostLeaseEndsTheProcess) {
+  auto queue = TaskQueue::Open(url_, {.worker = "slow", .program = "this", .lease = std::chrono::seconds(0)});
+  auto other = TaskQueue::Open(url_, {.worker = "other", .program = "this"});
+  Submit("/a.mp4");
+  bool goes_on = true;
+  const auto run = [&](const IndexTask&, const std::function<bool()>& beat) -> Expected<TaskEnd> {
+    const auto task = (*other)->Claim();
+    EXPECT_TRUE(task && *task);
+    EXPECT_TRUE((*other)->Complete(**task));
+    goes_on = beat();
+    return TaskEnd{};
+  };
+  WorkerOptions options;
+  options.until_empty = true;
+  options.poll = std::chrono::milliseconds(1);
+  const auto done = Work(**queue, *store_, run, options, cancel_);
+  EXPECT_FALSE(goes_on);
+  EXPECT_EQ(done.value_or(-1), 0) << "done by the other";
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
 }
 
 TEST_F(PostgresWorkerTest, InterruptedTaskWaitsForTheNextWorker) {
@@ -116,23 +121,20 @@ TEST_F(PostgresWorkerTest, InterruptedTaskWaitsForTheNextWorker) {
   const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>& beat) -> Expected<TaskEnd> {
     cancel_.Cancel();
     EXPECT_FALSE(beat());
-    return TaskEnd{.status = 130};
+    return TaskEnd{.status = 130, .is_left = false, .error = {}};
   });
   EXPECT_EQ(done.value_or(-1), 0);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
 }
 
 TEST_F(PostgresWorkerTest, TaskOfAnotherBuildIsNotTouched) {
-  Submit("/a.mp4", "0.0.1-0123456789abcdef");
-  const auto done = WorkUntilEmpty(EndWith({}));
-  ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().code, ErrorCode::kUnsupported);
-  EXPECT_THAT(done.error().message, HasSubstr("0.0.1-0123456789abcdef"));
+  Submit("/a.mp4", "another");
+  EXPECT_EQ(WorkUntilEmpty(EndWith({})).value_or(-1), 0);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
 }
 
 TEST_F(PostgresWorkerTest, InvalidTaskIsQuarantined) {
-  const NewTask task{.kind = "stitch", .key = "a", .payload = "{}"};
+  const NewTask task{.kind = "stitch", .key = "a", .payload = "{}", .program = "this"};
   ASSERT_TRUE(queue_->Submit(std::span(&task, 1)));
   EXPECT_EQ(WorkUntilEmpty(EndWith({})).value_or(-1), 0);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.quarantined = 1}));

@@ -1,9 +1,11 @@
 #include "victorious/store/postgres/postgres_store.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -328,15 +330,52 @@ Status PostgresStore::PutObjects(std::span<const ObjectRecord> objects) {
 }
 
 Status PostgresStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) {
-  // Held over several transactions: by the session, not by one of them.
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Query("SELECT pg_advisory_lock(?)", kObjectsLockKey));
-  const auto put = [&]() -> Status {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, make());
-    return PutObjects(objects);
-  };
-  const Status status = put();
+  // A connection that was lost and opened again has lost the lock.
+  constexpr int kMaxTries = 3;
+  for (int tries = 1;; ++tries) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t session, LockObjects());
+    const Expected<std::vector<ObjectRecord>> objects = make();
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t session_now, Session());
+    const bool is_locked = session_now == session;
+    if (objects && !is_locked && tries < kMaxTries) continue;
+    Status status;
+    if (!objects) {
+      status = std::unexpected(objects.error());
+    } else if (!is_locked) {
+      status = Fail(ErrorCode::kInternal,
+                    fmt::format("{}: the connection was lost again and again: run this again", connection_->name()));
+    } else {
+      status = PutObjects(*objects);
+    }
+    if (is_locked) VICTORIOUS_RETURN_IF_ERROR(UnlockObjects());
+    return status;
+  }
+}
+
+Expected<std::int64_t> PostgresStore::Session() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result row, connection_->Query("SELECT pg_backend_pid()::bigint"));
+  return row.Next() ? row.Integer(0) : 0;
+}
+
+// Held over several transactions: by the session, not by one of them.
+Expected<std::int64_t> PostgresStore::LockObjects() {
+  constexpr std::chrono::milliseconds kPoll{100};
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Result row, connection_->Query("SELECT pg_try_advisory_lock(?), pg_backend_pid()::bigint", kObjectsLockKey));
+    if (row.Next() && row.Integer(0) != 0) {
+      // A process that stands still for long must not hold up all others.
+      VICTORIOUS_RETURN_IF_ERROR(connection_->Execute("SET idle_session_timeout = '30min'"));
+      return row.Integer(1);
+    }
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
+Status PostgresStore::UnlockObjects() {
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute("SET idle_session_timeout = 0"));
   VICTORIOUS_RETURN_IF_ERROR(connection_->Query("SELECT pg_advisory_unlock(?)", kObjectsLockKey));
-  return status;
+  return {};
 }
 
 Expected<sql::NearIds> PostgresStore::FindNear(const SightingFilter& filter) {

@@ -57,6 +57,11 @@ class PostgresStore final : public IndexStore {
       const std::vector<IndexBatch::TrackletUpdate>& updates);
   [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
+  /// The number of the server's process for this connection.
+  [[nodiscard]] Expected<std::int64_t> Session();
+  /// Waits for the lock of UpdateObjects. Returns the session that holds it.
+  [[nodiscard]] Expected<std::int64_t> LockObjects();
+  [[nodiscard]] Status UnlockObjects();
   [[nodiscard]] Expected<sql::NearIds> FindNear(const SightingFilter& filter);
   /// The error of a statement that had to change one row, and did not.
   [[nodiscard]] Error Missing(std::string_view what, std::int64_t id) const;

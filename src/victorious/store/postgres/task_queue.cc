@@ -6,27 +6,32 @@
 
 namespace victorious::postgres {
 
-Expected<std::unique_ptr<TaskQueue>> TaskQueue::Open(const std::string& url, std::string worker,
-                                                     std::chrono::seconds lease) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, Connection::Open(url, false));
+Expected<std::unique_ptr<TaskQueue>> TaskQueue::Open(const std::string& url, TaskQueueOptions options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, Connection::Open(url, options.is_read_only));
   VICTORIOUS_RETURN_IF_ERROR(CheckVersion(*connection));
-  return std::unique_ptr<TaskQueue>(new TaskQueue(std::move(connection), std::move(worker), lease));
+  return std::unique_ptr<TaskQueue>(new TaskQueue(std::move(connection), std::move(options)));
 }
 
 Expected<std::int64_t> TaskQueue::Submit(std::span<const NewTask> tasks) {
   CopyRows rows;
-  for (const NewTask& task : tasks) rows.AddRow(task.kind, task.key, static_cast<int>(task.priority), task.payload);
+  for (const NewTask& task : tasks) {
+    rows.AddRow(task.kind, task.key, static_cast<int>(task.priority), task.payload, task.program);
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Execute("CREATE TEMPORARY TABLE new_tasks (position bigint GENERATED ALWAYS AS IDENTITY, kind text, "
-                           "key text, priority bigint, payload text) ON COMMIT DROP"));
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_tasks (kind, key, priority, payload)", rows));
+                           "key text, priority bigint, payload text, program text) ON COMMIT DROP"));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_tasks (kind, key, priority, payload, program)", rows));
+  // The same task twice would be an error of the server.
   VICTORIOUS_ASSIGN_OR_RETURN(
-      const Result added, connection_->Query("INSERT INTO tasks (kind, key, priority, payload) SELECT kind, key, "
-                                             "priority, payload FROM new_tasks ORDER BY position "
-                                             "ON CONFLICT (kind, key) DO UPDATE SET state = 'waiting', failures = 0, "
-                                             "reason = NULL, payload = excluded.payload "
-                                             "WHERE tasks.state = 'quarantined'"));
+      const Result added,
+      connection_->Query(
+          "INSERT INTO tasks (kind, key, priority, payload, program) SELECT kind, key, priority, payload, program FROM "
+          "(SELECT DISTINCT ON (kind, key) * FROM new_tasks ORDER BY kind, key, position) t ORDER BY position "
+          "ON CONFLICT (kind, key) DO UPDATE SET state = 'waiting', failures = 0, reason = NULL, not_before = NULL, "
+          "payload = excluded.payload, program = excluded.program, "
+          "priority = least(tasks.priority, excluded.priority) WHERE tasks.state = 'quarantined' OR "
+          "(tasks.state = 'waiting' AND (tasks.program <> excluded.program OR excluded.priority < tasks.priority))"));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return added.Changes();
 }
@@ -51,11 +56,12 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
   VICTORIOUS_RETURN_IF_ERROR(EndLostLeases());
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result row,
-      connection_->Query("WITH next AS (SELECT id FROM tasks WHERE state = 'waiting' ORDER BY priority, id LIMIT 1 "
+      connection_->Query("WITH next AS (SELECT id FROM tasks WHERE state = 'waiting' AND program = ? AND "
+                         "(not_before IS NULL OR not_before <= now()) ORDER BY priority, id LIMIT 1 "
                          "FOR UPDATE SKIP LOCKED) UPDATE tasks t SET state = 'running', attempt = t.attempt + 1, "
                          "worker = ?, leased_until = now() + ? * interval '1 s' FROM next WHERE t.id = next.id "
                          "RETURNING t.id, t.attempt, t.kind, t.key, t.payload",
-                         worker_, static_cast<double>(lease_.count())));
+                         options_.program, options_.worker, static_cast<double>(options_.lease.count())));
   std::optional<Task> task;
   if (row.Next()) {
     task = {.id = row.Integer(0),
@@ -69,20 +75,22 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
   return task;
 }
 
-Status TaskQueue::Renew(const Task& task) {
+Status TaskQueue::Renew(const Task& task, bool has_progress) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result renewed,
-      connection_->Query("UPDATE tasks SET leased_until = now() + ? * interval '1 s' WHERE id = ? AND attempt = ? AND "
-                         "state = 'running'",
-                         static_cast<double>(lease_.count()), task.id, task.attempt));
+      connection_->Query("UPDATE tasks SET leased_until = now() + ? * interval '1 s', failures = failures * ? "
+                         "WHERE id = ? AND attempt = ? AND state = 'running'",
+                         static_cast<double>(options_.lease.count()), has_progress ? 0 : 1, task.id, task.attempt));
   if (renewed.Changes() != 1) return LostLease(task);
   return transaction.Commit();
 }
 
 Status TaskQueue::Complete(const Task& task) { return EndLease(task, "done", std::nullopt, "done"); }
 
-Status TaskQueue::Return(const Task& task) { return EndLease(task, "waiting", std::nullopt, "returned"); }
+Status TaskQueue::Return(const Task& task, std::chrono::seconds delay) {
+  return EndLease(task, "waiting", std::nullopt, "returned", delay);
+}
 
 Status TaskQueue::Quarantine(const Task& task, const std::string& reason) {
   return EndLease(task, "quarantined", reason, "failed");
@@ -102,13 +110,13 @@ Status TaskQueue::Abandon(const Task& task, const std::string& reason) {
 }
 
 Status TaskQueue::EndLease(const Task& task, std::string_view state, std::optional<std::string> reason,
-                           std::string_view event) {
+                           std::string_view event, std::chrono::seconds delay) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
-      connection_->Query("UPDATE tasks SET state = ?, reason = ?, worker = NULL, leased_until = NULL "
-                         "WHERE id = ? AND attempt = ? AND state = 'running'",
-                         state, reason, task.id, task.attempt));
+      connection_->Query("UPDATE tasks SET state = ?, reason = ?, worker = NULL, leased_until = NULL, "
+                         "not_before = now() + ? * interval '1 s' WHERE id = ? AND attempt = ? AND state = 'running'",
+                         state, reason, static_cast<double>(delay.count()), task.id, task.attempt));
   if (ended.Changes() != 1) return LostLease(task);
   VICTORIOUS_RETURN_IF_ERROR(Log(task, event));
   return transaction.Commit();
@@ -117,7 +125,7 @@ Status TaskQueue::EndLease(const Task& task, std::string_view state, std::option
 Status TaskQueue::Log(const Task& task, std::string_view event) {
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Query("INSERT INTO task_log (task_id, attempt, event, worker) VALUES (?, ?, ?, ?)", task.id,
-                         task.attempt, event, worker_));
+                         task.attempt, event, options_.worker));
   return {};
 }
 
@@ -125,7 +133,7 @@ std::unexpected<Error> TaskQueue::LostLease(const Task& task) const {
   return Fail(ErrorCode::kConflict,
               fmt::format("{}: attempt {} of task {} ({} {}) does not run any more: it was not renewed for {} s, and "
                           "another worker may do it: claim a task again",
-                          connection_->name(), task.attempt, task.id, task.kind, task.key, lease_.count()));
+                          connection_->name(), task.attempt, task.id, task.kind, task.key, options_.lease.count()));
 }
 
 Expected<TaskCounts> TaskQueue::Count() {
@@ -153,20 +161,28 @@ Expected<std::vector<TaskState>> TaskQueue::List(std::int64_t limit) {
                        .attempt = rows.Integer(3),
                        .worker = rows.Text(4),
                        .lease_left_s = rows.OptionalReal(5),
-                       .reason = rows.Text(6)});
+                       .reason = rows.Text(6),
+                       .program = rows.Text(7)});
     }
   }
   return tasks;
 }
 
-Expected<std::optional<double>> TaskQueue::DonePerHour() {
+Expected<bool> TaskQueue::HasOpenTasks() {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result row, connection_->Query("SELECT EXISTS (SELECT FROM tasks WHERE state = 'waiting' AND program = ?) OR "
+                                     "EXISTS (SELECT FROM tasks WHERE state = 'running' AND program = ?)",
+                                     options_.program, options_.program));
+  return row.Next() && row.Integer(0) != 0;
+}
+
+Expected<std::optional<double>> TaskQueue::MeanSeconds() {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result row,
-      connection_->Query("SELECT count(*) FILTER (WHERE event = 'done'), extract(epoch FROM now() - min(at) "
-                         "FILTER (WHERE event = 'claimed'))::double precision / 3600 FROM task_log "
-                         "WHERE at > now() - interval '1 hour'"));
-  if (!row.Next() || row.Integer(0) == 0 || row.IsNull(1) || row.Real(1) <= 0) return std::nullopt;
-  return static_cast<double>(row.Integer(0)) / row.Real(1);
+      connection_->Query("SELECT avg(extract(epoch FROM d.at - c.at))::double precision FROM (SELECT task_id, "
+                         "attempt, at FROM task_log WHERE event = 'done' ORDER BY at DESC LIMIT 1000) d "
+                         "JOIN task_log c USING (task_id, attempt) WHERE c.event = 'claimed'"));
+  return row.Next() ? row.OptionalReal(0) : std::nullopt;
 }
 
 }  // namespace victorious::postgres

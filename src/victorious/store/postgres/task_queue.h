@@ -2,7 +2,7 @@
 //
 // A worker claims one task at a time by SELECT … FOR UPDATE SKIP LOCKED, so that claims do not wait for each other. A claim
 // is a lease, renewed while the worker lives. A lease that ends without a word is that of a dead worker: the task waits
-// again with the next attempt, or is quarantined if it failed or lost its worker three times. The end of an attempt is
+// again with the next attempt, or is quarantined if it failed or lost its worker three times without progress. The end of an attempt is
 // refused unless it still runs. A worker stores results with its progress by compare-and-swap (IndexStore::Commit), so
 // that each task takes effect once, whatever dies or stands still meanwhile. No transaction is open while it computes.
 #pragma once
@@ -32,6 +32,7 @@ struct NewTask {
   std::string key;   ///< with what; a task of the same kind and key is added once
   TaskPriority priority = TaskPriority::kBatch;
   std::string payload;  ///< for the worker, as JSON
+  std::string program;  ///< the build that shall do it (ProgramId): others may find other things
 };
 
 /// A claimed task.
@@ -63,32 +64,37 @@ struct TaskState {
   std::string worker;                  ///< that runs it
   std::optional<double> lease_left_s;  ///< of a running one
   std::string reason;                  ///< of the last failure; empty: none
+  std::string program;
+};
+
+struct TaskQueueOptions {
+  std::string worker;              ///< the name of this process in the log
+  std::string program;             ///< the build whose tasks it claims
+  std::chrono::seconds lease{60};  ///< of its claims
+  bool is_read_only = false;
 };
 
 /// Use from one thread at a time.
 class TaskQueue {
  public:
-  static constexpr std::chrono::seconds kLease{60};
   static constexpr int kMaxFailures = 3;
 
-  /// @param url     of an index that exists (OpenPostgresStore)
-  /// @param worker  the name of this process in the log
-  /// @param lease   of this worker's claims
-  [[nodiscard]] static Expected<std::unique_ptr<TaskQueue>> Open(const std::string& url, std::string worker,
-                                                                 std::chrono::seconds lease = kLease);
+  /// @param url  of an index that exists (OpenPostgresStore)
+  [[nodiscard]] static Expected<std::unique_ptr<TaskQueue>> Open(const std::string& url, TaskQueueOptions options);
 
-  [[nodiscard]] std::chrono::seconds lease() const { return lease_; }
+  [[nodiscard]] std::chrono::seconds lease() const { return options_.lease; }
 
-  /// Adds the tasks, in one transaction; one that is quarantined waits again. Returns the number of those that are new or
-  /// wait again.
+  /// Adds the tasks, in one transaction. One that is quarantined waits again, one that waits gets the new program and the
+  /// higher priority. Returns the number of those that are new or changed.
   [[nodiscard]] Expected<std::int64_t> Submit(std::span<const NewTask> tasks);
 
-  /// Claims the waiting task of the highest priority, of these the one that was added first; std::nullopt if none waits.
-  /// Ends the leases of dead workers first.
+  /// Claims the waiting task of this program with the highest priority, of these the one that was added first;
+  /// std::nullopt if none waits. Ends the leases of dead workers first.
   [[nodiscard]] Expected<std::optional<Task>> Claim();
 
   /// Renews the lease from now on. Error: kConflict if it was lost.
-  [[nodiscard]] Status Renew(const Task& task);
+  /// @param has_progress  results were stored since the last renewal: its former failures do not count any more
+  [[nodiscard]] Status Renew(const Task& task, bool has_progress);
 
   /// Ends the task: its results are stored. Error: kConflict if the lease was lost.
   [[nodiscard]] Status Complete(const Task& task);
@@ -97,8 +103,9 @@ class TaskQueue {
   /// lost.
   [[nodiscard]] Status Abandon(const Task& task, const std::string& reason);
 
-  /// Gives the task back, as at a shutdown: it waits again. Error: kConflict if the lease was lost.
-  [[nodiscard]] Status Return(const Task& task);
+  /// Gives the task back, as at a shutdown: it waits again, and is not claimed before `delay` is over. Error: kConflict if
+  /// the lease was lost.
+  [[nodiscard]] Status Return(const Task& task, std::chrono::seconds delay = {});
 
   /// Quarantines a task that cannot be done, with the reason. Error: kConflict if the lease was lost.
   [[nodiscard]] Status Quarantine(const Task& task, const std::string& reason);
@@ -108,24 +115,25 @@ class TaskQueue {
   /// Returns the tasks that run, then those that are quarantined, by id; at most `limit` of each.
   [[nodiscard]] Expected<std::vector<TaskState>> List(std::int64_t limit);
 
-  /// Returns the tasks done an hour, over the last hour, or since the first one was claimed in it; std::nullopt if none
-  /// was done.
-  [[nodiscard]] Expected<std::optional<double>> DonePerHour();
+  /// Whether a task of this program waits or runs.
+  [[nodiscard]] Expected<bool> HasOpenTasks();
+
+  /// Returns the mean time from claim to end of the last tasks done, at most 1000 of them; std::nullopt if none was done.
+  [[nodiscard]] Expected<std::optional<double>> MeanSeconds();
 
  private:
-  TaskQueue(std::unique_ptr<Connection> connection, std::string worker, std::chrono::seconds lease)
-      : connection_(std::move(connection)), worker_(std::move(worker)), lease_(lease) {}
+  TaskQueue(std::unique_ptr<Connection> connection, TaskQueueOptions options)
+      : connection_(std::move(connection)), options_(std::move(options)) {}
 
   [[nodiscard]] Status EndLostLeases();
   /// Ends the lease in a transaction: the task gets a new state and reason, the log an event.
   [[nodiscard]] Status EndLease(const Task& task, std::string_view state, std::optional<std::string> reason,
-                                std::string_view event);
+                                std::string_view event, std::chrono::seconds delay = {});
   [[nodiscard]] Status Log(const Task& task, std::string_view event);
   [[nodiscard]] std::unexpected<Error> LostLease(const Task& task) const;
 
   std::unique_ptr<Connection> connection_;
-  std::string worker_;
-  std::chrono::seconds lease_;
+  TaskQueueOptions options_;
 };
 
 }  // namespace victorious::postgres

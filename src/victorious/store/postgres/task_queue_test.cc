@@ -29,7 +29,7 @@ class PostgresTaskQueueTest : public ::testing::Test {
   }
 
   std::unique_ptr<TaskQueue> OpenOrDie(const std::string& worker) const {
-    auto queue = TaskQueue::Open(url_, worker);
+    auto queue = TaskQueue::Open(url_, {.worker = worker, .program = {}});
     if (!queue) ADD_FAILURE() << queue.error().message;
     return queue ? *std::move(queue) : nullptr;
   }
@@ -70,12 +70,12 @@ class PostgresTaskQueueTest : public ::testing::Test {
 };
 
 TEST_F(PostgresTaskQueueTest, ClaimsByPriorityThenByAge) {
-  Submit({{"index", "a", TaskPriority::kBatch, "{}"},
-          {"index", "b", TaskPriority::kPerson, R"({"frame":1})"},
-          {"index", "c", TaskPriority::kLive, "{}"},
-          {"index", "d", TaskPriority::kPerson, "{}"}});
-  EXPECT_EQ(*queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kLive, "{}"},
-                                                 {"stitch", "a", TaskPriority::kBatch, "{}"}}),
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""},
+          {"index", "b", TaskPriority::kPerson, R"({"frame":1})", ""},
+          {"index", "c", TaskPriority::kLive, "{}", ""},
+          {"index", "d", TaskPriority::kPerson, "{}", ""}});
+  EXPECT_EQ(*queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, "{}", ""},
+                                                 {"stitch", "a", TaskPriority::kBatch, "{}", ""}}),
             1)
       << "a task is added once";
   std::vector<std::string> order;
@@ -91,19 +91,19 @@ TEST_F(PostgresTaskQueueTest, ClaimsByPriorityThenByAge) {
 }
 
 TEST_F(PostgresTaskQueueTest, EachTaskEndsOnce) {
-  Submit({{"index", "a", TaskPriority::kBatch, "{}"}});
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
   const Task task = ClaimOrDie(*queue_);
-  ASSERT_TRUE(queue_->Renew(task));
+  ASSERT_TRUE(queue_->Renew(task, false));
   ASSERT_TRUE(queue_->Complete(task));
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
   EXPECT_EQ(queue_->Complete(task).error().code, ErrorCode::kConflict) << "once";
   EXPECT_THAT(Log(), ElementsAre("1 claimed first", "1 done first"));
-  EXPECT_EQ(*queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, "{}"}}), 0) << "it is done";
+  EXPECT_EQ(*queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, "{}", ""}}), 0) << "it is done";
 }
 
 // A worker that stood still past its lease, while another did its task.
 TEST_F(PostgresTaskQueueTest, LateWorkerIsRefused) {
-  Submit({{"index", "a", TaskPriority::kBatch, "{}"}});
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
   const Task late = ClaimOrDie(*queue_);
   const auto second = OpenOrDie("second");
   EXPECT_FALSE(second->Claim()->has_value()) << "leased";
@@ -114,7 +114,7 @@ TEST_F(PostgresTaskQueueTest, LateWorkerIsRefused) {
   const Status refused = queue_->Complete(late);
   EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
   EXPECT_THAT(refused.error().message, HasSubstr("does not run any more"));
-  EXPECT_EQ(queue_->Renew(late).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(queue_->Renew(late, false).error().code, ErrorCode::kConflict);
   EXPECT_EQ(queue_->Return(late).error().code, ErrorCode::kConflict);
   EXPECT_EQ(queue_->Quarantine(late, "").error().code, ErrorCode::kConflict);
   EXPECT_EQ(queue_->Abandon(late, "").error().code, ErrorCode::kConflict);
@@ -123,16 +123,16 @@ TEST_F(PostgresTaskQueueTest, LateWorkerIsRefused) {
 }
 
 TEST_F(PostgresTaskQueueTest, RenewedLeaseIsKept) {
-  Submit({{"index", "a", TaskPriority::kBatch, "{}"}});
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
   const Task task = ClaimOrDie(*queue_);
   EndLeases();
-  ASSERT_TRUE(queue_->Renew(task)) << "late, but nobody took it";
+  ASSERT_TRUE(queue_->Renew(task, false)) << "late, but nobody took it";
   EXPECT_FALSE(OpenOrDie("second")->Claim()->has_value());
   EXPECT_TRUE(queue_->Complete(task));
 }
 
 TEST_F(PostgresTaskQueueTest, TaskThatKillsThreeWorkersIsQuarantined) {
-  Submit({{"index", "poison", TaskPriority::kBatch, "{}"}, {"index", "good", TaskPriority::kBatch, "{}"}});
+  Submit({{"index", "poison", TaskPriority::kBatch, "{}", ""}, {"index", "good", TaskPriority::kBatch, "{}", ""}});
   for (int attempt = 1; attempt <= TaskQueue::kMaxFailures; ++attempt) {
     const Task task = ClaimOrDie(*queue_);
     EXPECT_EQ(task.key, "poison");
@@ -144,7 +144,7 @@ TEST_F(PostgresTaskQueueTest, TaskThatKillsThreeWorkersIsQuarantined) {
 }
 
 TEST_F(PostgresTaskQueueTest, ReturnedAndQuarantinedTasks) {
-  Submit({{"index", "a", TaskPriority::kBatch, "{}"}});
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
   for (int i = 0; i < 2 * TaskQueue::kMaxFailures; ++i) {
     ASSERT_TRUE(queue_->Return(ClaimOrDie(*queue_))) << "a worker that stops in order kills nothing";
   }
@@ -154,7 +154,7 @@ TEST_F(PostgresTaskQueueTest, ReturnedAndQuarantinedTasks) {
 }
 
 TEST_F(PostgresTaskQueueTest, FailedTaskIsTriedAgainThenQuarantined) {
-  const std::vector<NewTask> tasks = {{"index", "a", TaskPriority::kBatch, R"({"program":"1"})"}};
+  const std::vector<NewTask> tasks = {{"index", "a", TaskPriority::kBatch, R"({"program":"1"})", ""}};
   Submit(tasks);
   for (int attempt = 1; attempt < TaskQueue::kMaxFailures; ++attempt) {
     ASSERT_TRUE(queue_->Abandon(ClaimOrDie(*queue_), "no space"));
@@ -177,8 +177,8 @@ TEST_F(PostgresTaskQueueTest, FailedTaskIsTriedAgainThenQuarantined) {
 }
 
 TEST_F(PostgresTaskQueueTest, ListsWhatRunsAndHowFastItGoes) {
-  EXPECT_FALSE(queue_->DonePerHour()->has_value());
-  Submit({{"index", "a", TaskPriority::kBatch, "{}"}, {"index", "b", TaskPriority::kBatch, "{}"}});
+  EXPECT_FALSE(queue_->MeanSeconds()->has_value());
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}, {"index", "b", TaskPriority::kBatch, "{}", ""}});
   ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
   const Task task = ClaimOrDie(*queue_);
   auto listed = queue_->List(10);
@@ -186,10 +186,44 @@ TEST_F(PostgresTaskQueueTest, ListsWhatRunsAndHowFastItGoes) {
   EXPECT_EQ(listed->front().id, task.id);
   EXPECT_EQ(listed->front().worker, "first");
   EXPECT_GT(listed->front().lease_left_s.value_or(0), 0);
-  EXPECT_LE(listed->front().lease_left_s.value_or(99), TaskQueue::kLease.count());
-  Run("UPDATE task_log SET at = at - interval '30 minutes'");
-  const auto rate = queue_->DonePerHour();
-  EXPECT_NEAR(rate->value_or(0), 2, 0.1) << "one in half an hour";
+  EXPECT_LE(listed->front().lease_left_s.value_or(99), TaskQueueOptions{}.lease.count());
+  Run("UPDATE task_log SET at = at - interval '30 minutes' WHERE task_id = 1 AND event = 'claimed'");
+  EXPECT_NEAR(queue_->MeanSeconds()->value_or(0), 1800, 60);
+}
+
+TEST_F(PostgresTaskQueueTest, ProgressForgetsFailures) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  for (int attempt = 0; attempt < 2 * TaskQueue::kMaxFailures; ++attempt) {
+    const Task task = ClaimOrDie(*queue_);
+    ASSERT_TRUE(queue_->Renew(task, true));
+    ASSERT_TRUE(queue_->Abandon(task, "the server was restarted"));
+  }
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+}
+
+TEST_F(PostgresTaskQueueTest, TaskOfAnotherBuildIsNotClaimed) {
+  const std::vector<NewTask> tasks = {{"index", "a", TaskPriority::kBatch, "{}", "old"}};
+  ASSERT_EQ(*queue_->Submit(tasks), 1);
+  EXPECT_FALSE(queue_->Claim()->has_value());
+  EXPECT_FALSE(*queue_->HasOpenTasks());
+  const std::vector<NewTask> again = {{"index", "a", TaskPriority::kPerson, "{}", ""}};
+  ASSERT_EQ(*queue_->Submit(again), 1) << "submitted by this build";
+  EXPECT_TRUE(*queue_->HasOpenTasks());
+  EXPECT_EQ(ClaimOrDie(*queue_).key, "a");
+}
+
+TEST_F(PostgresTaskQueueTest, SubmittedTwiceAtOnceItIsOneTask) {
+  const NewTask task{"index", "a", TaskPriority::kBatch, "{}", ""};
+  EXPECT_EQ(*queue_->Submit(std::vector{task, task}), 1);
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+}
+
+TEST_F(PostgresTaskQueueTest, ReturnedWithDelayItWaits) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  ASSERT_TRUE(queue_->Return(ClaimOrDie(*queue_), std::chrono::hours(1)));
+  EXPECT_FALSE(queue_->Claim()->has_value());
+  Run("UPDATE tasks SET not_before = now()");
+  EXPECT_EQ(ClaimOrDie(*queue_).key, "a");
 }
 
 // Law: whatever workers do at once, each task is claimed and done once.
@@ -197,12 +231,12 @@ TEST_F(PostgresTaskQueueTest, ConcurrentWorkersDoEachTaskOnce) {
   constexpr int kTasks = 60;
   constexpr int kWorkers = 4;
   std::vector<NewTask> tasks;
-  for (int i = 0; i < kTasks; ++i) tasks.push_back({"index", std::to_string(i), TaskPriority::kBatch, "{}"});
+  for (int i = 0; i < kTasks; ++i) tasks.push_back({"index", std::to_string(i), TaskPriority::kBatch, "{}", ""});
   Submit(tasks);
   std::array<std::string, kWorkers> faults;
   std::vector<std::thread> threads;
   const auto work = [&](const std::string& name) -> Status {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto queue, TaskQueue::Open(url_, name));
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto queue, TaskQueue::Open(url_, {.worker = name, .program = {}}));
     while (true) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Task> task, queue->Claim());
       if (!task) return {};

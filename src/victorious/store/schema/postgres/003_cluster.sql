@@ -6,6 +6,9 @@ ALTER TABLE videos ADD COLUMN tracklets_made bigint NOT NULL DEFAULT 0;
 UPDATE videos SET tracklets_made = (SELECT coalesce(max(id), 0) FROM tracklets);
 ALTER TABLE tracklets ALTER COLUMN id DROP IDENTITY;
 
--- Attempts that failed or lost their worker.
+-- The build of the program that shall do the task, and the time before which it is not claimed.
+ALTER TABLE tasks ADD COLUMN program text NOT NULL DEFAULT '', ADD COLUMN not_before timestamptz;
+
+-- Attempts that failed or lost their worker, without progress.
 ALTER TABLE tasks RENAME COLUMN lost_workers TO failures;
 CREATE INDEX task_log_by_time ON task_log (at);
