@@ -40,7 +40,8 @@ struct FileSlice {
 };
 
 /// Where the body of a request goes that is too large for memory. The file must
-/// not be there.
+/// not be there. Unless the request is answered with status 200, the file is removed,
+/// and its folder if it is empty then.
 struct UploadPlan {
   std::filesystem::path file;
   std::uint64_t max_bytes = 0;

@@ -90,6 +90,13 @@ HttpRequest FromBeast(const http::request_header<>& request) {
   return plain;
 }
 
+// What is left in place is not ours, or is found with the other uploads: removing it is not worth another answer.
+void RemoveFileAndEmptyFolder(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  std::filesystem::remove(file.parent_path(), ignored);  // fails if it has other files
+}
+
 // What all sessions share. Used by the thread of Run only.
 struct Shared {
   HttpServerOptions options;
@@ -207,6 +214,8 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
   void Answer(HttpRequest request) {
     net::post(shared_.pool, [self = shared_from_this(), request = std::move(request)]() mutable {
       HttpResponse response = self->shared_.handler(request, self->shared_.port);
+      // Its sender may have been logged out while it was read.
+      if (request.upload && response.status != 200) RemoveFileAndEmptyFolder(*request.upload);
       net::post(self->stream_.get_executor(),
                 [self, response = std::move(response)]() mutable { self->Send(std::move(response)); });
     });
@@ -230,8 +239,8 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     upload_.emplace(std::move(*parser_));
     parser_.reset();
     upload_->body_limit(plan.max_bytes);
-    if (upload_->content_length().value_or(0) > plan.max_bytes) return FailUpload(http::error::body_limit);
     upload_request_.upload = plan.file;
+    if (upload_->content_length().value_or(0) > plan.max_bytes) return FailUpload(http::error::body_limit);
     BoostError error;
     upload_->get().body().open(plan.file.c_str(), beast::file_mode::write_new, error);
     if (error) return FailUpload(500, "internal", "the upload cannot be written: " + error.message());
@@ -286,8 +295,7 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
 
   void RemoveUpload() {
     upload_.reset();
-    std::error_code ignored;
-    if (upload_request_.upload) std::filesystem::remove(*upload_request_.upload, ignored);
+    if (upload_request_.upload) RemoveFileAndEmptyFolder(*upload_request_.upload);
     upload_request_ = {};
   }
 

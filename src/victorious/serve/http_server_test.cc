@@ -92,6 +92,7 @@ class HttpServerTest : public ::testing::Test {
                                 .body = request.client + "|" + request.cookie + "|" + request.authorization,
                                 .file = {}};
           }
+          if (request.upload && request.target == "/late") return ErrorResponse(401, "no", "logged out meanwhile");
           if (request.upload) {
             return HttpResponse{.content_type = "text/plain",
                                 .headers = {},
@@ -103,7 +104,9 @@ class HttpServerTest : public ::testing::Test {
         },
         [this](const HttpRequest& request, int) -> std::expected<UploadPlan, HttpResponse> {
           if (request.target == "/refused") return std::unexpected(ErrorResponse(403, "no", "not here"));
-          return UploadPlan{.file = folder_ / ("upload" + std::to_string(++uploads_)), .max_bytes = 1'000'000};
+          const auto own = folder_ / ("upload" + std::to_string(++uploads_));
+          std::filesystem::create_directory(own);
+          return UploadPlan{.file = own / "file", .max_bytes = 1'000'000};
         });
     ASSERT_TRUE(server) << server.error().message;
     server_ = *std::move(server);
@@ -177,13 +180,13 @@ TEST_F(HttpServerTest, UploadsGoToAFile) {
   std::string bytes(900'000, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 + i / 256);
   ASSERT_THAT(Exchange(Upload("/", bytes.size()) + bytes), EndsWith("kept 900000"));
-  EXPECT_EQ(*ReadFile(folder_ / "upload1"), bytes);
+  EXPECT_EQ(*ReadFile(folder_ / "upload1" / "file"), bytes);
   EXPECT_THAT(Exchange(Upload("/", 0)), EndsWith("kept 0"));
   // Chunked, as a stream of unknown length is sent.
   EXPECT_THAT(Exchange("POST / HTTP/1.1\r\nHost: x\r\nContent-Type: application/octet-stream\r\nConnection: close\r\n"
                        "Transfer-Encoding: chunked\r\n\r\n5\r\nhello\r\n3\r\n, x\r\n0\r\n\r\n"),
               EndsWith("kept 8"));
-  EXPECT_EQ(*ReadFile(folder_ / "upload3"), "hello, x");
+  EXPECT_EQ(*ReadFile(folder_ / "upload3" / "file"), "hello, x");
   // A client that asks first whether it may send.
   const Client asking(server_->port());
   std::string header = Upload("/", 3);
@@ -207,13 +210,14 @@ TEST_F(HttpServerTest, UploadsThatFailLeaveNoFile) {
     const Client leaving(server_->port());
     leaving.Send(Upload("/", 1000) + "only a part");
   }
+  EXPECT_THAT(Exchange(Upload("/late", 10) + "0123456789"), StartsWith("HTTP/1.1 401"));
   EXPECT_THAT(Exchange(Upload("/", 1) + "x"), EndsWith("kept 1")) << "the server goes on";
   cancel_.Cancel();
   thread_.join();
   server_.reset();
-  int files = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_.path())) ++files;
-  EXPECT_EQ(files, 1) << "only the whole one";
+  int entries = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path())) ++entries;
+  EXPECT_EQ(entries, 2) << "only the whole one, in its folder";
 }
 
 TEST_F(HttpServerTest, EventsComeUntilTheClientLeaves) {
