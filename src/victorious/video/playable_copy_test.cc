@@ -126,6 +126,19 @@ TEST(PlayableCopy, DamagedFilesAreDecoded) {
   for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_NEAR(frames[i].time_s, (*table)[i], 1e-5);
 }
 
+// MP4 has 32 bits for the duration of a frame.
+TEST(PlayableCopy, LongGapsAreNotRemuxed) {
+  const ScratchFolder folder;
+  constexpr std::int64_t kMost = INT32_MAX / 4 / 20;  // ms, of which a copy of a coarse time base makes 20 ticks each
+  for (const std::int64_t gap : {kMost, kMost + 1}) {
+    WriteTestVideo(folder / "gap.mkv", {.muxer = "matroska", .pts = {0, 40, 80, 80 + gap}});
+    const auto copy = WritePlayableCopy((folder / "gap.mkv").string(), folder / "copy.mp4", {});
+    ASSERT_TRUE(copy) << copy.error().message;
+    EXPECT_EQ(copy->is_remuxed, gap == kMost) << gap;
+    ExpectSameFrames(folder / "copy.mp4", folder / "gap.mkv");
+  }
+}
+
 TEST(PlayableCopy, FailsWithoutAFile) {
   const ScratchFolder folder;
   const auto out = folder / "copy.mp4";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -47,6 +48,28 @@ std::int64_t MedianStep(const std::vector<std::int64_t>& stamps) {
   return *middle;
 }
 
+// Of the copy's time base, which is the source's, or that divided until it is at most 1/10000 s.
+std::int64_t Ticks(std::int64_t duration, AVRational time_base) {
+  return av_rescale_q(duration, time_base, {1, std::max(time_base.den, 20'000)});
+}
+
+// Files may hold any time stamps: MP4 has 32 bits for a frame's duration, and sums of them must not overflow.
+// @param stamps  ascending
+bool AreCopyable(const std::vector<std::int64_t>& stamps, AVRational time_base) {
+  constexpr std::int64_t kMaxSpan = std::int64_t{1} << 53;
+  constexpr std::int64_t kMaxStep = INT32_MAX / 4;
+  const auto is_within = [&](std::int64_t duration, std::int64_t most) {
+    if (duration > most) return false;
+    const std::int64_t ticks = Ticks(duration, time_base);
+    return ticks >= 0 && ticks <= most;  // negative: it overflowed
+  };
+  std::int64_t span = 0;
+  if (__builtin_sub_overflow(stamps.back(), stamps.front(), &span) || !is_within(span, kMaxSpan)) return false;
+  return std::ranges::adjacent_find(stamps, [&](std::int64_t a, std::int64_t b) {
+           return a == b || !is_within(b - a, kMaxStep);
+         }) == stamps.end();
+}
+
 bool IsOfVideo(const Demuxer& demuxer, const AVPacket& packet) { return packet.stream_index == demuxer.video().index; }
 
 void KeepVideo(Demuxer& demuxer) {
@@ -72,7 +95,7 @@ std::optional<PacketSurvey> Survey(Demuxer& demuxer, const CancelToken& cancel) 
   if (!is_sound || result != AVERROR_EOF || stamps.empty()) return std::nullopt;
   PacketSurvey survey{.stamps = stamps, .delay = 0};
   std::ranges::sort(survey.stamps);
-  if (std::ranges::adjacent_find(survey.stamps) != survey.stamps.end()) return std::nullopt;
+  if (!AreCopyable(survey.stamps, demuxer.video().time_base)) return std::nullopt;
   survey.step = MedianStep(survey.stamps);
   for (std::size_t i = 0; i < stamps.size(); ++i) survey.delay = std::max(survey.delay, survey.stamps[i] - stamps[i]);
   return survey;
