@@ -86,6 +86,20 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
   return Fail(ErrorCode::kInvalidArgument, fmt::format("kind \"{}\": must be index, model or copy", job.kind));
 }
 
+void RemoveUnfinishedCopies(const std::filesystem::path& copy) {
+  const std::string prefix = copy.filename().string() + ".tmp-";
+  std::vector<std::filesystem::path> found;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(copy.parent_path(), error), end; !error && at != end;
+       at.increment(error)) {
+    if (at->path().filename().string().starts_with(prefix)) found.push_back(at->path());
+  }
+  if (error) spdlog::warn("{}: {}", copy.parent_path().string(), error.message());
+  for (const std::filesystem::path& path : found) {
+    if (!std::filesystem::remove(path, error) && error) spdlog::warn("remove {}: {}", path.string(), error.message());
+  }
+}
+
 bool ReadProgressLine(std::string_view line, JobProgress& progress) {
   // "LABEL: 12 of 40 frames, 3.5 a second": the label may hold colons itself.
   for (std::size_t colon = line.rfind(": "); colon != std::string_view::npos && line.ends_with(" a second");
@@ -157,6 +171,7 @@ void JobRunner::Work(const JobRecord& job) {
   };
   const auto arguments = JobArguments(job, folders_);
   if (!arguments) return finish(JobState::kFailed, arguments.error().message);
+  if (job.kind == "copy") RemoveUnfinishedCopies(ParseJson(job.input_json)->at("copy").get<std::string>());
   auto child = ChildProcess::StartSelf(*arguments);
   if (!child) return finish(JobState::kFailed, child.error().message);
   JobProgress progress;

@@ -33,6 +33,9 @@ struct JobFolders {
 ///   model  {"name": text, "files": [path, …], "length_m": number or null}
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
 
+/// Removes the temporary files of a copy, FILE.tmp-…, which a killed process left. Nobody may be writing it.
+void RemoveUnfinishedCopies(const std::filesystem::path& copy);
+
 /// Reads a line that a command writes to standard error into the progress: a
 /// line of Progress (base/progress.h), a warning or an error. Returns true if
 /// it says something new.

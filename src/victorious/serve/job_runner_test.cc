@@ -1,7 +1,11 @@
 #include "victorious/serve/job_runner.h"
 
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "testing/data.h"
 
 namespace victorious {
 namespace {
@@ -40,6 +44,18 @@ TEST(JobArguments, InvalidInputsAreErrors) {
            {"dance", "{}"}}) {
     EXPECT_FALSE(JobArguments({.kind = kind, .input_json = input}, kFolders)) << kind << input;
   }
+}
+
+TEST(RemoveUnfinishedCopies, RemovesTheTemporaryFilesOfTheCopy) {
+  const testing::ScratchFolder folder;
+  for (const char* name : {"c.mp4", "c.mp4.tmp-12", "c.mp4.tmp-12-0", "d.mp4.tmp-12", "c.mp4.old"}) {
+    testing::WriteBytes(folder / name, "x");
+  }
+  RemoveUnfinishedCopies(folder / "c.mp4");
+  RemoveUnfinishedCopies(folder / "none" / "c.mp4");
+  std::set<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) left.insert(entry.path().filename());
+  EXPECT_THAT(left, ElementsAre("c.mp4", "c.mp4.old", "d.mp4.tmp-12"));
 }
 
 TEST(ReadProgressLine, ReadsWhatCommandsWrite) {

@@ -53,6 +53,14 @@ TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
   EXPECT_EQ(queue_->Finish(first->id, "A", JobState::kFailed, "", 21).error().code, ErrorCode::kConflict);
 }
 
+TEST_F(JobQueueTest, CopiesAreTakenFirst) {
+  const auto search = queue_->Put("index", "{}", 1);
+  const auto first = queue_->Put("copy", R"({"video": "a"})", 2);
+  const auto second = queue_->Put("copy", R"({"video": "b"})", 3);
+  for (const std::int64_t id : {first->id, second->id, search->id})
+    EXPECT_EQ((*other_->Claim("A", 10, kLease))->id, id);
+}
+
 TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
   const auto job = queue_->Put("index", "{}", 1);
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));

@@ -51,9 +51,10 @@ class SqliteJobQueue final : public JobQueue {
     VICTORIOUS_RETURN_IF_ERROR(EndAbandoned(now_us));
     std::int64_t id = 0;
     {
+      // Somebody waits for a copy before the page plays a video, and it takes minutes where a search takes hours.
       VICTORIOUS_ASSIGN_OR_RETURN(
           Statement select, connection_->Prepare("SELECT id FROM jobs WHERE state = 'queued' OR (state = 'running' AND "
-                                                 "lease_utc_us < ?) ORDER BY id LIMIT 1"));
+                                                 "lease_utc_us < ?) ORDER BY kind != 'copy', id LIMIT 1"));
       VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(now_us).Step());
       if (found) id = select.Integer(0);
     }
