@@ -130,14 +130,17 @@ class Player {
 
   private giveUp() {
     const video = this.video;
-    const hasNoPictures = this.element?.readyState !== 0 && this.element?.videoWidth === 0;
-    if (video === null || !(this.element?.error || hasNoPictures)) return;
-    this.unplayableFiles.add(video);
-    if (!this.isCopy && this.hasCopy()) return this.playCopy();
-    const reason = "This browser cannot play the format of this video";
+    const error = this.element?.error;
+    const hasNoPictures = !error && this.element?.readyState !== 0 && this.element?.videoWidth === 0;
+    if (video === null || !(error || hasNoPictures)) return;
+    // A copy does not help where the connection failed.
+    const isOfFormat = hasNoPictures || error?.code === MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED || error?.code === MediaError.MEDIA_ERR_DECODE;
+    if (isOfFormat) this.unplayableFiles.add(video);
+    if (isOfFormat && !this.isCopy && this.hasCopy()) return this.playCopy();
+    const reason = isOfFormat ? "This browser cannot play the format of this video" : "The video could not be loaded";
     unplayable.value = `${reason}: it is shown frame by frame, without sound.`;
     state.isPlaying.value = false;
-    if (!this.isCopy) {
+    if (isOfFormat && !this.isCopy) {
       void askForCopy(video).then((isComing) => {
         const isWaiting = unplayable.value !== null && this.video === video;
         if (isComing && isWaiting) unplayable.value = `${reason}: it is shown frame by frame until a copy is made that it can play.`;
