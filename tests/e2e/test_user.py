@@ -4,8 +4,10 @@ import contextlib
 import os
 import pty
 import shutil
+import signal
 import sqlite3
 import subprocess
+import termios
 
 import program
 
@@ -70,6 +72,22 @@ class UserTest(program.ProgramTest):
             self.assertEqual(process.returncode, status, shown)
             self.assertNotIn(PASSWORD.encode(), shown)
         self.assertEqual([one["name"] for one in self.accounts()], ["ann0"])
+
+    def test_terminal_shows_what_is_typed_after_an_interrupt(self):
+        main, terminal = pty.openpty()
+        command = [program.PROGRAM, "user", "add", "ann", "--role", "viewer", "--db", self.db]
+        with subprocess.Popen(list(map(str, command)), stdin=terminal, stdout=terminal, stderr=terminal) as process:
+            shown = b""
+            while b"Password: " not in shown:
+                shown += os.read(main, 4096)
+            self.assertFalse(termios.tcgetattr(terminal)[3] & termios.ECHO)
+            process.send_signal(signal.SIGINT)
+            os.write(main, b"\n")
+        self.assertTrue(termios.tcgetattr(terminal)[3] & termios.ECHO)
+        os.close(terminal)
+        os.close(main)
+        self.assertEqual(process.returncode, -signal.SIGINT)
+        self.assertEqual(self.accounts(), [])
 
     def test_tokens_are_made_and_revoked(self):
         self.add("ann")

@@ -43,7 +43,14 @@ struct Server {
       using Kind = victorious::CredentialKind;
       for (const auto& [kind, secret] : {std::pair(Kind::kSession, kSession), std::pair(Kind::kToken, kToken)}) {
         const std::string digest = victorious::DigestSecret(secret);
-        VICTORIOUS_CHECK(accounts->AddCredential(account.id, kind, digest, "", 1, kForEver).has_value());
+        VICTORIOUS_CHECK(accounts
+                             ->AddCredential({.account = account.id,
+                                              .kind = kind,
+                                              .digest = digest,
+                                              .label = "",
+                                              .now_us = 1,
+                                              .lifetime_us = kForEver})
+                             .has_value());
       }
     }
     auto opened =

@@ -1,7 +1,9 @@
 // victorious user add | change | remove | list | token | revoke | log: who may use `victorious serve`
 #include "victorious/cli/cmd_user.h"
 
+#include <algorithm>
 #include <array>
+#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -52,22 +54,40 @@ Expected<std::unique_ptr<AccountStore>> Open(const Arguments& arguments, StoreMo
   return OpenSqliteAccountStore(arguments.db, mode);
 }
 
-// What is typed is not shown.
+// What is typed is not shown. Signals that end or stop the program wait until the terminal shows it again.
 class HiddenInput {
  public:
   HiddenInput() : is_terminal_(::tcgetattr(STDIN_FILENO, &former_) == 0) {
+    if (!is_terminal_) return;
+    sigset_t blocked;
+    ::sigemptyset(&blocked);
+    for (const int signal : kEnding) ::sigaddset(&blocked, signal);
+    ::sigaddset(&blocked, SIGTSTP);
+    ::pthread_sigmask(SIG_BLOCK, &blocked, &former_mask_);
     termios hidden = former_;
     hidden.c_lflag &= ~static_cast<tcflag_t>(ECHO);
-    if (is_terminal_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &hidden);
+    ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &hidden);
   }
   ~HiddenInput() {
-    if (is_terminal_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &former_);
+    if (!is_terminal_) return;
+    ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &former_);
+    ::pthread_sigmask(SIG_SETMASK, &former_mask_, nullptr);
   }
   HiddenInput(const HiddenInput&) = delete;
   HiddenInput& operator=(const HiddenInput&) = delete;
 
+  // A signal that ends the program waits.
+  [[nodiscard]] bool is_ending() const {
+    sigset_t pending;
+    return is_terminal_ && ::sigpending(&pending) == 0 &&
+           std::ranges::any_of(kEnding, [&](int signal) { return ::sigismember(&pending, signal) == 1; });
+  }
+
  private:
+  static constexpr std::array<int, 4> kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+
   termios former_{};
+  sigset_t former_mask_{};
   bool is_terminal_;
 };
 
@@ -85,6 +105,7 @@ Expected<std::string> ReadPassword() {
   const bool is_terminal = ::isatty(STDIN_FILENO) != 0;
   const HiddenInput hidden;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadLine("Password: ", is_terminal));
+  if (hidden.is_ending()) return Fail(ErrorCode::kCancelled, "no password was given");
   VICTORIOUS_RETURN_IF_ERROR(CheckPassword(password));
   if (is_terminal) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string again, ReadLine("Once more: ", is_terminal));
@@ -173,9 +194,12 @@ Status AddToken(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string secret, MakeSecret());
-  VICTORIOUS_ASSIGN_OR_RETURN(const Credential token,
-                              accounts->AddCredential(account.id, CredentialKind::kToken, DigestSecret(secret),
-                                                      arguments.label, NowUtcMicroseconds(), kDay * arguments.days));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Credential token, accounts->AddCredential({.account = account.id,
+                                                                               .kind = CredentialKind::kToken,
+                                                                               .digest = DigestSecret(secret),
+                                                                               .label = arguments.label,
+                                                                               .now_us = NowUtcMicroseconds(),
+                                                                               .lifetime_us = kDay * arguments.days}));
   VICTORIOUS_RETURN_IF_ERROR(
       LogChange(*accounts, arguments, "add_token", {{"token", token.id}, {"label", arguments.label}}));
   return WriteOutput("", secret + "\n");

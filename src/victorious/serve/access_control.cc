@@ -19,12 +19,6 @@ constexpr std::size_t kSecretLength = 43;
 constexpr int kMaxLogIns = 4;
 constexpr std::string_view kBearer = "Bearer ";
 
-// Of a clock that nobody sets.
-std::int64_t SteadyMicroseconds() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-}
-
 HttpResponse Unauthenticated(std::string_view message) {
   HttpResponse response = ErrorResponse(401, "unauthenticated", message);
   response.headers.emplace_back("WWW-Authenticate", "Bearer");
@@ -66,6 +60,11 @@ class Running {
 
 }  // namespace
 
+std::int64_t SteadyMicroseconds() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
 std::string FindCookie(std::string_view header, std::string_view name) {
   while (!header.empty()) {
     std::string_view part = header.substr(0, header.find(';'));
@@ -80,13 +79,14 @@ std::string FindCookie(std::string_view header, std::string_view name) {
 }
 
 Expected<std::unique_ptr<AccessControl>> AccessControl::Open(const std::filesystem::path& index, bool can_write,
-                                                             const ServerIdentity& server) {
+                                                             const ServerIdentity& server, Clock clock) {
   std::unique_ptr<AccountStore> writer;
   if (can_write) {
     VICTORIOUS_ASSIGN_OR_RETURN(writer, OpenSqliteAccountStore(index, StoreMode::kCreate));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto reader, OpenSqliteAccountStore(index, StoreMode::kRead));
-  std::unique_ptr<AccessControl> control(new AccessControl(std::move(reader), std::move(writer), server));
+  std::unique_ptr<AccessControl> control(
+      new AccessControl(std::move(reader), std::move(writer), server, std::move(clock)));
   VICTORIOUS_ASSIGN_OR_RETURN(const bool needs_account, control->NeedsAccount());
   if (!needs_account && !server.is_loopback) {
     return Fail(
@@ -155,7 +155,8 @@ ApiExpected<HttpResponse> AccessControl::Session(const Caller& caller) {
   return SessionResponse(caller.proved ? std::optional(caller.proved->account) : std::nullopt, !caller.is_open);
 }
 
-Expected<std::optional<Account>> AccessControl::CheckPasswordOf(const std::string& name, const std::string& password) {
+Expected<std::optional<AccessControl::CheckedAccount>> AccessControl::CheckPasswordOf(const std::string& name,
+                                                                                      const std::string& password) {
   std::optional<Account> account;
   std::string hash;
   {
@@ -170,12 +171,31 @@ Expected<std::optional<Account>> AccessControl::CheckPasswordOf(const std::strin
     SpendPasswordTime(password);
     return std::nullopt;
   }
-  return IsPassword(password, hash) ? account : std::nullopt;
+  if (!IsPassword(password, hash)) return std::nullopt;
+  return CheckedAccount{.account = *std::move(account), .hash = std::move(hash)};
+}
+
+ApiExpected<HttpResponse> AccessControl::RefuseLogIn(const HttpRequest& request, const std::string& name) {
+  // The name is not in the log unless it is an account's: people type a password into the wrong field.
+  std::optional<Account> known;
+  {
+    const std::scoped_lock lock(reader_mutex_);
+    VICTORIOUS_ASSIGN_OR_RETURN(known, reader_->Find(name));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(Log({}, "log_in_refused", known ? "account " + known->name : "an unknown account",
+                                 Dump({{"client", request.client}})));
+  return Unauthenticated("name or password is wrong");
 }
 
 ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int port) {
   const auto body = ParseJson(request.body);
   if (!body) return std::unexpected(ApiError(body.error()));
+  // Another process may add accounts to an index that this one cannot write.
+  if (!writer_) {
+    return std::unexpected(ApiError(Error{ErrorCode::kPermissionDenied,
+                                          "the index cannot be written, so nobody can log in: allow writing to the "
+                                          "file and its folder, then start again"}));
+  }
   for (const char* member : {"name", "password"}) {
     if (!body->is_object() || !body->contains(member) || !(*body)[member].is_string()) {
       return FailField(member, fmt::format("{}: must be a text", member));
@@ -186,41 +206,41 @@ ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int p
   if (!CheckAccountName(name)) return Unauthenticated("name or password is wrong");
   const Running running(log_ins_);
   if (running.number() > kMaxLogIns) return TooManyLogIns(1);
-  if (const auto wait_s = limiter_.Take(request.client, name, SteadyMicroseconds())) {
+  if (const auto wait_s = limiter_.Take(request.client, name, clock_())) {
     return TooManyLogIns(*wait_s);
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto account, CheckPasswordOf(name, password));
-  const std::string detail = Dump({{"client", request.client}});
-  if (!account) {
-    // The name is not in the log unless it is an account's: people type a password into the wrong field.
-    std::optional<Account> known;
-    {
-      const std::scoped_lock lock(reader_mutex_);
-      VICTORIOUS_ASSIGN_OR_RETURN(known, reader_->Find(name));
-    }
-    VICTORIOUS_RETURN_IF_ERROR(
-        Log({}, "log_in_refused", known ? "account " + known->name : "an unknown account", detail));
-    return Unauthenticated("name or password is wrong");
-  }
-  limiter_.PutBack(request.client, name);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto checked, CheckPasswordOf(name, password));
+  if (!checked) return RefuseLogIn(request, name);
+  const Account& account = checked->account;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string secret, MakeSecret());
   constexpr std::int64_t kLifetimeS = std::int64_t{kSessionHours} * 3600;
   Caller caller;
-  caller.proved.emplace(ProvedAccount{.account = *account, .credential = {}});
-  {
+  caller.proved.emplace(ProvedAccount{.account = account, .credential = {}});
+  const auto session = [&] {
     const std::scoped_lock lock(writer_mutex_);
-    VICTORIOUS_ASSIGN_OR_RETURN(caller.proved->credential,
-                                writer_->AddCredential(account->id, CredentialKind::kSession, DigestSecret(secret), "",
-                                                       NowUtcMicroseconds(), kLifetimeS * 1'000'000));
+    return writer_->AddCredential({.account = account.id,
+                                   .kind = CredentialKind::kSession,
+                                   .digest = DigestSecret(secret),
+                                   .now_us = NowUtcMicroseconds(),
+                                   .lifetime_us = kLifetimeS * 1'000'000,
+                                   .proved_hash = checked->hash});
+  }();
+  if (!session) {
+    // The password was changed, or the account removed, while the password was compared.
+    const ErrorCode code = session.error().code;
+    if (code == ErrorCode::kConflict || code == ErrorCode::kNotFound) return RefuseLogIn(request, name);
+    return std::unexpected(ApiError(session.error()));
   }
-  VICTORIOUS_RETURN_IF_ERROR(Log(caller, "log_in", "account " + account->name, detail));
+  limiter_.PutBack(request.client, name);
+  caller.proved->credential = *session;
+  VICTORIOUS_RETURN_IF_ERROR(Log(caller, "log_in", "account " + account.name, Dump({{"client", request.client}})));
   HttpResponse response = SessionResponse(account, /*has_accounts=*/true);
   response.headers.emplace_back("Set-Cookie", Cookie(port, secret, kLifetimeS));
   return response;
 }
 
 ApiExpected<HttpResponse> AccessControl::LogOut(const Caller& caller, int port) {
-  if (caller.proved && caller.proved->credential.kind == CredentialKind::kSession) {
+  if (writer_ && caller.proved && caller.proved->credential.kind == CredentialKind::kSession) {
     {
       const std::scoped_lock lock(writer_mutex_);
       const Status removed = writer_->RemoveCredential(caller.proved->account.id, caller.proved->credential.id);

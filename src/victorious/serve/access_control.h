@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -39,19 +40,26 @@ struct Caller {
 /// Hours for which a log-in is valid.
 inline constexpr int kSessionHours = 12;
 
+/// Microseconds of a clock that nobody sets. Thread-safe.
+[[nodiscard]] std::int64_t SteadyMicroseconds();
+
 class AccessControl {
  public:
+  using Clock = std::function<std::int64_t()>;
+
   /// @param can_write  the index can be written
+  /// @param clock      by which failed log-ins are limited; thread-safe
   /// Errors: kInvalidArgument for an address that is not a loopback address without accounts; kPermissionDenied for
   /// accounts in an index that cannot be written; those of OpenSqliteAccountStore.
   [[nodiscard]] static Expected<std::unique_ptr<AccessControl>> Open(const std::filesystem::path& index, bool can_write,
-                                                                     const ServerIdentity& server);
+                                                                     const ServerIdentity& server,
+                                                                     Clock clock = SteadyMicroseconds);
 
   /// Who sends the request, or the response that refuses it: 401 without a valid credential where the rule asks for
   /// one, 403 if the account's role is not enough.
   [[nodiscard]] std::expected<Caller, HttpResponse> Admit(const HttpRequest& request, const RouteRule& rule, int port);
 
-  /// The routes of sessions.
+  /// The routes of sessions. LogIn: kPermissionDenied if the index cannot be written.
   [[nodiscard]] ApiExpected<HttpResponse> Session(const Caller& caller);
   [[nodiscard]] ApiExpected<HttpResponse> LogIn(const HttpRequest& request, int port);
   [[nodiscard]] ApiExpected<HttpResponse> LogOut(const Caller& caller, int port);
@@ -62,14 +70,22 @@ class AccessControl {
 
  private:
   AccessControl(std::unique_ptr<AccountStore> reader, std::unique_ptr<AccountStore> writer,
-                const ServerIdentity& server)
-      : reader_(std::move(reader)), writer_(std::move(writer)), server_(server) {}
+                const ServerIdentity& server, Clock clock)
+      : reader_(std::move(reader)), writer_(std::move(writer)), server_(server), clock_(std::move(clock)) {}
+
+  /// An account, and the hash that its password was compared with.
+  struct CheckedAccount {
+    Account account;
+    std::string hash;
+  };
 
   /// True from the first account on: removing the last one opens nothing.
   [[nodiscard]] Expected<bool> NeedsAccount();
   [[nodiscard]] Expected<Caller> Identify(const HttpRequest& request, int port);
   /// The account of a name and password; std::nullopt: wrong.
-  [[nodiscard]] Expected<std::optional<Account>> CheckPasswordOf(const std::string& name, const std::string& password);
+  [[nodiscard]] Expected<std::optional<CheckedAccount>> CheckPasswordOf(const std::string& name,
+                                                                        const std::string& password);
+  [[nodiscard]] ApiExpected<HttpResponse> RefuseLogIn(const HttpRequest& request, const std::string& name);
   [[nodiscard]] std::string CookieName(int port) const;
   [[nodiscard]] std::string Cookie(int port, std::string_view value, std::int64_t max_age_s) const;
 
@@ -78,6 +94,7 @@ class AccessControl {
   std::mutex writer_mutex_;
   std::unique_ptr<AccountStore> writer_;  ///< null: the index cannot be written
   ServerIdentity server_;
+  Clock clock_;
   std::atomic<bool> needs_account_ = false;
   LogInLimiter limiter_;
   std::atomic<int> log_ins_ = 0;  ///< that hash a password or wait to do so

@@ -1,5 +1,7 @@
 #include "victorious/serve/job_runner.h"
 
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -49,7 +51,7 @@ TEST(JobArguments, InvalidInputsAreErrors) {
 TEST(RemoveUnfinishedCopies, RemovesTheTemporaryFilesOfTheCopy) {
   const testing::ScratchFolder folder;
   for (const char* name : {"c.mp4", "c.mp4.tmp-12", "c.mp4.tmp-12-0", "d.mp4.tmp-12", "c.mp4.old"}) {
-    testing::WriteBytes(folder / name, "x");
+    std::ofstream(folder / name) << "x";
   }
   RemoveUnfinishedCopies(folder / "c.mp4");
   RemoveUnfinishedCopies(folder / "none" / "c.mp4");

@@ -62,6 +62,21 @@ struct Credential {
   std::int64_t expires_utc_us = 0;
 };
 
+/// A credential to be stored under the digest of its secret.
+struct NewCredential {
+  std::int64_t account = 0;
+  CredentialKind kind = CredentialKind::kSession;
+  std::string digest;
+  std::string label;
+  std::int64_t now_us = 0;
+  std::int64_t lifetime_us = 0;
+  /// The hash that the account's password was compared with; std::nullopt: no password was asked for.
+  std::optional<std::string> proved_hash;
+};
+
+/// Sessions of one account, at most: the next one ends the oldest.
+inline constexpr std::int64_t kMaxSessions = 20;
+
 /// An account that a credential has proved.
 struct ProvedAccount {
   Account account;
@@ -103,11 +118,9 @@ class AccountStore {
   /// Returns the hash of an account's password. Error: kNotFound.
   [[nodiscard]] virtual Expected<std::string> PasswordHash(std::int64_t account) = 0;
 
-  /// Stores a credential under the digest of its secret; drops those that have expired. Error: kNotFound if the account
-  /// is gone.
-  [[nodiscard]] virtual Expected<Credential> AddCredential(std::int64_t account, CredentialKind kind,
-                                                           const std::string& digest, const std::string& label,
-                                                           std::int64_t now_us, std::int64_t lifetime_us) = 0;
+  /// Stores a credential; drops those that have expired, and of sessions the oldest beyond kMaxSessions. Errors:
+  /// kNotFound if the account is gone; kConflict if its password has changed since it was proved.
+  [[nodiscard]] virtual Expected<Credential> AddCredential(const NewCredential& added) = 0;
   /// The account whose credential has this digest and has not expired; std::nullopt: there is none.
   [[nodiscard]] virtual Expected<std::optional<ProvedAccount>> Prove(const std::string& digest,
                                                                      std::int64_t now_us) = 0;

@@ -75,9 +75,19 @@ TEST_F(AccountStoreTest, NamesAreOfAFewCharacters) {
 TEST_F(AccountStoreTest, CredentialsProveTheirAccountUntilTheyEnd) {
   const std::int64_t ann = accounts_->Add("ann", Role::kAnalyst, "h", 1)->id;
   const std::int64_t bob = accounts_->Add("bob", Role::kViewer, "h", 1)->id;
-  const auto session = accounts_->AddCredential(ann, CredentialKind::kSession, "digest a", "", 100, kHour);
+  const auto session = accounts_->AddCredential({.account = ann,
+                                                 .kind = CredentialKind::kSession,
+                                                 .digest = "digest a",
+                                                 .label = "",
+                                                 .now_us = 100,
+                                                 .lifetime_us = kHour});
   ASSERT_TRUE(session) << session.error().message;
-  ASSERT_TRUE(accounts_->AddCredential(bob, CredentialKind::kToken, "digest b", "nightly", 100, 9 * kHour));
+  ASSERT_TRUE(accounts_->AddCredential({.account = bob,
+                                        .kind = CredentialKind::kToken,
+                                        .digest = "digest b",
+                                        .label = "nightly",
+                                        .now_us = 100,
+                                        .lifetime_us = 9 * kHour}));
   const auto proved = other_->Prove("digest a", 100 + kHour - 1);
   ASSERT_TRUE(proved && *proved);
   EXPECT_EQ((*proved)->account.name, "ann");
@@ -97,11 +107,54 @@ TEST_F(AccountStoreTest, CredentialsProveTheirAccountUntilTheyEnd) {
 
   ASSERT_TRUE(accounts_->SetPassword("ann", "h2"));
   EXPECT_FALSE(*other_->Prove("digest a", 101)) << "another password ends the sessions";
-  ASSERT_TRUE(accounts_->AddCredential(ann, CredentialKind::kSession, "digest d", "", 100, kHour));
+  ASSERT_TRUE(accounts_->AddCredential({.account = ann,
+                                        .kind = CredentialKind::kSession,
+                                        .digest = "digest d",
+                                        .label = "",
+                                        .now_us = 100,
+                                        .lifetime_us = kHour}));
   ASSERT_TRUE(accounts_->Remove("ann"));
   EXPECT_FALSE(*other_->Prove("digest d", 101));
-  EXPECT_EQ(accounts_->AddCredential(ann, CredentialKind::kSession, "digest e", "", 100, kHour).error().code,
+  EXPECT_EQ(accounts_
+                ->AddCredential({.account = ann,
+                                 .kind = CredentialKind::kSession,
+                                 .digest = "digest e",
+                                 .label = "",
+                                 .now_us = 100,
+                                 .lifetime_us = kHour})
+                .error()
+                .code,
             ErrorCode::kNotFound);
+}
+
+TEST_F(AccountStoreTest, FormerPasswordGivesNoSession) {
+  const std::int64_t ann = accounts_->Add("ann", Role::kAnalyst, "h1", 1)->id;
+  NewCredential session{.account = ann, .digest = "a", .now_us = 100, .lifetime_us = kHour, .proved_hash = "h1"};
+  ASSERT_TRUE(accounts_->AddCredential(session));
+  ASSERT_TRUE(other_->SetPassword("ann", "h2"));
+  session.digest = "b";
+  const auto late = accounts_->AddCredential(session);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::kConflict);
+  EXPECT_FALSE(*other_->Prove("b", 101));
+  session.proved_hash = "h2";
+  ASSERT_TRUE(accounts_->AddCredential(session));
+  EXPECT_TRUE(*other_->Prove("b", 101));
+}
+
+TEST_F(AccountStoreTest, SessionsOfAnAccountAreLimited) {
+  const std::int64_t ann = accounts_->Add("ann", Role::kAnalyst, "h", 1)->id;
+  const std::int64_t bob = accounts_->Add("bob", Role::kAnalyst, "h", 1)->id;
+  const auto add = [&](std::int64_t account, CredentialKind kind, const std::string& digest) {
+    return accounts_->AddCredential(
+        {.account = account, .kind = kind, .digest = digest, .now_us = 100, .lifetime_us = kHour});
+  };
+  ASSERT_TRUE(add(bob, CredentialKind::kSession, "bob's"));
+  ASSERT_TRUE(add(ann, CredentialKind::kToken, "token"));
+  for (int i = 0; i < 25; ++i) ASSERT_TRUE(add(ann, CredentialKind::kSession, std::to_string(i)));
+  for (int i = 0; i < 25; ++i) EXPECT_EQ(other_->Prove(std::to_string(i), 101)->has_value(), i >= 5) << i;
+  EXPECT_TRUE(*other_->Prove("bob's", 101));
+  EXPECT_TRUE(*other_->Prove("token", 101));
 }
 
 TEST_F(AccountStoreTest, LogIsReadFromTheLatestEntry) {

@@ -115,24 +115,29 @@ class SqliteAccountStore final : public AccountStore {
     return select.Text(0);
   }
 
-  Expected<Credential> AddCredential(std::int64_t account, CredentialKind kind, const std::string& digest,
-                                     const std::string& label, std::int64_t now_us, std::int64_t lifetime_us) override {
+  Expected<Credential> AddCredential(const NewCredential& added) override {
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
-    VICTORIOUS_RETURN_IF_ERROR(PasswordHash(account));
-    Credential credential{.account = account,
-                          .kind = kind,
-                          .label = label,
-                          .created_utc_us = now_us,
-                          .expires_utc_us = now_us + lifetime_us};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, PasswordHash(added.account));
+    if (added.proved_hash && *added.proved_hash != hash) {
+      return Fail(ErrorCode::kConflict, fmt::format("{}: the password of the account {} has changed meanwhile",
+                                                    connection_->name(), added.account));
+    }
+    Credential credential{.account = added.account,
+                          .kind = added.kind,
+                          .label = added.label,
+                          .created_utc_us = added.now_us,
+                          .expires_utc_us = added.now_us + added.lifetime_us};
     {
       VICTORIOUS_ASSIGN_OR_RETURN(Statement expire,
                                   connection_->Prepare("DELETE FROM credentials WHERE expires_utc_us <= ?"));
-      VICTORIOUS_RETURN_IF_ERROR(expire.Bind(now_us).Run());
+      VICTORIOUS_RETURN_IF_ERROR(expire.Bind(added.now_us).Run());
+      if (added.kind == CredentialKind::kSession) VICTORIOUS_RETURN_IF_ERROR(MakeRoomForSession(added.account));
       VICTORIOUS_ASSIGN_OR_RETURN(
           Statement insert,
           connection_->Prepare("INSERT INTO credentials (account_id, kind, digest, label, created_utc_us, "
                                "expires_utc_us) VALUES (?, ?, ?, ?, ?, ?)"));
-      insert.Bind(account, ToText(kind), digest, label, now_us, credential.expires_utc_us);
+      insert.Bind(added.account, ToText(added.kind), added.digest, added.label, added.now_us,
+                  credential.expires_utc_us);
       VICTORIOUS_RETURN_IF_ERROR(insert.Run());
     }
     credential.id = connection_->LastInsertId();
@@ -204,6 +209,16 @@ class SqliteAccountStore final : public AccountStore {
   }
 
  private:
+  // Browsers that are closed without a log-out leave their sessions.
+  Status MakeRoomForSession(std::int64_t account) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement end,
+        connection_->Prepare("DELETE FROM credentials WHERE account_id = ?1 AND kind = 'session' AND id NOT IN (SELECT "
+                             "id FROM credentials WHERE account_id = ?1 AND kind = 'session' ORDER BY id DESC "
+                             "LIMIT ?2)"));
+    return end.Bind(account, kMaxSessions - 1).Run();
+  }
+
   // Runs a statement that must change the row of one account.
   Status RunOnAccount(Statement& statement, const std::string& name) {
     VICTORIOUS_RETURN_IF_ERROR(statement.Run());
