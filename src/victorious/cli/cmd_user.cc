@@ -1,7 +1,6 @@
 // victorious user add | change | remove | list | token | revoke | log: who may use `victorious serve`
 #include "victorious/cli/cmd_user.h"
 
-#include <algorithm>
 #include <array>
 #include <csignal>
 #include <filesystem>
@@ -54,16 +53,19 @@ Expected<std::unique_ptr<AccountStore>> Open(const Arguments& arguments, StoreMo
   return OpenSqliteAccountStore(arguments.db, mode);
 }
 
-// What is typed is not shown. Signals that end or stop the program wait until the terminal shows it again.
+// The signal that came while typing was hidden, or 0.
+volatile std::sig_atomic_t g_interrupted_by = 0;
+
+// What is typed is not shown. A signal that ends or stops the program ends the reading of a line and takes effect once
+// the terminal shows what is typed again.
 class HiddenInput {
  public:
   HiddenInput() : is_terminal_(::tcgetattr(STDIN_FILENO, &former_) == 0) {
     if (!is_terminal_) return;
-    sigset_t blocked;
-    ::sigemptyset(&blocked);
-    for (const int signal : kEnding) ::sigaddset(&blocked, signal);
-    ::sigaddset(&blocked, SIGTSTP);
-    ::pthread_sigmask(SIG_BLOCK, &blocked, &former_mask_);
+    g_interrupted_by = 0;
+    struct sigaction action{};
+    action.sa_handler = [](int signal) { g_interrupted_by = signal; };  // no SA_RESTART: reading ends
+    for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &action, &former_actions_[i]);
     termios hidden = former_;
     hidden.c_lflag &= ~static_cast<tcflag_t>(ECHO);
     ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &hidden);
@@ -71,23 +73,17 @@ class HiddenInput {
   ~HiddenInput() {
     if (!is_terminal_) return;
     ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &former_);
-    ::pthread_sigmask(SIG_SETMASK, &former_mask_, nullptr);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &former_actions_[i], nullptr);
+    if (g_interrupted_by != 0) std::raise(g_interrupted_by);
   }
   HiddenInput(const HiddenInput&) = delete;
   HiddenInput& operator=(const HiddenInput&) = delete;
 
-  // A signal that ends the program waits.
-  [[nodiscard]] bool is_ending() const {
-    sigset_t pending;
-    return is_terminal_ && ::sigpending(&pending) == 0 &&
-           std::ranges::any_of(kEnding, [&](int signal) { return ::sigismember(&pending, signal) == 1; });
-  }
-
  private:
-  static constexpr std::array<int, 4> kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+  static constexpr std::array<int, 5> kSignals = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP};
 
   termios former_{};
-  sigset_t former_mask_{};
+  std::array<struct sigaction, kSignals.size()> former_actions_{};
   bool is_terminal_;
 };
 
@@ -105,7 +101,6 @@ Expected<std::string> ReadPassword() {
   const bool is_terminal = ::isatty(STDIN_FILENO) != 0;
   const HiddenInput hidden;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadLine("Password: ", is_terminal));
-  if (hidden.is_ending()) return Fail(ErrorCode::kCancelled, "no password was given");
   VICTORIOUS_RETURN_IF_ERROR(CheckPassword(password));
   if (is_terminal) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string again, ReadLine("Once more: ", is_terminal));
