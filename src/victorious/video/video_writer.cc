@@ -152,6 +152,12 @@ Status H264Writer::WriteAt(const cv::Mat& image, double time_s) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: frame {} at {:g} s: must be later than the frame before",
                                                          path_.string(), frames_, time_s));
   }
+  // MP4 has 32 bits for the duration of a frame.
+  if (frames_ > 0 && std::llround(pts) - next_pts_ >= INT32_MAX) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: frame {} at {:g} s: comes too late after the frame before: {:.1f} hours are the most",
+                            path_.string(), frames_, time_s, INT32_MAX * av_q2d(encoder_->time_base) / 3600));
+  }
   return WriteFrame(image, std::llround(pts));
 }
 

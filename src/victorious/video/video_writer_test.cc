@@ -72,6 +72,7 @@ TEST(VideoWriter, FramesKeepTheirOwnTimes) {
       ASSERT_TRUE((*writer)->WriteAt(NumberedImage(static_cast<int>(i), {96, 64}), times_s[i]));
     }
     EXPECT_THAT((*writer)->WriteAt(NumberedImage(9, {96, 64}), 2.25).error().message, HasSubstr("must be later"));
+    EXPECT_THAT((*writer)->WriteAt(NumberedImage(9, {96, 64}), 30'000).error().message, HasSubstr("6.6 hours"));
     ASSERT_TRUE((*writer)->Finish());
     const auto reader = VideoReader::Open((folder / name).string(), {.color = FrameColor::kBgr});
     ASSERT_TRUE(reader) << reader.error().message;
