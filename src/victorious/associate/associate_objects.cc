@@ -482,7 +482,7 @@ Expected<std::int64_t> SearchInterval(const SearchRecord& search, const std::str
 }
 
 // Number of full-frame searches, summed over videos and models; categories do not count.
-Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, IndexStore& store) {
+Expected<std::int64_t> CountFullFrameSearches(const std::vector<ModelRecord>& models, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   std::int64_t frames = 0;
   for (const VideoRecord& video : videos) {
@@ -552,7 +552,7 @@ Expected<std::vector<ObjectRecord>> MakeObjects(const ObjectOptions& options, In
   const std::map<std::int64_t, RangeFactor> factors = EstimateRangeFactors(seen, options);
   ScaleRanges(factors, seen);
   if (!factors.empty()) VICTORIOUS_RETURN_IF_ERROR(WarnOfRangeFactors(factors, store, warn));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, FramesSearched(models, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, CountFullFrameSearches(models, store));
   return AssociateTracklets(std::move(seen), frames_searched, options);
 }
 
@@ -567,10 +567,6 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store,
   }));
   for (const std::string& warning : warnings) warn(warning);
   return {};
-}
-
-Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
-  return UpdateObjects(options, store, [](const std::string&) {});
 }
 
 }  // namespace victorious

@@ -18,7 +18,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "victorious/associate/object_options.h"
@@ -48,8 +50,12 @@ struct ObservedTracklet {
 std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,
                                              const ObjectOptions& options);
 
-/// Recomputes the objects of the whole index and stores them.
+/// Recomputes the objects of the whole index and stores them; corrects the ranges and the yaw of each flight by the
+/// errors on which its objects agree (range_factor.h, heading_error.h).
+/// @param warn  receives one line for each flight that was corrected
 /// Errors: those of IndexStore; kDataLoss for a search whose stored options cannot be read.
-[[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store);
+[[nodiscard]] Status UpdateObjects(
+    const ObjectOptions& options, IndexStore& store,
+    const std::function<void(const std::string&)>& warn = [](const std::string&) {});
 
 }  // namespace victorious

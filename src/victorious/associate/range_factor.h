@@ -6,15 +6,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <span>
-#include <string>
 
 #include "victorious/associate/associate_objects.h"
 #include "victorious/associate/object_options.h"
-#include "victorious/base/error.h"
-#include "victorious/store/index_store.h"
 
 namespace victorious {
 
@@ -31,10 +27,5 @@ std::map<std::int64_t, RangeFactor> EstimateRangeFactors(std::span<const Observe
 
 /// Multiplies the ranges of the tracklets by the factors of their videos.
 void ScaleRanges(const std::map<std::int64_t, RangeFactor>& factors, std::span<ObservedTracklet> tracklets);
-
-/// UpdateObjects (associate_objects.h), which corrects the ranges of each flight by its factor.
-/// @param warn  receives one line for each factor
-[[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store,
-                                   const std::function<void(const std::string&)>& warn);
 
 }  // namespace victorious
