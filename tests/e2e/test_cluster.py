@@ -112,7 +112,7 @@ class ClusterTest(program.ProgramTest):
         gone = Path(self.write("gone.mkv", self.videos[1].read_bytes()))
         self.submit(gone, self.videos[0])
         gone.unlink()
-        self.finish(self.start_worker("--until-empty"))
+        self.finish(self.start_worker("--until-empty", "--retry-delay", "0"))
         status = self.status()
         self.assertEqual((status["done"], status["quarantined"]), (1, 1), status)
         self.assertEqual(status["tasks"][0]["video"], str(gone))

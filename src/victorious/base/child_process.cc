@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -92,6 +93,21 @@ int ChildProcess::Wait() {
   }
   pid_ = -1;
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+std::string DescribeFailure(int status) {
+  if (status <= 128) return fmt::format("its process ended with the status {}", status);
+  const int signal = status - 128;
+  switch (signal) {
+    case SIGKILL:
+      return "its process was killed, by somebody or because the memory ran out";
+    case SIGINT:
+    case SIGTERM:
+    case SIGHUP:
+      return fmt::format("its process was ended from outside (signal {})", signal);
+    default:
+      return fmt::format("its process crashed (signal {}): the file may be damaged", signal);
+  }
 }
 
 }  // namespace victorious

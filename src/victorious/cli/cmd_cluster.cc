@@ -26,7 +26,7 @@ struct Arguments {
 struct ListedTask {
   postgres::TaskState state;
   std::string video;                       ///< empty: not a valid task
-  std::optional<std::int64_t> next_frame;  ///< frames before this one are searched for all models
+  std::optional<std::int64_t> next_frame;  ///< frames before it were searched for each model whose search has begun
 };
 
 // How far the search of a video is.

@@ -22,6 +22,7 @@ struct Arguments {
   std::string db;
   int threads = 0;
   int lease_s = static_cast<int>(postgres::TaskQueueOptions{}.lease.count());
+  int retry_delay_s = static_cast<int>(postgres::TaskQueueOptions{}.retry_delay.count());
   bool until_empty = false;
 };
 
@@ -43,8 +44,10 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
   VICTORIOUS_ASSIGN_OR_RETURN(
       const auto queue,
-      postgres::TaskQueue::Open(
-          arguments.db, {.worker = name, .program = program, .lease = std::chrono::seconds(arguments.lease_s)}));
+      postgres::TaskQueue::Open(arguments.db, {.worker = name,
+                                               .program = program,
+                                               .lease = std::chrono::seconds(arguments.lease_s),
+                                               .retry_delay = std::chrono::seconds(arguments.retry_delay_s)}));
   const auto inform = [](const std::string& line) { spdlog::info("{}", OneLine(line)); };
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue->HasOpenTasks());
@@ -74,6 +77,11 @@ Action SetUpWork(CLI::App& app) {
                  "Seconds after which another worker takes over from this one if it does not answer")
       ->capture_default_str()
       ->check(CLI::Range(4, 86'400))
+      ->type_name("SECONDS");
+  app.add_option("--retry-delay", arguments->retry_delay_s,
+                 "Seconds before a video that failed is tried again; four times as many before the third attempt")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 86'400))
       ->type_name("SECONDS");
   app.add_flag("--until-empty", arguments->until_empty, "End once no video waits or is being indexed");
   return [=] { return Run(*arguments); };

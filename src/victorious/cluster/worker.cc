@@ -20,8 +20,8 @@ constexpr std::chrono::milliseconds kPatience{200};
 constexpr std::chrono::seconds kGrace{60};  // of a process that was asked to end
 constexpr std::chrono::minutes kOutage{5};  // of the database, that a worker waits out
 
-// Frames of the video that are searched, summed over models: a measure of progress.
-Expected<std::int64_t> FramesSearched(const std::string& video, IndexStore& store) {
+// The positions of the searches of a video, summed over models: a measure of progress.
+Expected<std::int64_t> SumNextFrames(const std::string& video, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
   const auto stored = std::ranges::find(videos, video, &VideoRecord::name);
@@ -34,28 +34,24 @@ Expected<std::int64_t> FramesSearched(const std::string& video, IndexStore& stor
   return frames;
 }
 
-std::string DescribeEnd(const TaskEnd& end) {
-  if (!end.error.empty()) return end.error;
-  if (end.status > 128) {
-    return fmt::format("its process was ended by signal {}: the file may be damaged", end.status - 128);
-  }
-  return fmt::format("its process ended with the status {}", end.status);
-}
+std::string DescribeEnd(const TaskEnd& end) { return end.error.empty() ? DescribeFailure(end.status) : end.error; }
 
 // Renews the lease of a task while its process runs.
 class Heartbeat {
  public:
-  Heartbeat(TaskQueue& queue, IndexStore& store, const Task& task, std::string video, const CancelToken& cancel)
-      : queue_(queue), store_(store), task_(task), video_(std::move(video)), cancel_(cancel) {}
+  Heartbeat(TaskQueue& queue, IndexStore& store, const Task& task, std::string video,
+            const std::function<void(const std::string&)>& inform, const CancelToken& cancel)
+      : queue_(queue), store_(store), task_(task), video_(std::move(video)), inform_(inform), cancel_(cancel) {}
 
   /// Returns false once the process has to end.
   bool Beat() {
     const auto now = std::chrono::steady_clock::now();
     if (!is_lost_ && now - renewed_ >= queue_.lease() / 4) {
-      const Expected<std::int64_t> frames = FramesSearched(video_, store_);
+      const Expected<std::int64_t> frames = SumNextFrames(video_, store_);
       const bool has_progress = frames && frames_ && *frames > *frames_;
       const Status status = queue_.Renew(task_, has_progress);
       if (frames) frames_ = *frames;
+      Report(!status ? status : frames ? Status() : std::unexpected(frames.error()));
       // A server that does not answer for a while may come back before the lease has run out.
       if (status) renewed_ = now;
       is_lost_ = (!status && status.error().code == ErrorCode::kConflict) || now - renewed_ >= queue_.lease();
@@ -66,13 +62,21 @@ class Heartbeat {
   [[nodiscard]] bool is_lost() const { return is_lost_; }
 
  private:
+  // Once for all failures in a row.
+  void Report(const Status& status) {
+    if (!status && !has_failed_) inform_(fmt::format("{}: {}", video_, status.error().message));
+    has_failed_ = !status;
+  }
+
   TaskQueue& queue_;
   IndexStore& store_;
   const Task& task_;
   std::string video_;
+  const std::function<void(const std::string&)>& inform_;
   const CancelToken& cancel_;
   std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
   std::optional<std::int64_t> frames_;
+  bool has_failed_ = false;
   bool is_lost_ = false;
 };
 
@@ -107,7 +111,7 @@ Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, con
     return false;
   }
   options.inform(fmt::format("{}: begun (attempt {})", work->video, task.attempt));
-  Heartbeat heartbeat(queue, store, task, work->video, cancel);
+  Heartbeat heartbeat(queue, store, task, work->video, options.inform, cancel);
   const Expected<TaskEnd> end = run(*work, [&] { return heartbeat.Beat(); });
   if (!end) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
@@ -121,9 +125,9 @@ Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, con
 }
 
 enum class Step {
-  kDone,   ///< a task
-  kLeft,   ///< a task that was begun, not done
-  kWait,   ///< no task waits, some run
+  kDone,   ///< a task was done
+  kEnded,  ///< a task was begun and ended, but is not done
+  kWait,   ///< no task can be claimed, some wait or run
   kEmpty,  ///< no task waits or runs
 };
 
@@ -132,7 +136,7 @@ Expected<Step> DoNext(TaskQueue& queue, IndexStore& store, const RunTask& run, c
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Task> task, queue.Claim());
   if (task) {
     VICTORIOUS_ASSIGN_OR_RETURN(const bool is_done, DoTask(*task, queue, store, run, options, cancel));
-    return is_done ? Step::kDone : Step::kLeft;
+    return is_done ? Step::kDone : Step::kEnded;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue.HasOpenTasks());
   return has_open ? Step::kWait : Step::kEmpty;

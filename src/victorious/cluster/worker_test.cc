@@ -25,7 +25,7 @@ class PostgresWorkerTest : public ::testing::Test {
     auto store = OpenStore(url_, StoreMode::kCreate);
     ASSERT_TRUE(store) << store.error().message;
     store_ = *std::move(store);
-    auto queue = TaskQueue::Open(url_, {.worker = "worker", .program = "this"});
+    auto queue = TaskQueue::Open(url_, {.worker = "worker", .program = "this", .retry_delay = {}});
     ASSERT_TRUE(queue) << queue.error().message;
     queue_ = *std::move(queue);
   }

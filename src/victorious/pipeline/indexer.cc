@@ -185,12 +185,7 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
   const WarningSink emit_warning = warn ? warn : [](const std::string&) {};
   Expected<IndexReport> report = Search(job, cancel, store, emit_warning);
   if (report || report.error().code == ErrorCode::kCancelled) {
-    Status updated = UpdateObjects(options_.objects, store, emit_warning);
-    if (!updated) {
-      // kConflict says that another process indexes this video, which is not so.
-      if (updated.error().code == ErrorCode::kConflict) updated.error().code = ErrorCode::kInternal;
-      return std::unexpected(std::move(updated).error());
-    }
+    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, emit_warning));
   }
   return report;
 }

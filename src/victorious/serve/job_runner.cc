@@ -209,10 +209,7 @@ void JobRunner::Work(const JobRecord& job) {
     if (!released) spdlog::warn("job {}: {}", job.id, released.error().message);
     return;
   }
-  if (error.empty()) {
-    error = status > 128 ? fmt::format("its process was ended by signal {}: the file may be damaged", status - 128)
-                         : fmt::format("its process ended with the status {}", status);
-  }
+  if (error.empty()) error = DescribeFailure(status);
   finish(JobState::kFailed, error);
 }
 

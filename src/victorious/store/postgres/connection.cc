@@ -302,8 +302,10 @@ Error Connection::ErrorFromResult(const pg_result* result) const {
             fmt::format("{}: no space left on the server's disk: free some, then run it again", name_)};
   }
   if (state == "55P03" || state.starts_with("40")) {
-    return {ErrorCode::kConflict,
-            fmt::format("{}: another process holds what this one needs ({}): run it again", name_, reason)};
+    // Not kConflict, which says that another process does the same work.
+    return {
+        ErrorCode::kInternal,
+        fmt::format("{}: the database is busy, other processes hold its locks ({}): run this again", name_, reason)};
   }
   if (state == "42P01" || state == "42703" || state == "3F000") {
     return {ErrorCode::kDataLoss, fmt::format("{}: the schema does not match the version ({}): restore it from a copy, "

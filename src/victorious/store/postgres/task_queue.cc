@@ -101,9 +101,11 @@ Status TaskQueue::Abandon(const Task& task, const std::string& reason) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
       connection_->Query("UPDATE tasks SET failures = failures + 1, state = CASE WHEN failures + 1 < ? THEN 'waiting' "
-                         "ELSE 'quarantined' END, reason = ?, worker = NULL, leased_until = NULL "
+                         "ELSE 'quarantined' END, reason = ?, worker = NULL, leased_until = NULL, "
+                         "not_before = now() + ? * power(4, failures) * interval '1 s' "
                          "WHERE id = ? AND attempt = ? AND state = 'running'",
-                         kMaxFailures, reason, task.id, task.attempt));
+                         kMaxFailures, reason, static_cast<double>(options_.retry_delay.count()), task.id,
+                         task.attempt));
   if (ended.Changes() != 1) return LostLease(task);
   VICTORIOUS_RETURN_IF_ERROR(Log(task, "failed"));
   return transaction.Commit();
@@ -131,9 +133,9 @@ Status TaskQueue::Log(const Task& task, std::string_view event) {
 
 std::unexpected<Error> TaskQueue::LostLease(const Task& task) const {
   return Fail(ErrorCode::kConflict,
-              fmt::format("{}: attempt {} of task {} ({} {}) does not run any more: it was not renewed for {} s, and "
-                          "another worker may do it: claim a task again",
-                          connection_->name(), task.attempt, task.id, task.kind, task.key, options_.lease.count()));
+              fmt::format("{}: attempt {} of task {} does not run any more: its lease was not renewed for {} s, and "
+                          "another worker may do it",
+                          connection_->name(), task.attempt, task.id, options_.lease.count()));
 }
 
 Expected<TaskCounts> TaskQueue::Count() {
@@ -151,7 +153,7 @@ Expected<std::vector<TaskState>> TaskQueue::List(std::int64_t limit) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Result rows,
         connection_->Query("SELECT id, kind, payload, attempt, worker, extract(epoch FROM leased_until - "
-                           "now())::double precision, reason FROM tasks WHERE state = ? ORDER BY id LIMIT ?",
+                           "now())::double precision, reason, program FROM tasks WHERE state = ? ORDER BY id LIMIT ?",
                            state, limit));
     while (rows.Next()) {
       tasks.push_back({.id = rows.Integer(0),

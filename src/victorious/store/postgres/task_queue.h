@@ -1,10 +1,17 @@
-// Tasks that are shared out to workers, in the database of the index that they write.
+// A queue of tasks for workers, in the database of the index that they write.
 //
-// A worker claims one task at a time by SELECT … FOR UPDATE SKIP LOCKED, so that claims do not wait for each other. A claim
-// is a lease, renewed while the worker lives. A lease that ends without a word is that of a dead worker: the task waits
-// again with the next attempt, or is quarantined if it failed or lost its worker three times without progress. The end of an attempt is
-// refused unless it still runs. A worker stores results with its progress by compare-and-swap (IndexStore::Commit), so
-// that each task takes effect once, whatever dies or stands still meanwhile. No transaction is open while it computes.
+//            Submit           Claim             Complete
+//   (none) ---------> waiting ------> running ------------> done
+//                      ^  ^             | |
+//                      |  '-------------' |  Return; Abandon and expired leases, up to kMaxFailures without progress
+//                      |                  v
+//                      '------------ quarantined             Quarantine; Abandon and expired leases after that
+//                         Submit
+//
+// Claims do not wait for each other (SELECT … FOR UPDATE SKIP LOCKED). A claim is a lease, which its worker renews; an
+// expired lease is that of a dead worker. Each claim is a new attempt, and only the attempt that runs can be renewed or
+// ended. Results are stored with the progress by compare-and-swap (IndexStore::Commit), so that each task takes effect
+// once. No transaction is open while a worker computes.
 #pragma once
 
 #include <chrono>
@@ -71,6 +78,8 @@ struct TaskQueueOptions {
   std::string worker;              ///< the name of this process in the log
   std::string program;             ///< the build whose tasks it claims
   std::chrono::seconds lease{60};  ///< of its claims
+  /// Before the second attempt of a task that failed; four times as long before the next. A shared disk may be away.
+  std::chrono::seconds retry_delay{30};
   bool is_read_only = false;
 };
 
@@ -84,8 +93,8 @@ class TaskQueue {
 
   [[nodiscard]] std::chrono::seconds lease() const { return options_.lease; }
 
-  /// Adds the tasks, in one transaction. One that is quarantined waits again, one that waits gets the new program and the
-  /// higher priority. Returns the number of those that are new or changed.
+  /// Adds the tasks, in one transaction. One that is quarantined waits again, one that waits gets the new program and
+  /// the higher priority. Returns the number of those that are new or changed.
   [[nodiscard]] Expected<std::int64_t> Submit(std::span<const NewTask> tasks);
 
   /// Claims the waiting task of this program with the highest priority, of these the one that was added first;
@@ -99,12 +108,12 @@ class TaskQueue {
   /// Ends the task: its results are stored. Error: kConflict if the lease was lost.
   [[nodiscard]] Status Complete(const Task& task);
 
-  /// Ends a failed attempt: the task waits again, or is quarantined after kMaxFailures. Error: kConflict if the lease was
-  /// lost.
+  /// Ends a failed attempt: the task waits for `retry_delay` or longer, or is quarantined after kMaxFailures. Error:
+  /// kConflict if the lease was lost.
   [[nodiscard]] Status Abandon(const Task& task, const std::string& reason);
 
-  /// Gives the task back, as at a shutdown: it waits again, and is not claimed before `delay` is over. Error: kConflict if
-  /// the lease was lost.
+  /// Gives the task back, as at a shutdown: it waits again, and is not claimed before `delay` is over. Error: kConflict
+  /// if the lease was lost.
   [[nodiscard]] Status Return(const Task& task, std::chrono::seconds delay = {});
 
   /// Quarantines a task that cannot be done, with the reason. Error: kConflict if the lease was lost.
@@ -118,7 +127,7 @@ class TaskQueue {
   /// Whether a task of this program waits or runs.
   [[nodiscard]] Expected<bool> HasOpenTasks();
 
-  /// Returns the mean time from claim to end of the last tasks done, at most 1000 of them; std::nullopt if none was done.
+  /// Returns the mean time from claim to end of the last 1000 tasks done; std::nullopt if none was done.
   [[nodiscard]] Expected<std::optional<double>> MeanSeconds();
 
  private:

@@ -29,7 +29,7 @@ class PostgresTaskQueueTest : public ::testing::Test {
   }
 
   std::unique_ptr<TaskQueue> OpenOrDie(const std::string& worker) const {
-    auto queue = TaskQueue::Open(url_, {.worker = worker, .program = {}});
+    auto queue = TaskQueue::Open(url_, {.worker = worker, .program = {}, .retry_delay = {}});
     if (!queue) ADD_FAILURE() << queue.error().message;
     return queue ? *std::move(queue) : nullptr;
   }
@@ -185,10 +185,28 @@ TEST_F(PostgresTaskQueueTest, ListsWhatRunsAndHowFastItGoes) {
   ASSERT_EQ(listed->size(), 1U);
   EXPECT_EQ(listed->front().id, task.id);
   EXPECT_EQ(listed->front().worker, "first");
+  EXPECT_EQ(listed->front().program, "");
   EXPECT_GT(listed->front().lease_left_s.value_or(0), 0);
   EXPECT_LE(listed->front().lease_left_s.value_or(99), TaskQueueOptions{}.lease.count());
   Run("UPDATE task_log SET at = at - interval '30 minutes' WHERE task_id = 1 AND event = 'claimed'");
   EXPECT_NEAR(queue_->MeanSeconds()->value_or(0), 1800, 60);
+}
+
+TEST_F(PostgresTaskQueueTest, FailedTaskWaitsLongerEachTime) {
+  const auto queue = TaskQueue::Open(url_, {.worker = "patient", .program = "this build"}).value();
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", "this build"}});
+  double delay_s = static_cast<double>(TaskQueueOptions{}.retry_delay.count());
+  for (int attempt = 1; attempt < TaskQueue::kMaxFailures; ++attempt, delay_s *= 4) {
+    const Task task = ClaimOrDie(*queue);
+    EXPECT_EQ(queue->List(10)->front().program, "this build");
+    ASSERT_TRUE(queue->Abandon(task, "the disk is away"));
+    EXPECT_FALSE(queue->Claim()->has_value()) << "not at once";
+    EXPECT_TRUE(*queue->HasOpenTasks());
+    Run(fmt::format("UPDATE tasks SET not_before = not_before - {} * interval '1 s'", delay_s - 100));
+    EXPECT_FALSE(queue->Claim()->has_value()) << "not before the delay is over";
+    Run("UPDATE tasks SET not_before = not_before - interval '100 s'");
+  }
+  EXPECT_EQ(ClaimOrDie(*queue).attempt, TaskQueue::kMaxFailures);
 }
 
 TEST_F(PostgresTaskQueueTest, ProgressForgetsFailures) {

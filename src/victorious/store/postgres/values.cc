@@ -84,9 +84,13 @@ std::int64_t Result::Changes() const {
   return changes;
 }
 
-bool Result::IsNull(int column) const { return PQgetisnull(result_.get(), row_, column) != 0; }
+bool Result::IsNull(int column) const {
+  VICTORIOUS_CHECK(column < PQnfields(result_.get()));
+  return PQgetisnull(result_.get(), row_, column) != 0;
+}
 
 std::span<const std::byte> Result::Blob(int column) const {
+  VICTORIOUS_CHECK(column < PQnfields(result_.get()));
   return {reinterpret_cast<const std::byte*>(PQgetvalue(result_.get(), row_, column)),
           static_cast<std::size_t>(PQgetlength(result_.get(), row_, column))};
 }
