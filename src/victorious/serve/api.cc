@@ -214,17 +214,17 @@ ApiExpected<HttpResponse> Api::VideoFrame(const HttpRequest& request, const Vide
   return TaggedResponse(request, "image/jpeg", *bytes, 60);
 }
 
-// The camera positions stored with the sightings: one a frame.
+// From the telemetry; without it, from the camera positions stored with the sightings.
 Expected<CameraPath> Api::ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m) {
   constexpr std::size_t kMaxPoints = 1000;
   constexpr int kMaxVisited = 100'000;
-  std::string why;
+  std::string reason = "the video has no telemetry, and no file beside it";
   if (const auto path = videos_.Find(video)) {
     const std::optional<std::string>& file = options_.telemetry;
     VideoInfo info;
     info.duration_s = video.duration_s;
     const auto cameras = CameraStates::Load(path->string(), info, file, {}, "the map has no camera path",
-                                            [&](const std::string& warning) { why = warning; });
+                                            [&](const std::string& warning) { reason = warning; });
     if (!cameras) return std::unexpected(cameras.error());
     if (cameras->HasStates()) {
       return MakeCameraPath(ThinStates(cameras->trajectory()->states(), kMaxPoints), "telemetry", video.width,
@@ -241,14 +241,10 @@ Expected<CameraPath> Api::ReadCameraPath(const VideoRecord& video, std::optional
     }
     return ++visited < kMaxVisited;
   }));
-  if (states.empty()) {
-    if (why.empty()) why = "the video has no telemetry, and no file beside it";
-    return CameraPath{.source = {}, .reason = why, .ground_m = ground_m, .points = {}};
-  }
+  if (states.empty()) return CameraPath{.source = {}, .reason = reason, .ground_m = ground_m, .points = {}};
   CameraPath path = MakeCameraPath(ThinStates(states, kMaxPoints), "sightings", video.width, video.height, {});
-  path.reason =
-      "the telemetry file was not found, so the path is known only where objects were seen: "
-      "`victorious serve --telemetry FILE` names it";
+  path.reason = reason + ", so the path is known only where objects were seen: `victorious serve --telemetry FILE` " +
+                "names a file";
   return path;
 }
 

@@ -228,7 +228,7 @@ ApiExpected<HttpResponse> Api::Counts(QueryReader& query) {
 
 ApiExpected<HttpResponse> Api::Tile(const HttpRequest& request, Segments address, QueryReader& query) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query));
-  // Another version of the index, or other reviews, are other tiles to a browser that keeps them.
+  // Part of the key of the browser's cache: tiles change with the index and its reviews.
   [[maybe_unused]] const auto version = query.Text("v");
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t zoom, ParseId(address[0], "zoom"));

@@ -78,15 +78,23 @@ void LiveService::Watch() {
 void LiveService::PublishIndex() {
   // Without a listener nothing is published: the version stays old, so that the next one gets the event.
   if (hub_->listeners() == 0 && published_version_ != 0) return;
-  const auto lists = index_.Lists();
-  if (!lists || (*lists)->version == published_version_) return;
-  const auto reader = index_.Borrow();
-  if (!reader) return;
-  const auto newest = (*reader)->objects->Objects({}, {.order = ObjectOrder::kNewest, .limit = 1});
-  if (!newest) return;
-  published_version_ = (*lists)->version;
+  const Status published = PublishNewIndex();
+  const std::string failure = published ? "" : published.error().message;
+  // Once for all failures in a row.
+  if (!failure.empty() && failure != index_failure_) spdlog::warn("the index cannot be watched: {}", failure);
+  index_failure_ = failure;
+}
+
+Status LiveService::PublishNewIndex() {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
+  if (lists->version == published_version_) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto newest,
+                              reader->objects->Objects({}, {.order = ObjectOrder::kNewest, .limit = 1}));
+  published_version_ = lists->version;
   hub_->Publish("index", Dump({{"version", published_version_},
-                               {"newest_object", newest->empty() ? 0 : newest->front().object.id}}));
+                               {"newest_object", newest.empty() ? 0 : newest.front().object.id}}));
+  return {};
 }
 
 void LiveService::PublishJobs() {

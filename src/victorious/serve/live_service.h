@@ -40,6 +40,7 @@ class LiveService {
   [[nodiscard]] Status CheckHasJobs() const;
   void Watch();
   void PublishIndex();
+  [[nodiscard]] Status PublishNewIndex();
   void PublishJobs();
 
   IndexView& index_;
@@ -49,6 +50,7 @@ class LiveService {
   std::atomic<bool> is_ending_ = false;
   std::atomic<bool> jobs_changed_ = true;
   std::int64_t published_version_ = 0;
+  std::string index_failure_;  ///< the last one, until there is none
   std::unique_ptr<JobRunner> runner_;
   std::thread watcher_;
 };

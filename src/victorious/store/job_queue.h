@@ -2,10 +2,13 @@
 // one at a time, to whoever claims them. sqlite/ keeps it in the file of an index; a server database can implement it as
 // well.
 //
-// A worker claims a job for the length of a lease, and renews the lease while it works (heartbeat). A job whose lease
-// has run out belongs to a dead worker: the next claim hands it out again. A job that has outlived its third worker
-// fails, so that one which kills its workers does not go round for ever. All times are given by the caller,
-// microseconds since 1970.
+//            Claim               Finish
+//   queued ---------> running -----------> done, failed, cancelled
+//      ^                 |
+//      '-----------------'  Release; an expired lease, of the first two workers. That of the third: failed
+//
+// A claim is a lease, which its worker renews (Beat); an expired lease is that of a dead worker. All times are given by
+// the caller, microseconds since 1970.
 #pragma once
 
 #include <array>

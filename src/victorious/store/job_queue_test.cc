@@ -91,7 +91,7 @@ TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
   }
   EXPECT_FALSE(*queue_->Claim("A", 9000, kLease));
   EXPECT_EQ((*queue_->Find(job->id))->state, JobState::kFailed);
-  EXPECT_THAT((*queue_->Find(job->id))->progress.message, ::testing::HasSubstr("died"));
+  EXPECT_THAT((*queue_->Find(job->id))->progress.message, ::testing::HasSubstr("was killed 3 times"));
 }
 
 TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {

@@ -172,7 +172,9 @@ class SqliteJobQueue final : public JobQueue {
                              "message = CASE WHEN cancel_asked = 1 THEN message ELSE ? END, ended_utc_us = ?, "
                              "owner = NULL, lease_utc_us = NULL "
                              "WHERE state = 'running' AND lease_utc_us < ? AND (cancel_asked = 1 OR attempts >= ?)"));
-    end.Bind(fmt::format("its worker died {} times", kMaxAttempts), now_us, now_us, kMaxAttempts);
+    end.Bind(fmt::format("its process was killed {} times: see the log of the server, then start the job again",
+                         kMaxAttempts),
+             now_us, now_us, kMaxAttempts);
     return end.Run();
   }
 
