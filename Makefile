@@ -1,6 +1,6 @@
 # A thin door to tools/install_packages.sh, CMake and the program. CMake holds the build; nothing is compiled here.
 
-.PHONY: build victorious web install package test demo serve bench check format tidy fuzz asan clean
+.PHONY: build victorious web install package test demo demo-cluster serve bench check format tidy fuzz asan clean
 
 # Ninja's progress: files done of all, seconds since the start.
 NINJA_STATUS ?= [%f/%t %es] $(empty)
@@ -52,6 +52,11 @@ demo: victorious
 # Opens the page on the demo's index, which `make demo` makes if it is not there.
 demo/index.db:
 	$(MAKE) demo
+
+# The demo by four workers on two nodes of a Slurm cluster, with PostgreSQL, all on this machine; as root.
+demo-cluster: victorious | demo/index.db
+	./tools/install_packages.sh --cluster
+	./tools/demo_cluster.sh build/victorious scenes/demo.json demo demo/cluster
 
 serve: victorious | demo/index.db
 	build/victorious serve --db demo/index.db --models demo/models --telemetry demo/flight/telemetry.csv

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# install_packages.sh [--test | --tidy]: installs the Debian 12 packages that the build and the demo need. Does nothing
-# if all are installed. --test adds what only tests need: clang-format-19, a browser, PostgreSQL with PostGIS. --tidy
-# adds the tools of the lint and fuzz presets too.
+# install_packages.sh [--test | --tidy | --cluster]: installs the Debian 12 packages that the build and the demo need. Does
+# nothing if all are installed. --test adds what only tests need: clang-format-19, a browser, PostgreSQL with PostGIS.
+# --tidy adds the tools of the lint and fuzz presets, --cluster what `make demo-cluster` starts: PostgreSQL and Slurm.
 set -euo pipefail
 
 packages=(
@@ -17,8 +17,9 @@ case "${1:-}" in
   "") ;;
   --test) packages+=(clang-format-19 chromium openssl postgresql-15 postgresql-15-postgis-3) ;;
   --tidy) packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev) ;;
+  --cluster) packages+=(postgresql-15 postgresql-15-postgis-3 slurm-wlm munge) ;;
   *)
-    echo "install_packages.sh: unknown: $1; give --test, --tidy or nothing" >&2
+    echo "install_packages.sh: unknown: $1; give --test, --tidy, --cluster or nothing" >&2
     exit 2
     ;;
 esac

@@ -14,6 +14,8 @@ FENCED = re.compile(r"^```[a-z]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"`(?:build/)?victorious ([^`]+)`")
 COMMAND = re.compile(r"^(?:\$ )?(?:build/)?victorious ([^#|>&\n]+)", re.MULTILINE)
 FLAG = re.compile(r"(?<![\w-])(--?[A-Za-z][\w-]*)")
+# How a worker is started: by a shell, by systemd, or as the list of arguments of a container.
+WORKER = re.compile(r"(?:^exec .*|^ExecStart=.*|args: \[)\bwork\b")
 
 
 def command_lines(document: Path) -> Iterator[str]:
@@ -49,6 +51,16 @@ class DocumentsTest(unittest.TestCase):
                             self.assertIn(word.split("=")[0], known)
                             checked += 1
         self.assertGreater(checked, 40)
+
+    def test_every_flag_of_a_worker_exists(self):
+        """In the files by which the schedulers of a cluster start workers."""
+        for name in ("slurm/workers.sbatch", "systemd/victorious-worker@.service", "kubernetes/workers.yaml"):
+            text = (program.REPOSITORY / "cluster" / name).read_text(encoding="utf-8")
+            lines = [line for line in text.splitlines() if WORKER.search(line)]
+            self.assertEqual(len(lines), 1, name)
+            flags = FLAG.findall(WORKER.split(lines[0])[1])
+            self.assertIn("--db", flags, name)
+            self.assertLessEqual(set(flags), flags_of("work"), name)
 
 
 if __name__ == "__main__":
