@@ -56,8 +56,7 @@ std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset, std::s
   if (speed_m_s < kHover_m_s) return std::nullopt;
   return fmt::format(
       "telemetry: the offset of its clock is unknown ({}): each second that it is off shifts all places by {:.1f} m "
-      "along "
-      "the flight, which their errors do not contain; telemetry.time_offset_s corrects it",
+      "along the flight, which their errors do not contain; telemetry.time_offset_s corrects it",
       DescribeStatus(offset), speed_m_s);
 }
 

@@ -25,9 +25,9 @@ namespace victorious {
 [[nodiscard]] std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset,
                                                               std::span<const CameraState> states);
 
-/// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is
-/// significant; `warn` receives one line with the offset and its standard error, or DescribeUnknownClock. No effect without states of the whole
-/// video. A video whose frames cannot be read again gives a warning.
+/// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is significant;
+/// `warn` receives one line with the offset and its standard error, or DescribeUnknownClock. No effect without states of
+/// the whole video. A video whose frames cannot be read again gives a warning.
 /// @param impulse_fraction  as MeasureMotions
 /// Errors: kCancelled. Cost: up to 200 frames are read and their motion is measured, some 15 ms each at 640 x 480.
 [[nodiscard]] Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,
