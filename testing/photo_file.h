@@ -19,8 +19,9 @@ struct PhotoTags {
   double latitude_deg = 48;  ///< 0 together with the longitude: no GPS tags
   double longitude_deg = 11;
   double altitude_m = 560;
-  std::string utc_date = {};  ///< "2026:05:27", with a time of 12:34:56
-  std::string xmp = {};       ///< the packet; empty: none
+  bool has_hemispheres = true;  ///< false: the letters of the hemispheres are missing
+  std::string utc_date = {};    ///< "2026:05:27", with a time of 12:34:56
+  std::string xmp = {};         ///< the packet; empty: none
 };
 
 namespace photo_file {
@@ -89,6 +90,7 @@ inline std::string Exif(const PhotoTags& tags) {
     gps = {Text(1, tags.latitude_deg < 0 ? "S" : "N"), Rationals(2, DegreesMinutesSeconds(std::abs(tags.latitude_deg))),
            Text(3, tags.longitude_deg < 0 ? "W" : "E"),
            Rationals(4, DegreesMinutesSeconds(std::abs(tags.longitude_deg))), Rationals(6, {tags.altitude_m})};
+    if (!tags.has_hemispheres) std::erase_if(gps, [](const Entry& entry) { return entry.tag == 1 || entry.tag == 3; });
   }
   if (!tags.utc_date.empty()) {
     gps.push_back(Rationals(7, {12, 34, 56}));

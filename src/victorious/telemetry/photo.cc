@@ -59,13 +59,16 @@ class Exif {
     return std::string(TrimBlanks(std::string_view(text).substr(0, text.find('\0'))));
   }
 
-  // Degrees, minutes and seconds, with the letter of the other hemisphere negative.
-  [[nodiscard]] std::optional<double> Degrees(int tag, int letter_tag, std::string_view negative) const {
+  // Degrees, minutes and seconds, with the letter of the other hemisphere negative. std::nullopt without a letter: it
+  // may be either.
+  [[nodiscard]] std::optional<double> Degrees(int tag, int letter_tag, std::string_view positive,
+                                              std::string_view negative) const {
     const auto degrees = Number(EXIF_IFD_GPS, tag, 0);
-    if (!degrees) return std::nullopt;
+    const std::string letter = Text(EXIF_IFD_GPS, letter_tag);
+    if (!degrees || (letter != positive && letter != negative)) return std::nullopt;
     const double size =
         *degrees + Number(EXIF_IFD_GPS, tag, 1).value_or(0) / 60 + Number(EXIF_IFD_GPS, tag, 2).value_or(0) / 3600;
-    return Text(EXIF_IFD_GPS, letter_tag) == negative ? -size : size;
+    return letter == negative ? -size : size;
   }
 
  private:
@@ -94,8 +97,8 @@ std::string_view XmpText(std::string_view xmp, std::string_view name) {
 std::optional<double> XmpNumber(std::string_view xmp, std::string_view name) { return ParseNumber(XmpText(xmp, name)); }
 
 void ReadPlace(const Exif& exif, std::string_view xmp, PhotoMetadata& photo) {
-  auto latitude_deg = exif.Degrees(EXIF_TAG_GPS_LATITUDE, EXIF_TAG_GPS_LATITUDE_REF, "S");
-  auto longitude_deg = exif.Degrees(EXIF_TAG_GPS_LONGITUDE, EXIF_TAG_GPS_LONGITUDE_REF, "W");
+  auto latitude_deg = exif.Degrees(EXIF_TAG_GPS_LATITUDE, EXIF_TAG_GPS_LATITUDE_REF, "N", "S");
+  auto longitude_deg = exif.Degrees(EXIF_TAG_GPS_LONGITUDE, EXIF_TAG_GPS_LONGITUDE_REF, "E", "W");
   if (!latitude_deg || !longitude_deg) {
     latitude_deg = XmpNumber(xmp, "drone-dji:GpsLatitude");
     longitude_deg = XmpNumber(xmp, "drone-dji:GpsLongitude");

@@ -36,7 +36,8 @@ struct PhotoMetadata {
   [[nodiscard]] bool HasPlace() const { return latitude_deg && longitude_deg; }
 };
 
-/// Parses the tags. `head` is a JPEG file up to the image data at least. Accepts any bytes.
+/// Parses the tags. `head` is a JPEG file up to the image data at least. Accepts any bytes. A position of EXIF without
+/// the letters of its hemispheres is none; that of XMP is then used.
 /// @return std::nullopt if it is no JPEG, or has neither EXIF nor XMP
 [[nodiscard]] std::optional<PhotoMetadata> ReadPhotoMetadata(std::span<const std::byte> head);
 

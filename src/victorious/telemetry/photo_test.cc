@@ -43,6 +43,18 @@ TEST(Photo, PlaceHeightAndTimeOfExif) {
   EXPECT_FALSE(photo.attitude);
 }
 
+TEST(Photo, APositionWithoutItsHemispheresIsNone) {
+  const std::string xmp = "<d drone-dji:GpsLatitude=\"-33.5\" drone-dji:GpsLongitude=\"-70.5\"/>";
+  const PhotoMetadata by_xmp = MustRead({.has_hemispheres = false, .xmp = xmp});
+  EXPECT_EQ(by_xmp.latitude_deg, -33.5);
+  EXPECT_EQ(by_xmp.longitude_deg, -70.5);
+  const PhotoMetadata without = MustRead({.has_hemispheres = false});
+  EXPECT_FALSE(without.HasPlace()) << "it may be south or west";
+  const auto telemetry = TelemetryFromPhotos(std::vector{without, MustRead({})}, {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 of 2 photos have no position")));
+}
+
 TEST(Photo, GimbalAnglesAndHeightsOfXmpAsAttributesAndAsElements) {
   const std::string elements =
       "<drone-dji:GimbalYawDegree>+45.00</drone-dji:GimbalYawDegree> <drone-dji:GimbalPitchDegree>-60.00"
