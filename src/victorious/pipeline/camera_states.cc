@@ -20,13 +20,13 @@ Expected<CameraStates> CameraStates::Load(const std::string& video, const VideoI
                               LoadTelemetry(video, info, file, options, consequence, warn));
   if (!telemetry) return ForLive(info, options);
   CameraStates cameras;
+  cameras.is_of_photos_ = telemetry->format == TelemetryFormat::kPhotos;
   for (const CameraState& state : telemetry->states) {
     if (!cameras.first_hfov_rad_) cameras.first_hfov_rad_ = state.hfov_rad;
-    if (!cameras.start_utc_us_ && state.utc_us) {
+    if (!cameras.start_utc_us_ && state.utc_us && !cameras.is_of_photos_) {
       cameras.start_utc_us_ = *state.utc_us - std::llround(state.time_s * 1e6);
     }
   }
-  cameras.is_of_photos_ = telemetry->format == TelemetryFormat::kPhotos;
   cameras.max_gap_s_ = cameras.is_of_photos_ ? 0 : options.max_gap_s;
   cameras.trajectory_.emplace(std::move(telemetry->states), cameras.max_gap_s_);
   return cameras;

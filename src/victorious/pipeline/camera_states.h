@@ -57,7 +57,8 @@ class CameraStates {
   [[nodiscard]] bool is_of_photos() const { return is_of_photos_; }
   /// The first field of view that telemetry gives, rad.
   [[nodiscard]] std::optional<double> first_hfov_rad() const { return first_hfov_rad_; }
-  /// UTC time of the video's first frame, from the first state with a clock.
+  /// UTC time of the video's first frame, from the first state with a clock. None for photos: the times between them are
+  /// not those of their frames.
   [[nodiscard]] std::optional<std::int64_t> start_utc_us() const { return start_utc_us_; }
 
   /// To be given to the FrameLoop of a live source; null if no telemetry arrives with its frames.

@@ -1,6 +1,8 @@
 #include "victorious/pipeline/photo_telemetry.h"
 
 #include <filesystem>
+#include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/video_telemetry.h"
+#include "victorious/telemetry/photo.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -65,6 +68,33 @@ TEST_F(PhotoTelemetry, StatesHaveTheTimesOfTheirFrames) {
   EXPECT_EQ(latitude_deg(0.55), 0) << "nor after the last";
   EXPECT_NEAR(DegreesFromRadians(cameras.At(0.5)->attitude->yaw_rad), 20, 1e-6);
   EXPECT_THAT(warnings_, Contains(HasSubstr("1 of 3 photos have no position")));
+}
+
+// Each photo has its own time: those of the frames are made up.
+TEST_F(PhotoTelemetry, AFolderOfPhotosHasNoClock) {
+  Write("1.jpg", {.latitude_deg = 48.1, .xmp = DjiXmp(10, -60, 560, 40)});
+  Write("2.jpg", {.latitude_deg = 48.2, .utc_date = "2026:05:27", .xmp = DjiXmp(10, -60, 560, 40)});
+  const CameraStates cameras = Load(10);
+  EXPECT_FALSE(cameras.start_utc_us());
+  EXPECT_TRUE(cameras.At(0.1)->utc_us) << "the photo's own, as for the sun";
+}
+
+// The tags of thermal photos can stand behind megabytes.
+TEST(PhotoHead, OtherSegmentsAreSkipped) {
+  const std::string photo = testing::PhotoHead({.latitude_deg = 48.2, .xmp = DjiXmp(10, -60, 560, 40)}, 640, 512);
+  std::string long_photo = photo.substr(0, 2);
+  for (int i = 0; i < 200; ++i) long_photo += testing::photo_file::Segment('\xE3', std::string(60'000, '\xFF'));
+  long_photo += photo.substr(2) + "image data";
+  std::istringstream file(long_photo);
+  EXPECT_EQ(ReadPhotoHead(file), photo);
+  const auto read = ReadPhotoMetadata(std::as_bytes(std::span(photo)));
+  ASSERT_TRUE(read);
+  EXPECT_NEAR(read->latitude_deg.value(), 48.2, 1e-8);
+  for (const std::string& damaged :
+       {std::string("\x89PNG"), std::string("\xFF\xD8"), std::string("\xFF\xD8\xFF\xE1\0\1", 6)}) {
+    std::istringstream bytes(damaged);
+    EXPECT_LE(ReadPhotoHead(bytes).size(), 2U);
+  }
 }
 
 TEST_F(PhotoTelemetry, OneImageIsAVideoOfOneState) {
