@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -14,9 +15,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/associate/heading_error.h"
+#include "victorious/associate/flight_errors.h"
 #include "victorious/associate/object_place.h"
-#include "victorious/associate/range_factor.h"
 #include "victorious/base/median.h"
 #include "victorious/observe/bearing_observation.h"
 
@@ -497,26 +497,22 @@ Expected<std::int64_t> CountFullFrameSearches(const std::vector<ModelRecord>& mo
   return frames;
 }
 
-// The focal length is proportional to the ranges: too short ranges follow from too wide a field of view.
-Status WarnOfRangeFactors(const std::map<std::int64_t, RangeFactor>& factors, IndexStore& store,
-                          const std::function<void(const std::string&)>& warn) {
+// Passes what the errors of the flights mean to `warn`.
+Status WarnOfFlightErrors(const std::map<std::int64_t, FlightErrors>& errors, IndexStore& store,
+                          const std::function<void(const VideoRecord&, const std::string&)>& warn) {
+  if (errors.empty()) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   for (const VideoRecord& video : videos) {
-    const auto found = factors.find(video.id);
-    if (found == factors.end()) continue;
-    const double percent = 100 * std::abs(found->second.factor - 1);
-    const std::string name = videos.size() > 1 ? video.name + ": " : "";
-    warn(
-        fmt::format("{}the lines of sight of {} objects meet {:.0f} % {} than their sizes imply: the field of view is "
-                    "about {:.0f} % too {}; ranges are corrected by it",
-                    name, found->second.objects, percent, found->second.factor > 1 ? "farther" : "nearer", percent,
-                    found->second.factor > 1 ? "wide" : "narrow"));
+    const auto found = errors.find(video.id);
+    if (found == errors.end()) continue;
+    for (const std::string& line : Describe(found->second)) warn(video, line);
   }
   return {};
 }
 
-Expected<std::vector<ObjectRecord>> MakeObjects(const ObjectOptions& options, IndexStore& store,
-                                                const std::function<void(const std::string&)>& warn) {
+Expected<std::vector<ObjectRecord>> MakeObjects(
+    const ObjectOptions& options, IndexStore& store, FlightErrorCache& cache,
+    const std::function<void(const VideoRecord&, const std::string&)>& warn) {
   std::map<std::int64_t, ObservedTracklet> tracklets;
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> records, store.Tracklets());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
@@ -543,29 +539,23 @@ Expected<std::vector<ObjectRecord>> MakeObjects(const ObjectOptions& options, In
   }));
   std::vector<ObservedTracklet> seen;
   for (auto& [id, tracklet] : tracklets) seen.push_back(std::move(tracklet));
-  const std::map<std::int64_t, HeadingError> heading_errors = EstimateHeadingErrors(seen);
-  TurnBack(heading_errors, seen);
-  if (!heading_errors.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
-    WarnOfHeadingErrors(heading_errors, videos, warn);
-  }
-  const std::map<std::int64_t, RangeFactor> factors = EstimateRangeFactors(seen, options);
-  ScaleRanges(factors, seen);
-  if (!factors.empty()) VICTORIOUS_RETURN_IF_ERROR(WarnOfRangeFactors(factors, store, warn));
+  VICTORIOUS_RETURN_IF_ERROR(WarnOfFlightErrors(cache.Correct(seen, options), store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, CountFullFrameSearches(models, store));
   return AssociateTracklets(std::move(seen), frames_searched, options);
 }
 
 }  // namespace
 
-Status UpdateObjects(const ObjectOptions& options, IndexStore& store,
-                     const std::function<void(const std::string&)>& warn) {
-  std::vector<std::string> warnings;
+Status UpdateObjects(const ObjectOptions& options, IndexStore& store, FlightErrorCache& cache,
+                     const std::function<void(const VideoRecord&, const std::string&)>& warn) {
+  std::vector<std::pair<VideoRecord, std::string>> warnings;
   VICTORIOUS_RETURN_IF_ERROR(store.UpdateObjects([&] {
     warnings.clear();
-    return MakeObjects(options, store, [&](const std::string& warning) { warnings.push_back(warning); });
+    return MakeObjects(options, store, cache, [&](const VideoRecord& video, const std::string& warning) {
+      warnings.emplace_back(video, warning);
+    });
   }));
-  for (const std::string& warning : warnings) warn(warning);
+  for (const auto& [video, warning] : warnings) warn(video, warning);
   return {};
 }
 

@@ -31,6 +31,8 @@
 
 namespace victorious {
 
+class FlightErrorCache;
+
 /// A tracklet with its observations. Category tracklets form objects in the same way, but are never rejected and reject
 /// no other object: a category sighting does not identify an instance.
 struct ObservedTracklet {
@@ -50,12 +52,11 @@ struct ObservedTracklet {
 std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,
                                              const ObjectOptions& options);
 
-/// Recomputes the objects of the whole index and stores them; corrects the ranges and the yaw of each flight by the
-/// errors on which its objects agree (range_factor.h, heading_error.h).
-/// @param warn  receives one line for each flight that was corrected
+/// Recomputes the objects of the whole index and stores them; corrects the yaw and the ranges of each flight by the
+/// errors on which its objects agree, which `cache` remembers (flight_errors.h).
+/// @param warn  receives each line of Describe(), with its video
 /// Errors: those of IndexStore; kDataLoss for a search whose stored options cannot be read.
-[[nodiscard]] Status UpdateObjects(
-    const ObjectOptions& options, IndexStore& store,
-    const std::function<void(const std::string&)>& warn = [](const std::string&) {});
+[[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store, FlightErrorCache& cache,
+                                   const std::function<void(const VideoRecord&, const std::string&)>& warn);
 
 }  // namespace victorious

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "victorious/associate/flight_errors.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 
@@ -442,9 +443,11 @@ TEST(UpdateObjects, UnreadableSearchOptionsAreDataLoss) {
     ASSERT_TRUE(store->Commit(batch));
   };
   search_with(R"({"every": 5})", 0, 10);
-  EXPECT_TRUE(UpdateObjects({}, *store));
+  FlightErrorCache cache;
+  const auto warn = [](const VideoRecord&, const std::string&) {};
+  EXPECT_TRUE(UpdateObjects({}, *store, cache, warn));
   search_with(R"({"every": "5"})", 10, 20);
-  const Status status = UpdateObjects({}, *store);
+  const Status status = UpdateObjects({}, *store, cache, warn);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::kDataLoss);
   EXPECT_THAT(status.error().message, ::testing::AllOf(HasSubstr("a.mp4"), HasSubstr("jeep"), HasSubstr("every")));

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
-#include <fmt/format.h>
 
 #include "victorious/associate/agreed_error.h"
 #include "victorious/base/median.h"
@@ -143,25 +142,53 @@ Meeting Meet(std::span<const Line> lines, double error_rad) {
   return meeting;
 }
 
+// The angle at which the lines meet best, with its neighbours at one step.
+struct BestAngle {
+  double error_rad = 0;
+  Meeting before;
+  Meeting here;
+  Meeting after;
+};
+
+constexpr double kStep_rad = RadiansFromDegrees(0.5);
+
+// Coarse to fine: at steps of 4 degrees, then half of it around the best, down to kStep_rad.
+BestAngle FindBestAngle(std::span<const Line> lines) {
+  constexpr double kCoarse_rad = 8 * kStep_rad;
+  constexpr int kSide = static_cast<int>(kMaxError_rad / kCoarse_rad);
+  BestAngle best;
+  for (int k = -kSide; k <= kSide; ++k) {
+    const Meeting meeting = Meet<3>(lines, k * kCoarse_rad);
+    if (meeting.cost >= best.here.cost) continue;
+    best.here = meeting;
+    best.error_rad = k * kCoarse_rad;
+  }
+  for (double step_rad = kCoarse_rad / 2; step_rad > 0.9 * kStep_rad; step_rad /= 2) {
+    best.before = Meet<3>(lines, best.error_rad - step_rad);
+    best.after = Meet<3>(lines, best.error_rad + step_rad);
+    if (best.before.cost < best.here.cost && best.before.cost <= best.after.cost) {
+      best = {.error_rad = best.error_rad - step_rad, .before = {}, .here = best.before, .after = best.here};
+    } else if (best.after.cost < best.here.cost) {
+      best = {.error_rad = best.error_rad + step_rad, .before = best.here, .here = best.after, .after = {}};
+    }
+  }
+  // A step to the last side leaves the neighbour beyond it open.
+  if (!std::isfinite(best.before.cost)) best.before = Meet<3>(lines, best.error_rad - kStep_rad);
+  if (!std::isfinite(best.after.cost)) best.after = Meet<3>(lines, best.error_rad + kStep_rad);
+  return best;
+}
+
 // The error that one object shows; std::nullopt if its lines determine none.
 std::optional<double> ErrorOf(const ObservedTracklet& tracklet) {
   const std::vector<Line> lines = LinesOf(tracklet);
   if (lines.empty() || TurnOf(lines) < kMinTurn_rad) return std::nullopt;
-  constexpr double kStep_rad = RadiansFromDegrees(0.5);
-  constexpr int kSteps = static_cast<int>(kMaxError_rad / kStep_rad) + 1;
-  std::optional<int> best;
-  std::vector<Meeting> meetings;
-  for (int k = -kSteps; k <= kSteps; ++k) {
-    meetings.push_back(Meet<3>(lines, k * kStep_rad));
-    if (!best || meetings.back().cost < meetings[static_cast<std::size_t>(*best)].cost) best = k + kSteps;
-  }
-  if (*best == 0 || *best == 2 * kSteps) return std::nullopt;
-  const auto at = static_cast<std::size_t>(*best);
-  const double before = meetings[at - 1].cost;
-  const double here = meetings[at].cost;
-  const double after = meetings[at + 1].cost;
+  const BestAngle best = FindBestAngle(lines);
+  const double before = best.before.cost;
+  const double here = best.here.cost;
+  const double after = best.after.cost;
   const double curvature = before - 2 * here + after;  // per kStep_rad^2
-  if (!std::isfinite(curvature) || !(curvature > 0) || meetings[at].median_sigmas > kMaxMedianSigmas) {
+  if (!std::isfinite(curvature) || !(curvature > 0) || best.here.median_sigmas > kMaxMedianSigmas ||
+      here > std::min(before, after)) {
     return std::nullopt;
   }
   // A cost of squares in standard deviations rises by 1 at one standard deviation.
@@ -171,50 +198,32 @@ std::optional<double> ErrorOf(const ObservedTracklet& tracklet) {
   // What drives steadily past a camera that flies straight looks as if the yaw were off.
   if (Meet<5>(lines, 0).cost <= here + kAmbiguous * kCorrelated * misfit) return std::nullopt;
   const double fraction = (before - after) / (2 * curvature);
-  return (*best - kSteps + fraction) * kStep_rad;
+  return best.error_rad + fraction * kStep_rad;
 }
 
 }  // namespace
 
-std::map<std::int64_t, HeadingError> EstimateHeadingErrors(std::span<const ObservedTracklet> tracklets) {
-  std::map<std::int64_t, std::vector<ErrorSample>> of_video;
+std::optional<HeadingError> EstimateHeadingError(std::span<const ObservedTracklet> tracklets) {
+  std::vector<ErrorSample> samples;
   for (const ObservedTracklet& tracklet : tracklets) {
-    if (const auto error_rad = ErrorOf(tracklet)) of_video[tracklet.record.video].push_back({&tracklet, *error_rad});
+    if (const auto error_rad = ErrorOf(tracklet)) samples.push_back({&tracklet, *error_rad});
   }
-  std::map<std::int64_t, HeadingError> errors;
-  for (const auto& [video, samples] : of_video) {
-    const auto agreed =
-        FindAgreedError(samples, {.tolerance = kAgreement_rad, .min_error = kMinError_rad, .max_error = kMaxError_rad});
-    if (agreed) errors[video] = {.error_rad = agreed->error, .objects = agreed->objects};
-  }
-  return errors;
+  const auto agreed =
+      FindAgreedError(samples, {.tolerance = kAgreement_rad, .min_error = kMinError_rad, .max_error = kMaxError_rad});
+  if (!agreed) return std::nullopt;
+  return HeadingError{.error_rad = agreed->error, .objects = agreed->objects};
 }
 
-void TurnBack(const std::map<std::int64_t, HeadingError>& errors, std::span<ObservedTracklet> tracklets) {
+void TurnBack(const HeadingError& error, std::span<ObservedTracklet> tracklets) {
   for (ObservedTracklet& tracklet : tracklets) {
-    const auto found = errors.find(tracklet.record.video);
-    if (found == errors.end()) continue;
     for (BearingObservation& observation : tracklet.observations) {
       const auto turn = [&](double& angle_rad) {
-        angle_rad = WrapAngle(angle_rad - found->second.error_rad);
+        angle_rad = WrapAngle(angle_rad - error.error_rad);
         if (angle_rad < 0) angle_rad += 2 * kPi;
       };
       turn(observation.line.azimuth_rad);
       if (observation.heading_rad) turn(*observation.heading_rad);
     }
-  }
-}
-
-void WarnOfHeadingErrors(const std::map<std::int64_t, HeadingError>& errors, std::span<const VideoRecord> videos,
-                         const std::function<void(const std::string&)>& warn) {
-  for (const VideoRecord& video : videos) {
-    const auto found = errors.find(video.id);
-    if (found == errors.end()) continue;
-    warn(fmt::format(
-        "{}the lines of sight in {} tracks meet only if the yaw of the telemetry is {:.1f} degrees too {}: "
-        "places are corrected by it",
-        videos.size() > 1 ? video.name + ": " : "", found->second.objects,
-        std::abs(DegreesFromRadians(found->second.error_rad)), found->second.error_rad > 0 ? "large" : "small"));
   }
 }
 

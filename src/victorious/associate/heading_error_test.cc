@@ -1,7 +1,6 @@
 #include "victorious/associate/heading_error.h"
 
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -50,16 +49,16 @@ ObservedTracklet Seen(std::int64_t id, const Vector3d& place, double error_deg, 
 }
 
 TEST(HeadingError, IsThatOnWhichDifferentObjectsAgree) {
-  for (const double given_deg : {-5.0, 5.0, 12.0}) {
+  for (const double given_deg : {-18.3, -5.0, 2.2, 5.0, 12.0}) {
     std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, given_deg), Seen(2, {8, 5, 1}, given_deg),
                                                Seen(3, {-16, 9, 2}, given_deg)};
-    const auto errors = EstimateHeadingErrors(tracklets);
-    ASSERT_EQ(errors.size(), 1U) << given_deg;
-    EXPECT_NEAR(DegreesFromRadians(errors.at(1).error_rad), given_deg, 0.3);
-    EXPECT_EQ(errors.at(1).objects, 3);
+    const auto error = EstimateHeadingError(tracklets);
+    ASSERT_TRUE(error) << given_deg;
+    EXPECT_NEAR(DegreesFromRadians(error->error_rad), given_deg, 0.3);
+    EXPECT_EQ(error->objects, 3);
 
-    TurnBack(errors, tracklets);
-    EXPECT_TRUE(EstimateHeadingErrors(tracklets).empty()) << "corrected";
+    TurnBack(*error, tracklets);
+    EXPECT_FALSE(EstimateHeadingError(tracklets)) << "corrected";
     const std::vector<ObjectRecord> objects = AssociateTracklets(tracklets, 100, {});
     ASSERT_EQ(objects.size(), 3U);
     const TangentPlane plane(kOrigin);
@@ -75,45 +74,31 @@ TEST(HeadingError, IsThatOnWhichDifferentObjectsAgree) {
 }
 
 TEST(HeadingError, OfExactYawAndOfAWrongFieldOfViewThereIsNone) {
-  EXPECT_TRUE(EstimateHeadingErrors(std::vector{Seen(1, {0, 0, 1}, 0), Seen(2, {8, 5, 1}, 0)}).empty());
-  EXPECT_TRUE(EstimateHeadingErrors(std::vector{Seen(1, {0, 0, 1}, 0, Path::kCircle, {0, 0, 0}, 1.2),
-                                                Seen(2, {8, 5, 1}, 0, Path::kCircle, {0, 0, 0}, 1.2)})
-                  .empty());
+  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0), Seen(2, {8, 5, 1}, 0)}));
+  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0, Path::kCircle, {0, 0, 0}, 1.2),
+                                                Seen(2, {8, 5, 1}, 0, Path::kCircle, {0, 0, 0}, 1.2)}));
 }
 
 TEST(HeadingError, OneObjectIsNotEnough) {
-  EXPECT_TRUE(EstimateHeadingErrors(std::vector{Seen(1, {0, 0, 1}, 5)}).empty());
-  EXPECT_TRUE(EstimateHeadingErrors(std::vector{Seen(1, {0, 0, 1}, 0), Seen(2, {8, 5, 1}, 5)}).empty());
+  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 5)}));
+  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0), Seen(2, {8, 5, 1}, 5)}));
 }
 
 TEST(HeadingError, DrivingObjectsAndStraightFlightsShowNone) {
-  EXPECT_TRUE(EstimateHeadingErrors(std::vector{Seen(1, {0, 0, 1}, 0, Path::kCircle, {5, 0, 0}),
+  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0, Path::kCircle, {5, 0, 0}),
                                                 Seen(2, {8, 5, 1}, 0, Path::kCircle, {-6, 0, 0}),
-                                                Seen(3, {-6, 7, 1}, 0, Path::kCircle, {0, 7, 0})})
-                  .empty());
-  EXPECT_TRUE(
-      EstimateHeadingErrors(std::vector{Seen(1, {0, 0, 1}, 5, Path::kStraight), Seen(2, {8, 5, 1}, 5, Path::kStraight)})
-          .empty());
+                                                Seen(3, {-6, 7, 1}, 0, Path::kCircle, {0, 7, 0})}));
+  EXPECT_FALSE(EstimateHeadingError(
+      std::vector{Seen(1, {0, 0, 1}, 5, Path::kStraight), Seen(2, {8, 5, 1}, 5, Path::kStraight)}));
 }
 
 // Two vehicles that drive across a straight flight: lines turned by some 8 degrees meet, too.
 TEST(HeadingError, ConvoyPastAStraightFlightShowsNone) {
   for (const Vector3d& velocity : {Vector3d(0, 1.5, 0), Vector3d(0, -1.5, 0), Vector3d(1, 2, 0)}) {
-    EXPECT_TRUE(EstimateHeadingErrors(std::vector{Seen(1, {0, 0, 1}, 0, Path::kStraight, velocity),
-                                                  Seen(2, {8, 5, 1}, 0, Path::kStraight, velocity)})
-                    .empty())
+    EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0, Path::kStraight, velocity),
+                                                  Seen(2, {8, 5, 1}, 0, Path::kStraight, velocity)}))
         << velocity.transpose();
   }
-}
-
-TEST(HeadingError, IsSaidInNumbers) {
-  std::vector<std::string> lines;
-  const auto warn = [&](const std::string& line) { lines.push_back(line); };
-  const std::vector<VideoRecord> videos = {{.id = 1, .name = "a.mp4"}, {.id = 2, .name = "b.mp4"}};
-  WarnOfHeadingErrors({{2, {.error_rad = RadiansFromDegrees(-4.96), .objects = 3}}}, videos, warn);
-  ASSERT_EQ(lines.size(), 1U);
-  EXPECT_TRUE(lines[0].starts_with("b.mp4: the lines of sight in 3 tracks")) << lines[0];
-  EXPECT_TRUE(lines[0].contains("5.0 degrees too small")) << lines[0];
 }
 
 }  // namespace

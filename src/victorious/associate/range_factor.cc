@@ -1,8 +1,6 @@
 #include "victorious/associate/range_factor.h"
 
 #include <cmath>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "victorious/associate/agreed_error.h"
@@ -19,31 +17,25 @@ constexpr double kMaxError = 0.25;
 
 }  // namespace
 
-std::map<std::int64_t, RangeFactor> EstimateRangeFactors(std::span<const ObservedTracklet> tracklets,
-                                                         const ObjectOptions& options) {
-  std::map<std::int64_t, std::vector<ErrorSample>> of_video;
+std::optional<RangeFactor> EstimateRangeFactor(std::span<const ObservedTracklet> tracklets,
+                                               const ObjectOptions& options) {
+  std::vector<ErrorSample> samples;
   for (const ObservedTracklet& tracklet : tracklets) {
     if (tracklet.observations.size() < kMinObservations) continue;
     const std::optional<SizeRatio> ratio = EstimateSizeRatio(tracklet.observations, options);
-    if (ratio && ratio->sigma <= kMaxSigma)
-      of_video[tracklet.record.video].push_back({&tracklet, std::log(ratio->ratio)});
+    if (ratio && ratio->sigma <= kMaxSigma) samples.push_back({&tracklet, std::log(ratio->ratio)});
   }
-  std::map<std::int64_t, RangeFactor> factors;
-  for (const auto& [video, samples] : of_video) {
-    const auto agreed =
-        FindAgreedError(samples, {.tolerance = kAgreement, .min_error = kMinError, .max_error = kMaxError});
-    if (agreed) factors[video] = {.factor = std::exp(agreed->error), .objects = agreed->objects};
-  }
-  return factors;
+  const auto agreed =
+      FindAgreedError(samples, {.tolerance = kAgreement, .min_error = kMinError, .max_error = kMaxError});
+  if (!agreed) return std::nullopt;
+  return RangeFactor{.factor = std::exp(agreed->error), .objects = agreed->objects};
 }
 
-void ScaleRanges(const std::map<std::int64_t, RangeFactor>& factors, std::span<ObservedTracklet> tracklets) {
+void ScaleRanges(const RangeFactor& factor, std::span<ObservedTracklet> tracklets) {
   for (ObservedTracklet& tracklet : tracklets) {
-    const auto found = factors.find(tracklet.record.video);
-    if (found == factors.end()) continue;
     for (BearingObservation& observation : tracklet.observations) {
-      if (observation.line.range_m) *observation.line.range_m *= found->second.factor;
-      if (observation.line.sigma_range_m) *observation.line.sigma_range_m *= found->second.factor;
+      if (observation.line.range_m) *observation.line.range_m *= factor.factor;
+      if (observation.line.sigma_range_m) *observation.line.sigma_range_m *= factor.factor;
     }
   }
 }

@@ -5,8 +5,7 @@
 // contradicted by the same factor, and more than agree with their sizes, the common cause is the camera.
 #pragma once
 
-#include <cstdint>
-#include <map>
+#include <optional>
 #include <span>
 
 #include "victorious/associate/associate_objects.h"
@@ -19,13 +18,13 @@ struct RangeFactor {
   int objects = 0;    ///< tracklets that agree on it
 };
 
-/// Estimates the factors of the flights, by video id; those without a common error have none. Only factors up to 1.28
-/// either way: larger ones are another model's size.
-/// @param tracklets  with ranges; those whose lines determine the distance to a few per cent count
-std::map<std::int64_t, RangeFactor> EstimateRangeFactors(std::span<const ObservedTracklet> tracklets,
-                                                         const ObjectOptions& options);
+/// Estimates the factor of one flight; std::nullopt without a common error. Only factors up to 1.28 either way: larger
+/// ones are another model's size.
+/// @param tracklets  of one video; those with ranges whose lines determine the distance to a few per cent count
+std::optional<RangeFactor> EstimateRangeFactor(std::span<const ObservedTracklet> tracklets,
+                                               const ObjectOptions& options);
 
-/// Multiplies the ranges of the tracklets by the factors of their videos.
-void ScaleRanges(const std::map<std::int64_t, RangeFactor>& factors, std::span<ObservedTracklet> tracklets);
+/// Multiplies the ranges of the tracklets by the factor.
+void ScaleRanges(const RangeFactor& factor, std::span<ObservedTracklet> tracklets);
 
 }  // namespace victorious

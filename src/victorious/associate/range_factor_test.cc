@@ -48,12 +48,12 @@ TEST(RangeFactor, IsThatOnWhichDifferentObjectsAgree) {
   for (const double given : {1 / 1.2, 1.2}) {
     std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, given), Seen(2, {8, 5, 1}, given),
                                                Seen(3, {-6, 7, 2}, given)};
-    const auto factors = EstimateRangeFactors(tracklets, {});
-    ASSERT_EQ(factors.size(), 1U) << given;
-    EXPECT_NEAR(factors.at(1).factor, 1 / given, 0.02);
-    EXPECT_EQ(factors.at(1).objects, 3);
-    ScaleRanges(factors, tracklets);
-    EXPECT_TRUE(EstimateRangeFactors(tracklets, {}).empty()) << "corrected";
+    const auto factor = EstimateRangeFactor(tracklets, {});
+    ASSERT_TRUE(factor) << given;
+    EXPECT_NEAR(factor->factor, 1 / given, 0.02);
+    EXPECT_EQ(factor->objects, 3);
+    ScaleRanges(*factor, tracklets);
+    EXPECT_FALSE(EstimateRangeFactor(tracklets, {})) << "corrected";
     for (const ObjectRecord& object : AssociateTracklets(tracklets, 100, {})) {
       ASSERT_TRUE(object.place);
       EXPECT_FALSE(object.place->IsMoving()) << "parked objects stay parked";
@@ -62,12 +62,12 @@ TEST(RangeFactor, IsThatOnWhichDifferentObjectsAgree) {
 }
 
 TEST(RangeFactor, ExactRangesHaveNone) {
-  EXPECT_TRUE(EstimateRangeFactors(std::vector{Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1)}, {}).empty());
+  EXPECT_FALSE(EstimateRangeFactor(std::vector{Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1)}, {}));
 }
 
 TEST(RangeFactor, OneObjectOfAnotherSizeIsNoCommonError) {
-  EXPECT_TRUE(EstimateRangeFactors(std::vector{Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1.2)}, {}).empty());
-  EXPECT_TRUE(EstimateRangeFactors(std::vector{Seen(2, {8, 5, 1}, 1.2)}, {}).empty());
+  EXPECT_FALSE(EstimateRangeFactor(std::vector{Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1.2)}, {}));
+  EXPECT_FALSE(EstimateRangeFactor(std::vector{Seen(2, {8, 5, 1}, 1.2)}, {}));
 }
 
 // Each drives at a speed of its own, and so contradicts its size by another factor.
@@ -75,7 +75,7 @@ TEST(RangeFactor, DrivingObjectsHaveNone) {
   const std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, 1, false, {5, 0, 0}),
                                                    Seen(2, {8, 5, 1}, 1, false, {-6, 0, 0}),
                                                    Seen(3, {-6, 7, 1}, 1, false, {7, 2, 0})};
-  EXPECT_TRUE(EstimateRangeFactors(tracklets, {}).empty());
+  EXPECT_FALSE(EstimateRangeFactor(tracklets, {}));
 }
 
 }  // namespace

@@ -12,7 +12,6 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/associate/range_factor.h"
 #include "victorious/base/check.h"
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
@@ -185,7 +184,10 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
   const WarningSink emit_warning = warn ? warn : [](const std::string&) {};
   Expected<IndexReport> report = Search(job, cancel, store, emit_warning);
   if (report || report.error().code == ErrorCode::kCancelled) {
-    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, emit_warning));
+    const auto warn_of_own = [&](const VideoRecord& video, const std::string& warning) {
+      if (video.name == job.video) emit_warning(warning);
+    };
+    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, *flight_errors_, warn_of_own));
   }
   return report;
 }
@@ -318,7 +320,9 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
   }
   const CameraTrajectory* trajectory = video.cameras.trajectory();
   report.sun.reset();
-  report.sun_by_clock = video.cameras.start_utc_us().has_value();
+  report.sun_by_clock =
+      trajectory != nullptr &&
+      std::ranges::any_of(trajectory->states(), [](const CameraState& state) { return state.utc_us.has_value(); });
   if (trajectory != nullptr && !recognizer.models().empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         report.sun, EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.sun_direction}, *video.reader,

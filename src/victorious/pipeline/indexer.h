@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "victorious/associate/flight_errors.h"
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/warning_sink.h"
@@ -39,8 +40,9 @@ class Indexer {
   /// the end, finished or cancelled, recomputes the objects of the whole index (associate_objects.h).
   /// The video is stored by its name as given, with the current folder if that is relative.
   /// Errors: those of VideoReader, IndexStore, and of a telemetry file that was given; kInvalidArgument if the video
-  /// was indexed with other parameters and `redo` is false; kConflict if another process is indexing the same video; kCancelled, after what was done is stored. A cancelled live
-  /// source, which cannot be resumed, ends normally, without an error.
+  /// was indexed with other parameters and `redo` is false; kConflict if another process is indexing the same video;
+  /// kCancelled, after what was done is stored. A cancelled live source, which cannot be resumed, ends normally, without
+  /// an error. One indexer serves one index.
   [[nodiscard]] Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                             const WarningSink& warn = {}) const;
 
@@ -78,6 +80,7 @@ class Indexer {
   std::unique_ptr<const FeatureExtractor> kept_extractor_;  // of the features kept for search by example image
   std::optional<CategoryFinder> categories_;
   std::vector<ModelRecord> targets_;  // models, then categories, as stored
+  std::unique_ptr<FlightErrorCache> flight_errors_ = std::make_unique<FlightErrorCache>();  // of the indexed videos
 };
 
 }  // namespace victorious
