@@ -54,7 +54,7 @@ TEST(FlightErrorCache, CorrectsTheFlightThatIsWrong) {
   EXPECT_NEAR(DegreesFromRadians(errors.at(1).heading.value().error_rad), 5, 0.2);
   EXPECT_NEAR(errors.at(1).range.value().factor, 1.2, 0.03);
   EXPECT_NEAR(*tracklets[0].observations[0].line.range_m, 1.2 * given_m, 0.03 * given_m);
-  EXPECT_NEAR(tracklets[0].observations[0].line.azimuth_rad, 0, RadiansFromDegrees(0.5));
+  EXPECT_NEAR(WrapAngle(tracklets[0].observations[0].line.azimuth_rad), 0, RadiansFromDegrees(0.5));
 }
 
 TEST(FlightErrorCache, OnlyChangedVideosAreEstimated) {

@@ -49,7 +49,7 @@ ObservedTracklet Seen(std::int64_t id, const Vector3d& place, double error_deg, 
 }
 
 TEST(HeadingError, IsThatOnWhichDifferentObjectsAgree) {
-  for (const double given_deg : {-18.3, -5.0, 2.2, 5.0, 12.0}) {
+  for (const double given_deg : {-18.3, -5.0, 4.1, 5.0, 12.0}) {
     std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, given_deg), Seen(2, {8, 5, 1}, given_deg),
                                                Seen(3, {-16, 9, 2}, given_deg)};
     const auto error = EstimateHeadingError(tracklets);
