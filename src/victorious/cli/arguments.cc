@@ -301,6 +301,7 @@ void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--to", to_s, "Only up to this video time")->type_name("TIME")->transform(VideoTimeTransform());
   app.add_option("--near", near, "Only objects within this distance of a place (degrees, metres)")
       ->type_name("LAT,LON,METRES");
+  app.add_option("--object", object, "Only the object of this id")->type_name("ID");
   app.add_flag("--rejected", rejected, "Include rejected objects, with the reason");
 }
 
@@ -322,6 +323,7 @@ Expected<SightingFilter> FilterArguments::Filter() const {
   filter.from_s = from_s;
   filter.to_s = to_s;
   filter.include_rejected = rejected;
+  filter.object = object;
   return filter;
 }
 

@@ -122,6 +122,7 @@ struct FilterArguments {
   std::optional<double> from_s;
   std::optional<double> to_s;
   std::string near;
+  std::optional<std::int64_t> object;
   bool rejected = false;
 
   void AddTo(CLI::App& app);

@@ -1,5 +1,7 @@
 // victorious export --db DB --format FORMAT
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -19,15 +21,44 @@ namespace {
 
 constexpr std::string_view kVideoFormat = "video";
 
-// Draws the sightings into a copy of their video.
-Status ExportVideo(const std::string& out, const SightingFilter& filter, IndexStore& store, const CLI::App& app) {
+struct ClipArguments {
+  std::optional<double> margin_s;
+  std::string telemetry;
+};
+
+// Draws the sightings into a copy of their video, or into a clip of it.
+Status ExportVideo(const std::string& out, const SightingFilter& filter, const ClipArguments& clip, IndexStore& store,
+                   const CLI::App& app) {
+  constexpr int kTrackFrames = 60;
   if (out.empty() || out == "-") {
     return Fail(ErrorCode::kInvalidArgument, "--format video: give --out FILE, a name that ends in .mp4 or .mkv");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexedDrawing drawing, ListIndexedDrawing(filter, store));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", out, FileKind::kVideo}}, {drawing.video}));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(out));
-  return DrawVideo(drawing.video, drawing.sightings, VideoReaderOptions().folder_frame_rate, out, Interrupt());
+  DrawOptions options{.folder_frame_rate = VideoReaderOptions().folder_frame_rate};
+  if (!clip.margin_s) {
+    VICTORIOUS_RETURN_IF_ERROR(DrawVideo(drawing.video, drawing.sightings, options, out, Interrupt()));
+    return {};
+  }
+  if (drawing.sightings.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, ExplainNothingFound(filter, store));
+    return Fail(ErrorCode::kNotFound, "--clip: no sighting to show: " + why);
+  }
+  const std::string table = ClipTelemetryPath(out).string();
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", table, FileKind::kCameraTable}}, {drawing.video}));
+  const auto [first, last] = std::ranges::minmax_element(drawing.sightings, {}, &DrawnSighting::time_s);
+  options.clip = VideoSpan{.from_s = first->time_s - *clip.margin_s, .to_s = last->time_s + *clip.margin_s};
+  options.track_frames = kTrackFrames;
+  VICTORIOUS_ASSIGN_OR_RETURN(const VideoSpan span,
+                              DrawVideo(drawing.video, drawing.sightings, options, out, Interrupt()));
+  const auto file = clip.telemetry.empty() ? std::nullopt : std::optional(clip.telemetry);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t states,
+                              WriteClipTelemetry(drawing.video, file, span, out,
+                                                 [](const std::string& line) { spdlog::warn("{}", OneLine(line)); }));
+  spdlog::info("{:.2f} s to {:.2f} s, {}", span.from_s, span.to_s,
+               states > 0 ? "with telemetry in " + OneLine(table) : "without telemetry");
+  return {};
 }
 
 // Maps hold only objects with a place.
@@ -63,6 +94,7 @@ Action SetUpExport(CLI::App& app) {
     std::string format;
     std::string out;
     FilterArguments filter;
+    ClipArguments clip;
   };
   const auto arguments = std::make_shared<Arguments>();
   AddDb(app, arguments->db);
@@ -73,12 +105,25 @@ Action SetUpExport(CLI::App& app) {
       ->type_name("FORMAT");
   app.add_option("--out", arguments->out, "Output file (default: standard output)")->type_name("FILE");
   arguments->filter.AddTo(app);
+  CLI::Option* clip =
+      app.add_option("--clip", arguments->clip.margin_s,
+                     "With --format video: only the part with the sightings, so many seconds before and after, with "
+                     "tracks, and its telemetry in a table beside it")
+          ->check(CLI::Range(0.0, 3600.0))
+          ->type_name("SECONDS");
+  app.add_option("--telemetry", arguments->clip.telemetry,
+                 "With --clip: telemetry of the video (default: in the video or beside it)")
+      ->needs(clip)
+      ->type_name("FILE");
   AddForce(app);
   return [=, &app]() -> Status {
     if (arguments->format == kVideoFormat) {
       VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
       VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
-      return ExportVideo(arguments->out, filter, *store, app);
+      return ExportVideo(arguments->out, filter, arguments->clip, *store, app);
+    }
+    if (arguments->clip.margin_s) {
+      return Fail(ErrorCode::kInvalidArgument, "--clip: is for --format video, which writes a video");
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
     VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments->out, KindOf(format)}}));

@@ -228,8 +228,9 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   if (!arguments.draw.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const IndexedDrawing drawing,
                                 ListIndexedDrawing({.video_name = arguments.videos.front()}, *store));
-    VICTORIOUS_RETURN_IF_ERROR(
-        DrawVideo(drawing.video, drawing.sightings, options.video.folder_frame_rate, arguments.draw, Interrupt()));
+    VICTORIOUS_RETURN_IF_ERROR(DrawVideo(drawing.video, drawing.sightings,
+                                         {.folder_frame_rate = options.video.folder_frame_rate}, arguments.draw,
+                                         Interrupt()));
   }
   return WarnOfRejectedPlaces(*store);
 }

@@ -172,7 +172,8 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(tracked.sightings, videos, boxes)));
   if (!arguments.draw.empty()) {
     VICTORIOUS_RETURN_IF_ERROR(DrawVideo(arguments.video, ListBoxDrawing(tracked.sightings, boxes),
-                                         VideoReaderOptions().folder_frame_rate, arguments.draw, Interrupt()));
+                                         {.folder_frame_rate = VideoReaderOptions().folder_frame_rate}, arguments.draw,
+                                         Interrupt()));
   }
   if (arguments.json) VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", SummaryLines(tracked, videos, boxes)));
   LogUnknownTypes(arguments.types);

@@ -5,13 +5,17 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/catalogue.h"
+#include "victorious/telemetry/camera_csv.h"
 #include "victorious/video/frame_loop.h"
 #include "victorious/video/video_reader.h"
 #include "victorious/video/video_writer.h"
@@ -74,6 +78,33 @@ void DrawSighting(const DrawnSighting& sighting, const DrawnScale& scale, cv::Ma
   WriteLines(frame, sighting.lines, {static_cast<int>(box.x), y}, colour, scale);
 }
 
+// The way of each object's middle, from its sightings in the frames up to this one.
+class TrackDrawer {
+ public:
+  explicit TrackDrawer(int frames) : frames_(frames) {}
+
+  void Add(const DrawnSighting& sighting) {
+    const Box box = BoundingBox(sighting.outline);
+    tracks_[sighting.identity].emplace_back(sighting.frame, cv::Point2d(box.x + box.width / 2, box.y + box.height / 2));
+  }
+
+  void Draw(std::int64_t frame, const DrawnScale& scale, cv::Mat& image) {
+    for (auto& [identity, track] : tracks_) {
+      std::erase_if(track, [&](const auto& one) { return one.first < frame - frames_; });
+      std::vector<cv::Point> points;
+      for (const auto& [at, middle] : track) points.emplace_back(middle);
+      cv::polylines(image, points, false, kColours[identity % kColours.size()], scale.thickness, cv::LINE_AA);
+    }
+  }
+
+ private:
+  int frames_;
+  std::map<std::uint64_t, std::vector<std::pair<std::int64_t, cv::Point2d>>> tracks_;
+};
+
+// Times of the same frame are equal but for their rounding.
+constexpr double kSameTime_s = 1e-4;
+
 // The encoder takes even sizes only.
 cv::Mat MakeEven(const cv::Mat& image) {
   if (image.cols % 2 == 0 && image.rows % 2 == 0) return image;
@@ -84,16 +115,23 @@ cv::Mat MakeEven(const cv::Mat& image) {
 
 }  // namespace
 
-Status DrawVideo(const std::string& video, std::span<const DrawnSighting> sightings, double frame_rate,
-                 const std::filesystem::path& path, const CancelToken& cancel) {
-  std::multimap<std::int64_t, const DrawnSighting*> by_frame;
-  for (const DrawnSighting& sighting : sightings) by_frame.emplace(sighting.frame, &sighting);
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader,
-                              VideoReader::Open(video, {.color = FrameColor::kBgr, .folder_frame_rate = frame_rate}));
+Expected<VideoSpan> DrawVideo(const std::string& video, std::span<const DrawnSighting> sightings,
+                              const DrawOptions& options, const std::filesystem::path& path,
+                              const CancelToken& cancel) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const auto reader,
+      VideoReader::Open(video, {.color = FrameColor::kBgr, .folder_frame_rate = options.folder_frame_rate}));
   const VideoInfo& info = reader->info();
   if (info.live) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: a live source is over once it was read: record it, then draw the recording", video));
+  }
+  // A reader that has sought knows the times of its frames, but not their numbers. If it cannot, the frames are read from
+  // the beginning.
+  const bool has_sought = options.clip && reader->SeekTo(options.clip->from_s);
+  std::multimap<double, const DrawnSighting*> by_place;
+  for (const DrawnSighting& sighting : sightings) {
+    by_place.emplace(has_sought ? sighting.time_s : static_cast<double>(sighting.frame), &sighting);
   }
   constexpr double kDefaultRate = 25;
   constexpr int kCrf = 20;
@@ -104,18 +142,67 @@ Status DrawVideo(const std::string& video, std::span<const DrawnSighting> sighti
                                                          .crf = kCrf,
                                                          .timed = true}));
   const DrawnScale scale(info.height);
+  TrackDrawer tracks(options.track_frames);
+  std::optional<VideoSpan> written;
   FrameLoop loop(*reader, cancel, {.label = path.filename().string()});
   VICTORIOUS_ASSIGN_OR_RETURN(const FrameLoopEnd end, loop.ForEach([&](Frame& frame) -> Status {
-    const auto [first, last] = by_frame.equal_range(frame.index);
+    if (options.clip && frame.time_s < options.clip->from_s - kSameTime_s) return {};
+    if (options.clip && frame.time_s > options.clip->to_s + kSameTime_s) {
+      loop.Stop();
+      return {};
+    }
+    const double place = has_sought ? frame.time_s : static_cast<double>(frame.index);
+    const auto first = by_place.lower_bound(place - kSameTime_s);
+    const auto last = by_place.upper_bound(place + kSameTime_s);
+    for (auto one = first; one != last; ++one) tracks.Add(*one->second);
+    if (options.track_frames > 0 && first != last) tracks.Draw(first->second->frame, scale, frame.image);
     for (auto one = first; one != last; ++one) DrawSighting(*one->second, scale, frame.image);
-    WriteLines(frame.image, {fmt::format("frame {}  {:.2f} s", frame.index, frame.time_s)}, {0, frame.image.rows},
-               cv::Scalar::all(255), scale);
-    return writer->WriteAt(MakeEven(frame.image), frame.time_s);
+    const std::string label = options.clip ? fmt::format("{:.2f} s", frame.time_s)
+                                           : fmt::format("frame {}  {:.2f} s", frame.index, frame.time_s);
+    WriteLines(frame.image, {label}, {0, frame.image.rows}, cv::Scalar::all(255), scale);
+    if (!written) written = VideoSpan{.from_s = frame.time_s, .to_s = frame.time_s};
+    written->to_s = frame.time_s;
+    return writer->WriteAt(MakeEven(frame.image), frame.time_s - (options.clip ? written->from_s : 0));
   }));
   if (end == FrameLoopEnd::kCancelled) {
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped; no video was written", path.string()));
   }
-  return writer->Finish();
+  if (options.clip && !written) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no frame from {:.2f} s to {:.2f} s", video, options.clip->from_s, options.clip->to_s));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(writer->Finish());
+  return written.value_or(VideoSpan());
+}
+
+std::filesystem::path ClipTelemetryPath(const std::filesystem::path& clip) {
+  return std::filesystem::path(clip).replace_extension(".telemetry.csv");
+}
+
+Expected<std::size_t> WriteClipTelemetry(const std::string& video, const std::optional<std::string>& file,
+                                         const VideoSpan& span, const std::filesystem::path& clip,
+                                         const std::function<void(const std::string&)>& warn) {
+  std::optional<Telemetry> telemetry;
+  if (file) {
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*file, {}));
+  } else {
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(video, {}, warn));
+  }
+  if (!telemetry) return 0;
+  std::vector<CameraState>& states = telemetry->states;
+  const auto time_of = [](const CameraState& state) { return state.time_s; };
+  std::ranges::stable_sort(states, {}, time_of);
+  // With the states before and after, so that those in between can be interpolated.
+  auto first = std::ranges::lower_bound(states, span.from_s, {}, time_of);
+  auto last = std::ranges::upper_bound(states, span.to_s, {}, time_of);
+  if (first != states.begin() && first != states.end() && first->time_s > span.from_s) --first;
+  if (last != states.end() && last != states.begin()) ++last;
+  if (first >= last) return 0;
+  std::vector<CameraState> kept(first, last);
+  for (CameraState& state : kept) state.time_s -= span.from_s;
+  const std::string text = FormatCameraCsv(kept);
+  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(ClipTelemetryPath(clip), text));
+  return kept.size();
 }
 
 Expected<IndexedDrawing> ListIndexedDrawing(const SightingFilter& filter, IndexStore& store) {
@@ -137,6 +224,7 @@ Expected<IndexedDrawing> ListIndexedDrawing(const SightingFilter& filter, IndexS
     const auto object = by_id.find(sighting.object);
     if (model == nullptr || object == by_id.end()) return true;
     DrawnSighting drawn{.frame = sighting.frame,
+                        .time_s = sighting.time_s,
                         .outline = sighting.outline.empty() ? BoxCorners(sighting.box) : sighting.outline,
                         .lines = {fmt::format("{} {}  score {:.2f}", model->name, sighting.object, sighting.score)},
                         .identity = static_cast<std::uint64_t>(sighting.object)};
@@ -156,6 +244,7 @@ std::vector<DrawnSighting> ListBoxDrawing(std::span<const BoxSighting> sightings
     if (sighting.video != 0) continue;
     const std::string& type = boxes[sighting.box_index].type;
     DrawnSighting one{.frame = sighting.frame,
+                      .time_s = sighting.time_s,
                       .outline = BoxCorners(sighting.box),
                       .lines = {fmt::format("{}{}  score {:.2f}", BoxName(sighting.box_index),
                                             type.empty() ? "" : " " + type, sighting.score)},

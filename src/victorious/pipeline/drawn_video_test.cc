@@ -1,11 +1,16 @@
 #include "victorious/pipeline/drawn_video.h"
 
+#include <fstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
 #include "testing/drawn_flight.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
+#include "victorious/pipeline/video_telemetry.h"
+#include "victorious/telemetry/camera_track.h"
 #include "victorious/video/video_reader.h"
 #include "victorious/video/video_writer.h"
 
@@ -49,9 +54,12 @@ int Coloured(const cv::Mat& image, const cv::Rect& part) {
 TEST(DrawnVideo, DrawsEachSightingInItsFrameAndKeepsTheTimes) {
   const testing::ScratchFolder folder;
   const std::filesystem::path video = GreyVideo(folder);
-  const std::vector<DrawnSighting> sightings = {
-      {.frame = 2, .outline = BoxCorners({40, 50, 60, 40}), .lines = {"jeep", "42.1, 7.2"}, .identity = 0}};
-  ASSERT_TRUE(DrawVideo(video.string(), sightings, 10, folder / "drawn.mp4", CancelToken()));
+  const std::vector<DrawnSighting> sightings = {{.frame = 2,
+                                                 .time_s = 0.35,
+                                                 .outline = BoxCorners({40, 50, 60, 40}),
+                                                 .lines = {"jeep", "42.1, 7.2"},
+                                                 .identity = 0}};
+  ASSERT_TRUE(DrawVideo(video.string(), sightings, {}, folder / "drawn.mp4", CancelToken()));
   const std::vector<Frame> frames = ReadAll(folder / "drawn.mp4");
   ASSERT_EQ(frames.size(), kTimes_s.size());
   const cv::Rect around(30, 15, 90, 80);
@@ -65,13 +73,63 @@ TEST(DrawnVideo, DrawsEachSightingInItsFrameAndKeepsTheTimes) {
   }
 }
 
+TEST(DrawnVideo, AClipHasItsFramesTheirTracksAndTelemetry) {
+  const testing::ScratchFolder folder;
+  const std::filesystem::path video = GreyVideo(folder);
+  std::vector<DrawnSighting> sightings;
+  for (int i = 0; i < 4; ++i) {
+    sightings.push_back({.frame = i,
+                         .time_s = kTimes_s[static_cast<std::size_t>(i)],
+                         .outline = BoxCorners({20.0 + 25 * i, 60, 10, 10}),
+                         .identity = 0});
+  }
+  const VideoSpan wanted{.from_s = 0.05, .to_s = 0.35};
+  const auto span =
+      DrawVideo(video.string(), sightings, {.clip = wanted, .track_frames = 60}, folder / "clip.mp4", CancelToken());
+  ASSERT_TRUE(span) << span.error().message;
+  EXPECT_NEAR(span->from_s, 0.1, 1e-6);
+  EXPECT_NEAR(span->to_s, 0.35, 1e-6);
+  const std::vector<Frame> frames = ReadAll(folder / "clip.mp4");
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_NEAR(frames[0].time_s, 0, 1e-3);
+  EXPECT_NEAR(frames[1].time_s, 0.25, 1e-3);
+  const cv::Rect way(58, 58, 10, 14);  // between the boxes of the second and the third frame
+  EXPECT_EQ(Coloured(frames[0].image, way), 0);
+  EXPECT_GT(Coloured(frames[1].image, way), 5);
+  EXPECT_EQ(Coloured(frames[0].image, {0, 40, 40, 40}), 0) << "the frame before the clip is no part of the track";
+
+  std::ofstream(folder / "grey.telemetry.csv")
+      << "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
+         "0,52,13,100,0,-90,0,60\n0.1,52.1,13,100,0,-90,0,60\n0.2,52.2,13,100,0,-90,0,60\n"
+         "0.3,52.3,13,100,0,-90,0,60\n0.4,52.4,13,100,0,-90,0,60\n0.5,52.5,13,100,0,-90,0,60\n";
+  const auto warn = [](const std::string& line) { FAIL() << line; };
+  const auto kept = WriteClipTelemetry(video.string(), std::nullopt, *span, folder / "clip.mp4", warn);
+  ASSERT_TRUE(kept) << kept.error().message;
+  const auto telemetry = FindTelemetry((folder / "clip.mp4").string(), {}, warn);
+  ASSERT_TRUE(telemetry && *telemetry) << "it is found beside the clip";
+  ASSERT_EQ((*telemetry)->states.size(), *kept);
+  const CameraTrajectory in_clip((*telemetry)->states, 1);
+  for (const double time_s : {0.0, 0.25}) {
+    const auto state = in_clip.At(time_s);
+    ASSERT_TRUE(state) << time_s;
+    EXPECT_NEAR(DegreesFromRadians(state->place.latitude_rad), 52 + span->from_s + time_s, 1e-4) << time_s;
+  }
+  EXPECT_EQ(*WriteClipTelemetry(video.string(), std::nullopt, {.from_s = 7, .to_s = 8}, folder / "late.mp4", warn), 0U);
+  EXPECT_FALSE(std::filesystem::exists(folder / "late.telemetry.csv"));
+  const auto nothing =
+      DrawVideo(video.string(), {}, {.clip = VideoSpan{.from_s = 7, .to_s = 8}}, folder / "late.mp4", CancelToken());
+  EXPECT_EQ(nothing.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_FALSE(std::filesystem::exists(folder / "late.mp4"));
+}
+
 TEST(DrawnVideo, OddSizesAreAccepted) {
   const testing::ScratchFolder folder;
   std::filesystem::create_directory(folder / "frames");
   const cv::Mat image(kSize, CV_8UC3, cv::Scalar::all(80));
   ASSERT_TRUE(WriteImage(folder / "frames" / "0.png", image));
   ASSERT_TRUE(WriteImage(folder / "frames" / "1.png", image));
-  ASSERT_TRUE(DrawVideo((folder / "frames").string(), {}, 4, folder / "drawn.mp4", CancelToken()));
+  ASSERT_TRUE(
+      DrawVideo((folder / "frames").string(), {}, {.folder_frame_rate = 4}, folder / "drawn.mp4", CancelToken()));
   const std::vector<Frame> frames = ReadAll(folder / "drawn.mp4");
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[1].image.size(), cv::Size(kSize.width, kSize.height + 1));
@@ -83,7 +141,7 @@ TEST(DrawnVideo, NothingIsWrittenIfCancelled) {
   const std::filesystem::path video = GreyVideo(folder);
   CancelToken cancel;
   cancel.Cancel();
-  EXPECT_EQ(DrawVideo(video.string(), {}, 10, folder / "drawn.mp4", cancel).error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(DrawVideo(video.string(), {}, {}, folder / "drawn.mp4", cancel).error().code, ErrorCode::kCancelled);
   EXPECT_FALSE(std::filesystem::exists(folder / "drawn.mp4"));
 }
 
