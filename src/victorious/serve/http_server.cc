@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "victorious/serve/api_error.h"
+#include "victorious/serve/connection_count.h"
 #include "victorious/serve/open_file.h"
 #include "victorious/serve/tls_certificate.h"
 
@@ -104,6 +105,7 @@ struct Shared {
   HttpServer::UploadHandler plan_upload;
   int port = 0;
   std::size_t connections = 0;
+  ConnectionCount counts;
   std::size_t responses_due = 0;
   bool stopping = false;
   std::optional<ssl::context> tls;
@@ -113,6 +115,7 @@ struct Shared {
 
   Shared(const HttpServerOptions& given, HttpServer::Handler handle, HttpServer::UploadHandler plan)
       : options(given),
+        counts(given.max_connections_a_client),
         handler(std::move(handle)),
         plan_upload(std::move(plan)),
         pool(static_cast<std::size_t>(given.threads)) {}
@@ -128,16 +131,15 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
   static constexpr bool kHasTls = std::is_same_v<Stream, TlsStream>;
 
  public:
-  Session(Stream&& stream, Shared& shared)
-      : stream_(std::move(stream)), shared_(shared), timer_(stream_.get_executor()) {
+  /// @param client  its address, which is counted; given back at the end
+  Session(Stream&& stream, std::string client, Shared& shared)
+      : stream_(std::move(stream)), shared_(shared), client_(std::move(client)), timer_(stream_.get_executor()) {
     ++shared_.connections;
-    BoostError error;
-    const auto peer = tcp_stream().socket().remote_endpoint(error);
-    if (!error) client_ = peer.address().to_string();
   }
   ~Session() {
     RemoveUpload();
     --shared_.connections;
+    shared_.counts.End(client_);
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -524,21 +526,26 @@ class BeastServer final : public HttpServer {
   }
 
  private:
-  void Begin(beast::tcp_stream stream) {
+  void Begin(tcp::socket socket) {
+    BoostError error;
+    const auto peer = socket.remote_endpoint(error);
+    if (error) return;  // it has left already
+    std::string client = peer.address().to_string();
+    if (!shared_.counts.Begin(client)) return;
+    socket.set_option(tcp::no_delay(true), error);
+    beast::tcp_stream stream(std::move(socket));
     if (shared_.tls) {
-      std::make_shared<Session<TlsStream>>(TlsStream(std::move(stream), *shared_.tls), shared_)->Start();
+      std::make_shared<Session<TlsStream>>(TlsStream(std::move(stream), *shared_.tls), std::move(client), shared_)
+          ->Start();
     } else {
-      std::make_shared<Session<beast::tcp_stream>>(std::move(stream), shared_)->Start();
+      std::make_shared<Session<beast::tcp_stream>>(std::move(stream), std::move(client), shared_)->Start();
     }
   }
 
   void Accept() {
     acceptor_.async_accept([this](const BoostError& error, tcp::socket socket) {
       if (shared_.stopping) return;
-      if (!error) {
-        socket.set_option(tcp::no_delay(true));
-        Begin(beast::tcp_stream(std::move(socket)));
-      }
+      if (!error) Begin(std::move(socket));
       // Too many connections, or no descriptor for another: those that wait are accepted when one ends.
       if (!error && shared_.connections < shared_.options.max_connections) return Accept();
       PauseAccepting();

@@ -19,13 +19,14 @@
 namespace victorious {
 
 struct HttpServerOptions {
-  std::string address = "127.0.0.1";      ///< IPv4 or IPv6, numeric
-  bool is_loopback = true;                ///< of the address: other machines do not reach it
-  int port = 8080;                        ///< 0: any free one
-  std::filesystem::path tls_certificate;  ///< PEM, with those that issued it; empty: no TLS
-  std::filesystem::path tls_key;          ///< PEM, not encrypted
-  int threads = 8;                        ///< that run the handler
-  std::size_t max_connections = 900;      ///< further ones wait
+  std::string address = "127.0.0.1";           ///< IPv4 or IPv6, numeric
+  bool is_loopback = true;                     ///< of the address: other machines do not reach it
+  int port = 8080;                             ///< 0: any free one
+  std::filesystem::path tls_certificate;       ///< PEM, with those that issued it; empty: no TLS
+  std::filesystem::path tls_key;               ///< PEM, not encrypted
+  int threads = 8;                             ///< that run the handler
+  std::size_t max_connections = 900;           ///< further ones wait
+  std::size_t max_connections_a_client = 300;  ///< further ones are closed, so that one client leaves room for others
   std::size_t max_header_bytes = 16 << 10;
   std::size_t max_body_bytes = 64 << 10;
   std::chrono::milliseconds request_timeout{15'000};  ///< from a request's first byte to its last

@@ -26,7 +26,12 @@ using ::testing::StartsWith;
 
 class Client {
  public:
-  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  /// @param from  its own address, of 127.0.0.0/8
+  explicit Client(int port, const char* from = "127.0.0.1") : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    EXPECT_EQ(::inet_pton(AF_INET, from, &own.sin_addr), 1);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
@@ -291,6 +296,23 @@ TEST_F(HttpServerTest, ServesManyConnections) {
   waiting.Send("GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
   idle.clear();
   EXPECT_THAT(waiting.ReadAll(), StartsWith("HTTP/1.1 200")) << "accepted once others are gone";
+}
+
+TEST_F(HttpServerTest, OneClientLeavesRoomForOthers) {
+  constexpr std::string_view kRequest = "GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
+  Start({.max_connections = 8, .max_connections_a_client = 5});
+  std::vector<std::unique_ptr<Client>> greedy;
+  for (int i = 0; i < 5; ++i) greedy.push_back(std::make_unique<Client>(server_->port()));
+  EXPECT_EQ(Client(server_->port()).ReadAll(), "") << "closed at once";
+  for (int i = 0; i < 20; ++i) greedy.push_back(std::make_unique<Client>(server_->port()));
+  const Client other(server_->port(), "127.0.0.2");
+  other.Send(kRequest);
+  EXPECT_THAT(other.ReadAll(), StartsWith("HTTP/1.1 200"));
+  greedy[0]->Send(kRequest);
+  EXPECT_THAT(greedy[0]->ReadAll(), StartsWith("HTTP/1.1 200")) << "one of the five";
+  const Client next(server_->port());
+  next.Send(kRequest);
+  EXPECT_THAT(next.ReadAll(), StartsWith("HTTP/1.1 200")) << "in the place of the one that has left";
 }
 
 TEST_F(HttpServerTest, EndsWithIdleConnectionsOpen) {
