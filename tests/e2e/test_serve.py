@@ -125,11 +125,13 @@ class ServeTest(program.ProgramTest):
             best = self.get(server, f"/api/v1/objects/{found['id']}")["best"]
             video = found["moments"][0]["video_id"]
             self.wait_for_job(server, self.post_job(server, kind="copy", video_id=video), "done")
+            clip = self.post_job(server, kind="clip", object_id=found["id"], video_id=video)
+            self.wait_for_job(server, clip, "done")
             for path, item in API["paths"].items():
-                real = path.replace("{view}", str(best["view_index"])).replace("{frame}", "3")
+                real = path.replace("{view}", str(best["view_index"])).replace("{frame}", "3").replace("{name}", "clip")
                 wrong = path.replace("{id}", "987654").replace("{z}/{x}/{y}", "3/9/0")
                 real = real.replace("{z}/{x}/{y}", "0/0/0")
-                number = {"videos": video, "objects": found["id"], "models": found["model_id"]}.get(path.split("/")[3])
+                number = {"videos": video, "objects": found["id"], "models": found["model_id"], "jobs": clip}.get(path.split("/")[3])
                 for method in ("get", "put"):
                     if method not in item or path == "/api/v1/events":
                         continue  # a stream without an end: test_events_tell_of_jobs
@@ -383,11 +385,49 @@ class ServeTest(program.ProgramTest):
             self.assertEqual((job["title"], job["message"]), ("flight.ts", "90 frames, copied as they are"))
             status, _, body = self.ask(server, "/api/v1/jobs", "POST", '{"kind": "copy", "video_id": 1}')
             self.assertEqual(status, 409, body)
+            name = self.upload(server, self.video)
+            files = [*Path(f"{db}.copies").rglob("*"), *Path(f"{db}.uploads").rglob("*")]
+            self.assertEqual([(file.name, oct(file.stat().st_mode & 0o7)) for file in files if file.stat().st_mode & 7], [])
+            self.assertEqual(len([file for file in files if file.is_file()]), 2, name)
         with program.Server(db) as server:
             self.assertTrue(self.get(server, "/api/v1/videos")["videos"][0]["has_copy"])
             status, headers, copy = self.ask(server, "/api/v1/videos/1/copy")
             self.assertEqual((status, headers["Content-Type"], copy[4:8]), (200, "video/mp4", b"ftyp"))
             self.assertEqual(self.ask(server, "/api/v1/videos/1/copy", Range="bytes=4-7")[2], b"ftyp")
+
+    def test_clips_of_objects(self):
+        """The clip has the frames of one moment and a margin; its telemetry is found with it; the same is made once."""
+        rows = [f"{time / 10},{52.5 + 1e-5 * time},13.4,140,0,-80,0,60" for time in range(200)]
+        header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
+        self.video.with_suffix(".telemetry.csv").write_text("\n".join([header, *rows]) + "\n")
+        with self.serve("--models", program.models()) as server:
+            found = self.get(server, "/api/v1/objects")["objects"][0]
+            moment = found["moments"][0]
+            asked = {"kind": "clip", "object_id": found["id"], "video_id": moment["video_id"]}
+            first_s = moment["first_time_s"]
+            numbers = {self.post_job(server, **asked, from_s=first_s, to_s=first_s + 0.1) for _ in range(3)}
+            job = self.wait_for_job(server, max(numbers), "done")
+            self.assertEqual(job["files"], ["clip", "telemetry"])
+            self.assertEqual(job["title"], f"{found['model']}-{found['id']}-flight")
+            status, headers, clip = self.ask(server, f"/api/v1/jobs/{job['id']}/files/clip")
+            self.assertEqual((status, headers["Content-Type"], clip[4:8]), (200, "video/mp4", b"ftyp"))
+            self.assertEqual(headers["Content-Disposition"], f'attachment; filename="{job["title"]}.mp4"')
+            (self.scratch / "clip.mp4").write_bytes(clip)
+            table = self.ask(server, f"/api/v1/jobs/{job['id']}/files/telemetry")[2]
+            (self.scratch / "clip.telemetry.csv").write_bytes(table)
+            self.get(server, f"/api/v1/jobs/{job['id']}/files/..", 400)
+            self.get(server, f"/api/v1/jobs/{job['id']}/files/index", 404)
+            begin_s = max(0, first_s - 2)
+            row = table.decode().splitlines()[1].split(",")
+            self.assertAlmostEqual(float(row[1]), 52.5 + 1e-4 * (begin_s + float(row[0])), delta=2e-5)
+            times = self.get(server, f"/api/v1/videos/{moment['video_id']}/times")["times_s"]
+            seen = self.get(server, f"/api/v1/objects/{found['id']}/sightings?from={first_s}&to={first_s + 0.1}")["sightings"]
+        begin, end = seen[0]["time_s"] - 2.0001, seen[-1]["time_s"] + 2.0001
+        expected = sum(begin <= time <= end for time in times)
+        self.assertLess(expected, len(times), "the test needs a part of the video")
+        made = self.succeeds("doctor", self.scratch / "clip.mp4", "--json").rows()[0]
+        self.assertEqual(made["frames_read"], expected)
+        self.assertIn("clip.telemetry.csv", json.dumps(made))
 
     def test_jobs_that_fail_say_why(self):
         with self.serve("--models", program.models()) as server:
@@ -402,6 +442,14 @@ class ServeTest(program.ProgramTest):
                 ({"kind": "copy", "video_id": 99}, "video_id"),
                 ({"kind": "copy"}, "video_id"),
                 ({"kind": "copy", "video_id": 1, "out": "/etc/x"}, "out"),
+                ({"kind": "clip", "object_id": 99, "video_id": 1}, "object_id"),
+                ({"kind": "clip", "object_id": 1, "video_id": 99}, "video_id"),
+                ({"kind": "clip", "object_id": 1, "video_id": 1, "clip": "/etc/x"}, "clip"),
+                ({"kind": "model", "name": "x", "video_id": 99, "frame": 1, "box": [1, 2, 30, 40]}, "video_id"),
+                ({"kind": "model", "name": "x", "video_id": 1, "frame": 9999, "box": [1, 2, 30, 40]}, "frame"),
+                ({"kind": "model", "name": "x", "video_id": 1, "frame": 1, "box": [1, 2, 30]}, "box"),
+                ({"kind": "model", "name": "x", "video_id": 1, "frame": 1, "box": [1, 2, -30, 40]}, "box"),
+                ({"kind": "model", "name": "x"}, "uploads"),
                 ({"kind": "index", "upload": "../../etc", "x": 1}, "x"),
                 ({"kind": "model", "name": "../x", "uploads": [broken]}, "name"),
                 ({"kind": "model", "name": "x", "uploads": []}, "uploads"),

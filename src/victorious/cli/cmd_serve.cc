@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -27,6 +28,7 @@ struct Arguments {
   std::string tls_certificate;
   std::string tls_key;
   double max_upload_gb = 50;
+  double max_copies_gb = 20;
 };
 
 // The built page: beside the program in a build folder, or where a package installs it.
@@ -54,6 +56,7 @@ Status Run(const Arguments& arguments) {
   options.uploads = arguments.uploads.empty() ? arguments.db + ".uploads" : arguments.uploads;
   options.copies = arguments.db + ".copies";
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
+  options.max_copies_bytes = static_cast<std::uint64_t>(arguments.max_copies_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
   std::error_code error;
   if (options.web.empty()) {
@@ -64,6 +67,9 @@ Status Run(const Arguments& arguments) {
                                                   "(`make build` writes it to build/web)",
                                                   arguments.web));
   }
+  // Uploads, copies and models that are added are of those who may log in: other users of the machine cannot read them,
+  // its group can.
+  ::umask(::umask(0) | 0027);
   const CancelToken& interrupt = Interrupt();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<Api> api, Api::Open(std::move(options), interrupt));
   VICTORIOUS_ASSIGN_OR_RETURN(
@@ -109,6 +115,12 @@ Action SetUpServe(CLI::App& app) {
   app.add_option("--uploads", arguments->uploads, "Folder for uploaded videos and models (default: FILE.uploads)")
       ->type_name("DIR");
   app.add_option("--max-upload", arguments->max_upload_gb, "Largest file that is taken, in GB")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 100'000.0))
+      ->type_name("GB");
+  app.add_option("--max-copies", arguments->max_copies_gb,
+                 "What the copies of videos and the clips may take on the disk, in GB; those not used for the longest "
+                 "time are removed")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 100'000.0))
       ->type_name("GB");

@@ -117,12 +117,12 @@ Expected<Account> FindAccount(AccountStore& accounts, const Arguments& arguments
 }
 
 // Changes of accounts are in the log. No account has this actor's name, which has a space.
-Status LogChange(AccountStore& accounts, const Arguments& arguments, const char* action, const Json& detail) {
-  return accounts.Log({.time_utc_us = NowUtcMicroseconds(),
-                       .actor = "victorious user",
-                       .action = action,
-                       .subject = "account " + arguments.name,
-                       .detail = Dump(detail)});
+AuditRecord EntryOf(const Arguments& arguments, const char* action, const Json& detail) {
+  return {.time_utc_us = NowUtcMicroseconds(),
+          .actor = "victorious user",
+          .action = action,
+          .subject = "account " + arguments.name,
+          .detail = Dump(detail)};
 }
 
 Status Add(const Arguments& arguments) {
@@ -136,9 +136,11 @@ Status Add(const Arguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadPassword());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, HashPassword(password));
-  VICTORIOUS_RETURN_IF_ERROR(
-      accounts->Add(arguments.name, *FromText(kRoleTexts, arguments.role), hash, NowUtcMicroseconds()));
-  return LogChange(*accounts, arguments, "add_account", {{"role", arguments.role}});
+  return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    VICTORIOUS_RETURN_IF_ERROR(
+        accounts->Add(arguments.name, *FromText(kRoleTexts, arguments.role), hash, NowUtcMicroseconds()));
+    return EntryOf(arguments, "add_account", {{"role", arguments.role}});
+  });
 }
 
 Status Change(const Arguments& arguments) {
@@ -150,18 +152,24 @@ Status Change(const Arguments& arguments) {
   if (arguments.has_new_password) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadPassword());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, HashPassword(password));
-    VICTORIOUS_RETURN_IF_ERROR(accounts->SetPassword(arguments.name, hash));
-    VICTORIOUS_RETURN_IF_ERROR(LogChange(*accounts, arguments, "change_password", Json::object()));
+    VICTORIOUS_RETURN_IF_ERROR(accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+      VICTORIOUS_RETURN_IF_ERROR(accounts->SetPassword(arguments.name, hash));
+      return EntryOf(arguments, "change_password", Json::object());
+    }));
   }
   if (arguments.role.empty()) return {};
-  VICTORIOUS_RETURN_IF_ERROR(accounts->SetRole(arguments.name, *FromText(kRoleTexts, arguments.role)));
-  return LogChange(*accounts, arguments, "change_role", {{"role", arguments.role}});
+  return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    VICTORIOUS_RETURN_IF_ERROR(accounts->SetRole(arguments.name, *FromText(kRoleTexts, arguments.role)));
+    return EntryOf(arguments, "change_role", {{"role", arguments.role}});
+  });
 }
 
 Status Remove(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
-  VICTORIOUS_RETURN_IF_ERROR(accounts->Remove(arguments.name));
-  return LogChange(*accounts, arguments, "remove_account", Json::object());
+  return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    VICTORIOUS_RETURN_IF_ERROR(accounts->Remove(arguments.name));
+    return EntryOf(arguments, "remove_account", Json::object());
+  });
 }
 
 Status List(const Arguments& arguments) {
@@ -189,22 +197,26 @@ Status AddToken(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string secret, MakeSecret());
-  VICTORIOUS_ASSIGN_OR_RETURN(const Credential token, accounts->AddCredential({.account = account.id,
-                                                                               .kind = CredentialKind::kToken,
-                                                                               .digest = DigestSecret(secret),
-                                                                               .label = arguments.label,
-                                                                               .now_us = NowUtcMicroseconds(),
-                                                                               .lifetime_us = kDay * arguments.days}));
-  VICTORIOUS_RETURN_IF_ERROR(
-      LogChange(*accounts, arguments, "add_token", {{"token", token.id}, {"label", arguments.label}}));
+  VICTORIOUS_RETURN_IF_ERROR(accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    VICTORIOUS_ASSIGN_OR_RETURN(const Credential token,
+                                accounts->AddCredential({.account = account.id,
+                                                         .kind = CredentialKind::kToken,
+                                                         .digest = DigestSecret(secret),
+                                                         .label = arguments.label,
+                                                         .now_us = NowUtcMicroseconds(),
+                                                         .lifetime_us = kDay * arguments.days}));
+    return EntryOf(arguments, "add_token", {{"token", token.id}, {"label", arguments.label}});
+  }));
   return WriteOutput("", secret + "\n");
 }
 
 Status Revoke(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
-  VICTORIOUS_RETURN_IF_ERROR(accounts->RemoveCredential(account.id, arguments.token));
-  return LogChange(*accounts, arguments, "revoke_token", {{"token", arguments.token}});
+  return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    VICTORIOUS_RETURN_IF_ERROR(accounts->RemoveCredential(account.id, arguments.token));
+    return EntryOf(arguments, "revoke_token", {{"token", arguments.token}});
+  });
 }
 
 Status PrintLog(const Arguments& arguments) {

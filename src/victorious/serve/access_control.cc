@@ -44,6 +44,15 @@ bool IsSecret(std::string_view text) {
          });
 }
 
+AuditRecord MakeRecord(std::string actor, std::string_view action, std::string subject, std::string detail) {
+  return {.id = 0,
+          .time_utc_us = NowUtcMicroseconds(),
+          .actor = std::move(actor),
+          .action = std::string(action),
+          .subject = std::move(subject),
+          .detail = std::move(detail)};
+}
+
 // Counts itself among those that run.
 class Running {
  public:
@@ -214,16 +223,17 @@ ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int p
   const Account& account = checked->account;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string secret, MakeSecret());
   constexpr std::int64_t kLifetimeS = std::int64_t{kSessionHours} * 3600;
-  Caller caller;
-  caller.proved.emplace(ProvedAccount{.account = account, .credential = {}});
   const auto session = [&] {
     const std::scoped_lock lock(writer_mutex_);
-    return writer_->AddCredential({.account = account.id,
-                                   .kind = CredentialKind::kSession,
-                                   .digest = DigestSecret(secret),
-                                   .now_us = NowUtcMicroseconds(),
-                                   .lifetime_us = kLifetimeS * 1'000'000,
-                                   .proved_hash = checked->hash});
+    return writer_->ChangeAndLog([&]() -> Expected<AuditRecord> {
+      VICTORIOUS_RETURN_IF_ERROR(writer_->AddCredential({.account = account.id,
+                                                         .kind = CredentialKind::kSession,
+                                                         .digest = DigestSecret(secret),
+                                                         .now_us = NowUtcMicroseconds(),
+                                                         .lifetime_us = kLifetimeS * 1'000'000,
+                                                         .proved_hash = checked->hash}));
+      return MakeRecord(account.name, "log_in", "account " + account.name, Dump({{"client", request.client}}));
+    });
   }();
   if (!session) {
     // The password was changed, or the account removed, while the password was compared.
@@ -232,8 +242,6 @@ ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int p
     return std::unexpected(ApiError(session.error()));
   }
   limiter_.PutBack(request.client, name);
-  caller.proved->credential = *session;
-  VICTORIOUS_RETURN_IF_ERROR(Log(caller, "log_in", "account " + account.name, Dump({{"client", request.client}})));
   HttpResponse response = SessionResponse(account, /*has_accounts=*/true);
   response.headers.emplace_back("Set-Cookie", Cookie(port, secret, kLifetimeS));
   return response;
@@ -241,13 +249,13 @@ ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int p
 
 ApiExpected<HttpResponse> AccessControl::LogOut(const Caller& caller, int port) {
   if (writer_ && caller.proved && caller.proved->credential.kind == CredentialKind::kSession) {
-    {
-      const std::scoped_lock lock(writer_mutex_);
-      const Status removed = writer_->RemoveCredential(caller.proved->account.id, caller.proved->credential.id);
-      // Ended meanwhile, by another request.
-      if (!removed && removed.error().code != ErrorCode::kNotFound) return std::unexpected(ApiError(removed.error()));
-    }
-    VICTORIOUS_RETURN_IF_ERROR(Log(caller, "log_out", "account " + caller.name(), ""));
+    const std::scoped_lock lock(writer_mutex_);
+    const Status removed = writer_->ChangeAndLog([&]() -> Expected<AuditRecord> {
+      VICTORIOUS_RETURN_IF_ERROR(writer_->RemoveCredential(caller.proved->account.id, caller.proved->credential.id));
+      return MakeRecord(caller.name(), "log_out", "account " + caller.name(), "");
+    });
+    // Ended meanwhile, by another request.
+    if (!removed && removed.error().code != ErrorCode::kNotFound) return std::unexpected(ApiError(removed.error()));
   }
   HttpResponse response = SessionResponse(std::nullopt, !caller.is_open);
   response.headers.emplace_back("Set-Cookie", Cookie(port, "", 0));
@@ -257,12 +265,7 @@ ApiExpected<HttpResponse> AccessControl::LogOut(const Caller& caller, int port) 
 Status AccessControl::Log(const Caller& caller, std::string_view action, std::string subject, std::string detail) {
   if (!writer_) return {};
   const std::scoped_lock lock(writer_mutex_);
-  return writer_->Log({.id = 0,
-                       .time_utc_us = NowUtcMicroseconds(),
-                       .actor = caller.name(),
-                       .action = std::string(action),
-                       .subject = std::move(subject),
-                       .detail = std::move(detail)});
+  return writer_->Log(MakeRecord(caller.name(), action, std::move(subject), std::move(detail)));
 }
 
 Expected<std::vector<AuditRecord>> AccessControl::Audit(std::int64_t limit, std::optional<std::int64_t> before) {

@@ -45,7 +45,8 @@ bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() &
 Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken& cancel)
     : options_(std::move(options)),
       index_(std::move(index)),
-      videos_(options_.index, options_.copies, cancel),
+      videos_(options_.index, cancel),
+      copies_(options_.copies, {.max_bytes = options_.max_copies_bytes}),
       page_(options_.web),
       camera_paths_(kCameraCacheBytes),
       uploads_(options_.uploads) {}
@@ -67,7 +68,7 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
   const JobFolders folders{.index = options.index, .models = options.models, .uploads = options.uploads};
   std::unique_ptr<Api> api(new Api(std::move(options), std::move(index), cancel));
   api->access_ = std::move(access);
-  VICTORIOUS_ASSIGN_OR_RETURN(api->live_, LiveService::Start(*api->index_, folders));
+  VICTORIOUS_ASSIGN_OR_RETURN(api->live_, LiveService::Start(*api->index_, api->copies_, folders));
   return api;
 }
 
@@ -79,8 +80,11 @@ HttpResponse Api::Handle(const HttpRequest& request, int port) {
 }
 
 std::expected<Api::Admitted, HttpResponse> Api::Admit(const HttpRequest& request, int port) {
-  if (auto refusal = RefuseForeign(request, options_.server, port)) return std::unexpected(*std::move(refusal));
   auto target = ParseRequestTarget(request.target);
+  const bool is_of_api = !target || IsOfApi(target->segments);
+  if (auto refusal = RefuseForeign(request, is_of_api, options_.server, port)) {
+    return std::unexpected(*std::move(refusal));
+  }
   if (!target) return std::unexpected(ErrorResponse(target.error()));
   if (!IsOfApi(target->segments)) {
     if (!IsRead(request)) return std::unexpected(MethodNotAllowed("GET, HEAD"));
@@ -112,9 +116,11 @@ ApiExpected<HttpResponse> Api::Route(const HttpRequest& request, const Admitted&
       return request.method == HttpMethod::kPost ? access_->LogIn(request, port) : access_->Session(caller);
     }
     const bool is_cancel = segments.size() == 5 && resource == "jobs" && segments[4] == "cancel";
-    if (is_cancel || (segments.size() == 3 && (resource == "jobs" || resource == "events"))) {
+    const bool is_file = segments.size() == 6 && resource == "jobs" && segments[4] == "files";
+    if (is_cancel || is_file || (segments.size() == 3 && (resource == "jobs" || resource == "events"))) {
       VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
       if (is_cancel) return CancelJob(segments[3], caller);
+      if (is_file) return JobFile(request, segments[3], segments[5]);
       if (resource == "events") return Events();
       return request.method == HttpMethod::kPost ? PutJob(request, caller) : Jobs();
     }
@@ -145,8 +151,8 @@ ApiExpected<HttpResponse> Api::RouteVideo(const HttpRequest& request, Segments s
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
   if (segments.size() == 1) {
     const auto path = videos_.Find(*video);
-    return JsonResponse(
-        VideoToJson(*video, *lists, path ? "" : path.error().message, videos_.HasCopy(*video), /*with_searches=*/true));
+    return JsonResponse(VideoToJson(*video, *lists, path ? "" : path.error().message, copies_.Has(CopyName(*video)),
+                                    /*with_searches=*/true));
   }
   if (segments.size() == 2 && segments[1] == "file") return VideoFile(request, *video);
   if (segments.size() == 2 && segments[1] == "copy") return VideoCopy(request, *video);
@@ -184,8 +190,8 @@ ApiExpected<HttpResponse> Api::Videos() {
   Json rows = Json::array();
   for (const VideoRecord& video : lists->videos) {
     const auto path = videos_.Find(video);
-    rows.push_back(
-        VideoToJson(video, *lists, path ? "" : path.error().message, videos_.HasCopy(video), /*with_searches=*/false));
+    rows.push_back(VideoToJson(video, *lists, path ? "" : path.error().message, copies_.Has(CopyName(video)),
+                               /*with_searches=*/false));
   }
   return JsonResponse({{"videos", std::move(rows)}});
 }
@@ -201,8 +207,16 @@ ApiExpected<HttpResponse> Api::VideoFile(const HttpRequest& request, const Video
 }
 
 ApiExpected<HttpResponse> Api::VideoCopy(const HttpRequest& request, const VideoRecord& video) {
-  if (videos_.HasCopy(video)) return SendVideo(request, videos_.CopyPath(video));
+  if (copies_.Has(CopyName(video))) return SendMade(request, CopyName(video));
   return NotFound("there is no copy of the video for browsers: a job of the kind copy makes one");
+}
+
+ApiExpected<HttpResponse> Api::SendMade(const HttpRequest& request, const std::string& name) {
+  const auto use = copies_.Take(name);
+  if (!use) return NotFound("the file was removed to make room for others: ask for it again");
+  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendVideo(request, use->path));
+  if (response.file) response.file->hold = use->hold;
+  return response;
 }
 
 ApiExpected<HttpResponse> Api::VideoFrame(const HttpRequest& request, const VideoRecord& video,

@@ -14,6 +14,7 @@
 #include "victorious/serve/access_control.h"
 #include "victorious/serve/api_error.h"
 #include "victorious/serve/camera_path.h"
+#include "victorious/serve/copy_folder.h"
 #include "victorious/serve/http_message.h"
 #include "victorious/serve/index_view.h"
 #include "victorious/serve/live_service.h"
@@ -31,7 +32,8 @@ struct ApiOptions {
   std::optional<std::string> telemetry;  ///< telemetry file of the index's only video; std::nullopt: found by itself
   std::filesystem::path web;             ///< the built page
   std::filesystem::path uploads;         ///< where uploaded files go; created when it is needed
-  std::filesystem::path copies;          ///< where copies of videos for browsers go; created when it is needed
+  std::filesystem::path copies;          ///< where the videos go that are made for users; created when it is needed
+  std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
   ServerIdentity server;
 };
@@ -74,8 +76,16 @@ class Api {
   ApiExpected<HttpResponse> Jobs();
   /// The input of a job of the kind "copy".
   ApiExpected<Json> CopyInput(std::int64_t video);
+  /// The input of a job of the kind "clip".
+  ApiExpected<Json> ClipInput(const nlohmann::json& body);
+  /// The input of a job of the kind "model".
+  ApiExpected<Json> ModelInput(const nlohmann::json& body);
+  /// Writes a frame of a video as an image among the uploads.
+  ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body);
   ApiExpected<HttpResponse> PutJob(const HttpRequest& request, const Caller& caller);
   ApiExpected<HttpResponse> CancelJob(std::string_view number, const Caller& caller);
+  ApiExpected<HttpResponse> JobFile(const HttpRequest& request, std::string_view number, std::string_view name);
+  ApiExpected<HttpResponse> SendMade(const HttpRequest& request, const std::string& name);
   ApiExpected<HttpResponse> Events();
   // In api_objects.cc.
   ApiExpected<HttpResponse> Objects(QueryReader& query);
@@ -97,6 +107,7 @@ class Api {
   std::unique_ptr<IndexView> index_;
   std::unique_ptr<AccessControl> access_;
   VideoFiles videos_;
+  CopyFolder copies_;
   StaticFiles page_;
   std::mutex camera_mutex_;
   ByteCache camera_paths_;

@@ -1,17 +1,22 @@
 // The routes of uploads, jobs and events.
 #include <algorithm>
+#include <cctype>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 #include "victorious/model/model_library.h"
+#include "victorious/pipeline/drawn_video.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
+#include "victorious/serve/byte_range.h"
 #include "victorious/serve/request_guard.h"
 
 namespace victorious {
@@ -84,19 +89,134 @@ ApiExpected<Json> Api::CopyInput(std::int64_t video) {
   const VideoRecord* record = lists->Video(video);
   if (record == nullptr) return FailField("video_id", "video_id: not a video of the index");
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*record));
-  if (videos_.HasCopy(*record)) {
+  if (copies_.Has(CopyName(*record))) {
     return std::unexpected(
         ApiError(Error{ErrorCode::kAlreadyExists, fmt::format("video {} has a copy already", video)}, "video_id"));
   }
-  const std::filesystem::path copy = videos_.CopyPath(*record);
-  std::error_code error;
-  std::filesystem::create_directories(copy.parent_path(), error);
-  if (error) return std::unexpected(ApiError(ErrorFromErrno(error.value(), "create " + copy.parent_path().string())));
-  return Json{{"video", path.string()}, {"copy", copy.string()}};
+  VICTORIOUS_RETURN_IF_ERROR(copies_.Create());
+  return Json{{"video", path.string()}, {"copy", copies_.PathOf(CopyName(*record)).string()}};
+}
+
+ApiExpected<std::filesystem::path> Api::SaveFrame(const Body& body) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  const Body& id = body.at("video_id");
+  const VideoRecord* video = id.is_number_integer() ? lists->Video(id.get<std::int64_t>()) : nullptr;
+  if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video));
+  const auto frame = body.find("frame");
+  const bool is_number = frame != body.end() && frame->is_number_integer();
+  const std::int64_t number = is_number ? frame->get<std::int64_t>() : -1;
+  if (number < 0 || number >= std::ssize(*times_s)) {
+    return FailField("frame", fmt::format("frame: must be a number from 0 to {}", std::ssize(*times_s) - 1));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto image, videos_.Frame(*video, (*times_s)[static_cast<std::size_t>(number)]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto path, uploads_.Create(fmt::format("frame-{}.jpg", number)));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(path, std::string_view(*image)));
+  return path;
+}
+
+ApiExpected<Json> Api::ModelInput(const Body& body) {
+  constexpr std::size_t kMaxFiles = 200;
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "name", "uploads", "length_m", "video_id", "frame", "box"}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(body, "name"));
+  const Status is_new = ModelLibrary(options_.models).CheckNewName(name);
+  if (!is_new) return std::unexpected(ApiError(is_new.error(), "name"));
+  Json input = {{"name", name}};
+  if (const auto length = body.find("length_m"); length != body.end() && !length->is_null()) {
+    if (!length->is_number() || !(length->get<double>() > 0)) {
+      return FailField("length_m", "length_m: must be a number above 0");
+    }
+    input["length_m"] = length->get<double>();
+  }
+  if (body.contains("video_id") == body.contains("uploads")) {
+    return FailField("uploads", "give uploads, or the video_id, frame and box of an object");
+  }
+  if (body.contains("video_id")) {
+    const auto box = body.find("box");
+    const bool is_box = box != body.end() && box->is_array() && box->size() == 4 &&
+                        std::ranges::all_of(*box, [](const Body& one) { return one.is_number(); }) &&
+                        (*box)[2].get<double>() > 0 && (*box)[3].get<double>() > 0;
+    if (!is_box) return FailField("box", "box: must be x, y, width and height in pixels");
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path frame, SaveFrame(body));
+    input["files"].push_back(frame.string());
+    input["box"] = *box;
+    return input;
+  }
+  const Body& uploads = body.at("uploads");
+  if (!uploads.is_array() || uploads.empty() || uploads.size() > kMaxFiles) {
+    return FailField("uploads", fmt::format("uploads: must be a list of 1 to {} uploads", kMaxFiles));
+  }
+  for (const Body& one : uploads) {
+    const auto path = uploads_.Find(one.is_string() ? one.get<std::string>() : "");
+    if (!path) return std::unexpected(ApiError(path.error(), "uploads"));
+    input["files"].push_back(path->string());
+  }
+  return input;
+}
+
+ApiExpected<Json> Api::ClipInput(const Body& body) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "object_id", "video_id", "from_s", "to_s"}));
+  const auto number_of = [&](const char* name) {
+    const auto found = body.find(name);
+    return found != body.end() && found->is_number_integer() ? found->get<std::int64_t>() : -1;
+  };
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  const VideoRecord* video = lists->Video(number_of("video_id"));
+  if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+  VICTORIOUS_RETURN_IF_ERROR(videos_.Find(*video));
+  const std::int64_t id = number_of("object_id");
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TriageObject> found, reader->objects->ObjectsById({&id, 1}));
+  const bool is_seen = !found.empty() && std::ranges::any_of(found.front().moments, [&](const TrackletRecord& moment) {
+    return moment.video == video->id;
+  });
+  if (!is_seen) return FailField("object_id", "object_id: not an object that the video shows");
+  Json input = {{"video", video->name}, {"object", id}};
+  for (const char* name : {"from_s", "to_s"}) {
+    const auto given = body.find(name);
+    if (given == body.end() || given->is_null()) continue;
+    if (!given->is_number()) return FailField(name, fmt::format("{}: must be a number of seconds", name));
+    input[name] = given->get<double>();
+  }
+  if (options_.telemetry) input["telemetry"] = *options_.telemetry;
+  const ModelRecord* model = lists->Model(found.front().object.model);
+  input["title"] = fmt::format("{}-{}-{}", model == nullptr ? "object" : model->name, id,
+                               std::filesystem::path(video->name).stem().string());
+  // Another search may give the number to another object, or find more of this one: then it is another clip.
+  Json content = input;
+  content["content"] = video->content_id;
+  for (const TrackletRecord& moment : found.front().moments) {
+    content["moments"].push_back({moment.id, moment.first_time_s, moment.last_time_s, moment.frames, moment.score});
+  }
+  const std::string text = Dump(content);
+  VICTORIOUS_RETURN_IF_ERROR(copies_.Create());
+  input["clip"] = copies_.PathOf(fmt::format("clip-{:016x}.mp4", Checksum(std::as_bytes(std::span(text))))).string();
+  return input;
+}
+
+ApiExpected<HttpResponse> Api::JobFile(const HttpRequest& request, std::string_view number, std::string_view name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> job, live_->Find(id));
+  const auto made = job && job->kind == "clip" && job->state == JobState::kDone ? MadeFileOf(*job) : std::nullopt;
+  const bool is_table = name == "telemetry";
+  if (!made || (!is_table && name != "clip")) return NotFound(fmt::format("job {} has no file {}", number, name));
+  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendMade(request, made->filename().string()));
+  if (is_table) {
+    const std::filesystem::path table = ClipTelemetryPath(*made);
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(table, error);
+    if (error) return NotFound("the clip has no telemetry");
+    response = FileResponse(request, table, static_cast<std::int64_t>(bytes), "text/csv", FileEtag(table));
+  }
+  // The name is of letters that every system takes, whatever the model and the video are called.
+  std::string saved = JobTitle(*job);
+  std::ranges::replace_if(saved, [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.'; }, '_');
+  response.headers.emplace_back(
+      "Content-Disposition", fmt::format("attachment; filename=\"{}.{}\"", saved, is_table ? "telemetry.csv" : "mp4"));
+  return response;
 }
 
 ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request, const Caller& caller) {
-  constexpr std::size_t kMaxFiles = 200;
   const auto body = ParseJson(request.body);
   if (!body) return std::unexpected(ApiError(body.error()));
   if (!body->is_object()) return FailField("", "the body must be an object");
@@ -127,51 +247,28 @@ ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request, const Caller& 
       input["telemetry"] = path->string();
     }
   } else if (kind == "model") {
-    VICTORIOUS_RETURN_IF_ERROR(CheckMembers(*body, {"kind", "name", "uploads", "length_m"}));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(*body, "name"));
-    const Status is_new = ModelLibrary(options_.models).CheckNewName(name);
-    if (!is_new) return std::unexpected(ApiError(is_new.error(), "name"));
-    const auto uploads = body->find("uploads");
-    if (uploads == body->end() || !uploads->is_array() || uploads->empty() || uploads->size() > kMaxFiles) {
-      return FailField("uploads", fmt::format("uploads: must be a list of 1 to {} uploads", kMaxFiles));
-    }
-    for (const Body& one : *uploads) {
-      const auto path = uploads_.Find(one.is_string() ? one.get<std::string>() : "");
-      if (!path) return std::unexpected(ApiError(path.error(), "uploads"));
-      input["files"].push_back(path->string());
-    }
-    input["name"] = name;
-    if (const auto length = body->find("length_m"); length != body->end() && !length->is_null()) {
-      if (!length->is_number() || !(length->get<double>() > 0)) {
-        return FailField("length_m", "length_m: must be a number above 0");
-      }
-      input["length_m"] = length->get<double>();
-    }
+    VICTORIOUS_ASSIGN_OR_RETURN(input, ModelInput(*body));
+  } else if (kind == "clip") {
+    VICTORIOUS_ASSIGN_OR_RETURN(input, ClipInput(*body));
   } else if (kind == "copy") {
     VICTORIOUS_RETURN_IF_ERROR(CheckMembers(*body, {"kind", "video_id"}));
     const auto id = body->find("video_id");
     const bool has_id = id != body->end() && id->is_number_integer();
     VICTORIOUS_ASSIGN_OR_RETURN(input, CopyInput(has_id ? id->get<std::int64_t>() : -1));
-    // Several viewers ask for the same one.
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, live_->Jobs());
-    for (const JobRecord& job : jobs) {
-      const bool is_open = job.state == JobState::kQueued || job.state == JobState::kRunning;
-      if (is_open && job.kind == kind && job.input_json == Dump(input)) {
-        return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
-      }
-    }
   } else {
-    return FailField("kind", fmt::format("kind \"{}\": must be index, model or copy", kind));
+    return FailField("kind", fmt::format("kind \"{}\": must be index, model, copy or clip", kind));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Put(kind, Dump(input)));
-  VICTORIOUS_RETURN_IF_ERROR(access_->Log(caller, "job", fmt::format("job {}", job.id), Dump(input)));
+  const NewJob asked{.kind = kind, .input_json = Dump(input), .now_us = NowUtcMicroseconds(), .actor = caller.name()};
+  // Several viewers ask for the same file.
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, input.contains("copy") || input.contains("clip")
+                                                       ? live_->PutOnce(asked)
+                                                       : live_->Put(asked));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 
 ApiExpected<HttpResponse> Api::CancelJob(std::string_view number, const Caller& caller) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Cancel(id));
-  VICTORIOUS_RETURN_IF_ERROR(access_->Log(caller, "cancel_job", fmt::format("job {}", job.id), ""));
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Cancel(id, caller.name()));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 

@@ -11,6 +11,8 @@
 #include "victorious/base/utc.h"
 #include "victorious/base/version.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/pipeline/drawn_video.h"
+#include "victorious/serve/job_runner.h"
 #include "victorious/store/listed_object.h"
 
 namespace victorious {
@@ -32,6 +34,18 @@ Json PlaceToJson(const Geolocation& place) {
 
 Json PointToJson(const GeodeticPoint& point) {
   return Json::array({GeodeticJson(point.longitude_rad), GeodeticJson(point.latitude_rad)});
+}
+
+// What a user may fetch. A file may have been removed since it was made.
+Json FilesOf(const JobRecord& job) {
+  Json files = Json::array();
+  if (job.kind != "clip" || job.state != JobState::kDone) return files;
+  const auto made = MadeFileOf(job);
+  std::error_code error;
+  if (!made || !std::filesystem::exists(*made, error)) return files;
+  files.push_back("clip");
+  if (std::filesystem::exists(ClipTelemetryPath(*made), error)) files.push_back("telemetry");
+  return files;
 }
 
 }  // namespace
@@ -181,6 +195,18 @@ Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, 
           {"now_utc_us", NowUtcMicroseconds()}};
 }
 
+std::string JobTitle(const JobRecord& job) {
+  const auto input = ParseJson(job.input_json);
+  if (!input || !input->is_object()) return {};
+  const auto text = [&](const char* name) {
+    const auto found = input->find(name);
+    return found != input->end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  if (job.kind == "model") return text("name");
+  if (job.kind == "clip") return text("title");
+  return std::filesystem::path(text("video")).filename().string();
+}
+
 Json JobToJson(const JobRecord& job, std::int64_t now_us) {
   const JobProgress& progress = job.progress;
   // By the rate since this attempt began; the first seconds say little.
@@ -191,18 +217,9 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
     const auto rest = static_cast<double>(std::max<std::int64_t>(0, *progress.total - progress.done));
     if (elapsed_s >= kMinElapsed_s) left = std::round(elapsed_s * rest / static_cast<double>(progress.done));
   }
-  std::string title;
-  const auto input = ParseJson(job.input_json);
-  if (input && input->is_object()) {
-    const auto text = [&](const char* name) {
-      const auto found = input->find(name);
-      return found != input->end() && found->is_string() ? found->get<std::string>() : std::string();
-    };
-    title = job.kind == "model" ? text("name") : std::filesystem::path(text("video")).filename().string();
-  }
   return {{"id", job.id},
           {"kind", job.kind},
-          {"title", title},
+          {"title", JobTitle(job)},
           {"state", ToText(job.state)},
           {"done", progress.done},
           {"total", progress.total ? Json(*progress.total) : Json()},
@@ -210,6 +227,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
           {"message", progress.message},
           {"left_s", std::move(left)},
           {"cancel_asked", job.cancel_asked},
+          {"files", FilesOf(job)},
           {"created_utc_us", job.created_utc_us},
           {"ended_utc_us", job.ended_utc_us ? Json(*job.ended_utc_us) : Json()}};
 }

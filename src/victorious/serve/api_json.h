@@ -33,6 +33,8 @@ namespace victorious {
 
 [[nodiscard]] Json CameraPathToJson(const CameraPath& path);
 
+/// What a job is about: the name of a video or a model.
+[[nodiscard]] std::string JobTitle(const JobRecord& job);
 /// @param now_us  microseconds since 1970, for the time that is left
 [[nodiscard]] Json JobToJson(const JobRecord& job, std::int64_t now_us);
 [[nodiscard]] Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us);

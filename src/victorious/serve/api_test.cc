@@ -303,6 +303,7 @@ TEST_F(ApiTest, OtherSitesAreRefused) {
   EXPECT_EQ(Send({.target = "/api/v1/project", .origin = "null"}).status, 403);
   EXPECT_EQ(Send({.target = "/api/v1/project", .origin = "http://127.0.0.1:8080"}).status, 200);
   EXPECT_EQ(Send({.target = "/api/v1/project", .fetch_site = "cross-site"}).status, 403);
+  EXPECT_EQ(Send({.target = "/%61pi/v1/project", .fetch_site = "cross-site"}).status, 403) << "the same address";
   EXPECT_EQ(Send({.target = "/", .fetch_site = "cross-site"}).status, 200) << "a link to the page";
   HttpRequest form{.method = HttpMethod::kPut, .target = "/api/v1/objects/1/review", .content_type = "text/plain"};
   EXPECT_EQ(Send(form).status, 415);

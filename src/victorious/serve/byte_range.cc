@@ -65,10 +65,10 @@ HttpResponse FileResponse(const HttpRequest& request, const std::filesystem::pat
     case RangeKind::kPart:
       response.status = 206;
       response.headers.emplace_back("Content-Range", fmt::format("bytes {}-{}/{}", range.first, range.last, size));
-      response.file = FileSlice{path, range.first, range.last - range.first + 1};
+      response.file = FileSlice{.path = path, .offset = range.first, .length = range.last - range.first + 1};
       return response;
     case RangeKind::kWhole:
-      response.file = FileSlice{path, 0, size};
+      response.file = FileSlice{.path = path, .offset = 0, .length = size};
       return response;
   }
   return response;

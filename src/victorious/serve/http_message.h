@@ -35,8 +35,9 @@ struct HttpRequest {
 /// A part of a file, sent without being read into memory.
 struct FileSlice {
   std::filesystem::path path;
-  std::int64_t offset = 0;  ///< bytes
-  std::int64_t length = 0;  ///< bytes
+  std::int64_t offset = 0;                ///< bytes
+  std::int64_t length = 0;                ///< bytes
+  std::shared_ptr<const void> hold = {};  ///< kept until the part is sent
 };
 
 /// Where the body of a request goes that is too large for memory. The file must

@@ -1,5 +1,6 @@
 #include "victorious/serve/job_runner.h"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -27,6 +28,43 @@ Expected<std::string> TextMember(const Json& input, const char* name) {
     return found->get<std::string>();
   }
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be a text", name));
+}
+
+// Appends FLAG and the number that the input has under a name, if it has one.
+Status AddNumber(const Json& input, const char* name, const char* flag, std::vector<std::string>& arguments) {
+  const auto found = input.find(name);
+  if (found == input.end() || found->is_null()) return {};
+  if (!found->is_number()) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be a number", name));
+  arguments.insert(arguments.end(), {flag, fmt::format("{}", found->get<double>())});
+  return {};
+}
+
+Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFolders& folders) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string clip, TextMember(input, "clip"));
+  const auto object = input.find("object");
+  if (object == input.end() || !object->is_number_integer()) {
+    return Fail(ErrorCode::kInvalidArgument, "object: must be the number of an object");
+  }
+  // With "=", the name of a video that begins with a dash is no flag.
+  std::vector<std::string> arguments = {"export",
+                                        "--format",
+                                        "video",
+                                        "--db",
+                                        folders.index.string(),
+                                        "--video=" + video,
+                                        "--object",
+                                        std::to_string(object->get<std::int64_t>()),
+                                        "--clip",
+                                        "2"};
+  VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "from_s", "--from", arguments));
+  VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "to_s", "--to", arguments));
+  if (input.contains("telemetry") && !input["telemetry"].is_null()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, TextMember(input, "telemetry"));
+    arguments.push_back("--telemetry=" + telemetry);
+  }
+  arguments.insert(arguments.end(), {"--force", "--out", clip});
+  return arguments;
 }
 
 // Takes a number from the beginning of a text.
@@ -63,9 +101,13 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
   if (job.kind == "model") {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, TextMember(input, "name"));
     std::vector<std::string> arguments = {"model", "add", "--models", folders.models.string()};
-    if (input.contains("length_m") && !input["length_m"].is_null()) {
-      if (!input["length_m"].is_number()) return Fail(ErrorCode::kInvalidArgument, "length_m: must be a number");
-      arguments.insert(arguments.end(), {"--length", fmt::format("{}", input["length_m"].get<double>())});
+    VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "length_m", "--length", arguments));
+    if (const auto box = input.find("box"); box != input.end() && !box->is_null()) {
+      const bool is_box = box->is_array() && box->size() == 4 &&
+                          std::ranges::all_of(*box, [](const Json& one) { return one.is_number(); });
+      if (!is_box) return Fail(ErrorCode::kInvalidArgument, "box: must be four numbers");
+      arguments.push_back(fmt::format("--box={},{},{},{}", (*box)[0].get<double>(), (*box)[1].get<double>(),
+                                      (*box)[2].get<double>(), (*box)[3].get<double>()));
     }
     arguments.insert(arguments.end(), {"--", name});
     const auto files = input.find("files");
@@ -83,7 +125,16 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string copy, TextMember(input, "copy"));
     return std::vector<std::string>{"copy", "--force", "--out", copy, "--", video};
   }
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("kind \"{}\": must be index, model or copy", job.kind));
+  if (job.kind == "clip") return ClipArguments(input, folders);
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("kind \"{}\": must be index, model, copy or clip", job.kind));
+}
+
+std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job) {
+  if (job.kind != "copy" && job.kind != "clip") return std::nullopt;
+  const auto input = ParseJson(job.input_json);
+  if (!input || !input->is_object()) return std::nullopt;
+  const auto path = TextMember(*input, job.kind.c_str());
+  return path ? std::optional<std::filesystem::path>(*path) : std::nullopt;
 }
 
 void RemoveUnfinishedCopies(const std::filesystem::path& copy) {
@@ -171,7 +222,12 @@ void JobRunner::Work(const JobRecord& job) {
   };
   const auto arguments = JobArguments(job, folders_);
   if (!arguments) return finish(JobState::kFailed, arguments.error().message);
-  if (job.kind == "copy") RemoveUnfinishedCopies(ParseJson(job.input_json)->at("copy").get<std::string>());
+  if (const auto made = MadeFileOf(job)) {
+    std::error_code error;
+    // Two asked for it, the second when the job of the first had just ended.
+    if (std::filesystem::is_regular_file(*made, error)) return finish(JobState::kDone, "");
+    RemoveUnfinishedCopies(*made);
+  }
   auto child = ChildProcess::StartSelf(*arguments);
   if (!child) return finish(JobState::kFailed, child.error().message);
   JobProgress progress;

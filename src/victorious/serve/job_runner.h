@@ -30,8 +30,13 @@ struct JobFolders {
 /// unknown kind or an input that is not valid, with the member that is wrong.
 ///   index  {"video": path, "telemetry": path or null}
 ///   copy   {"video": path, "copy": path}
-///   model  {"name": text, "files": [path, …], "length_m": number or null}
+///   clip   {"video": name in the index, "object": id, "from_s", "to_s": numbers or null, "telemetry": path or null,
+///          "clip": path}
+///   model  {"name": text, "files": [path, …], "length_m": number or null, "box": [x, y, w, h] or null}
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
+
+/// The file that a job makes for users; std::nullopt: none, or an input that is not valid.
+[[nodiscard]] std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job);
 
 /// Removes the temporary files of a copy, FILE.tmp-…, which a killed process left. Nobody may be writing it.
 void RemoveUnfinishedCopies(const std::filesystem::path& copy);

@@ -30,6 +30,25 @@ TEST(JobArguments, AreThoseOfTheCommands) {
               ElementsAre("copy", "--force", "--out", "/d/c.mp4", "--", "-x.ts"));
 }
 
+TEST(JobArguments, OfClipsAndOfModelsFromAFrame) {
+  const JobRecord clip{.kind = "clip", .input_json = R"({"video": "-v.mp4", "object": 3, "clip": "/d/c.mp4"})"};
+  EXPECT_THAT(*JobArguments(clip, kFolders),
+              ElementsAre("export", "--format", "video", "--db", "/d/index.db", "--video=-v.mp4", "--object", "3",
+                          "--clip", "2", "--force", "--out", "/d/c.mp4"));
+  EXPECT_EQ(MadeFileOf(clip), "/d/c.mp4");
+  EXPECT_FALSE(MadeFileOf({.kind = "index", .input_json = R"({"video": "a"})"}));
+  EXPECT_THAT(*JobArguments({.kind = "clip",
+                             .input_json = R"({"video": "v", "object": 3, "clip": "/d/c.mp4", "from_s": 1.5, "to_s": 2,
+                                               "telemetry": "/t.csv"})"},
+                            kFolders),
+              ElementsAre("export", "--format", "video", "--db", "/d/index.db", "--video=v", "--object", "3", "--clip",
+                          "2", "--from", "1.5", "--to", "2", "--telemetry=/t.csv", "--force", "--out", "/d/c.mp4"));
+  EXPECT_THAT(
+      *JobArguments({.kind = "model", .input_json = R"({"name": "van", "files": ["f.jpg"], "box": [1, 2.5, 30, 40]})"},
+                    kFolders),
+      ElementsAre("model", "add", "--models", "/d/models", "--box=1,2.5,30,40", "--", "van", "f.jpg"));
+}
+
 TEST(JobArguments, InvalidInputsAreErrors) {
   for (const auto& [kind, input] : std::initializer_list<std::pair<const char*, const char*>>{
            {"index", "{}"},
@@ -41,6 +60,10 @@ TEST(JobArguments, InvalidInputsAreErrors) {
            {"model", R"({"name": "jeep", "files": []})"},
            {"model", R"({"name": "jeep", "files": [3]})"},
            {"model", R"({"name": "jeep", "files": ["a"], "length_m": "x"})"},
+           {"model", R"({"name": "jeep", "files": ["a"], "box": [1, 2, 3]})"},
+           {"clip", R"({"video": "a", "object": 3})"},
+           {"clip", R"({"video": "a", "clip": "b", "object": "3"})"},
+           {"clip", R"({"video": "a", "clip": "b", "object": 3, "from_s": "x"})"},
            {"copy", R"({"video": "a"})"},
            {"copy", R"({"copy": "a"})"},
            {"dance", "{}"}}) {

@@ -12,17 +12,19 @@ namespace victorious {
 namespace {
 
 constexpr std::chrono::milliseconds kWatchInterval{200};
+constexpr std::chrono::seconds kTrimInterval{30};
 constexpr std::int64_t kEndedJobs = 20;
 
 }  // namespace
 
-Expected<std::unique_ptr<LiveService>> LiveService::Start(IndexView& index, const JobFolders& folders) {
+Expected<std::unique_ptr<LiveService>> LiveService::Start(IndexView& index, CopyFolder& copies,
+                                                          const JobFolders& folders) {
   std::unique_ptr<JobQueue> queue;
   const bool can_run = index.can_review() && !folders.models.empty();
   if (can_run) {
     VICTORIOUS_ASSIGN_OR_RETURN(queue, OpenSqliteJobQueue(folders.index));
   }
-  std::unique_ptr<LiveService> service(new LiveService(index, std::move(queue)));
+  std::unique_ptr<LiveService> service(new LiveService(index, copies, std::move(queue)));
   if (can_run) {
     VICTORIOUS_ASSIGN_OR_RETURN(auto own, OpenSqliteJobQueue(folders.index));
     service->runner_ = std::make_unique<JobRunner>(
@@ -44,19 +46,30 @@ Status LiveService::CheckHasJobs() const {
               "this server takes no jobs: start `victorious serve` with --models DIR on an index that can be written");
 }
 
-Expected<JobRecord> LiveService::Put(const std::string& kind, const std::string& input_json) {
+Expected<JobRecord> LiveService::Put(const NewJob& job) {
   VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
   const std::scoped_lock lock(queue_mutex_);
-  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord job, queue_->Put(kind, input_json, NowUtcMicroseconds()));
+  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Put(job));
   jobs_changed_ = true;
   runner_->Wake();
-  return job;
+  return record;
 }
 
-Expected<JobRecord> LiveService::Cancel(std::int64_t job) {
+Expected<JobRecord> LiveService::PutOnce(const NewJob& job) {
   VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
   const std::scoped_lock lock(queue_mutex_);
-  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Cancel(job, NowUtcMicroseconds()));
+  VICTORIOUS_ASSIGN_OR_RETURN(PutJob put, queue_->PutOnce(job));
+  if (put.is_new) {
+    jobs_changed_ = true;
+    runner_->Wake();
+  }
+  return std::move(put.job);
+}
+
+Expected<JobRecord> LiveService::Cancel(std::int64_t job, const std::string& actor) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
+  const std::scoped_lock lock(queue_mutex_);
+  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Cancel(job, NowUtcMicroseconds(), actor));
   jobs_changed_ = true;
   return record;
 }
@@ -67,12 +80,27 @@ Expected<std::vector<JobRecord>> LiveService::Jobs() {
   return queue_->List(kEndedJobs);
 }
 
+Expected<std::optional<JobRecord>> LiveService::Find(std::int64_t job) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
+  const std::scoped_lock lock(queue_mutex_);
+  return queue_->Find(job);
+}
+
 void LiveService::Watch() {
   while (!is_ending_) {
     std::this_thread::sleep_for(kWatchInterval);
     PublishIndex();
-    if (queue_ && jobs_changed_.exchange(false)) PublishJobs();
+    if (!queue_) continue;
+    const bool has_news = jobs_changed_.exchange(false);
+    if (has_news || !trimmed_ || std::chrono::steady_clock::now() - *trimmed_ >= kTrimInterval) TrimCopies();
+    if (has_news) PublishJobs();
   }
+}
+
+// A job may have made a file, or one that was in use may be so no more.
+void LiveService::TrimCopies() {
+  copies_.Trim();
+  trimmed_ = std::chrono::steady_clock::now();
 }
 
 void LiveService::PublishIndex() {

@@ -3,13 +3,16 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/serve/copy_folder.h"
 #include "victorious/serve/event_hub.h"
 #include "victorious/serve/index_view.h"
 #include "victorious/serve/job_runner.h"
@@ -19,10 +22,11 @@ namespace victorious {
 
 class LiveService {
  public:
-  /// @param index    must outlive this
-  /// @param folders  without models: no jobs, only events
+  /// @param index, copies  must outlive this
+  /// @param folders        without models: no jobs, only events
   /// Errors: those of OpenSqliteJobQueue.
-  [[nodiscard]] static Expected<std::unique_ptr<LiveService>> Start(IndexView& index, const JobFolders& folders);
+  [[nodiscard]] static Expected<std::unique_ptr<LiveService>> Start(IndexView& index, CopyFolder& copies,
+                                                                    const JobFolders& folders);
   ~LiveService();
 
   [[nodiscard]] bool has_jobs() const { return queue_ != nullptr; }
@@ -30,20 +34,25 @@ class LiveService {
   [[nodiscard]] std::shared_ptr<EventFeed> Listen() { return hub_->Listen(); }
 
   /// Errors of these: kUnsupported without jobs; those of JobQueue.
-  [[nodiscard]] Expected<JobRecord> Put(const std::string& kind, const std::string& input_json);
-  [[nodiscard]] Expected<JobRecord> Cancel(std::int64_t job);
+  [[nodiscard]] Expected<JobRecord> Put(const NewJob& job);
+  [[nodiscard]] Expected<JobRecord> PutOnce(const NewJob& job);
+  [[nodiscard]] Expected<JobRecord> Cancel(std::int64_t job, const std::string& actor);
   [[nodiscard]] Expected<std::vector<JobRecord>> Jobs();
+  [[nodiscard]] Expected<std::optional<JobRecord>> Find(std::int64_t job);
 
  private:
-  LiveService(IndexView& index, std::unique_ptr<JobQueue> queue) : index_(index), queue_(std::move(queue)) {}
+  LiveService(IndexView& index, CopyFolder& copies, std::unique_ptr<JobQueue> queue)
+      : index_(index), copies_(copies), queue_(std::move(queue)) {}
 
   [[nodiscard]] Status CheckHasJobs() const;
   void Watch();
+  void TrimCopies();
   void PublishIndex();
   [[nodiscard]] Status PublishNewIndex();
   void PublishJobs();
 
   IndexView& index_;
+  CopyFolder& copies_;
   std::shared_ptr<EventHub> hub_ = std::make_shared<EventHub>();
   std::mutex queue_mutex_;
   std::unique_ptr<JobQueue> queue_;  ///< null: no jobs
@@ -51,6 +60,7 @@ class LiveService {
   std::atomic<bool> jobs_changed_ = true;
   std::int64_t published_version_ = 0;
   std::string index_failure_;  ///< the last one, until there is none
+  std::optional<std::chrono::steady_clock::time_point> trimmed_;
   std::unique_ptr<JobRunner> runner_;
   std::thread watcher_;
 };

@@ -14,7 +14,10 @@ constexpr std::int64_t kChunkBytes = std::int64_t{256} << 10;
 }  // namespace
 
 OpenFile::OpenFile(const FileSlice& slice)
-    : descriptor_(::open(slice.path.c_str(), O_RDONLY | O_CLOEXEC)), offset_(slice.offset), left_(slice.length) {}
+    : hold_(slice.hold),
+      descriptor_(::open(slice.path.c_str(), O_RDONLY | O_CLOEXEC)),
+      offset_(slice.offset),
+      left_(slice.length) {}
 
 OpenFile::~OpenFile() {
   if (descriptor_ >= 0) ::close(descriptor_);

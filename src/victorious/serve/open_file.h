@@ -24,6 +24,7 @@ class OpenFile {
   bool ReadChunk(std::vector<char>& chunk);
 
  private:
+  std::shared_ptr<const void> hold_;
   int descriptor_;
   std::int64_t offset_;
   std::int64_t left_;

@@ -21,7 +21,8 @@ bool IsOwnHost(std::string_view host, int port) {
 
 }  // namespace
 
-std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, const ServerIdentity& server, int port) {
+std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, bool is_of_api, const ServerIdentity& server,
+                                          int port) {
   const std::string_view scheme = server.has_tls ? "https://" : "http://";
   std::string host = request.host;
   std::ranges::transform(host, host.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -37,7 +38,7 @@ std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, const Serv
   if (!origin.empty() && !is_own) {
     return ErrorResponse(403, "foreign_origin", "pages of other sites may not use this server");
   }
-  if (request.fetch_site == "cross-site" && request.target.starts_with("/api/")) {
+  if (request.fetch_site == "cross-site" && is_of_api) {
     return ErrorResponse(403, "foreign_origin", "pages of other sites may not use this server");
   }
   // Types that a form of another site cannot send.

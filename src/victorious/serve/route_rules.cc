@@ -30,6 +30,7 @@ constexpr auto kRules = std::to_array<RouteRule>({
     {HttpMethod::kGet, "/api/v1/jobs", Role::kViewer},
     {HttpMethod::kPost, "/api/v1/jobs", Role::kAnalyst},
     {HttpMethod::kPost, "/api/v1/jobs/{id}/cancel", Role::kAnalyst},
+    {HttpMethod::kGet, "/api/v1/jobs/{id}/files/{name}", Role::kViewer},
     {HttpMethod::kGet, "/api/v1/events", Role::kViewer},
     {HttpMethod::kGet, "/api/v1/models/{id}/views/{view}", Role::kViewer},
     {HttpMethod::kGet, "/api/v1/audit", Role::kAdmin},

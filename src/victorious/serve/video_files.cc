@@ -71,12 +71,8 @@ Box CropRegion(const Box& box, int frame_width_px, int frame_height_px) {
   return region;
 }
 
-VideoFiles::VideoFiles(const std::filesystem::path& index, std::filesystem::path copies, const CancelToken& cancel)
-    : folder_(index.parent_path()),
-      copies_(std::move(copies)),
-      cancel_(cancel),
-      images_(kImageCacheBytes),
-      decoders_(kMaxDecoders) {}
+VideoFiles::VideoFiles(const std::filesystem::path& index, const CancelToken& cancel)
+    : folder_(index.parent_path()), cancel_(cancel), images_(kImageCacheBytes), decoders_(kMaxDecoders) {}
 
 Expected<std::filesystem::path> VideoFiles::Find(const VideoRecord& video) const {
   if (video.name.find("://") != std::string::npos) {
@@ -93,13 +89,8 @@ Expected<std::filesystem::path> VideoFiles::Find(const VideoRecord& video) const
 }
 
 // A content id is a hash or a text with any characters.
-std::filesystem::path VideoFiles::CopyPath(const VideoRecord& video) const {
-  return copies_ / fmt::format("{:016x}.mp4", Checksum(std::as_bytes(std::span(video.content_id))));
-}
-
-bool VideoFiles::HasCopy(const VideoRecord& video) const {
-  std::error_code error;
-  return std::filesystem::is_regular_file(CopyPath(video), error);
+std::string CopyName(const VideoRecord& video) {
+  return fmt::format("{:016x}.mp4", Checksum(std::as_bytes(std::span(video.content_id))));
 }
 
 Expected<std::string> VideoFiles::Encode(const VideoRecord& video, double time_s, const Box* box, int width_px) {

@@ -20,17 +20,11 @@ class VideoFiles {
  public:
   /// @param index   the index: a relative name of a video that is not found from the current folder is looked for from
   ///                the index's folder
-  /// @param copies  the folder of copies that browsers play
   /// @param cancel  ends long reading; must outlive this
-  VideoFiles(const std::filesystem::path& index, std::filesystem::path copies, const CancelToken& cancel);
+  VideoFiles(const std::filesystem::path& index, const CancelToken& cancel);
 
   /// The path of a video. Errors: kNotFound with the name and the remedy; kUnsupported for a live source.
   [[nodiscard]] Expected<std::filesystem::path> Find(const VideoRecord& video) const;
-
-  /// Where the copy of a video lies that browsers play (video/playable_copy.h), and whether it is there. It belongs to
-  /// the video's content, not to its name.
-  [[nodiscard]] std::filesystem::path CopyPath(const VideoRecord& video) const;
-  [[nodiscard]] bool HasCopy(const VideoRecord& video) const;
 
   /// The frame at a time, as JPEG. Errors: those of Find and of reading; kNotFound beyond the end.
   [[nodiscard]] Expected<std::shared_ptr<const std::string>> Frame(const VideoRecord& video, double time_s);
@@ -47,13 +41,16 @@ class VideoFiles {
   [[nodiscard]] Expected<std::string> Encode(const VideoRecord& video, double time_s, const Box* box, int width_px);
 
   std::filesystem::path folder_;
-  std::filesystem::path copies_;
   const CancelToken& cancel_;
   ByteCache images_;
   std::counting_semaphore<> decoders_;
   std::mutex times_mutex_;
   std::unordered_map<std::string, std::shared_ptr<const std::vector<double>>> times_;  ///< by content id
 };
+
+/// The file name of the copy of a video that browsers play (video/playable_copy.h). It belongs to the video's content, not
+/// to its name.
+[[nodiscard]] std::string CopyName(const VideoRecord& video);
 
 /// The region of a frame that a crop shows: the box with a margin, at least 48 px, of the aspect 4:3, moved into the
 /// frame; a box larger than the frame gives a region that extends beyond it.

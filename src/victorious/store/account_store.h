@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@
 
 #include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
+#include "victorious/store/audit_record.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {
@@ -83,16 +85,6 @@ struct ProvedAccount {
   Credential credential;
 };
 
-/// An entry of the log.
-struct AuditRecord {
-  std::int64_t id = 0;
-  std::int64_t time_utc_us = 0;
-  std::string actor;    ///< the account; without accounts the name that a reviewer gave; empty: none
-  std::string action;   ///< docs/formats/index.md lists them
-  std::string subject;  ///< what it was done to
-  std::string detail;   ///< JSON, or empty
-};
-
 /// Errors: kInvalidArgument unless it is 1 to 64 letters, digits and ". _ - @", and begins with a letter or digit.
 [[nodiscard]] Status CheckAccountName(std::string_view name);
 
@@ -129,7 +121,11 @@ class AccountStore {
   /// The tokens of an account, oldest first.
   [[nodiscard]] virtual Expected<std::vector<Credential>> Tokens(std::int64_t account) = 0;
 
+  /// Writes an entry of the log that tells of no change of the index.
   [[nodiscard]] virtual Status Log(const AuditRecord& record) = 0;
+  /// Makes a change by the functions above, and writes the entry that it returns, in one transaction. Errors: those of
+  /// `change`; then nothing is changed.
+  [[nodiscard]] virtual Status ChangeAndLog(const std::function<Expected<AuditRecord>()>& change) = 0;
   /// The `limit` latest entries with an id below `before`, latest first.
   [[nodiscard]] virtual Expected<std::vector<AuditRecord>> Audit(std::int64_t limit,
                                                                  std::optional<std::int64_t> before) = 0;

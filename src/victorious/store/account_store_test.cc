@@ -172,6 +172,33 @@ TEST_F(AccountStoreTest, LogIsReadFromTheLatestEntry) {
   EXPECT_EQ(next->front().subject, "2");
 }
 
+TEST_F(AccountStoreTest, AChangeAndItsEntryAreOneTransaction) {
+  const auto entry = [](std::string subject) {
+    return AuditRecord{.time_utc_us = 5, .actor = "x", .action = "add_account", .subject = std::move(subject)};
+  };
+  std::int64_t ann = 0;
+  ASSERT_TRUE(accounts_->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    VICTORIOUS_ASSIGN_OR_RETURN(const Account added, accounts_->Add("ann", Role::kAnalyst, "h", 1));
+    ann = added.id;
+    EXPECT_FALSE(*other_->Find("ann")) << "not before its entry";
+    return entry("account ann");
+  }));
+  EXPECT_EQ((*other_->Find("ann"))->id, ann);
+  const Status failed = accounts_->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    VICTORIOUS_RETURN_IF_ERROR(accounts_->Add("bob", Role::kViewer, "h", 1));
+    VICTORIOUS_RETURN_IF_ERROR(accounts_->SetPassword("ann", "h2"));
+    VICTORIOUS_RETURN_IF_ERROR(accounts_->Remove("nobody"));
+    return entry("account bob");
+  });
+  EXPECT_EQ(failed.error().code, ErrorCode::kNotFound);
+  EXPECT_FALSE(*other_->Find("bob")) << "what went before the failure is taken back";
+  EXPECT_EQ(*other_->PasswordHash(ann), "h");
+  const auto log = other_->Audit(10, std::nullopt);
+  ASSERT_THAT(*log, SizeIs(1));
+  EXPECT_EQ(log->front().subject, "account ann");
+  ASSERT_TRUE(accounts_->SetRole("ann", Role::kAdmin)) << "the store goes on";
+}
+
 // A review and its entry in the log are one transaction.
 TEST_F(AccountStoreTest, ReviewsAreInTheLog) {
   const auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate).value();

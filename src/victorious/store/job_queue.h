@@ -63,15 +63,31 @@ struct JobRecord {
   JobProgress progress;
 };
 
-/// Not thread-safe: use from one thread at a time. Any number of processes may use the same queue.
+/// A job that somebody asks for.
+struct NewJob {
+  std::string kind;
+  std::string input_json;  ///< what the kind needs
+  std::int64_t now_us = 0;
+  std::string actor = {};  ///< who asks, for the log; empty: nobody in particular
+};
+
+struct PutJob {
+  JobRecord job;
+  bool is_new = true;  ///< false: it was asked for before
+};
+
+/// Not thread-safe: use from one thread at a time. Any number of processes may use the same queue. What a user asks for is
+/// in the log of who did what (audit_record.h).
 class JobQueue {
  public:
   static constexpr int kMaxAttempts = 3;
 
   virtual ~JobQueue() = default;
 
-  [[nodiscard]] virtual Expected<JobRecord> Put(const std::string& kind, const std::string& input_json,
-                                                std::int64_t now_us) = 0;
+  [[nodiscard]] virtual Expected<JobRecord> Put(const NewJob& job) = 0;
+  /// As Put, unless a job of this kind and input waits or runs: then returns that one. Of two callers at once, one puts
+  /// it.
+  [[nodiscard]] virtual Expected<PutJob> PutOnce(const NewJob& job) = 0;
   /// Takes the oldest job that is queued or whose lease has run out; std::nullopt: there is none. A job whose lease has
   /// run out in its last attempt fails instead, and one that was to be cancelled is cancelled.
   [[nodiscard]] virtual Expected<std::optional<JobRecord>> Claim(const std::string& owner, std::int64_t now_us,
@@ -86,7 +102,7 @@ class JobQueue {
   /// Gives a job back that will be continued later; the attempt does not count. Error: as for Beat.
   [[nodiscard]] virtual Status Release(std::int64_t job, const std::string& owner) = 0;
   /// Cancels a job that waits, asks the worker of one that runs, leaves one that has ended. Returns it. Error: kNotFound.
-  [[nodiscard]] virtual Expected<JobRecord> Cancel(std::int64_t job, std::int64_t now_us) = 0;
+  [[nodiscard]] virtual Expected<JobRecord> Cancel(std::int64_t job, std::int64_t now_us, const std::string& actor) = 0;
 
   [[nodiscard]] virtual Expected<std::optional<JobRecord>> Find(std::int64_t job) = 0;
   /// Returns the jobs that have not ended, oldest first, then the `limit` latest that have, latest first.

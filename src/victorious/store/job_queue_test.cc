@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "victorious/store/account_store.h"
 
 namespace victorious {
 namespace {
@@ -32,8 +33,8 @@ class JobQueueTest : public ::testing::Test {
 };
 
 TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
-  const auto first = queue_->Put("index", R"({"video": "a"})", 1);
-  const auto second = queue_->Put("model", "{}", 2);
+  const auto first = queue_->Put({"index", R"({"video": "a"})", 1});
+  const auto second = queue_->Put({"model", "{}", 2});
   ASSERT_TRUE(first && second);
   const auto a = queue_->Claim("A", 10, kLease);
   const auto b = other_->Claim("B", 10, kLease);
@@ -53,16 +54,48 @@ TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
   EXPECT_EQ(queue_->Finish(first->id, "A", JobState::kFailed, "", 21).error().code, ErrorCode::kConflict);
 }
 
+TEST_F(JobQueueTest, AJobIsPutOnceAsLongAsItIsOpen) {
+  const NewJob asked{.kind = "copy", .input_json = R"({"video": "a"})", .now_us = 1, .actor = "ann"};
+  const auto first = queue_->PutOnce(asked);
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(first->is_new);
+  const auto same = other_->PutOnce(asked);
+  EXPECT_FALSE(same->is_new);
+  EXPECT_EQ(same->job.id, first->job.id);
+  EXPECT_TRUE(other_->PutOnce({.kind = "copy", .input_json = R"({"video": "b"})", .now_us = 1})->is_new);
+  EXPECT_TRUE(other_->PutOnce({.kind = "index", .input_json = asked.input_json, .now_us = 1})->is_new);
+  ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+  EXPECT_FALSE(other_->PutOnce(asked)->is_new) << "it runs";
+  ASSERT_TRUE(queue_->Finish(first->job.id, "A", JobState::kDone, "", 20));
+  EXPECT_TRUE(other_->PutOnce(asked)->is_new);
+}
+
+TEST_F(JobQueueTest, TheLogSaysWhoAskedForAJobAndWhoCancelledIt) {
+  const auto job = queue_->Put({.kind = "index", .input_json = "{}", .now_us = 5, .actor = "ann"});
+  ASSERT_TRUE(queue_->PutOnce({.kind = "index", .input_json = "{}", .now_us = 6, .actor = "bob"}));
+  ASSERT_TRUE(queue_->Cancel(job->id, 7, "bob"));
+  EXPECT_FALSE(queue_->Cancel(99, 8, "bob"));
+  const auto accounts = OpenSqliteAccountStore(folder_ / "index.db", StoreMode::kRead);
+  const auto log = (*accounts)->Audit(10, std::nullopt);
+  ASSERT_THAT(*log, SizeIs(2)) << "what was asked for before is no change, nor is what failed";
+  EXPECT_EQ((*log)[1].action, "job");
+  EXPECT_EQ((*log)[1].actor, "ann");
+  EXPECT_EQ((*log)[1].subject, "job " + std::to_string(job->id));
+  EXPECT_EQ((*log)[1].time_utc_us, 5);
+  EXPECT_EQ((*log)[0].action, "cancel_job");
+  EXPECT_EQ((*log)[0].actor, "bob");
+}
+
 TEST_F(JobQueueTest, CopiesAreTakenFirst) {
-  const auto search = queue_->Put("index", "{}", 1);
-  const auto first = queue_->Put("copy", R"({"video": "a"})", 2);
-  const auto second = queue_->Put("copy", R"({"video": "b"})", 3);
+  const auto search = queue_->Put({"index", "{}", 1});
+  const auto first = queue_->Put({"copy", R"({"video": "a"})", 2});
+  const auto second = queue_->Put({"copy", R"({"video": "b"})", 3});
   for (const std::int64_t id : {first->id, second->id, search->id})
     EXPECT_EQ((*other_->Claim("A", 10, kLease))->id, id);
 }
 
 TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
-  const auto job = queue_->Put("index", "{}", 1);
+  const auto job = queue_->Put({"index", "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
   EXPECT_TRUE(*queue_->Beat(job->id, "A", 100, kLease, {.done = 5, .total = 9, .unit = "frames", .message = "x"}));
   EXPECT_FALSE(*other_->Claim("B", 150, kLease)) << "the lease was renewed at 100";
@@ -73,7 +106,7 @@ TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
 }
 
 TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
-  const auto job = queue_->Put("index", "{}", 1);
+  const auto job = queue_->Put({"index", "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
   EXPECT_FALSE(*other_->Claim("B", 110, kLease)) << "the lease runs until 110";
   const auto again = other_->Claim("B", 111, kLease);
@@ -85,7 +118,7 @@ TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
 }
 
 TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
-  const auto job = queue_->Put("index", "{}", 1);
+  const auto job = queue_->Put({"index", "{}", 1});
   for (int attempt = 0; attempt < JobQueue::kMaxAttempts; ++attempt) {
     ASSERT_TRUE(*queue_->Claim("A", 1000 * (attempt + 1), kLease)) << attempt;
   }
@@ -95,7 +128,7 @@ TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
 }
 
 TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
-  const auto job = queue_->Put("index", "{}", 1);
+  const auto job = queue_->Put({"index", "{}", 1});
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
     ASSERT_TRUE(queue_->Release(job->id, "A"));
@@ -105,18 +138,18 @@ TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
 }
 
 TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
-  const auto running = queue_->Put("index", "{}", 1);
-  const auto waiting = queue_->Put("index", "{}", 2);
+  const auto running = queue_->Put({"index", "{}", 1});
+  const auto waiting = queue_->Put({"index", "{}", 2});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
-  EXPECT_EQ(other_->Cancel(waiting->id, 11)->state, JobState::kCancelled);
-  EXPECT_EQ(other_->Cancel(running->id, 11)->state, JobState::kRunning);
+  EXPECT_EQ(other_->Cancel(waiting->id, 11, "ann")->state, JobState::kCancelled);
+  EXPECT_EQ(other_->Cancel(running->id, 11, "ann")->state, JobState::kRunning);
   EXPECT_FALSE(*queue_->Beat(running->id, "A", 12, kLease, {}));
   ASSERT_TRUE(queue_->Finish(running->id, "A", JobState::kCancelled, "", 13));
-  EXPECT_EQ(other_->Cancel(running->id, 14)->ended_utc_us, 13) << "it stays as it ended";
-  EXPECT_EQ(queue_->Cancel(99, 1).error().code, ErrorCode::kNotFound);
-  const auto orphan = queue_->Put("index", "{}", 20);
+  EXPECT_EQ(other_->Cancel(running->id, 14, "ann")->ended_utc_us, 13) << "it stays as it ended";
+  EXPECT_EQ(queue_->Cancel(99, 1, "ann").error().code, ErrorCode::kNotFound);
+  const auto orphan = queue_->Put({"index", "{}", 20});
   ASSERT_TRUE(*queue_->Claim("A", 21, kLease));
-  ASSERT_TRUE(queue_->Cancel(orphan->id, 22));
+  ASSERT_TRUE(queue_->Cancel(orphan->id, 22, "ann"));
   EXPECT_FALSE(*other_->Claim("B", 500, kLease)) << "not begun again after its worker died";
   EXPECT_EQ((*queue_->Find(orphan->id))->state, JobState::kCancelled);
 }
@@ -124,8 +157,8 @@ TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
 TEST_F(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {
   std::vector<std::int64_t> ids;
   for (int i = 0; i < 5; ++i) {
-    ids.push_back(queue_->Put("index", "{}", i)->id);
-    if (i < 3) ASSERT_TRUE(queue_->Cancel(ids.back(), 10));
+    ids.push_back(queue_->Put({"index", "{}", i})->id);
+    if (i < 3) ASSERT_TRUE(queue_->Cancel(ids.back(), 10, "ann"));
   }
   const auto jobs = other_->List(2);
   ASSERT_THAT(*jobs, SizeIs(4));

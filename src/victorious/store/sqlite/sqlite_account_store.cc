@@ -1,5 +1,6 @@
 // AccountStore in the SQLite file of an index.
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -30,6 +31,22 @@ Expected<Credential> ReadCredential(const Statement& row, int first, std::string
                     .expires_utc_us = row.Integer(first + 5)};
 }
 
+// A transaction, or a part of the one that has begun.
+class Step {
+ public:
+  static Expected<Step> Begin(Connection& connection) {
+    Step step;
+    if (connection.IsInTransaction()) return step;
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection));
+    step.transaction_.emplace(std::move(transaction));
+    return step;
+  }
+  Status Commit() { return transaction_ ? transaction_->Commit() : Status(); }
+
+ private:
+  std::optional<Transaction> transaction_;
+};
+
 class SqliteAccountStore final : public AccountStore {
  public:
   explicit SqliteAccountStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
@@ -37,7 +54,7 @@ class SqliteAccountStore final : public AccountStore {
   Expected<Account> Add(const std::string& name, Role role, const std::string& password_hash,
                         std::int64_t now_us) override {
     VICTORIOUS_RETURN_IF_ERROR(CheckAccountName(name));
-    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    VICTORIOUS_ASSIGN_OR_RETURN(Step step, Step::Begin(*connection_));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Account> known, Find(name));
     if (known) {
       return Fail(ErrorCode::kAlreadyExists,
@@ -50,7 +67,7 @@ class SqliteAccountStore final : public AccountStore {
       VICTORIOUS_RETURN_IF_ERROR(insert.Bind(name, ToText(role), password_hash, now_us).Run());
     }
     Account account{.id = connection_->LastInsertId(), .name = name, .role = role, .created_utc_us = now_us};
-    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+    VICTORIOUS_RETURN_IF_ERROR(step.Commit());
     return account;
   }
 
@@ -61,7 +78,7 @@ class SqliteAccountStore final : public AccountStore {
   }
 
   Status SetPassword(const std::string& name, const std::string& password_hash) override {
-    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    VICTORIOUS_ASSIGN_OR_RETURN(Step step, Step::Begin(*connection_));
     {
       VICTORIOUS_ASSIGN_OR_RETURN(Statement update,
                                   connection_->Prepare("UPDATE accounts SET password_hash = ? WHERE name = ?"));
@@ -72,7 +89,7 @@ class SqliteAccountStore final : public AccountStore {
                                               "WHERE name = ?)"));
       VICTORIOUS_RETURN_IF_ERROR(end.Bind(name).Run());
     }
-    return transaction.Commit();
+    return step.Commit();
   }
 
   Status Remove(const std::string& name) override {
@@ -116,7 +133,7 @@ class SqliteAccountStore final : public AccountStore {
   }
 
   Expected<Credential> AddCredential(const NewCredential& added) override {
-    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    VICTORIOUS_ASSIGN_OR_RETURN(Step step, Step::Begin(*connection_));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, PasswordHash(added.account));
     if (added.proved_hash && *added.proved_hash != hash) {
       return Fail(ErrorCode::kConflict, fmt::format("{}: the password of the account {} has changed meanwhile",
@@ -141,7 +158,7 @@ class SqliteAccountStore final : public AccountStore {
       VICTORIOUS_RETURN_IF_ERROR(insert.Run());
     }
     credential.id = connection_->LastInsertId();
-    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+    VICTORIOUS_RETURN_IF_ERROR(step.Commit());
     return credential;
   }
 
@@ -187,6 +204,13 @@ class SqliteAccountStore final : public AccountStore {
         Statement insert,
         connection_->Prepare("INSERT INTO audit (time_utc_us, actor, action, subject, detail) VALUES (?, ?, ?, ?, ?)"));
     return insert.Bind(record.time_utc_us, record.actor, record.action, record.subject, record.detail).Run();
+  }
+
+  Status ChangeAndLog(const std::function<Expected<AuditRecord>()>& change) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    VICTORIOUS_ASSIGN_OR_RETURN(const AuditRecord record, change());
+    VICTORIOUS_RETURN_IF_ERROR(Log(record));
+    return transaction.Commit();
   }
 
   Expected<std::vector<AuditRecord>> Audit(std::int64_t limit, std::optional<std::int64_t> before) override {

@@ -35,14 +35,29 @@ class SqliteJobQueue final : public JobQueue {
  public:
   explicit SqliteJobQueue(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
-  Expected<JobRecord> Put(const std::string& kind, const std::string& input_json, std::int64_t now_us) override {
+  Expected<JobRecord> Put(const NewJob& job) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, Insert(job));
+    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+    return record;
+  }
+
+  Expected<PutJob> PutOnce(const NewJob& job) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
     {
-      VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
-                                  connection_->Prepare("INSERT INTO jobs (kind, input, state, created_utc_us) "
-                                                       "VALUES (?, ?, ?, ?)"));
-      VICTORIOUS_RETURN_IF_ERROR(insert.Bind(kind, input_json, ToText(JobState::kQueued), now_us).Run());
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          Statement select,
+          connection_->Prepare(std::string(kSelect) + "WHERE state IN ('queued', 'running') AND kind = ? AND input = ? "
+                                                      "ORDER BY id LIMIT 1"));
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(job.kind, job.input_json).Step());
+      if (found) {
+        VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, ReadJob(select, connection_->name()));
+        return PutJob{.job = std::move(record), .is_new = false};
+      }
     }
-    return Get(connection_->LastInsertId());
+    VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, Insert(job));
+    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+    return PutJob{.job = std::move(record), .is_new = true};
   }
 
   Expected<std::optional<JobRecord>> Claim(const std::string& owner, std::int64_t now_us,
@@ -106,7 +121,7 @@ class SqliteJobQueue final : public JobQueue {
     return RunOwned(release, job);
   }
 
-  Expected<JobRecord> Cancel(std::int64_t job, std::int64_t now_us) override {
+  Expected<JobRecord> Cancel(std::int64_t job, std::int64_t now_us, const std::string& actor) override {
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
     for (const std::string_view sql :
          {"UPDATE jobs SET state = 'cancelled', ended_utc_us = ?2 WHERE id = ?1 AND state = 'queued'",
@@ -115,6 +130,7 @@ class SqliteJobQueue final : public JobQueue {
       VICTORIOUS_RETURN_IF_ERROR(update.Bind(job, now_us).Run());
     }
     VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, Get(job));
+    VICTORIOUS_RETURN_IF_ERROR(Log("cancel_job", job, "", now_us, actor));
     VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
     return record;
   }
@@ -151,6 +167,27 @@ class SqliteJobQueue final : public JobQueue {
   }
 
  private:
+  // In a transaction: the job and its entry of the log.
+  Expected<JobRecord> Insert(const NewJob& job) {
+    {
+      VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
+                                  connection_->Prepare("INSERT INTO jobs (kind, input, state, created_utc_us) "
+                                                       "VALUES (?, ?, ?, ?)"));
+      VICTORIOUS_RETURN_IF_ERROR(insert.Bind(job.kind, job.input_json, ToText(JobState::kQueued), job.now_us).Run());
+    }
+    const std::int64_t id = connection_->LastInsertId();
+    VICTORIOUS_RETURN_IF_ERROR(Log("job", id, job.input_json, job.now_us, job.actor));
+    return Get(id);
+  }
+
+  Status Log(std::string_view action, std::int64_t job, const std::string& detail, std::int64_t now_us,
+             const std::string& actor) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement insert,
+        connection_->Prepare("INSERT INTO audit (time_utc_us, actor, action, subject, detail) VALUES (?, ?, ?, ?, ?)"));
+    return insert.Bind(now_us, actor, action, fmt::format("job {}", job), detail).Run();
+  }
+
   Expected<JobRecord> Get(std::int64_t job) {
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<JobRecord> record, Find(job));
     if (record) return *std::move(record);
