@@ -1,7 +1,7 @@
 // Drives the page in Chromium for test_page.py: node page.mjs SCENARIO URL. Prints what fails and exits with 1; exits with
 // 77 if there is no browser.
 import assert from "node:assert/strict";
-import { existsSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
 
@@ -356,7 +356,6 @@ async function jobs(page, [photos, video]) {
 
   // Dropped on the page, as from the desktop.
   const data = await page.evaluateHandle(() => new DataTransfer());
-  const { readFileSync } = await import("node:fs");
   await data.evaluate(
     (transfer, bytes) => transfer.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], "dropped flight.mp4")),
     readFileSync(video).toString("base64"),
@@ -371,6 +370,47 @@ async function jobs(page, [photos, video]) {
   }
   // One stream of events for both tabs: the first forwards the events to the second.
   assert.equal(await second.locator("[role=option]").count(), await page.locator("[role=option]").count());
+
+  // A clip of an object, as a download.
+  await page.getByRole("button", { name: "make a clip" }).click();
+  const save = page.getByRole("link", { name: "Save the clip" });
+  await save.waitFor();
+  const [clip] = await Promise.all([page.waitForEvent("download"), save.click()]);
+  assert.match(clip.suggestedFilename(), /^(crate|truck)-\d+-dropped_flight\.mp4$/);
+  assert.equal(readFileSync(await clip.path()).subarray(4, 8).toString(), "ftyp");
+
+  // The list as a table.
+  const [table] = await Promise.all([page.waitForEvent("download"), page.selectOption(".order .save", "csv")]);
+  const lines = readFileSync(await table.path(), "utf8").trim().split("\r\n");
+  assert.equal(lines.length, 1 + (await page.locator("[role=option]").count()));
+
+  // What is boxed in a frame is searched for in all videos.
+  const id = await selectedId(page);
+  const { best } = await api(page, `/objects/${id}`);
+  const frame = await page.evaluate((video) => {
+    const area = document.querySelector(".stage canvas").getBoundingClientRect();
+    const scale = Math.min(area.width / video.width_px, area.height / video.height_px);
+    return { scale, x: area.x + (area.width - video.width_px * scale) / 2, y: area.y + (area.height - video.height_px * scale) / 2 };
+  }, await api(page, `/videos/${best.video_id}`));
+  await waitForFrame(page, best.frame);
+  await page.getByRole("button", { name: "Close" }).click();
+  const [left, top, width, height] = best.box;
+  const at = (x, y) => [frame.x + x * frame.scale, frame.y + y * frame.scale];
+  await page.keyboard.press("b");
+  await page.mouse.move(...at(left, top));
+  await page.mouse.down();
+  await page.mouse.move(...at(left + width / 2, top + height / 2));
+  await page.waitForSelector(".drawn-box");
+  await page.mouse.move(...at(left + width, top + height));
+  await page.mouse.up();
+  await page.waitForSelector("dialog.model[open]");
+  assert.equal(await page.inputValue("#model-name"), "");
+  await page.fill("#model-name", "boxed");
+  await page.getByRole("button", { name: "Make the model" }).click();
+  await page.waitForFunction(async () => {
+    const { objects } = await (await fetch("/api/v1/objects?model=boxed")).json();
+    return objects.length > 0;
+  }, null, { timeout: 60_000 });
 
   // What cannot be read says why.
   await page.setInputFiles("input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });

@@ -2,7 +2,7 @@
 import { computed, signal } from "@preact/signals";
 
 import { ApiFailure, cancelJob, listJobs, postJob, uploadFile } from "./api/client";
-import type { Job, NewJob } from "./api/types";
+import type { FoundObject, Job, NewJob } from "./api/types";
 import { onEvent } from "./events";
 import { type Plan, planFiles, withoutUploadFolder } from "./logic/uploads";
 import { account } from "./session";
@@ -19,8 +19,12 @@ export interface Upload {
 export const jobs = signal<readonly Job[]>([]);
 export const uploads = signal<readonly Upload[]>([]);
 export const isOpen = signal(false);
-/** Files of a model whose name is asked for. */
-export const askedModel = signal<readonly File[] | null>(null);
+/** What a model is made from: files, or an object that was boxed in a frame (x, y, width, height in the video's pixels). */
+export type ModelSource = { files: readonly File[] } | { video: number; frame: number; box: number[] };
+/** The source of a model whose name is asked for. */
+export const askedModel = signal<ModelSource | null>(null);
+/** Jobs of models for which all videos are searched once they are made. */
+const searchAfter = new Set<number>();
 export const active = computed(() => jobs.value.filter((one) => one.state === "queued" || one.state === "running"));
 
 let nextUpload = 0;
@@ -29,12 +33,19 @@ const messageOf = (error: unknown) => (error instanceof Error ? error.message : 
 
 export const canAdd = computed(() => state.project.value.state === "ready" && state.project.value.value.has_jobs);
 
+const READY = {
+  model: (title: string) => `The model ${title} is ready.`,
+  index: (title: string) => `${title} is searched.`,
+  clip: (title: string) => `The clip ${title} is ready: it is under Add.`,
+};
+
 function take(list: readonly Job[]) {
   const before = new Map(jobs.value.map((one) => [one.id, one.state]));
   for (const job of list) {
     const was = before.get(job.id);
     if (was === undefined || was === job.state) continue;
-    if (job.state === "done" && job.kind !== "copy") state.notify(job.kind === "model" ? `The model ${job.title} is ready.` : `${job.title} is searched.`);
+    if (job.state === "done" && job.kind in READY) state.notify(READY[job.kind as keyof typeof READY](job.title));
+    if (job.state === "done" && searchAfter.delete(job.id)) void searchAll();
     if (job.state === "failed") state.notify(withoutUploadFolder(job.message), "error");
     if (job.state === "done") void state.refresh();
   }
@@ -68,12 +79,21 @@ async function addVideo({ file, telemetry }: Plan<File>["videos"][number]) {
   await postJob(job);
 }
 
-export async function addModel(name: string, files: readonly File[], length: number | null) {
+/** @param isSearched  all videos are searched for it then, as long as this page is open */
+export async function addModel(name: string, source: ModelSource, length: number | null, isSearched: boolean) {
   isOpen.value = true;
   try {
-    const ids: string[] = [];
-    for (const file of files) ids.push(await send(file));
-    await postJob({ kind: "model", name, uploads: ids, length_m: length });
+    const model: NewJob = { kind: "model", name, length_m: length };
+    if ("files" in source) {
+      model.uploads = [];
+      for (const file of source.files) model.uploads.push(await send(file));
+    } else {
+      model.video_id = source.video;
+      model.frame = source.frame;
+      model.box = source.box;
+    }
+    const job = await postJob(model);
+    if (isSearched) searchAfter.add(job.id);
   } catch (error) {
     if (!(error instanceof DOMException && error.name === "AbortError")) state.notify(messageOf(error), "error");
   }
@@ -98,7 +118,7 @@ export function addFiles(files: readonly File[]) {
       if (!(error instanceof DOMException && error.name === "AbortError")) state.notify(messageOf(error), "error");
     });
   }
-  if (plan.model.length > 0) askedModel.value = plan.model;
+  if (plan.model.length > 0) askedModel.value = { files: plan.model };
 }
 
 /** Has a copy made of a video that this browser cannot play. Returns whether there will be one. */
@@ -112,6 +132,26 @@ export async function askForCopy(video: number): Promise<boolean> {
     if (error instanceof ApiFailure && error.status === 409) void state.refresh();
     else state.notify(messageOf(error), "error");
     return error instanceof ApiFailure && error.status === 409;
+  }
+}
+
+/** Has a clip made of what a video shows of an object: of the moment that is shown, else of all. */
+export async function askForClip(object: FoundObject) {
+  const shown = state.shownTime.value;
+  const here = object.moments.filter((one) => one.video_id === state.videoId.value);
+  const now = here.find((one) => shown !== null && one.first_time_s <= shown && shown <= one.last_time_s);
+  const clip: NewJob = { kind: "clip", object_id: object.id };
+  const video = now?.video_id ?? here[0]?.video_id ?? object.moments[0]?.video_id;
+  if (video !== undefined) clip.video_id = video;
+  if (now && here.length > 1) {
+    clip.from_s = now.first_time_s;
+    clip.to_s = now.last_time_s;
+  }
+  isOpen.value = true;
+  try {
+    await postJob(clip);
+  } catch (error) {
+    state.notify(messageOf(error), "error");
   }
 }
 

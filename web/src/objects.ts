@@ -155,6 +155,20 @@ export async function needObjects(ids: readonly number[]) {
   }
 }
 
+/** All objects that match, in an order: page after page, so that no answer of the server is large. */
+export async function loadAll(sort: Sort, filters: Filters): Promise<FoundObject[]> {
+  const all: FoundObject[] = [];
+  let cursor: string | null = null;
+  do {
+    const params = withParams(paramsOf(sort, filters), { limit: 1000 });
+    if (cursor !== null) params.set("cursor", cursor);
+    const page = await listObjects(params);
+    all.push(...page.objects);
+    cursor = page.next_cursor;
+  } while (cursor !== null);
+  return all;
+}
+
 export async function loadVideoObjects(video: number, signal: AbortSignal) {
   const params = withParams(new URLSearchParams(), { video, limit: MAX_LANES, offset: 0 });
   const page = await listObjects(params, signal);

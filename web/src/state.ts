@@ -4,6 +4,7 @@ import { batch, computed, effect, signal, untracked } from "@preact/signals";
 
 import { ApiFailure, getCameraPath, getObject, getProject, getTimes, listObjectSightings, listVideos, putReview } from "./api/client";
 import type { CameraPath, FoundObject, ObjectDetail, Project, Verdict, Video } from "./api/types";
+import { toCsv, toGeoJson } from "./logic/export";
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
 import { COORDINATE_STYLES, type CoordinateStyle, plural } from "./logic/format";
 import { onEvent, startEvents } from "./events";
@@ -45,6 +46,8 @@ export const videoId = signal<number | null>(null);
 export const shownFrame = signal<number | null>(null);
 export const isPlaying = signal(false);
 export const isOverlayHidden = signal(false);
+/** The next drag over the frame boxes an object. */
+export const isBoxing = signal(false);
 export const isHelpOpen = signal(false);
 export const coordinateStyle = signal<CoordinateStyle>(
   COORDINATE_STYLES.find((one) => one === localStorage.getItem("coordinates")) ?? "decimal",
@@ -161,6 +164,22 @@ export async function showNew() {
   await objects.loadList(sort.peek(), filters.peek(), isOnlyMatching.peek());
 }
 
+/** Saves the objects that match the filters as a file, in the order of the list. */
+export async function saveList(kind: "csv" | "geojson") {
+  try {
+    const found = await objects.loadAll(sort.peek(), filters.peek());
+    const text = kind === "csv" ? toCsv(found) : JSON.stringify(toGeoJson(found));
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], { type: kind === "csv" ? "text/csv" : "application/geo+json" }));
+    link.download = `objects.${kind}`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+    notify(`Saved ${plural(found.length, "object")}.`);
+  } catch (error) {
+    notify(`The list is not saved: ${messageOf(error)}`, "error");
+  }
+}
+
 let isLive = false;
 
 /** Follows what the server tells from now on. */
@@ -229,12 +248,12 @@ effect(() => {
   });
   getTimes(id, abort.signal)
     .then((times) => (frameTable.value = { state: "ready", value: new FrameTable(times) }))
-    .catch((error) => {
+    .catch((error: unknown) => {
       if (!abort.signal.aborted) frameTable.value = { state: "failed", message: messageOf(error) };
     });
   getCameraPath(id, abort.signal)
     .then((path) => (cameraPath.value = path))
-    .catch((error) => {
+    .catch((error: unknown) => {
       if (!abort.signal.aborted) notify(messageOf(error), "error");
     });
   return () => abort.abort();
@@ -260,7 +279,7 @@ effect(() => {
         if (seekToBest === id) seekToBest = null;
       });
     })
-    .catch((error) => {
+    .catch((error: unknown) => {
       if (!abort.signal.aborted) detail.value = { state: "failed", message: messageOf(error) };
     });
   return () => abort.abort();

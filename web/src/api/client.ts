@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Session, Sighting, Verdict, Video } from "./types";
+import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Session, Sighting, Verdict } from "./types";
 
 const ROOT = "/api/v1";
 
@@ -47,7 +47,7 @@ export const postLogOut = () => send<Session>("/session/end", "POST", {});
 export const getProject = () => request<Project>("/project");
 
 export const listVideos = async () =>
-  (await request<components["schemas"]["VideoList"]>("/videos")).videos as Video[];
+  (await request<components["schemas"]["VideoList"]>("/videos")).videos;
 
 export const listObjects = (params: URLSearchParams, signal?: AbortSignal) =>
   request<components["schemas"]["ObjectList"]>(`/objects?${params}`, signal ? { signal } : undefined);
@@ -90,6 +90,7 @@ export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}
 export const listJobs = async () => (await request<components["schemas"]["JobList"]>("/jobs")).jobs;
 
 export const postJob = (job: NewJob) => send<Job>("/jobs", "POST", job);
+export const jobFileUrl = (job: number, name: string) => `${ROOT}/jobs/${job}/files/${name}`;
 export const cancelJob = (job: number) => send<Job>(`/jobs/${job}/cancel`, "POST", {});
 
 /** Sends a file. Not by fetch, which does not say how far it is. */

@@ -24,6 +24,7 @@ export const BINDINGS = {
   play: { keys: [" "], label: "Space", what: "Play or pause", group: "Video" },
   frameBack: { keys: [",", "ArrowLeft"], label: ", or ←", what: "One frame back (Shift: ten)", group: "Video" },
   frameOn: { keys: [".", "ArrowRight"], label: ". or →", what: "One frame on (Shift: ten)", group: "Video" },
+  box: { keys: ["b"], label: "B", what: "Box an object in the frame, to search for it", group: "Video" },
   hide: { keys: ["o"], label: "O held", what: "Hide boxes and names", group: "Video" },
   search: { keys: ["/"], label: "/", what: "Search and filter", group: "Page" },
   help: { keys: ["?"], label: "?", what: "Show these keys", group: "Page" },

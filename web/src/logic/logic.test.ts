@@ -1,12 +1,14 @@
 import { describe, expect, it } from "vitest";
 
 import type { CameraPath, FoundObject, Place } from "../api/types";
-import { NO_FILTERS, filterParams, isFiltered, makeMatcher, metresBetween, parseQuery, thresholdCost } from "./filters";
+import { toCsv, toGeoJson } from "./export";
+import { NO_FILTERS, filterParams, isFiltered, makeMatcher, metresBetween, parseQuery, searchedHours, thresholdCost } from "./filters";
 import { formatAngle, formatExpected, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
 import { BINDINGS, actionOf } from "./keys";
 import { formatMgrs, utmOf } from "./mgrs";
+import { boxBetween, fit } from "./overlay";
 import { PagedList } from "./paged_list";
 import { formatLeft, modelNameOf, planFiles, withoutUploadFolder } from "./uploads";
 import { formatUrl, parseUrl } from "./url_state";
@@ -340,5 +342,52 @@ describe("keys", () => {
     expect(press(">")).toBe("frameOn");
     expect(press("a", { ctrlKey: true })).toBeNull();
     expect(press("q")).toBeNull();
+  });
+});
+
+describe("saved lists", () => {
+  const placed = found(7, { place: place(52.5, 13.25), heading_deg: 90, review: { ...accepted, note: 'a "shed", red', reviewer: "=1+1" } });
+
+  it("are tables that spreadsheets read, without formulas", () => {
+    const rows = toCsv([placed, found(8)]).split("\r\n");
+    expect(rows[0]?.split(",").slice(0, 3)).toEqual(["object_id", "model", "score"]);
+    expect(rows[1]).toBe(`7,jeep,0.9,3,0,1,52.5,13.25,0,1,1,90,,accepted,'=1+1,"a ""shed"", red"`);
+    expect(rows[2]).toBe("8,jeep,0.9,3,0,1,,,,,,,,,,");
+    expect(rows).toHaveLength(4);
+  });
+
+  it("keep a negative number a number", () => {
+    expect(toCsv([found(1, { place: place(-33.9, 18.4) })])).toContain(",-33.9,18.4,");
+  });
+
+  it("are points, longitude first, without objects of unknown place", () => {
+    const { features } = toGeoJson([placed, found(8)]);
+    expect(features).toHaveLength(1);
+    expect(features[0]).toMatchObject({ id: 7, geometry: { coordinates: [13.25, 52.5, 0] }, properties: { model: "jeep", verdict: "accepted", speed_m_s: null } });
+  });
+});
+
+describe("boxBetween", () => {
+  const frame = { width: 640, height: 480 };
+  const at = fit(640, 480, 1280, 1000);
+
+  it("is in the pixels of the video, from any corner, and ends at its edges", () => {
+    expect(at).toEqual({ scale: 2, x: 0, y: 20 });
+    expect(boxBetween([100, 120], [300, 220], frame, at)).toEqual([50, 50, 100, 50]);
+    expect(boxBetween([300, 220], [100, 120], frame, at)).toEqual([50, 50, 100, 50]);
+    expect(boxBetween([1200, 900], [1400, 1200], frame, at)).toEqual([600, 440, 40, 40]);
+  });
+
+  it("is none if it is too small for an object", () => {
+    expect(boxBetween([100, 100], [100, 100], frame, at)).toBeNull();
+    expect(boxBetween([100, 100], [400, 110], frame, at)).toBeNull();
+  });
+});
+
+describe("searchedHours", () => {
+  it("counts the part of each video that is searched", () => {
+    const video = { duration_s: 7200, frame_count: 1000, searched_frames: null, is_searched: true };
+    expect(searchedHours([video, { ...video, searched_frames: 250 }])).toBeCloseTo(2.5);
+    expect(searchedHours([{ ...video, is_searched: false }, { ...video, duration_s: null, frame_count: null }])).toBe(0);
   });
 });

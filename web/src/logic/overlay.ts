@@ -23,6 +23,9 @@ export interface DrawnSighting {
   isRejected: boolean;
 }
 
+/** px; smaller objects have no features. */
+const MIN_BOX = 12;
+
 /** The sighting whose box holds a point of the frame; of several the smallest. */
 export function hit(sightings: readonly Sighting[], x: number, y: number): Sighting | null {
   let best: Sighting | null = null;
@@ -33,6 +36,20 @@ export function hit(sightings: readonly Sighting[], x: number, y: number): Sight
     if (isInside && (best === null || area(one) < area(best))) best = one;
   }
   return best;
+}
+
+/**
+ * The box between two points of the area, in the picture's pixels and inside the picture; null: it is too small to hold
+ * an object.
+ */
+export function boxBetween(from: readonly number[], to: readonly number[], frame: { width: number; height: number }, at: Fit) {
+  const [fromX = 0, fromY = 0] = from;
+  const [toX = 0, toY = 0] = to;
+  const inside = (value: number, offset: number, side: number) => Math.min(Math.max((value - offset) / at.scale, 0), side);
+  const [x1, x2] = [inside(fromX, at.x, frame.width), inside(toX, at.x, frame.width)];
+  const [y1, y2] = [inside(fromY, at.y, frame.height), inside(toY, at.y, frame.height)];
+  const box = [Math.min(x1, x2), Math.min(y1, y2), Math.abs(x2 - x1), Math.abs(y2 - y1)].map(Math.round);
+  return Math.min(box[2] ?? 0, box[3] ?? 0) < MIN_BOX ? null : box;
 }
 
 function tracePath(context: CanvasRenderingContext2D, points: readonly (readonly number[])[], at: Fit, close: boolean) {

@@ -12,7 +12,7 @@ import { ObjectList } from "./list";
 import { LogIn } from "./log_in";
 import { MapPane } from "./map";
 import { Notices } from "./notices";
-import { VideoPane, togglePlay } from "./video";
+import { VideoPane, toggleBoxing, togglePlay } from "./video";
 
 const isTyping = (target: EventTarget | null) =>
   target instanceof HTMLElement && target.matches("input:not([type=range]), textarea, select");
@@ -58,6 +58,8 @@ function run(action: Action, shift: boolean) {
       return state.stepFrame(shift ? -10 : -1);
     case "frameOn":
       return state.stepFrame(shift ? 10 : 1);
+    case "box":
+      return toggleBoxing();
     case "hide":
       state.isOverlayHidden.value = true;
       return;
@@ -67,6 +69,7 @@ function run(action: Action, shift: boolean) {
       state.isHelpOpen.value = true;
       return;
     case "close":
+      state.isBoxing.value = false;
       return;
   }
 }

@@ -13,6 +13,7 @@ const PATHS = {
   system: "M2 3h12v8H2zM5.5 14h5M8 11v3",
   help: "M6 6a2 2 0 1 1 2.6 1.9c-.5.2-.6.6-.6 1.1M8 11.6v.4M8 1.5a6.5 6.5 0 1 0 0 13 6.5 6.5 0 0 0 0-13z",
   close: "M4 4l8 8M12 4l-8 8",
+  box: "M2 5V2h3M11 2h3v3M14 11v3h-3M5 14H2v-3M6 8h4M8 6v4",
   add: "M8 2.5v11M2.5 8h11",
   copy: "M5.5 5.5V2.5h8v8h-3M2.5 5.5h8v8h-8z",
 } as const;

@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail } from "../api/types";
 import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatSpan, formatTime, plural } from "../logic/format";
+import { askForClip, canAdd } from "../jobs";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { VerdictMark } from "./list";
@@ -97,6 +98,15 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
           {detail?.rank ? `, rank ${detail.rank.toLocaleString("en")}` : ""}
         </span>
         <VerdictMark object={object} />
+        {canAdd.value && (
+          <button
+            class="link"
+            title="A video of this object's moment with its outline, name and track drawn, and its telemetry"
+            onClick={() => void askForClip(object)}
+          >
+            make a clip
+          </button>
+        )}
       </div>
       <dl class="facts-grid">
         <div>

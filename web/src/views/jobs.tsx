@@ -1,6 +1,7 @@
 // The panel of jobs: what is uploaded, searched and made, how long yet; and the dialog that names a new model.
 import { useEffect, useRef, useState } from "preact/hooks";
 
+import { jobFileUrl } from "../api/client";
 import type { Job } from "../api/types";
 import { plural } from "../logic/format";
 import { formatLeft, modelNameOf, withoutUploadFolder } from "../logic/uploads";
@@ -8,7 +9,8 @@ import * as jobs from "../jobs";
 import * as state from "../state";
 import { Icon } from "./icons";
 
-const WHAT = { index: "search", model: "make the model", copy: "copy for browsers" } as const;
+const WHAT = { index: "search", model: "make the model", copy: "copy for browsers", clip: "clip" } as const;
+const FILES = { clip: "Save the clip", telemetry: "Save its telemetry" } as const;
 
 function Bar({ part }: { part: number | null }) {
   return (
@@ -50,6 +52,15 @@ function Row({ job }: { job: Job }) {
       </div>
       {job.state === "running" && <Bar part={job.total ? job.done / job.total : null} />}
       <div class="job-state">{describe(job)}</div>
+      {job.files.length > 0 && (
+        <div class="job-files">
+          {job.files.map((name) => (
+            <a key={name} class="button" href={jobFileUrl(job.id, name)} download>
+              {FILES[name]}
+            </a>
+          ))}
+        </div>
+      )}
       {job.kind === "model" && job.state === "done" && state.videos.value.length > 0 && (
         <button class="button" onClick={() => void jobs.searchAll()}>
           Search all videos for it
@@ -121,31 +132,38 @@ export function JobsPanel() {
 
 export function ModelDialog() {
   const dialog = useRef<HTMLDialogElement>(null);
-  const files = jobs.askedModel.value;
-  const first = files?.[0]?.name ?? "";
+  const source = jobs.askedModel.value;
+  const files = source && "files" in source ? source.files : [];
+  const first = files[0]?.name ?? "";
   const [name, setName] = useState("");
   const [length, setLength] = useState("");
+  const [isSearched, setIsSearched] = useState(true);
   useEffect(() => {
-    if (files) {
-      setName(modelNameOf(first));
+    if (source) {
+      setName(first === "" ? "" : modelNameOf(first));
       setLength("");
+      setIsSearched(true);
       dialog.current?.showModal();
     } else dialog.current?.close();
-  }, [files, first]);
+  }, [source, first]);
   const isValid = /^[A-Za-z0-9][A-Za-z0-9._-]*$/.test(name);
   return (
     <dialog class="help model" ref={dialog} aria-labelledby="model-title" onClose={() => (jobs.askedModel.value = null)}>
       <form
         method="dialog"
         onSubmit={() => {
-          if (files) void jobs.addModel(name, files, length.trim() === "" ? null : Number(length));
+          if (source) void jobs.addModel(name, source, length.trim() === "" ? null : Number(length), isSearched);
         }}
       >
         <header>
           <h2 id="model-title">New model</h2>
         </header>
         <p class="muted">
-          {files && files.length > 1 ? `From ${files.length} photos.` : `From ${first}.`}
+          {source && !("files" in source)
+            ? `From what you boxed in frame ${source.frame.toLocaleString("en")}: it is found where it looks much as there.`
+            : files.length > 1
+              ? `From ${files.length} photos.`
+              : `From ${first}.`}
         </p>
         <label for="model-name">Name</label>
         <input
@@ -156,7 +174,7 @@ export function ModelDialog() {
           aria-invalid={!isValid}
           onInput={(event) => setName(event.currentTarget.value)}
         />
-        {!isValid && <p class="muted">Letters, digits, dots and dashes.</p>}
+        {!isValid && name !== "" && <p class="muted">Letters, digits, dots and dashes.</p>}
         <label for="model-length">Length, if it is known (m)</label>
         <input
           id="model-length"
@@ -168,6 +186,12 @@ export function ModelDialog() {
           onInput={(event) => setLength(event.currentTarget.value)}
         />
         <p class="muted">It gives distances, and with telemetry places.</p>
+        {state.videos.value.length > 0 && (
+          <label class="check">
+            <input type="checkbox" checked={isSearched} onChange={(event) => setIsSearched(event.currentTarget.checked)} />
+            Search all videos for it
+          </label>
+        )}
         <div class="actions">
           <button class="button" type="button" onClick={() => (jobs.askedModel.value = null)}>
             Cancel

@@ -5,7 +5,7 @@ import { useEffect, useLayoutEffect, useReducer, useRef, useState } from "preact
 
 import { thumbnailUrl } from "../api/client";
 import type { FoundObject } from "../api/types";
-import { NO_FILTERS, isFiltered, thresholdCost } from "../logic/filters";
+import { NO_FILTERS, isFiltered, searchedHours, thresholdCost } from "../logic/filters";
 import { explainScore, formatExpected, formatMetres, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
 import { canAdd } from "../jobs";
@@ -15,6 +15,7 @@ import { Icon } from "./icons";
 
 const ROW_HEIGHT = 80;
 
+const hours = computed(() => searchedHours(state.videos.value));
 const cost = computed(() => thresholdCost(objects.counts.value?.scores ?? [], state.filters.value.minScore));
 
 function useVirtualizer(count: number) {
@@ -144,6 +145,9 @@ function Chips() {
 function Threshold() {
   const { minScore } = state.filters.value;
   const { falseAlarms, misses } = cost.value;
+  // Of less than a minute, an hour says nothing.
+  const isLong = hours.value >= 1 / 60;
+  const perHour = (count: number) => (isLong ? ` (${formatExpected(count / hours.value)} an hour)` : "");
   return (
     <div class="threshold">
       <label for="threshold">Score</label>
@@ -158,8 +162,9 @@ function Threshold() {
         onInput={(event) => state.setFilters({ minScore: Number(event.currentTarget.value) })}
       />
       <output for="threshold">≥ {minScore.toFixed(2)}</output>
-      <span class="cost" title="From the scores: each is the probability that its object is real">
-        expected: {formatExpected(falseAlarms)} false shown, {formatExpected(misses)} real hidden
+      <span class="cost" title="From the scores: each is the probability that its object is real. An hour is one of video that was searched.">
+        expected: {formatExpected(falseAlarms)} false shown{perHour(falseAlarms)}, {formatExpected(misses)} real hidden
+        {perHour(misses)}
       </span>
     </div>
   );
@@ -246,6 +251,23 @@ function Order() {
       >
         matches only
       </button>
+      <select
+        class="field save"
+        aria-label="Save the objects that match"
+        title="Save the objects that match the filters"
+        value=""
+        onChange={(event) => {
+          const kind = event.currentTarget.value;
+          event.currentTarget.value = "";
+          if (kind === "csv" || kind === "geojson") void state.saveList(kind);
+        }}
+      >
+        <option value="" disabled hidden>
+          Save
+        </option>
+        <option value="csv">Table (CSV)</option>
+        <option value="geojson">Map (GeoJSON)</option>
+      </select>
     </div>
   );
 }

@@ -4,6 +4,7 @@ import "maplibre-gl/dist/maplibre-gl.css";
 
 import { effect, signal } from "@preact/signals";
 import type { Feature, FeatureCollection, Geometry } from "geojson";
+import type { GeometryCollection, Topology } from "topojson-specification";
 import type {
   CanvasSource, ExpressionSpecification, GeoJSONSource, LngLatBoundsLike, Map as MapLibre, StyleSpecification, VectorTileSource,
 } from "maplibre-gl";
@@ -325,8 +326,8 @@ function updateGrid(map: MapLibre) {
 
 async function addLand(map: MapLibre) {
   const [{ feature: fromTopology }, response] = await Promise.all([import("topojson-client"), fetch(atlasUrl)]);
-  const topology = await response.json();
-  const land = fromTopology(topology, topology.objects.countries) as unknown as FeatureCollection;
+  const topology = (await response.json()) as Topology<{ countries: GeometryCollection }>;
+  const land: FeatureCollection = fromTopology(topology, topology.objects.countries);
   map.getSource<GeoJSONSource>("land")?.setData(land);
 }
 
@@ -404,9 +405,9 @@ function connect(map: MapLibre): (() => void)[] {
   let shownTiles = tileAddress();
   let tileTimer: ReturnType<typeof setTimeout> | undefined;
 
-  map.on("error", ({ error }) => {
+  map.on("error", ({ error }: { error: Error & { status?: number } }) => {
     // A tile for which the session had ended is asked for again after the log-in (state.ts).
-    if (!("status" in error && error.status === 401)) console.error(error);
+    if (error.status !== 401) console.error(error);
   });
   map.on("moveend", () => updateGrid(map));
   updateGrid(map);

@@ -1,9 +1,10 @@
 // The video: the exact frame with boxes, names and the selection's track; controls; time line.
 import { effect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 
 import { baseName, formatTime } from "../logic/format";
-import { drawSighting, drawTrail, fit, hit } from "../logic/overlay";
+import { boxBetween, drawSighting, drawTrail, fit, hit } from "../logic/overlay";
+import * as jobs from "../jobs";
 import { objectOf } from "../objects";
 import { frameCanvas, pictureVersion, playbackRate, player, unplayable } from "../player";
 import { sightingsAt, sightingsVersion, trailOf } from "../sightings";
@@ -14,6 +15,16 @@ import { Timeline } from "./timeline";
 const TRAIL_FRAMES = 60;
 
 export const togglePlay = () => player.togglePlay();
+
+/** Lets the next drag box an object in the frame, or not. */
+export function toggleBoxing() {
+  if (!state.isBoxing.value && !jobs.canAdd.value) {
+    state.notify("Searching for a boxed object needs a server with --models, and the role analyst.", "error");
+    return;
+  }
+  if (state.isPlaying.value) togglePlay();
+  state.isBoxing.value = !state.isBoxing.value;
+}
 
 function draw(canvas: HTMLCanvasElement) {
   const context = canvas.getContext("2d");
@@ -78,7 +89,32 @@ function Stage() {
       observer.disconnect();
     };
   }, []);
+  const [drag, setDrag] = useState<{ from: [number, number]; to: [number, number] } | null>(null);
+  const isBoxing = state.isBoxing.value;
+  const begin = (event: PointerEvent) => {
+    if (!isBoxing || event.button !== 0) return;
+    canvas.current?.setPointerCapture(event.pointerId);
+    setDrag({ from: [event.offsetX, event.offsetY], to: [event.offsetX, event.offsetY] });
+  };
+  const move = (event: PointerEvent) => {
+    if (drag) setDrag({ from: drag.from, to: [event.offsetX, event.offsetY] });
+  };
+  const end = (event: PointerEvent) => {
+    const [frame, video, target] = [state.shownFrame.value, state.video.value, canvas.current];
+    setDrag(null);
+    if (!drag || frame === null || !video || !target) return;
+    const size = { width: video.width_px, height: video.height_px };
+    const at = fit(size.width, size.height, target.clientWidth, target.clientHeight);
+    const box = boxBetween(drag.from, [event.offsetX, event.offsetY], size, at);
+    if (box === null) {
+      state.notify("The box is too small: draw it around the whole object.", "error");
+      return;
+    }
+    state.isBoxing.value = false;
+    jobs.askedModel.value = { video: video.id, frame, box };
+  };
   const click = (event: MouseEvent) => {
+    if (isBoxing || jobs.askedModel.value !== null) return;
     const frame = state.shownFrame.value;
     const video = state.video.value;
     const target = canvas.current;
@@ -95,7 +131,29 @@ function Stage() {
   return (
     <div class="stage">
       <video ref={element} muted playsInline preload="auto" tabIndex={-1} aria-hidden="true" />
-      <canvas ref={canvas} role="img" aria-label="The frame that is shown, with what was found in it" onClick={click} />
+      <canvas
+        ref={canvas}
+        role="img"
+        aria-label="The frame that is shown, with what was found in it"
+        class={isBoxing ? "boxing" : ""}
+        onClick={click}
+        onPointerDown={begin}
+        onPointerMove={move}
+        onPointerUp={end}
+        onPointerCancel={() => setDrag(null)}
+      />
+      {drag && (
+        <div
+          class="drawn-box"
+          style={{
+            left: Math.min(drag.from[0], drag.to[0]),
+            top: Math.min(drag.from[1], drag.to[1]),
+            width: Math.abs(drag.to[0] - drag.from[0]),
+            height: Math.abs(drag.to[1] - drag.from[1]),
+          }}
+        />
+      )}
+      {isBoxing && !drag && <div class="message">Draw a box around the object to search for. B or Esc leaves.</div>}
       {video && !problem && (
         <div class="corner" title={video.name}>
           {baseName(video.name)}
@@ -137,6 +195,17 @@ function Controls() {
       </button>
       {button("One frame on (.)", "on", () => state.stepFrame(1))}
       {button("Next moment (L)", "next", () => state.stepMoment(1))}
+      {jobs.canAdd.value && (
+        <button
+          class="button icon plain"
+          title="Box an object to search for (B)"
+          aria-label="Box an object to search for"
+          aria-pressed={state.isBoxing.value}
+          onClick={toggleBoxing}
+        >
+          <Icon name="box" />
+        </button>
+      )}
       <div class="time">
         <span>{time === null ? "–:––.––" : formatTime(time)}</span>
         <small>
