@@ -425,7 +425,7 @@ class ServeTest(program.ProgramTest):
         begin, end = seen[0]["time_s"] - 2.0001, seen[-1]["time_s"] + 2.0001
         expected = sum(begin <= time <= end for time in times)
         self.assertLess(expected, len(times), "the test needs a part of the video")
-        made = self.succeeds("doctor", self.scratch / "clip.mp4", "--json").rows()[0]
+        made = json.loads(self.succeeds("doctor", self.scratch / "clip.mp4", "--json").out)
         self.assertEqual(made["frames_read"], expected)
         self.assertIn("clip.telemetry.csv", json.dumps(made))
 
