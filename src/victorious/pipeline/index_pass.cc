@@ -207,11 +207,12 @@ TrackletOptions MakeTrackletOptions(const IndexPass& pass, double frame_rate) {
 // Links and stores, in the order of frames. Serial.
 class ResultWriter {
  public:
-  ResultWriter(const IndexPass& pass, double frame_rate, IndexStore& store, IndexReport& report)
+  ResultWriter(const IndexPass& pass, const VideoInfo& info, IndexStore& store, IndexReport& report)
       : pass_(pass),
+        is_live_(info.live),
         store_(store),
         report_(report),
-        linker_(MakeTrackletOptions(pass, frame_rate), pass.options.objects),
+        linker_(MakeTrackletOptions(pass, info.frame_rate), pass.options.objects),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {}
@@ -250,6 +251,8 @@ class ResultWriter {
     next_frame_ = work.frame.index + 1;
     constexpr auto kInterval = std::chrono::seconds(2);
     constexpr std::size_t kKeptFrames = 32;
+    // Somebody may be watching a live source.
+    if (is_live_ && !batch_.sightings.empty()) return Commit(false);
     if (Clock::now() - last_commit_ < kInterval && batch_.kept_frames.size() < kKeptFrames) return {};
     return Commit(false);
   }
@@ -301,6 +304,7 @@ class ResultWriter {
   using Clock = std::chrono::steady_clock;
 
   const IndexPass& pass_;
+  bool is_live_;
   IndexStore& store_;
   IndexReport& report_;
   TrackletLinker linker_;
@@ -316,7 +320,7 @@ class ResultWriter {
 
 Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
                     const WarningSink& warn, IndexReport& report) {
-  ResultWriter sink(pass, reader.info().frame_rate, store, report);
+  ResultWriter sink(pass, reader.info(), store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
   FrameSelector selector(pass, sink.FirstRequiredFrame());
   ImageMotionEstimator motion;

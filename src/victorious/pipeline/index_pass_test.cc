@@ -153,6 +153,18 @@ TEST_F(IndexPassTest, FailedLiveSourceIsNotComplete) {
   EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
 }
 
+TEST_F(IndexPassTest, SightingsOfALiveSourceAreStoredAtOnce) {
+  std::size_t stored = 0;
+  FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
+    // The frames that are read ahead are fewer.
+    if (frame == 12) stored = SightingsOf(*flight_.Store("index.db")).size();
+    if (frame == 12) cancel_.Cancel();
+  });
+  reader.image_of = [&](std::int64_t /*frame*/) { return GreyFromBgr(flight_.flight().Render(0).image); };
+  ASSERT_TRUE(Run(reader));
+  EXPECT_GT(stored, 0U) << "while the source goes on";
+}
+
 TEST_F(IndexPassTest, ProgressIncludesFramesBeforeTheFirst) {
   FakeReader reader(/*live=*/false, [&](std::int64_t frame) {
     if (frame == 20) cancel_.Cancel();

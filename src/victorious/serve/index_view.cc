@@ -8,7 +8,11 @@
 namespace victorious {
 namespace {
 
-constexpr std::chrono::seconds kMinRefreshInterval{1};
+// The lists are read again after four times as long as it took, so that a large index is not read all the time, and a
+// sighting of a live source shows at once in a small one.
+constexpr int kRestAfterRefresh = 4;
+constexpr std::chrono::milliseconds kMinRefreshInterval{50};
+constexpr std::chrono::milliseconds kMaxRefreshInterval{1000};
 constexpr std::size_t kMaxIdleReaders = 8;
 
 template <typename Record>
@@ -65,7 +69,7 @@ Expected<std::unique_ptr<IndexView>> IndexView::Open(const std::filesystem::path
 
 Status IndexView::Refresh() {
   const auto now = std::chrono::steady_clock::now();
-  if (checked_ && now - *checked_ < kMinRefreshInterval) return {};
+  if (checked_ && now - *checked_ < refresh_interval_) return {};
   // Read before the lists: a change in between is seen by the next call.
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, lister_.sightings->ChangeNumber());
   if (!checked_ || number != change_number_) {
@@ -74,6 +78,8 @@ Status IndexView::Refresh() {
     lists.version = lists_ ? lists_->version + 1 : 1;
     lists_ = std::make_shared<IndexLists>(std::move(lists));
     change_number_ = number;
+    const auto rest = kRestAfterRefresh * (std::chrono::steady_clock::now() - now);
+    refresh_interval_ = std::clamp<std::chrono::steady_clock::duration>(rest, kMinRefreshInterval, kMaxRefreshInterval);
   }
   checked_ = std::chrono::steady_clock::now();
   return {};

@@ -1,9 +1,9 @@
 // What the routes read of an index: its short lists (videos, models, searches) in memory, objects and sightings by
 // queries, reviews. Thread-safe.
 //
-// The lists are read again when another process has changed the index, at most once a second; meanwhile the former ones
-// are given out. Objects and sightings stay in the database: each query for them is bounded and uses an index of the
-// store.
+// The lists are read again when another process has changed the index, within a second and in at most a fifth of the
+// time; meanwhile the former ones are given out. Objects and sightings stay in the database: each query for them is
+// bounded and uses an index of the store.
 #pragma once
 
 #include <chrono>
@@ -90,7 +90,8 @@ class IndexView {
   IndexReader lister_;
   std::int64_t change_number_ = 0;
   std::optional<std::chrono::steady_clock::time_point> checked_;
-  std::mutex mutex_;  ///< guards the rest; held for moments
+  std::chrono::steady_clock::duration refresh_interval_{};  ///< by how long the last one took
+  std::mutex mutex_;                                        ///< guards the rest; held for moments
   std::shared_ptr<const IndexLists> lists_;
   std::vector<std::unique_ptr<IndexReader>> readers_;  ///< idle
 };
