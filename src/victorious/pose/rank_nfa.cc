@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
 
 #include "victorious/base/binomial.h"
 #include "victorious/geometry/angles.h"
@@ -45,11 +50,33 @@ class Visibility {
   double min_scale_px_;
 };
 
+// The scene keypoints within reach_px of the projections of inliers, and some around them: all that AgreeingFraction
+// can count, which is a small part of a scene.
+std::vector<Keypoint> KeypointsAround(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
+                                      double reach_px, const FeatureSet& scene, std::span<const Keypoint> model) {
+  std::vector<Keypoint> around;
+  if (inliers.empty()) return around;
+  Eigen::AlignedBox2d box;
+  for (const RankedMatch& match : inliers) {
+    box.extend(scene_from_template.Apply(PositionOf(model[match.template_keypoint])));
+  }
+  // Wider by one pixel than the windows, so that rounding excludes none of their keypoints.
+  const auto left = static_cast<float>(box.min().x() - reach_px - 1);
+  const auto top = static_cast<float>(box.min().y() - reach_px - 1);
+  const auto right = static_cast<float>(box.max().x() + reach_px + 1);
+  const auto bottom = static_cast<float>(box.max().y() + reach_px + 1);
+  for (const Keypoint& keypoint : scene.keypoints) {
+    if (keypoint.x < left || keypoint.x > right || keypoint.y < top || keypoint.y > bottom) continue;
+    around.push_back(keypoint);
+  }
+  return around;
+}
+
 // The fraction of scene keypoints that agree with the projection of a template keypoint in position, scale and
 // orientation: p for rank 1. Counted over windows twice as wide, since narrow windows hold few keypoints or none, and
-// then reduced by the ratio of the windows.
+// then reduced by the ratio of the windows. @param around  of KeypointsAround, for the reach of the wider window
 double AgreeingFraction(const Keypoint& keypoint, const Similarity2& scene_from_template, const PoseWindow& window,
-                        const FeatureSet& scene, const VoteOptions& options) {
+                        std::span<const Keypoint> around, std::size_t scene_size, const VoteOptions& options) {
   const double turn_window_rad = std::min(kPi, options.turn_rad);
   const double wide_turn_rad = std::min(kPi, kCountingFactor * turn_window_rad);
   const Eigen::Vector2d place = scene_from_template.Apply(PositionOf(keypoint));
@@ -57,7 +84,7 @@ double AgreeingFraction(const Keypoint& keypoint, const Similarity2& scene_from_
   const double scale_px = keypoint.scale_px * scene_from_template.scale;
   const double turn_rad = keypoint.orientation_rad + scene_from_template.rotation_rad;
   int count = 0;
-  for (const Keypoint& other : scene.keypoints) {
+  for (const Keypoint& other : around) {
     if ((PositionOf(other) - place).squaredNorm() > reach_px * reach_px) continue;
     if (other.scale_px > kVoteScaleFactor * scale_px || other.scale_px * kVoteScaleFactor < scale_px) continue;
     if (std::abs(WrapAngle(other.orientation_rad - turn_rad)) > wide_turn_rad) continue;
@@ -65,7 +92,7 @@ double AgreeingFraction(const Keypoint& keypoint, const Similarity2& scene_from_
   }
   const double narrower = reach_px / window.radius_px;
   const double wider = narrower * narrower * wide_turn_rad / turn_window_rad;
-  return std::max(kMinAgreeingCount, count / wider) / static_cast<double>(scene.size());
+  return std::max(kMinAgreeingCount, count / wider) / static_cast<double>(scene_size);
 }
 
 // True if two scene descriptors belong to a repeated texture.
@@ -85,6 +112,8 @@ std::vector<double> InlierChances(const Similarity2& scene_from_template, std::s
                                   const VoteOptions& options) {
   std::vector<RankedMatch> by_rank(inliers.begin(), inliers.end());
   std::ranges::stable_sort(by_rank, {}, &RankedMatch::rank);
+  const std::vector<Keypoint> around =
+      KeypointsAround(scene_from_template, inliers, kCountingFactor * window.widest_px, scene, model);
   std::vector<std::size_t> taken;
   std::vector<double> chances;
   for (const RankedMatch& match : by_rank) {
@@ -98,7 +127,7 @@ std::vector<double> InlierChances(const Similarity2& scene_from_template, std::s
     if (is_dependent) continue;
     taken.push_back(match.scene_keypoint);
     chances.push_back(std::min(1.0, match.rank * AgreeingFraction(model[match.template_keypoint], scene_from_template,
-                                                                  window, scene, options)));
+                                                                  window, around, scene.size(), options)));
   }
   std::ranges::sort(chances);
   return chances;

@@ -24,7 +24,7 @@ double Log10PoseCount(const Similarity2& scene_from_template, double radius_px, 
 /// @param inliers  of the similarity, each template keypoint once
 /// @param size_px  size of the object in the template: square root of the outline's area
 /// @return -log10 NFA, decades, for one searched view; negative if chance explains the pose
-/// Cost: inliers x scene keypoints.
+/// Cost: scene keypoints + inliers x scene keypoints around the object.
 double ComputeRankNegLog10Nfa(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
                               const PoseWindow& window, double size_px, const FeatureSet& scene,
                               std::span<const Keypoint> template_keypoints, const VoteOptions& options);
