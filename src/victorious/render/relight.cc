@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -116,6 +117,15 @@ class SurfaceGeometry {
   std::vector<double> y_;  // by row
 };
 
+// The least float that is not below a value: the same floats are less than either.
+float RoundUp(double value) {
+  const auto nearest = static_cast<float>(value);
+  if (!(nearest < value)) return nearest;
+  // std::nextafter is a call. The bits of positive floats are in the order of their values.
+  return nearest > 0 ? std::bit_cast<float>(std::bit_cast<std::uint32_t>(nearest) + 1)
+                     : std::nextafter(nearest, std::numeric_limits<float>::infinity());
+}
+
 // The shadow map: the depth map from near the direction of the sun.
 class ShadowMap {
  public:
@@ -137,13 +147,21 @@ class ShadowMap {
     if (!pixel) return 1;
     const int column = static_cast<int>(std::floor(pixel->x()));
     const int row = static_cast<int>(std::floor(pixel->y()));
-    const double limit = point.z() - kDepthBias_texels * texel_m;
+    const float limit = RoundUp(point.z() - kDepthBias_texels * texel_m);
     int hidden = 0;
-    const int first = std::max(0, column - kFilterReach);
-    const int last = std::min(depth_m_.cols - 1, column + kFilterReach);
-    for (int y = std::max(0, row - kFilterReach); y <= std::min(depth_m_.rows - 1, row + kFilterReach); ++y) {
-      const float* const depths_m = depth_m_.ptr<float>(y);
-      for (int x = first; x <= last; ++x) hidden += depths_m[x] < limit ? 1 : 0;  // false for NaN
+    if (column >= kFilterReach && row >= kFilterReach && column < depth_m_.cols - kFilterReach &&
+        row < depth_m_.rows - kFilterReach) {
+      for (int y = -kFilterReach; y <= kFilterReach; ++y) {  // unrolled, without branches
+        const float* const depths_m = depth_m_.ptr<float>(row + y) + column;
+        for (int x = -kFilterReach; x <= kFilterReach; ++x) hidden += static_cast<int>(depths_m[x] < limit);
+      }
+    } else {
+      const int first = std::max(0, column - kFilterReach);
+      const int last = std::min(depth_m_.cols - 1, column + kFilterReach);
+      for (int y = std::max(0, row - kFilterReach); y <= std::min(depth_m_.rows - 1, row + kFilterReach); ++y) {
+        const float* const depths_m = depth_m_.ptr<float>(y);
+        for (int x = first; x <= last; ++x) hidden += static_cast<int>(depths_m[x] < limit);  // false for NaN
+      }
     }
     constexpr double kSide = 2 * kFilterReach + 1;
     return 1 - hidden / (kSide * kSide);
