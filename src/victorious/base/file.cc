@@ -202,6 +202,11 @@ MappedFile::~MappedFile() {
   if (size_ > 0) ::munmap(const_cast<std::byte*>(data_), size_);
 }
 
+void MappedFile::ReleasePages() const {
+  // A failure leaves the pages where they are, which is harmless.
+  if (size_ > 0) static_cast<void>(::madvise(const_cast<std::byte*>(data_), size_, MADV_DONTNEED));
+}
+
 std::uint64_t Checksum(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
 Expected<std::string> ContentId(const fs::path& file, const CancelToken& cancel, const ByteProgress& progress) {

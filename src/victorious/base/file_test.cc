@@ -249,6 +249,29 @@ TEST(MappedFile, MapsTheBytesAlsoAfterUnlink) {
   EXPECT_EQ(TextOf(**file), "mapped bytes");
 }
 
+// Bytes of files that are mapped into this process and resident (proc(5), statm).
+std::size_t ResidentFileBytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::size_t size = 0;
+  std::size_t resident = 0;
+  std::size_t shared = 0;
+  statm >> size >> resident >> shared;
+  return shared * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+TEST(MappedFile, GivesBackTheMemoryOfItsPages) {
+  constexpr std::size_t kBytes = 32 << 20;
+  const ScratchFolder scratch;
+  Put(scratch / "file", std::string(kBytes, 'x'));
+  const auto file = MappedFile::Open(scratch / "file");
+  ASSERT_TRUE(file);
+  const std::uint64_t checksum = Checksum((*file)->bytes());
+  const std::size_t read = ResidentFileBytes();
+  (*file)->ReleasePages();
+  EXPECT_LT(ResidentFileBytes() + kBytes / 2, read);
+  EXPECT_EQ(Checksum((*file)->bytes()), checksum) << "they are read again";
+}
+
 TEST(MappedFile, EmptyFileHasNoBytes) {
   const ScratchFolder scratch;
   Put(scratch / "empty", "");

@@ -154,7 +154,9 @@ Status WriteModelFile(const std::filesystem::path& path, const ObjectModel& mode
 
 Expected<ObjectModel> ReadModelFile(const std::filesystem::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const MappedFile> file, MappedFile::Open(path));
-  return ParseModel(file->bytes(), file, path.string());
+  Expected<ObjectModel> model = ParseModel(file->bytes(), file, path.string());
+  file->ReleasePages();  // the checksums have read all of it; a search needs a part
+  return model;
 }
 
 Expected<ObjectModel> ParseModel(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
