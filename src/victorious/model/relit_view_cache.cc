@@ -16,8 +16,11 @@ void RelitViewCache::SetSize(const Key& key, std::size_t bytes) {
   const auto entry = entries_.find(key);
   if (entry == entries_.end()) return;
   size_bytes_ += bytes - entry->second.bytes;
+  if (key.kind == Kind::kRendering) renderings_bytes_ += bytes - entry->second.bytes;
   entry->second.bytes = bytes;
-  if (size_bytes_ > max_bytes_) EvictOldest();
+  EvictOldest(max_bytes_ / kRenderingsShare, renderings_bytes_,
+              [](const Key& one) { return one.kind == Kind::kRendering; });
+  EvictOldest(max_bytes_, size_bytes_, [](const Key&) { return true; });
 }
 
 std::size_t RelitViewCache::size_bytes() const {
@@ -25,20 +28,27 @@ std::size_t RelitViewCache::size_bytes() const {
   return size_bytes_;
 }
 
-// Evicts a quarter of the budget at once: the order of use is not kept sorted.
-void RelitViewCache::EvictOldest() {
-  const std::size_t kept_bytes = max_bytes_ - max_bytes_ / 4;
+// Evicts a quarter of max_bytes at once, if `bytes` of the included items exceed it: the order of use is not kept sorted.
+template <typename Predicate>
+void RelitViewCache::EvictOldest(std::size_t max_bytes, std::size_t& bytes, const Predicate& includes) {
+  if (bytes <= max_bytes) return;
+  const std::size_t kept_bytes = max_bytes - max_bytes / 4;
   std::vector<std::pair<std::uint64_t, Key>> oldest_first;
   for (const auto& [key, entry] : entries_) {
-    if (entry.bytes > 0) oldest_first.emplace_back(entry.last_use, key);
+    if (entry.bytes > 0 && includes(key)) oldest_first.emplace_back(entry.last_use, key);
   }
   std::ranges::sort(oldest_first);
   for (const auto& [last_use, key] : oldest_first) {
-    if (size_bytes_ <= kept_bytes) break;
-    const auto entry = entries_.find(key);
-    size_bytes_ -= entry->second.bytes;
-    entries_.erase(entry);
+    if (bytes <= kept_bytes) break;
+    Erase(key);
   }
+}
+
+void RelitViewCache::Erase(const Key& key) {
+  const auto entry = entries_.find(key);
+  size_bytes_ -= entry->second.bytes;
+  if (key.kind == Kind::kRendering) renderings_bytes_ -= entry->second.bytes;
+  entries_.erase(entry);
 }
 
 }  // namespace victorious

@@ -1,5 +1,7 @@
 // The memory of relit views (relit_views.h): one budget for the relit templates, surface samples and decoded renderings
-// of all models of a search. What is evicted is made again on demand.
+// of all models of a search. What is evicted is made again on demand. Renderings have a share of the budget: one is ten
+// times as large as a template and decoded in a tenth of the time that a template takes, so that they must not displace
+// templates.
 #pragma once
 
 #include <compare>
@@ -25,7 +27,8 @@ class RelitViewCache {
     auto operator<=>(const Key&) const = default;
   };
 
-  static constexpr std::size_t kDefaultMaxBytes = 200'000'000;
+  static constexpr std::size_t kDefaultMaxBytes = 150'000'000;
+  static constexpr std::size_t kRenderingsShare = 4;  ///< renderings take at most 1 / this of the budget
 
   /// @param max_bytes  of the sizes that SetSize() tells
   explicit RelitViewCache(std::size_t max_bytes = kDefaultMaxBytes) : max_bytes_(max_bytes) {}
@@ -43,8 +46,9 @@ class RelitViewCache {
     return std::static_pointer_cast<Item>(entry.item);
   }
 
-  /// Tells the size of an item, and evicts the least recently used items if all are too large together. An item whose
-  /// size is unknown stays; users of an evicted item keep it.
+  /// Tells the size of an item, and evicts the least recently used renderings if they exceed their share, and the least
+  /// recently used items if all are too large together. An item whose size is unknown stays; users of an evicted item
+  /// keep it.
   void SetSize(const Key& key, std::size_t bytes);
 
   /// Bytes of all items.
@@ -57,12 +61,15 @@ class RelitViewCache {
     std::uint64_t last_use = 0;
   };
 
-  void EvictOldest();
+  template <typename Predicate>
+  void EvictOldest(std::size_t max_bytes, std::size_t& bytes, const Predicate& includes);
+  void Erase(const Key& key);
 
   const std::size_t max_bytes_;
   mutable std::mutex mutex_;
   std::map<Key, Entry> entries_;
-  std::size_t size_bytes_ = 0;
+  std::size_t size_bytes_ = 0;        // of all items
+  std::size_t renderings_bytes_ = 0;  // of kind kRendering
   std::uint64_t uses_ = 0;
   std::uint32_t models_ = 0;
 };

@@ -46,6 +46,24 @@ TEST(RelitViewCache, EvictsTheLeastRecentlyUsedItemsOfKnownSize) {
   EXPECT_NE(cache.FindOrAdd<int>(KeyOf(2)), items[2]);
 }
 
+TEST(RelitViewCache, RenderingsDoNotDisplaceTemplates) {
+  const auto rendering_of = [](std::size_t view) {
+    return RelitViewCache::Key{.model = 0, .kind = Kind::kRendering, .view = view, .light = 0};
+  };
+  RelitViewCache cache(100);
+  const auto made = cache.FindOrAdd<int>(KeyOf(0));
+  cache.SetSize(KeyOf(0), 10);
+  std::vector<std::shared_ptr<int>> renderings;
+  for (std::size_t view = 0; view < 20; ++view) {
+    renderings.push_back(cache.FindOrAdd<int>(rendering_of(view)));
+    cache.SetSize(rendering_of(view), 8);
+    EXPECT_LE(cache.size_bytes(), 10U + 100 / RelitViewCache::kRenderingsShare);
+  }
+  EXPECT_EQ(cache.FindOrAdd<int>(KeyOf(0)), made) << "the oldest of all";
+  EXPECT_EQ(cache.FindOrAdd<int>(rendering_of(19)), renderings[19]);
+  EXPECT_NE(cache.FindOrAdd<int>(rendering_of(0)), renderings[0]);
+}
+
 TEST(RelitViewCache, AnItemLargerThanTheBudgetIsNotKept) {
   RelitViewCache cache(100);
   const auto item = cache.FindOrAdd<int>(KeyOf(1));

@@ -121,7 +121,7 @@ TEST(RelitViews, CoarseTemplateHasTheSamePixelFrame) {
 
 // An evicted template is made again identically; within the budget it is kept.
 TEST(RelitViews, BudgetIsSharedByModels) {
-  const auto cache = std::make_shared<RelitViewCache>(3'000'000);
+  const auto cache = std::make_shared<RelitViewCache>(300'000);
   const auto relit = MakeRelitViews(SmallCadModel(), cache).value();
   const auto other = MakeRelitViews(SmallCadModel(), cache).value();
   const auto first = relit->GetTemplate({7, 1}).value();
@@ -129,7 +129,7 @@ TEST(RelitViews, BudgetIsSharedByModels) {
   EXPECT_GT(cache->size_bytes(), first->features.descriptors.size());
   for (std::size_t view = 0; view < SmallCadModel().views.size(); ++view) {
     static_cast<void>(other->GetTemplate({7, view}).value());
-    EXPECT_LE(cache->size_bytes(), 3'000'000U);
+    EXPECT_LE(cache->size_bytes(), 300'000U);
   }
   const auto again = relit->GetTemplate({7, 1}).value();
   EXPECT_NE(again, first);
