@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -69,7 +71,7 @@ struct Slot {
 class RelitViews : public RelitTemplateSource {
  public:
   RelitViews(const ObjectModel& model, const CadModelOptions& options,
-             std::unique_ptr<const FeatureExtractor> extractor, std::shared_ptr<RelitViewCache> cache)
+             std::shared_ptr<const FeatureExtractor> extractor, std::shared_ptr<RelitViewCache> cache)
       : model_(model),
         options_(options),
         extractor_(std::move(extractor)),
@@ -169,32 +171,56 @@ class RelitViews : public RelitTemplateSource {
 
   ObjectModel model_;
   CadModelOptions options_;
-  std::unique_ptr<const FeatureExtractor> extractor_;
+  std::shared_ptr<const FeatureExtractor> extractor_;
   std::shared_ptr<RelitViewCache> cache_;
   std::uint32_t number_;  // of the model in the cache
 };
 
 bool HasSurface(const ModelView& view) { return view.angles && !view.surface.empty(); }
 
-}  // namespace
+// The extractors of the models of one search. An extractor keeps the memory of an image, some 70 bytes a pixel, for the
+// next one: models of equal options share it.
+class SharedExtractors {
+ public:
+  Expected<std::shared_ptr<const FeatureExtractor>> Of(const FeatureOptions& options) {
+    std::shared_ptr<const FeatureExtractor>& extractor = extractors_[OptionsToJsonText(options)];
+    if (!extractor) {
+      VICTORIOUS_ASSIGN_OR_RETURN(extractor, MakeFeatureExtractor(options));
+    }
+    return extractor;
+  }
 
-Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(const ObjectModel& model,
-                                                                    std::shared_ptr<RelitViewCache> cache) {
+ private:
+  std::map<std::string, std::shared_ptr<const FeatureExtractor>> extractors_;  // by options
+};
+
+Expected<std::unique_ptr<const RelitTemplateSource>> MakeViews(const ObjectModel& model,
+                                                               std::shared_ptr<RelitViewCache> cache,
+                                                               SharedExtractors& extractors) {
   if (model.views.empty() || !std::ranges::all_of(model.views, HasSurface)) return nullptr;
   CadModelOptions options;
   const auto json = nlohmann::json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
   if (Status status = SetFromJson(json, CollectFields(options)); !status) {
     return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, extractors.Of(options.features));
   return std::make_unique<const RelitViews>(model, options, std::move(extractor), std::move(cache));
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(const ObjectModel& model,
+                                                                    std::shared_ptr<RelitViewCache> cache) {
+  SharedExtractors extractors;
+  return MakeViews(model, std::move(cache), extractors);
 }
 
 Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(std::span<const ObjectModel> models) {
   const auto cache = std::make_shared<RelitViewCache>();
+  SharedExtractors extractors;
   std::vector<std::shared_ptr<const RelitTemplateSource>> views;
   for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(views.emplace_back(), MakeRelitViews(model, cache));
+    VICTORIOUS_ASSIGN_OR_RETURN(views.emplace_back(), MakeViews(model, cache, extractors));
   }
   return views;
 }
