@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -12,6 +17,8 @@
 #include <unistd.h>
 #define XXH_INLINE_ALL
 #include <xxhash.h>
+
+#include "victorious/base/mapped_pages.h"
 
 namespace victorious {
 namespace {
@@ -165,6 +172,48 @@ Status Replace(const fs::path& path, std::span<const std::byte> bytes) {
   return {};
 }
 
+// The mapped files of this process. Only their pages may be given back: those of other memory would be lost.
+class FileMappings {
+ public:
+  void Add(const std::byte* data, std::size_t size) {
+    const std::scoped_lock lock(mutex_);
+    sizes_[Address(data)] = size;
+  }
+
+  void Remove(const std::byte* data) {
+    const std::scoped_lock lock(mutex_);
+    sizes_.erase(Address(data));
+  }
+
+  void Release(std::span<const std::byte> bytes) {
+    const std::scoped_lock lock(mutex_);  // also while the mapping is in use: it must not be removed
+    auto mapping = sizes_.upper_bound(Address(bytes.data()));
+    if (bytes.empty() || mapping == sizes_.begin()) return;
+    --mapping;
+    const auto& [begin, size] = *mapping;
+    const std::uintptr_t end = Address(bytes.data()) + bytes.size();
+    if (end > begin + size) return;
+    const std::uintptr_t first = std::max(begin, Address(bytes.data()) / kMappedTogether * kMappedTogether);
+    const std::uintptr_t last = std::min(begin + size, (end + kMappedTogether - 1) / kMappedTogether * kMappedTogether);
+    // A failure leaves the pages where they are, which is harmless.
+    static_cast<void>(::madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED));
+  }
+
+ private:
+  // Linux maps the pages of so many bytes with the one that is read, if it has them in memory (fault_around_bytes).
+  static constexpr std::uintptr_t kMappedTogether = 65536;
+
+  static std::uintptr_t Address(const std::byte* byte) { return reinterpret_cast<std::uintptr_t>(byte); }
+
+  std::mutex mutex_;
+  std::map<std::uintptr_t, std::size_t> sizes_;  // by first address
+};
+
+FileMappings& Mappings() {
+  static FileMappings* const mappings = new FileMappings;  // never destroyed: files may be unmapped at exit
+  return *mappings;
+}
+
 }  // namespace
 
 Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
@@ -195,17 +244,18 @@ Expected<std::shared_ptr<const MappedFile>> MappedFile::Open(const fs::path& pat
   if (file.size == 0) return std::shared_ptr<const MappedFile>(new MappedFile(nullptr, 0));
   void* data = ::mmap(nullptr, file.size, PROT_READ, MAP_PRIVATE, file.descriptor.fd(), 0);
   if (data == MAP_FAILED) return std::unexpected(ErrorFromErrno(errno, fmt::format("map {}", path.string())));
+  Mappings().Add(static_cast<const std::byte*>(data), file.size);
   return std::shared_ptr<const MappedFile>(new MappedFile(static_cast<const std::byte*>(data), file.size));
 }
 
 MappedFile::~MappedFile() {
+  if (size_ > 0) Mappings().Remove(data_);
   if (size_ > 0) ::munmap(const_cast<std::byte*>(data_), size_);
 }
 
-void MappedFile::ReleasePages() const {
-  // A failure leaves the pages where they are, which is harmless.
-  if (size_ > 0) static_cast<void>(::madvise(const_cast<std::byte*>(data_), size_, MADV_DONTNEED));
-}
+void MappedFile::ReleasePages() const { ReleaseMappedPages(bytes()); }
+
+void ReleaseMappedPages(std::span<const std::byte> bytes) { Mappings().Release(bytes); }
 
 std::uint64_t Checksum(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 

@@ -1,5 +1,6 @@
 #include "victorious/base/file.h"
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -21,6 +23,7 @@
 #include <unistd.h>
 
 #include "testing/data.h"
+#include "victorious/base/mapped_pages.h"
 
 namespace victorious {
 namespace {
@@ -270,6 +273,26 @@ TEST(MappedFile, GivesBackTheMemoryOfItsPages) {
   (*file)->ReleasePages();
   EXPECT_LT(ResidentFileBytes() + kBytes / 2, read);
   EXPECT_EQ(Checksum((*file)->bytes()), checksum) << "they are read again";
+}
+
+TEST(ReleaseMappedPages, ReleasesPartsOfMappedFilesOnly) {
+  constexpr std::size_t kBytes = 32 << 20;
+  const ScratchFolder scratch;
+  Put(scratch / "file", std::string(kBytes, 'x'));
+  const auto file = MappedFile::Open(scratch / "file");
+  ASSERT_TRUE(file);
+  const std::span<const std::byte> bytes = (*file)->bytes();
+  const std::uint64_t checksum = Checksum(bytes);
+  const std::size_t read = ResidentFileBytes();
+  ReleaseMappedPages(bytes.subspan(kBytes / 4 + 1, kBytes / 2));
+  const std::size_t released = read - ResidentFileBytes();
+  EXPECT_GT(released, kBytes / 2 - kBytes / 8);
+  EXPECT_LT(released, kBytes / 2 + kBytes / 8);
+  EXPECT_EQ(Checksum(bytes), checksum);
+
+  const std::vector<std::byte> own(4 << 20, std::byte{7});
+  ReleaseMappedPages(own);
+  EXPECT_EQ(std::ranges::count(own, std::byte{7}), std::ssize(own)) << "no file: would be lost";
 }
 
 TEST(MappedFile, EmptyFileHasNoBytes) {

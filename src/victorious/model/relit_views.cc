@@ -17,6 +17,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/base/mapped_pages.h"
 #include "victorious/base/stage_time.h"
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/kernels/shorten.h"
@@ -135,8 +136,11 @@ class RelitViews : public RelitTemplateSource {
   // Error: kDataLoss for a rendering that was damaged before its model file was written: the file's checksums are
   // verified when it is read.
   [[nodiscard]] Expected<std::shared_ptr<const SurfacePart>> GetRendering(std::size_t view) const {
-    return Get<SurfacePart>({number_, RelitViewCache::Kind::kRendering, view, 0},
-                            [&] { return DecodeSurfacePart(model_.views[view].surface, NameOf(view)); });
+    return Get<SurfacePart>({number_, RelitViewCache::Kind::kRendering, view, 0}, [&] {
+      Expected<SurfacePart> part = DecodeSurfacePart(model_.views[view].surface, NameOf(view));
+      ReleaseMappedPages(model_.views[view].surface);  // most of a model file
+      return part;
+    });
   }
 
   [[nodiscard]] Expected<RelitTemplate> MakeTemplate(const RelitTemplateKey& wanted) const {
