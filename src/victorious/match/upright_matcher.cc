@@ -70,6 +70,15 @@ kernels::PackedQueries PackInOrder(std::span<const UprightTemplate> templates, s
   return packed;
 }
 
+// Queries are sorted by orientation, so that their descriptors are anywhere in the templates' memory: they are fetched
+// this many queries ahead.
+constexpr std::size_t kFetchedAhead = 8;
+
+void Prefetch(std::span<const std::uint8_t> descriptor) {
+  constexpr std::size_t kCacheLine = 64;
+  for (std::size_t i = 0; i < descriptor.size(); i += kCacheLine) __builtin_prefetch(descriptor.data() + i);
+}
+
 // The absolute difference of two orientations, [0, pi].
 double TurnBetween(float a, float b) {
   const double difference = std::abs(static_cast<double>(a) - b);
@@ -146,6 +155,13 @@ std::vector<std::vector<RankedMatch>> UprightMatcher::Match(std::span<const Upri
   const std::size_t max_count = std::min(kCandidates, static_cast<std::size_t>(nearest));
   for (std::size_t q = 0; q < queries.size(); ++q) {
     const Query& query = queries[q];
+    if (q + kFetchedAhead < queries.size()) {
+      const Query& later = queries[q + kFetchedAhead];
+      Prefetch(templates[later.model].features.Descriptor(later.keypoint));
+      for (const std::uint32_t candidate : std::span(found).subspan((q + kFetchedAhead) * kCandidates, kCandidates)) {
+        if (candidate % padded < order_.size()) Prefetch(scene_.Descriptor(order_[candidate % padded]));
+      }
+    }
     std::array<std::pair<std::uint32_t, std::uint32_t>, kCandidates> near;  // distance, scene keypoint
     std::size_t count = 0;
     for (const std::uint32_t candidate : std::span(found).subspan(q * kCandidates, kCandidates)) {
