@@ -1,6 +1,4 @@
 // victorious copy VIDEO --out FILE: writes a copy of a video that browsers play
-#include "victorious/cli/cmd_copy.h"
-
 #include <memory>
 #include <string>
 
@@ -8,6 +6,7 @@
 
 #include "victorious/base/count_text.h"
 #include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
 #include "victorious/video/playable_copy.h"
 

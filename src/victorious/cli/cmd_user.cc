@@ -1,6 +1,4 @@
 // victorious user add | change | remove | list | token | revoke | log: who may use `victorious serve`
-#include "victorious/cli/cmd_user.h"
-
 #include <array>
 #include <csignal>
 #include <filesystem>
@@ -17,6 +15,7 @@
 
 #include "victorious/base/utc.h"
 #include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
 #include "victorious/serve/secret.h"
 #include "victorious/store/account_store.h"
 #include "victorious/store/export_json.h"

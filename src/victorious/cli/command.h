@@ -18,11 +18,13 @@ struct Command {
   const char* group;
   const char* summary;             ///< one line
   Action (*setup)(CLI::App& app);  ///< nullptr if `program` is set
+  bool has_threads = false;        ///< gets the flag --threads
   const char* program = nullptr;   ///< executable in the folder of this one that gets all arguments as given
 };
 
 Action SetUpCategory(CLI::App& app);
 Action SetUpCluster(CLI::App& app);
+Action SetUpCopy(CLI::App& app);
 Action SetUpDoctor(CLI::App& app);
 Action SetUpEvaluate(CLI::App& app);
 Action SetUpExport(CLI::App& app);
@@ -42,6 +44,7 @@ Action SetUpSimulate(CLI::App& app);
 Action SetUpSubmit(CLI::App& app);
 Action SetUpTelemetry(CLI::App& app);
 Action SetUpTrack(CLI::App& app);
+Action SetUpUser(CLI::App& app);
 Action SetUpWork(CLI::App& app);
 
 }  // namespace victorious::cli

@@ -16,8 +16,6 @@
 #include <opencv2/core/utility.hpp>
 
 #include "victorious/base/version.h"
-#include "victorious/cli/cmd_copy.h"
-#include "victorious/cli/cmd_user.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/run_program.h"
 #include "victorious/cli/suggestion.h"
@@ -25,40 +23,42 @@
 namespace victorious::cli {
 namespace {
 
+// Of a command that computes in parallel and leaves the number of threads to the library. `index` and `work` have a flag
+// of their own, which also applies to decoding.
+constexpr bool kHasThreads = true;
+
 constexpr std::array kCommands = {
-    Command{"model", "Make", "Make, list, show and remove models of objects", &SetUpModel},
+    Command{"model", "Make", "Make, list, show and remove models of objects", &SetUpModel, kHasThreads},
     Command{"frame", "Make", "Write one frame of a video as an image, to cut an object out", &SetUpFrame},
     Command{"copy", "Make", "Write a copy of a video that browsers play, every frame at its time", &SetUpCopy},
-    Command{"category", "Make", "Train categories from images, and classify images", &SetUpCategory},
-    Command{"simulate", "Make", "Render a flight over a scene, with telemetry and ground truth", &SetUpSimulate},
+    Command{"category", "Make", "Train categories from images, and classify images", &SetUpCategory, kHasThreads},
+    Command{"simulate", "Make", "Render a flight over a scene, with telemetry and ground truth", &SetUpSimulate,
+            kHasThreads},
     Command{"index", "Find", "Find every model in every video, and store the results", &SetUpIndex},
-    Command{"search", "Find", "List the objects found, ranked, or the moments similar to an image", &SetUpSearch},
+    Command{"search", "Find", "List the objects found, ranked, or the moments similar to an image", &SetUpSearch,
+            kHasThreads},
     Command{"export", "Find", "Export the results as JSON, map or annotation files", &SetUpExport},
-    Command{"track", "Find", "Track the objects in user boxes through one or more videos", &SetUpTrack},
+    Command{"track", "Find", "Track the objects in user boxes through one or more videos", &SetUpTrack, kHasThreads},
     Command{"serve", "Find", "Show the results in the browser: ranked list, video and map", &SetUpServe},
     Command{"user", "Find", "Say who may use `serve`: accounts, roles, tokens, log", &SetUpUser},
     Command{"sheet", "Find", "Draw the objects found on a contact sheet", &SetUpSheet},
     Command{"locate", "Find", "Locate the intersection of lines of sight, with covariance", &SetUpLocate},
-    Command{"navigate", "Find", "Estimate the camera pose from landmarks of known place", &SetUpNavigate},
+    Command{"navigate", "Find", "Estimate the camera pose from landmarks of known place", &SetUpNavigate, kHasThreads},
     Command{"submit", "Cluster", "Give videos to workers that share a PostgreSQL database", &SetUpSubmit},
     Command{"work", "Cluster", "Index submitted videos, one after the other", &SetUpWork},
     Command{"cluster", "Cluster", "List the tasks of the workers and their progress", &SetUpCluster},
-    Command{"match", "Look inside", "Match two images, stage by stage", &SetUpMatch},
-    Command{"features", "Look inside", "Print the features of an image as text", &SetUpFeatures},
+    Command{"match", "Look inside", "Match two images, stage by stage", &SetUpMatch, kHasThreads},
+    Command{"features", "Look inside", "Print the features of an image as text", &SetUpFeatures, kHasThreads},
     Command{"telemetry", "Look inside", "Print the camera states of a video or telemetry file", &SetUpTelemetry},
     Command{"params", "Look inside", "List every parameter with default, range and reason", &SetUpParams},
     Command{"doctor", "Look inside", "Describe this machine, or the content of a file", &SetUpDoctor},
     Command{"manual", "Look inside", "Print the manual page, or the completion for bash", &SetUpManual},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
-    Command{"experiment", "Measure", "Reproduce a table or figure of the thesis", nullptr, "victorious-experiment"},
-    Command{"bench", "Measure", "Measure the speed of each stage against reference implementations", nullptr,
+    Command{"experiment", "Measure", "Reproduce a table or figure of the thesis", nullptr, false,
+            "victorious-experiment"},
+    Command{"bench", "Measure", "Measure the speed of each stage against reference implementations", nullptr, false,
             "victorious-bench"},
 };
-
-// The commands that compute in parallel and leave the number of threads to the library; `index` has a flag of its own,
-// which also applies to decoding.
-constexpr std::array<std::string_view, 8> kParallelCommands = {"model", "category", "simulate", "search",
-                                                               "track", "navigate", "match",    "features"};
 
 // Adds --threads to a command, or to its parts.
 void AddThreads(CLI::App& command, int& threads) {
@@ -89,7 +89,7 @@ Expected<int> Main(int argc, char** argv) {
     CLI::App* subcommand = app.add_subcommand(command.name, command.summary)->group(command.group);
     if (command.setup == nullptr) continue;
     subcommand->final_callback([&chosen, action = command.setup(*subcommand)] { chosen = action; });
-    if (std::ranges::find(kParallelCommands, command.name) != kParallelCommands.end()) AddThreads(*subcommand, threads);
+    if (command.has_threads) AddThreads(*subcommand, threads);
   }
   const bool is_command = argc > 1 && argv[1][0] != '-';
   if (is_command && named == kCommands.end()) {
