@@ -18,8 +18,8 @@ void RelitViewCache::SetSize(const Key& key, std::size_t bytes) {
   size_bytes_ += bytes - entry->second.bytes;
   if (key.kind == Kind::kRendering) renderings_bytes_ += bytes - entry->second.bytes;
   entry->second.bytes = bytes;
-  EvictOldest(max_bytes_ / kRenderingsShare, renderings_bytes_,
-              [](const Key& one) { return one.kind == Kind::kRendering; });
+  const auto max_renderings_bytes = static_cast<std::size_t>(kMaxRenderingsFraction * static_cast<double>(max_bytes_));
+  EvictOldest(max_renderings_bytes, renderings_bytes_, [](const Key& one) { return one.kind == Kind::kRendering; });
   EvictOldest(max_bytes_, size_bytes_, [](const Key&) { return true; });
 }
 

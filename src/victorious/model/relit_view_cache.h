@@ -1,5 +1,5 @@
 // The memory of relit views (relit_views.h): one budget for the relit templates, surface samples and decoded renderings
-// of all models of a search. What is evicted is made again on demand. Renderings have a share of the budget: one is ten
+// of all models of a search. What is evicted is made again on demand. Renderings get a fraction of the budget: one is ten
 // times as large as a template and decoded in a tenth of the time that a template takes, so that they must not displace
 // templates.
 #pragma once
@@ -28,7 +28,7 @@ class RelitViewCache {
   };
 
   static constexpr std::size_t kDefaultMaxBytes = 150'000'000;
-  static constexpr std::size_t kRenderingsShare = 4;  ///< renderings take at most 1 / this of the budget
+  static constexpr double kMaxRenderingsFraction = 0.25;  ///< of the budget
 
   /// @param max_bytes  of the sizes that SetSize() tells
   explicit RelitViewCache(std::size_t max_bytes = kDefaultMaxBytes) : max_bytes_(max_bytes) {}
@@ -46,7 +46,7 @@ class RelitViewCache {
     return std::static_pointer_cast<Item>(entry.item);
   }
 
-  /// Tells the size of an item, and evicts the least recently used renderings if they exceed their share, and the least
+  /// Tells the size of an item, and evicts the least recently used renderings if they exceed their fraction, and the least
   /// recently used items if all are too large together. An item whose size is unknown stays; users of an evicted item
   /// keep it.
   void SetSize(const Key& key, std::size_t bytes);
