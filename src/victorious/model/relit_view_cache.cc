@@ -18,9 +18,23 @@ void RelitViewCache::SetSize(const Key& key, std::size_t bytes) {
   size_bytes_ += bytes - entry->second.bytes;
   if (key.kind == Kind::kRendering) renderings_bytes_ += bytes - entry->second.bytes;
   entry->second.bytes = bytes;
-  const auto max_renderings_bytes = static_cast<std::size_t>(kMaxRenderingsFraction * static_cast<double>(max_bytes_));
-  EvictOldest(max_renderings_bytes, renderings_bytes_, [](const Key& one) { return one.kind == Kind::kRendering; });
-  EvictOldest(max_bytes_, size_bytes_, [](const Key&) { return true; });
+  if (size_bytes_ <= max_bytes_) return;
+  // A quarter of the budget goes at once: the order of use is not kept sorted.
+  const std::size_t kept_bytes = max_bytes_ - max_bytes_ / 4;
+  const double kept_renderings_bytes = kRenderingsFraction * static_cast<double>(max_bytes_);
+  std::vector<Key> others;
+  for (const Key& one : OldestFirst()) {
+    if (size_bytes_ <= kept_bytes) return;
+    if (one.kind == Kind::kRendering && static_cast<double>(renderings_bytes_) > kept_renderings_bytes) {
+      Erase(one);
+    } else {
+      others.push_back(one);
+    }
+  }
+  for (const Key& one : others) {
+    if (size_bytes_ <= kept_bytes) return;
+    Erase(one);
+  }
 }
 
 std::size_t RelitViewCache::size_bytes() const {
@@ -28,20 +42,17 @@ std::size_t RelitViewCache::size_bytes() const {
   return size_bytes_;
 }
 
-// Evicts a quarter of max_bytes at once, if `bytes` of the included items exceed it: the order of use is not kept sorted.
-template <typename Predicate>
-void RelitViewCache::EvictOldest(std::size_t max_bytes, std::size_t& bytes, const Predicate& includes) {
-  if (bytes <= max_bytes) return;
-  const std::size_t kept_bytes = max_bytes - max_bytes / 4;
-  std::vector<std::pair<std::uint64_t, Key>> oldest_first;
+// The items of known size, the least recently used first.
+std::vector<RelitViewCache::Key> RelitViewCache::OldestFirst() const {
+  std::vector<std::pair<std::uint64_t, Key>> by_use;
   for (const auto& [key, entry] : entries_) {
-    if (entry.bytes > 0 && includes(key)) oldest_first.emplace_back(entry.last_use, key);
+    if (entry.bytes > 0) by_use.emplace_back(entry.last_use, key);
   }
-  std::ranges::sort(oldest_first);
-  for (const auto& [last_use, key] : oldest_first) {
-    if (bytes <= kept_bytes) break;
-    Erase(key);
-  }
+  std::ranges::sort(by_use);
+  std::vector<Key> keys;
+  keys.reserve(by_use.size());
+  for (const auto& [last_use, key] : by_use) keys.push_back(key);
+  return keys;
 }
 
 void RelitViewCache::Erase(const Key& key) {

@@ -1,7 +1,6 @@
 // The memory of relit views (relit_views.h): one budget for the relit templates, surface samples and decoded renderings
-// of all models of a search. What is evicted is made again on demand. Renderings get a fraction of the budget: one is ten
-// times as large as a template and decoded in a tenth of the time that a template takes, so that they must not displace
-// templates.
+// of all models of a search. What is evicted is made again on demand. Renderings are evicted first: one is ten times as
+// large as a template, and decoded in a tenth of the time that a template takes.
 #pragma once
 
 #include <compare>
@@ -10,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 namespace victorious {
 
@@ -27,8 +27,9 @@ class RelitViewCache {
     auto operator<=>(const Key&) const = default;
   };
 
-  static constexpr std::size_t kDefaultMaxBytes = 150'000'000;
-  static constexpr double kMaxRenderingsFraction = 0.25;  ///< of the budget
+  static constexpr std::size_t kDefaultMaxBytes = 120'000'000;
+  /// Renderings that take more than this fraction of the budget are evicted before templates.
+  static constexpr double kRenderingsFraction = 0.25;
 
   /// @param max_bytes  of the sizes that SetSize() tells
   explicit RelitViewCache(std::size_t max_bytes = kDefaultMaxBytes) : max_bytes_(max_bytes) {}
@@ -46,9 +47,9 @@ class RelitViewCache {
     return std::static_pointer_cast<Item>(entry.item);
   }
 
-  /// Tells the size of an item, and evicts the least recently used renderings if they exceed their fraction, and the least
-  /// recently used items if all are too large together. An item whose size is unknown stays; users of an evicted item
-  /// keep it.
+  /// Tells the size of an item. If all are too large together, evicts the least recently used renderings, as long as they
+  /// exceed their fraction, and then the least recently used items. An item whose size is unknown stays; users of an
+  /// evicted item keep it.
   void SetSize(const Key& key, std::size_t bytes);
 
   /// Bytes of all items.
@@ -61,8 +62,7 @@ class RelitViewCache {
     std::uint64_t last_use = 0;
   };
 
-  template <typename Predicate>
-  void EvictOldest(std::size_t max_bytes, std::size_t& bytes, const Predicate& includes);
+  [[nodiscard]] std::vector<Key> OldestFirst() const;
   void Erase(const Key& key);
 
   const std::size_t max_bytes_;
