@@ -10,7 +10,9 @@ struct ShortlistOptions {
   int max_refined = 8;
   /// Of them at one place in the scene, so that no instance crowds out another; half as many at a certain one.
   int max_refined_per_place = 4;
-  double min_refined_neg_log10_nfa = -1;   ///< of their proposals
+  /// Of their proposals: chance gives each template one of 0 on average. Refinement makes templates at full resolution,
+  /// the most costly part of a search for models that the scene does not show.
+  double min_refined_neg_log10_nfa = 0;
   int max_verified = 12;                   ///< proposals that are matched and fitted in full, in one round
   int max_verified_per_place = 6;          ///< likewise
   double min_verified_neg_log10_nfa = -1;  ///< of their proposals
