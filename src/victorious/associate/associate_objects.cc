@@ -31,8 +31,12 @@ struct ObjectHypothesis {
 
 std::vector<BearingObservation> CollectObservations(const ObjectHypothesis& hypothesis) {
   std::vector<BearingObservation> observations;
-  for (const ObservedTracklet* tracklet : hypothesis.tracklets)
-    observations.insert(observations.end(), tracklet->observations.begin(), tracklet->observations.end());
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
+    for (BearingObservation observation : tracklet->observations) {
+      if (observation.line.clock_shift) observation.line.clock_shift->flight = tracklet->record.video;
+      observations.push_back(std::move(observation));
+    }
+  }
   std::ranges::stable_sort(observations, {},
                            [](const BearingObservation& observation) { return observation.line.time_s; });
   return observations;
@@ -44,9 +48,13 @@ bool IsInOneVideo(const ObjectHypothesis& hypothesis) {
   });
 }
 
-// Videos have no common clock, so an object of several videos is modelled as static.
+bool IsInPhotos(const ObjectHypothesis& hypothesis) {
+  return std::ranges::any_of(hypothesis.tracklets, &ObservedTracklet::is_of_photos);
+}
+
+// Videos have no common clock, and photos none at all, so an object of several videos or of photos is modelled as static.
 ObjectPlace EstimatePlace(const ObjectHypothesis& hypothesis, ObjectOptions options, double common_fraction) {
-  if (!IsInOneVideo(hypothesis)) options.locate.motion = MotionModel::kStatic;
+  if (!IsInOneVideo(hypothesis) || IsInPhotos(hypothesis)) options.locate.motion = MotionModel::kStatic;
   return EstimatePlace(CollectObservations(hypothesis), options, common_fraction);
 }
 
@@ -424,8 +432,9 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
   std::map<std::int64_t, std::vector<ObjectHypothesis>> of_model;
   for (const ObservedTracklet& tracklet : tracklets) {
     by_id[tracklet.record.id] = &tracklet;
-    of_model[tracklet.record.model].push_back(
-        {.tracklets = {&tracklet}, .estimate = EstimatePlace(tracklet.observations, options, kFlightErrorFraction)});
+    ObjectHypothesis alone{.tracklets = {&tracklet}};
+    alone.estimate = EstimatePlace(alone, options, kFlightErrorFraction);
+    of_model[tracklet.record.model].push_back(std::move(alone));
   }
   std::vector<ObjectHypothesis> hypotheses;
   for (auto& [model, of_one] : of_model) {
@@ -497,31 +506,21 @@ Expected<std::int64_t> CountFullFrameSearches(const std::vector<ModelRecord>& mo
   return frames;
 }
 
-// Passes what the errors of the flights mean to `warn`.
-Status WarnOfFlightErrors(const std::map<std::int64_t, FlightErrors>& errors, IndexStore& store,
-                          const std::function<void(const VideoRecord&, const std::string&)>& warn) {
-  if (errors.empty()) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
-  for (const VideoRecord& video : videos) {
-    const auto found = errors.find(video.id);
-    if (found == errors.end()) continue;
-    for (const std::string& line : Describe(found->second)) warn(video, line);
-  }
-  return {};
-}
-
 Expected<std::vector<ObjectRecord>> MakeObjects(
     const ObjectOptions& options, IndexStore& store, FlightErrorCache& cache,
     const std::function<void(const VideoRecord&, const std::string&)>& warn) {
   std::map<std::int64_t, ObservedTracklet> tracklets;
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> records, store.Tracklets());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   for (TrackletRecord& record : records) {
+    const auto video = std::ranges::find(videos, record.video, &VideoRecord::id);
     const auto model = std::ranges::find(models, record.model, &ModelRecord::id);
     const bool known = model != models.end();
     tracklets[record.id] = {.record = record,
                             .is_category = known && model->IsCategory(),
-                            .is_cad_model = known && model->kind == ModelKind::kCad};
+                            .is_cad_model = known && model->kind == ModelKind::kCad,
+                            .is_of_photos = video != videos.end() && video->is_of_photos};
   }
   std::int64_t recognitions = 0;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.include_rejected = true}, [&](SightingRecord&& sighting) {
@@ -539,7 +538,12 @@ Expected<std::vector<ObjectRecord>> MakeObjects(
   }));
   std::vector<ObservedTracklet> seen;
   for (auto& [id, tracklet] : tracklets) seen.push_back(std::move(tracklet));
-  VICTORIOUS_RETURN_IF_ERROR(WarnOfFlightErrors(cache.Correct(seen, options), store, warn));
+  const std::map<std::int64_t, FlightErrors> errors = cache.Correct(seen, options);
+  for (const VideoRecord& video : videos) {
+    const auto found = errors.find(video.id);
+    if (found == errors.end()) continue;
+    for (const std::string& line : Describe(found->second)) warn(video, line);
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, CountFullFrameSearches(models, store));
   return AssociateTracklets(std::move(seen), frames_searched, options);
 }

@@ -39,6 +39,7 @@ struct ObservedTracklet {
   TrackletRecord record;
   bool is_category = false;
   bool is_cad_model = false;                     ///< of a CAD model: opaque, so it occludes what is behind it
+  bool is_of_photos = false;                     ///< its times are invented: no motion follows from them
   std::vector<std::int64_t> frames;              ///< ascending
   std::vector<Box> boxes;                        ///< one per frame
   std::vector<double> scores;                    ///< scores of the recognised (not tracked) sightings

@@ -114,6 +114,48 @@ TEST(AssociateTracklets, WithoutTelemetryEachTrackletIsAnObjectWithoutPlace) {
   EXPECT_EQ(objects[0].rejected, "");
 }
 
+// In a folder of photos the time between two frames is invented.
+TEST(AssociateTracklets, PhotosShowNoMotion) {
+  ObservedTracklet tracklet = SimulateTracklet({.id = 1, .velocity_enu = {0, 9, 0}});
+  ASSERT_TRUE(AssociateTracklets({tracklet}, 100, {})[0].place->IsMoving());
+  tracklet.is_of_photos = true;
+  const auto objects = AssociateTracklets({tracklet}, 100, {});
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_FALSE(objects[0].place && objects[0].place->IsMoving());
+}
+
+// All places of the flight shift alike: their errors grow, what is one object stays so, and two stay two.
+TEST(AssociateTracklets, AnErrorOfTheClockWidensErrorsOnly) {
+  const std::vector<SimulatedTracklet> seen = {
+      {.id = 1}, {.id = 2, .first_frame = 50}, {.id = 3, .place_enu = {6, 0, 1}, .first_frame = 100}};
+  std::vector<ObservedTracklet> tracklets;
+  for (const SimulatedTracklet& one : seen) tracklets.push_back(SimulateTracklet(one));
+  const auto exact = AssociateTracklets(tracklets, 100, {});
+  for (ObservedTracklet& tracklet : tracklets) {
+    for (BearingObservation& observation : tracklet.observations)
+      observation.line.clock_shift = ClockShift{.camera_enu_m = {24, 0, 0}};
+  }
+  const auto wide = AssociateTracklets(tracklets, 100, {});
+  EXPECT_EQ(TrackletsOf(wide), TrackletsOf(exact));
+  ASSERT_EQ(wide.size(), exact.size());
+  for (std::size_t i = 0; i < wide.size(); ++i) {
+    EXPECT_EQ(EstimatePlace(wide[i]), EstimatePlace(exact[i])) << "places stay";
+    EXPECT_NEAR(wide[i].place->covariance_enu_m2(0, 0), exact[i].place->covariance_enu_m2(0, 0) + 576, 1);
+    EXPECT_GT(wide[i].place->ce90_m, 1.6 * 24);
+  }
+}
+
+TEST(AssociateTracklets, ADrivingObjectHasTheErrorOfTheClock) {
+  ObservedTracklet tracklet = SimulateTracklet({.id = 1, .velocity_enu = {0, 9, 0}, .frames = 60});
+  const auto exact = AssociateTracklets({tracklet}, 100, {});
+  ASSERT_TRUE(exact[0].place && exact[0].place->IsMoving());
+  for (BearingObservation& observation : tracklet.observations)
+    observation.line.clock_shift = ClockShift{.camera_enu_m = {24, 0, 0}};
+  const auto wide = AssociateTracklets({tracklet}, 100, {});
+  EXPECT_EQ(EstimatePlace(wide[0]), EstimatePlace(exact[0]));
+  EXPECT_NEAR(wide[0].place->covariance_enu_m2(0, 0), exact[0].place->covariance_enu_m2(0, 0) + 576, 2);
+}
+
 TEST(AssociateTracklets, ReappearanceAtSamePlaceIsSameObject) {
   EXPECT_THAT(
       TrackletsOf(ObjectsFrom({{.id = 1, .first_frame = 0, .frames = 20}, {.id = 2, .first_frame = 70, .frames = 20}})),

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "victorious/base/median.h"
+#include "victorious/geolocate/clock_shift.h"
 #include "victorious/geolocate/error_ellipse.h"
 #include "victorious/geometry/angles.h"
 
@@ -298,6 +299,10 @@ double MahalanobisDistance(const BearingObservation& observation, const Geolocat
   const double across_m2 = Square(std::hypot(own_rad, flight_rad) * to.norm()) + Square(shift_m);
   Eigen::Matrix3d covariance = ray_from_enu * place.covariance_enu_m2 * ray_from_enu.transpose();
   covariance.diagonal() += Eigen::Vector3d(across_m2, across_m2, Square(shift_m));
+  if (common_fraction >= 1) {
+    const Eigen::Vector3d shift = ray_from_enu * ClockShiftAt(line, to.norm());
+    covariance += shift * shift.transpose();
+  }
   Eigen::Vector3d off = ray_from_enu * to;
   if (!line.range_m) return std::sqrt(off.head<2>().dot(covariance.topLeftCorner<2, 2>().ldlt().solve(off.head<2>())));
   const double own_range_m = line.sigma_range_m.value_or(errors.line.range_fraction * *line.range_m);
@@ -349,10 +354,18 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
     fix = ApplyMotion(*motion, lines, locate, std::move(fix));
     if (fix.place) result.path = std::move(motion->places);
   }
+  // Between places of one flight the clock's error cancels: it shifts them alike.
+  const bool is_absolute = common_fraction >= 1;
+  if (is_absolute && !result.path.empty()) {
+    AddClockError(lines, fix.inliers, locate.ground != nullptr, std::span(result.path));
+    fix.place = result.path.back();
+  }
   result.place = fix.place;
   if (fix.place && fix.place->IsMoving() && result.path.empty()) {
     result.place = EstimateLastPlace(lines, *fix.place, locate, options);
   }
+  if (is_absolute && result.place && result.path.empty())
+    AddClockError(lines, fix.inliers, locate.ground != nullptr, *result.place);
   result.inlier_fraction =
       static_cast<double>(std::ranges::count(fix.inliers, true)) / static_cast<double>(lines.size());
   if (const auto ratio = CompareWithRanges(lines, locate, options.min_inlier_fraction))

@@ -34,8 +34,8 @@ struct ObjectPlace {
 
 /// Estimates place and heading. Telemetry's own standard deviations, where given, replace those of the parameters.
 /// Errors common to a flight enter with `common_fraction` times their standard deviation: 1 for absolute places, less
-/// for the comparison of places of one flight, where most of them cancel. The result has no place if the observations
-/// do not determine one.
+/// for the comparison of places of one flight, where most of them cancel. The error of the clock (clock_shift.h) enters
+/// at 1 only. The result has no place if the observations do not determine one.
 /// @param observations  of one object, in order of time; may be empty
 /// @param options       pass ValidateOptions: then there is no failure but that of a place
 ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,

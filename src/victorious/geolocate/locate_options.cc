@@ -42,11 +42,6 @@ void ListGates(LocateOptions& locate, FieldList& fields) {
               .unit = "",
               .reason = "a line with a larger residual, in sigmas, is an outlier: 3 keeps 98.9 % of inliers with two "
                         "normal angles"});
-  fields.Add("robust_sigma", locate.robust_sigma,
-             {.min = 0.5,
-              .max = 20,
-              .unit = "",
-              .reason = "residual, in sigmas, where Huber's loss of the refinement becomes linear"});
   fields.Add("ground_sigma_m", locate.ground_sigma_m,
              {.min = 1e-3, .max = 1e5, .unit = "m", .reason = "sigma of the ground height, if a ground is given"});
 }
@@ -92,6 +87,11 @@ void LocateOptions::ListFields(FieldList& fields) {
       {.reason =
            "the estimator; ml refines ransac's inliers and is the only one that weighs every error by its model"});
   ListGates(*this, fields);
+  fields.Add("robust_sigma", robust_sigma,
+             {.min = 0.5,
+              .max = 20,
+              .unit = "",
+              .reason = "residual, in sigmas, where Huber's loss of the refinement becomes linear"});
   fields.Add("max_hypotheses", max_hypotheses, {.min = 1, .max = 1e6, .reason = "maximum number of RANSAC samples"});
   fields.Add("seed", seed, {.reason = "random seed of RANSAC"});
   fields.AddGroup("line", line);

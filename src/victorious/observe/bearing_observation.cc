@@ -19,6 +19,15 @@ std::optional<double> HorizontalAzimuth(const Vector3d& direction_enu) {
   return bearing < 0 ? bearing + 2 * kPi : bearing;
 }
 
+// @param direction  of the line, a unit vector
+ClockShift ShiftOfLine(const ClockError& error, const Vector3d& direction) {
+  const Vector3d change = error.turned_enu_rad.cross(direction);
+  const double level2 = std::max(1e-6, direction.head<2>().squaredNorm());
+  return {.camera_enu_m = error.moved_enu_m,
+          .azimuth_rad = (direction.y() * change.x() - direction.x() * change.y()) / level2,
+          .elevation_rad = change.z() / std::sqrt(level2)};
+}
+
 }  // namespace
 
 std::optional<BearingObservation> MakeBearingObservation(const ObjectPose& object_pose, const CameraState& camera) {
@@ -34,6 +43,7 @@ std::optional<BearingObservation> MakeBearingObservation(const ObjectPose& objec
                                  .heading_rad = std::nullopt,
                                  .sigma_position_m = camera.sigma_position_m,
                                  .sigma_attitude_rad = camera.sigma_attitude_rad};
+  if (camera.clock_error) observation.line.clock_shift = ShiftOfLine(*camera.clock_error, direction);
   if (object_pose.range_m) observation.line.sigma_range_m = object_pose.sigma_range_m;
   if (object_pose.camera_from_object) {
     observation.heading_rad =

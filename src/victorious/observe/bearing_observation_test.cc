@@ -48,6 +48,27 @@ TEST(BearingObservation, MatchesBearingRangeAndHeadingOfAKnownObject) {
   }
 }
 
+// The line of the camera moved and turned by the error, less that of the camera.
+TEST(BearingObservation, ErrorsOfTheClockShiftTheLine) {
+  const Eigen::Vector3d object_enu(40, 55, -100);
+  CameraState camera = LookingDown(-55, 38);
+  const SyntheticSighting sighting = MakeSyntheticSighting(camera, object_enu, 140, {});
+  EXPECT_FALSE(Observe(sighting, camera)->line.clock_shift);
+  camera.clock_error = ClockError{.moved_enu_m = {3, -2, 0.5}, .turned_enu_rad = {0.002, -0.001, 0.003}};
+  const auto observation = Observe(sighting, camera);
+  ASSERT_TRUE(observation->line.clock_shift);
+  const ClockShift& shift = *observation->line.clock_shift;
+  EXPECT_EQ(shift.camera_enu_m, camera.clock_error->moved_enu_m);
+  const Eigen::Vector3d turned = camera.clock_error->turned_enu_rad;
+  CameraState later = camera;
+  later.attitude =
+      AttitudeFromRotation(CameraFromEnu(*camera.attitude) *
+                           Eigen::Quaterniond(Eigen::AngleAxisd(turned.norm(), turned.normalized())).conjugate());
+  const auto after = Observe(sighting, later);
+  EXPECT_NEAR(shift.azimuth_rad, WrapAngle(after->line.azimuth_rad - observation->line.azimuth_rad), 1e-4);
+  EXPECT_NEAR(shift.elevation_rad, after->line.elevation_rad - observation->line.elevation_rad, 1e-4);
+}
+
 TEST(BearingObservation, LensDistortionIsRemoved) {
   const Eigen::Vector3d object_enu(47, 60, -100);
   CameraState camera = LookingDown(-55, 38);

@@ -149,6 +149,8 @@ void BoxLocator::SetPlaces(const std::vector<BoxSighting*>& seen, BoxMotion moti
                            const std::optional<ObjectGround>& ground) const {
   std::vector<BearingObservation> observations;
   for (const BoxSighting* sighting : seen) observations.push_back(*sighting->observation);
+  // The times of photos are invented: no motion follows from them.
+  if (!seen.empty() && videos_.cameras[seen.front()->video].is_of_photos()) motion = BoxMotion::kStatic;
   const auto places = EstimateBoxPlaces(observations, motion, ground, options_);
   for (std::size_t i = 0; i < seen.size(); ++i) seen[i]->place = places[i];
 }

@@ -27,6 +27,10 @@ Expected<CameraStates> CameraStates::Load(const std::string& video, const VideoI
       cameras.start_utc_us_ = *state.utc_us - std::llround(state.time_s * 1e6);
     }
   }
+  // Packets in the video have its time stamps, up to what the recorder adds.
+  constexpr double kMultiplexed_s = 0.5;
+  cameras.unknown_clock_sigma_s_ =
+      telemetry->is_in_video ? std::min(kMultiplexed_s, options.clock_sigma_s) : options.clock_sigma_s;
   cameras.max_gap_s_ = cameras.is_of_photos_ ? 0 : options.max_gap_s;
   cameras.trajectory_.emplace(std::move(telemetry->states), cameras.max_gap_s_);
   return cameras;
@@ -47,9 +51,30 @@ void CameraStates::ShiftClock(double offset_s) {
   if (start_utc_us_) *start_utc_us_ -= std::llround(offset_s * 1e6);
 }
 
+std::optional<ClockError> CameraStates::ClockErrorAt(const CameraState& now) const {
+  constexpr double kHalf_s = 1;  // noise of telemetry's rows averages out over it
+  constexpr double kMinMove_m = 0.01;
+  constexpr double kMinTurn_rad = 1e-5;
+  const CameraState before = trajectory_->At(now.time_s - kHalf_s).value_or(now);
+  const CameraState after = trajectory_->At(now.time_s + kHalf_s).value_or(now);
+  const double interval_s = after.time_s - before.time_s;
+  if (!(interval_s > 0)) return std::nullopt;
+  const double factor = clock_sigma_s_ / interval_s;
+  const TangentPlane plane(now.place);
+  ClockError error;
+  error.moved_enu_m = factor * (plane.EnuFromGeodetic(after.place) - plane.EnuFromGeodetic(before.place));
+  if (before.attitude && after.attitude) {
+    const Eigen::AngleAxisd turn(CameraFromEnu(*after.attitude).conjugate() * CameraFromEnu(*before.attitude));
+    error.turned_enu_rad = factor * WrapAngle(turn.angle()) * turn.axis();
+  }
+  if (error.moved_enu_m.norm() < kMinMove_m && error.turned_enu_rad.norm() < kMinTurn_rad) return std::nullopt;
+  return error;
+}
+
 std::optional<CameraState> CameraStates::At(double time_s) const {
   std::optional<CameraState> camera;
   if (trajectory_) camera = trajectory_->At(time_s);
+  if (camera && clock_sigma_s_ > 0) camera->clock_error = ClockErrorAt(*camera);
   if (live_) camera = live_->At(time_s);
   if (!fallback_hfov_rad_) return camera;
   if (!camera) camera.emplace(CameraState{.time_s = time_s});

@@ -46,6 +46,12 @@ class CameraStates {
   /// Adds an offset to the times of the states of the whole video, s. No effect without them.
   void ShiftClock(double offset_s);
 
+  /// The standard deviation of the clock's offset that the states are to have, s; 0: it is exact. At() then gives what
+  /// this means for the camera, by its motion over 2 s.
+  void SetClockSigma(double sigma_s) { clock_sigma_s_ = sigma_s; }
+  /// That of a clock of which nothing is known but that telemetry belongs to the video (TelemetryOptions::clock_sigma_s).
+  [[nodiscard]] double unknown_clock_sigma_s() const { return unknown_clock_sigma_s_; }
+
   /// The state at a time of the video; std::nullopt if there is none and no fallback field of view.
   [[nodiscard]] std::optional<CameraState> At(double time_s) const;
 
@@ -67,10 +73,14 @@ class CameraStates {
   [[nodiscard]] std::vector<std::string> LiveWarnings() const;
 
  private:
+  [[nodiscard]] std::optional<ClockError> ClockErrorAt(const CameraState& now) const;
+
   std::optional<CameraTrajectory> trajectory_;
   std::optional<LiveCameraTrack> live_;
   bool is_of_photos_ = false;
   double max_gap_s_ = 0;  // of trajectory_
+  double unknown_clock_sigma_s_ = 0;
+  double clock_sigma_s_ = 0;
   std::optional<double> fallback_hfov_rad_;
   std::optional<double> first_hfov_rad_;
   std::optional<std::int64_t> start_utc_us_;

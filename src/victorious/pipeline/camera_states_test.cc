@@ -1,5 +1,8 @@
 #include "victorious/pipeline/camera_states.h"
 
+#include <string>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -53,6 +56,27 @@ TEST_F(CameraStatesTest, FallbackFieldOfViewAppliesToFramesWithoutOne) {
   ASSERT_TRUE(beyond);
   EXPECT_EQ(beyond->hfov_rad, 0.3);
   EXPECT_FALSE(beyond->attitude);
+}
+
+// 10 m/s to the north, turning by 0.1 rad/s to the right.
+TEST_F(CameraStatesTest, AnErrorOfTheClockMovesAndTurnsTheCamera) {
+  std::string rows = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n";
+  for (int i = 0; i <= 40; ++i) {
+    rows += fmt::format("{},{:.9f},11,100,{:.6f},-60,0,50\n", 0.1 * i, 48 + DegreesFromRadians(i / 6.3667e6),
+                        DegreesFromRadians(0.01 * i));
+  }
+  CameraStates cameras = Load(rows).value();
+  EXPECT_FALSE(cameras.At(2)->clock_error);
+  EXPECT_EQ(cameras.unknown_clock_sigma_s(), 2) << "of a file";
+  cameras.SetClockSigma(0.5);
+  for (const double time_s : {0.0, 2.0, 4.0}) {
+    const ClockError error = cameras.At(time_s)->clock_error.value();
+    EXPECT_NEAR((error.moved_enu_m - Eigen::Vector3d(0, 5, 0)).norm(), 0, 0.05) << time_s;
+    EXPECT_NEAR((error.turned_enu_rad - Eigen::Vector3d(0, 0, -0.05)).norm(), 0, 1e-4) << time_s;
+  }
+  CameraStates hovering = Load(kRows).value();
+  hovering.SetClockSigma(0.5);
+  EXPECT_FALSE(hovering.At(1)->clock_error);
 }
 
 TEST_F(CameraStatesTest, OnlyLiveSourcesWithADataStreamNeedPackets) {

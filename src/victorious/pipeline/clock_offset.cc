@@ -26,16 +26,17 @@ double MedianSpeed(std::span<const CameraState> states) {
   return speeds_m_s.empty() ? 0 : Median(std::move(speeds_m_s));
 }
 
-bool IsEstimable(TimeOffsetStatus status) {
+// Telemetry without attitudes, or beside the video's time, gives no place whatever its clock.
+bool GivesPlaces(TimeOffsetStatus status) {
   switch (status) {
     case TimeOffsetStatus::kOk:
     case TimeOffsetStatus::kUncertain:
     case TimeOffsetStatus::kUnexplained:
     case TimeOffsetStatus::kPeriodic:
     case TimeOffsetStatus::kOutOfRange:
+    case TimeOffsetStatus::kFewPairs:
       return true;
     case TimeOffsetStatus::kNoAttitude:
-    case TimeOffsetStatus::kFewPairs:
     case TimeOffsetStatus::kNoOverlap:
       break;
   }
@@ -50,14 +51,22 @@ std::optional<double> ClockCorrection(const TimeOffset& offset) {
   return size_s > kMinOffset_s && size_s > kMinSigmas * offset.sigma_s ? offset.offset_s : std::nullopt;
 }
 
-std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset, std::span<const CameraState> states) {
-  if (offset.offset_s || !IsEstimable(offset.status)) return std::nullopt;
+double ClockSigma(const TimeOffset& offset, double unknown_s) {
+  if (!offset.offset_s) return unknown_s;
+  return ClockCorrection(offset) ? offset.sigma_s : std::hypot(offset.sigma_s, *offset.offset_s);
+}
+
+std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset, std::span<const CameraState> states,
+                                                double sigma_s) {
+  if (offset.offset_s || !GivesPlaces(offset.status) || sigma_s == 0) return std::nullopt;
   const double speed_m_s = MedianSpeed(states);
   if (speed_m_s < kHover_m_s) return std::nullopt;
   return fmt::format(
       "telemetry: the offset of its clock is unknown ({}): each second that it is off shifts all places by {:.1f} m "
-      "along the flight, which their errors do not contain; telemetry.time_offset_s corrects it",
-      DescribeStatus(offset), speed_m_s);
+      "along the flight; their errors contain {:.1f} s of it (telemetry.clock_sigma_s); telemetry.time_offset_s "
+      "corrects "
+      "it",
+      DescribeStatus(offset), speed_m_s, sigma_s);
 }
 
 Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,
@@ -67,13 +76,16 @@ Status CorrectClock(const std::string& video, double impulse_fraction, const Can
   const Expected<ImageMotions> motions = MeasureMotions(video, options, impulse_fraction, cancel);
   if (!motions) {
     if (motions.error().code == ErrorCode::kCancelled) return std::unexpected(motions.error());
+    cameras.SetClockSigma(cameras.unknown_clock_sigma_s());
     warn("telemetry: the offset of its clock is unknown: " + motions.error().message);
     return {};
   }
   const TimeOffset offset = EstimateTimeOffset(*motions, *cameras.trajectory(), options);
   const std::optional<double> correction_s = ClockCorrection(offset);
+  const double sigma_s = ClockSigma(offset, cameras.unknown_clock_sigma_s());
+  cameras.SetClockSigma(sigma_s);
   if (!correction_s) {
-    if (const auto unknown = DescribeUnknownClock(offset, cameras.trajectory()->states())) warn(*unknown);
+    if (const auto unknown = DescribeUnknownClock(offset, cameras.trajectory()->states(), sigma_s)) warn(*unknown);
     return {};
   }
   cameras.ShiftClock(*correction_s);

@@ -40,19 +40,28 @@ TEST(ClockCorrection, ShiftedStatesAreThoseOfAnotherTime) {
   EXPECT_EQ(cameras.start_utc_us(), start_utc_us + 2'000'000);
 }
 
+TEST(ClockSigma, IsThatOfTheEstimateOrTheGivenOne) {
+  EXPECT_EQ(ClockSigma({.offset_s = -1.703, .sigma_s = 0.007}, 2), 0.007) << "corrected";
+  EXPECT_DOUBLE_EQ(ClockSigma({.offset_s = 0.04, .sigma_s = 0.03}, 2), 0.05) << "not corrected: the offset remains";
+  EXPECT_EQ(ClockSigma({.status = TimeOffsetStatus::kUncertain, .sigma_s = 40}, 2), 2);
+}
+
 TEST(UnknownClock, IsSaidWithWhatItMeansForPlaces) {
   std::vector<CameraState> states;
   const TangentPlane plane({RadiansFromDegrees(48), RadiansFromDegrees(11), 100});
   for (int i = 0; i < 5; ++i) states.push_back({.time_s = 0.1 * i, .place = plane.GeodeticFromEnu({1.2 * i, 0, 0})});
   const TimeOffset unknown{.status = TimeOffsetStatus::kUncertain, .sigma_s = 40};
-  const auto line = DescribeUnknownClock(unknown, states);
+  const auto line = DescribeUnknownClock(unknown, states, 2);
   ASSERT_TRUE(line);
   EXPECT_TRUE(line->contains("the camera's motion changes too little")) << *line;
   EXPECT_TRUE(line->contains("by 12.0 m")) << *line;
-  EXPECT_FALSE(DescribeUnknownClock({.offset_s = 0.001, .sigma_s = 0.01}, states)) << "known";
-  EXPECT_FALSE(DescribeUnknownClock({.status = TimeOffsetStatus::kNoAttitude}, states));
+  EXPECT_TRUE(line->contains("contain 2.0 s")) << *line;
+  EXPECT_FALSE(DescribeUnknownClock(unknown, states, 0)) << "the user says that it is exact";
+  EXPECT_FALSE(DescribeUnknownClock({.offset_s = 0.001, .sigma_s = 0.01}, states, 2)) << "known";
+  EXPECT_TRUE(DescribeUnknownClock({.status = TimeOffsetStatus::kFewPairs}, states, 2)) << "a short video";
+  EXPECT_FALSE(DescribeUnknownClock({.status = TimeOffsetStatus::kNoAttitude}, states, 2)) << "no places";
   for (CameraState& state : states) state.place = states[0].place;
-  EXPECT_FALSE(DescribeUnknownClock(unknown, states)) << "hovering";
+  EXPECT_FALSE(DescribeUnknownClock(unknown, states, 2)) << "hovering";
 }
 
 TEST(CorrectClock, UnreadableVideoLeavesTelemetryAsItIs) {

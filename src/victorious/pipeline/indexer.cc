@@ -257,6 +257,7 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
                                                             .frame_count = {},
                                                             .duration_s = {},
                                                             .start_utc_us = video.cameras.start_utc_us(),
+                                                            .is_of_photos = video.cameras.is_of_photos(),
                                                             .features_json = {}}));
   return video;
 }

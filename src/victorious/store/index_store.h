@@ -36,6 +36,7 @@ struct VideoRecord {
   std::optional<std::int64_t> frame_count;   ///< set once the video was read to its end
   std::optional<double> duration_s;          ///< presentation time of the last frame; set together with frame_count
   std::optional<std::int64_t> start_utc_us;  ///< UTC of the first frame, microseconds since 1970, if telemetry gives it
+  bool is_of_photos = false;                 ///< its telemetry is that of photos: the times of its frames are invented
   std::string features_json;                 ///< the feature options of the kept features; empty: none are kept yet
 };
 

@@ -206,16 +206,18 @@ Geolocation SomePlace(double latitude_rad) {
 
 TEST_P(IndexStoreTest, BearingObservationRoundTrips) {
   IndexBatch batch = MakeBatch(7, 2, 0.75);
-  batch.sightings[0].sighting.observation = BearingObservation{.line = {.time_s = 3.5,
-                                                                        .camera = {0.5, 0.25, 120},
-                                                                        .azimuth_rad = -1,
-                                                                        .elevation_rad = -0.75,
-                                                                        .range_m = 99,
-                                                                        .sigma_rad = 0.001,
-                                                                        .sigma_range_m = 2},
-                                                               .heading_rad = 3,
-                                                               .sigma_position_m = 0.5,
-                                                               .sigma_attitude_rad = 0.01};
+  batch.sightings[0].sighting.observation =
+      BearingObservation{.line = {.time_s = 3.5,
+                                  .camera = {0.5, 0.25, 120},
+                                  .azimuth_rad = -1,
+                                  .elevation_rad = -0.75,
+                                  .range_m = 99,
+                                  .sigma_rad = 0.001,
+                                  .sigma_range_m = 2,
+                                  .clock_shift = ClockShift{{3, -4, 0.5}, 0.01, -0.02}},
+                         .heading_rad = 3,
+                         .sigma_position_m = 0.5,
+                         .sigma_attitude_rad = 0.01};
   CommitOne(batch);
   const auto sightings = Sightings();
   ASSERT_THAT(sightings, SizeIs(2));
@@ -232,6 +234,10 @@ TEST_P(IndexStoreTest, BearingObservationRoundTrips) {
   EXPECT_EQ(observation.heading_rad, 3);
   EXPECT_EQ(observation.sigma_position_m, 0.5);
   EXPECT_EQ(observation.sigma_attitude_rad, 0.01);
+  ASSERT_TRUE(observation.line.clock_shift);
+  EXPECT_EQ(observation.line.clock_shift->camera_enu_m, Eigen::Vector3d(3, -4, 0.5));
+  EXPECT_EQ(observation.line.clock_shift->azimuth_rad, 0.01);
+  EXPECT_EQ(observation.line.clock_shift->elevation_rad, -0.02);
 }
 
 TEST_P(IndexStoreTest, TrackletsAreMergedToOneObjectWithAPlace) {

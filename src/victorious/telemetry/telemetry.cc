@@ -334,6 +334,13 @@ void TelemetryOptions::ListFields(FieldList& fields) {
               .max = 86400,
               .unit = "s",
               .reason = "offset added to the telemetry's times, if its clock and the video's differ"});
+  fields.Add(
+      "clock_sigma_s", clock_sigma_s,
+      {.min = 0,
+       .max = 3600,
+       .unit = "s",
+       .reason = "sigma of the clock's offset where neither time_offset_s nor the motion of the image gives it; at "
+                 "most 0.5 for telemetry in the video itself; 0: the clock is exact"});
   fields.Add("max_gap_s", max_gap_s,
              {.min = 0.01,
               .max = 3600,

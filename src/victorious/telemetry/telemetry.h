@@ -1,5 +1,6 @@
 // telemetry/: entry point. In: KLV (MISB ST 0601, EG 0104), DJI subtitles, a table, as bytes or as a video's data
-// packets, or photos with EXIF and XMP. Out: camera states on the video's clock, with heights above the ellipsoid if the datum can be converted.
+// packets, or photos with EXIF and XMP. Out: camera states on the video's clock, with heights above the ellipsoid if the
+// datum can be converted.
 //
 //   bytes -> packets, cues or rows -> CameraState, each with its own datum -> order, clock, datum -> Telemetry
 #pragma once
@@ -27,6 +28,7 @@ struct TelemetryOptions {
   static constexpr double kUnknownHeight = -9999;  ///< m: takeoff_altitude_m is unknown
 
   double time_offset_s = 0;
+  double clock_sigma_s = 2;
   double max_gap_s = 2;
   std::optional<VerticalDatum> vertical_datum;  ///< of the heights; std::nullopt: as the format or the table gives it
   std::string geoid_grid;
@@ -55,6 +57,7 @@ struct Telemetry {
   std::vector<CameraState> states;    ///< by strictly increasing time
   std::vector<KlvPacket> packets;     ///< of KLV: all, as decoded
   int records = 0;                    ///< number of packets, subtitles or rows
+  bool is_in_video = false;           ///< of data packets of the video itself, with its time stamps
   std::vector<std::string> warnings;  ///< one line per defect of the data
 };
 

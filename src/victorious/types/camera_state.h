@@ -5,11 +5,19 @@
 #include <cstdint>
 #include <optional>
 
+#include <Eigen/Core>
+
 #include "victorious/geometry/attitude.h"
 #include "victorious/geometry/geodesy.h"
 #include "victorious/types/vertical_datum.h"
 
 namespace victorious {
+
+/// How one standard deviation of an error of telemetry's clock moves and turns the camera.
+struct ClockError {
+  Eigen::Vector3d moved_enu_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turned_enu_rad = Eigen::Vector3d::Zero();  ///< axis times angle
+};
 
 struct CameraState {
   double time_s = 0;    ///< seconds since the video's first frame
@@ -20,6 +28,7 @@ struct CameraState {
   std::optional<double> sigma_position_m;           ///< standard deviation along each axis
   std::optional<double> sigma_attitude_rad;         ///< standard deviation about each axis
   std::optional<std::int64_t> utc_us;               ///< microseconds since 1970-01-01 UTC
+  std::optional<ClockError> clock_error;            ///< one error in all states of a flight; std::nullopt: none known
   std::optional<std::array<double, 5>> distortion;  ///< k1, k2, p1, p2, k3 in OpenCV's model and order
 
   /// True if lines of sight of this camera can be georeferenced: ellipsoidal height, attitude and field of view known.

@@ -1,11 +1,23 @@
 // A line of sight to an object: camera position, direction and, if known, range. Input of geolocate/.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+
+#include <Eigen/Core>
 
 #include "victorious/geometry/geodesy.h"
 
 namespace victorious {
+
+/// The change of a line of sight by one standard deviation of an error of telemetry's clock: fully correlated between the
+/// lines of one flight.
+struct ClockShift {
+  Eigen::Vector3d camera_enu_m = Eigen::Vector3d::Zero();
+  double azimuth_rad = 0;
+  double elevation_rad = 0;
+  std::int64_t flight = 0;  ///< lines of different flights have independent errors; set by who joins them
+};
 
 struct LineOfSight {
   double time_s = 0;
@@ -15,6 +27,7 @@ struct LineOfSight {
   std::optional<double> range_m;        ///< from the apparent size (the thesis's distance prior)
   std::optional<double> sigma_rad;      ///< standard deviation of each angle; independent between lines
   std::optional<double> sigma_range_m;  ///< standard deviation of the range; independent between lines
+  std::optional<ClockShift> clock_shift = std::nullopt;
 };
 
 }  // namespace victorious

@@ -79,17 +79,19 @@ Expected<VideoRecord> PostgresStore::PutVideo(const VideoRecord& video) {
   // Updated first: an INSERT takes an id even if the row exists, and ids follow one another.
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result updated,
-      connection_->Query("UPDATE videos SET name = ?, folder = ?, start_utc_us = coalesce(?, start_utc_us) "
-                         "WHERE content_id = ?",
-                         video.name, video.folder, video.start_utc_us, video.content_id));
+      connection_->Query("UPDATE videos SET name = ?, folder = ?, start_utc_us = CASE WHEN ?::bigint <> 0 THEN NULL "
+                         "ELSE coalesce(?, start_utc_us) END, is_of_photos = ? WHERE content_id = ?",
+                         video.name, video.folder, video.is_of_photos ? 1 : 0, video.start_utc_us,
+                         video.is_of_photos ? 1 : 0, video.content_id));
   if (updated.Changes() == 0) {
     VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
         "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
-        "features_options_id, start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_id) DO UPDATE SET "
+        "features_options_id, start_utc_us, is_of_photos) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+        "ON CONFLICT (content_id) DO UPDATE SET "
         "name = excluded.name, folder = excluded.folder, "
-        "start_utc_us = coalesce(excluded.start_utc_us, videos.start_utc_us)",
+        "start_utc_us = coalesce(excluded.start_utc_us, videos.start_utc_us), is_of_photos = excluded.is_of_photos",
         video.content_id, video.name, video.folder, video.width, video.height, video.frame_count, video.duration_s,
-        features_options, video.start_utc_us));
+        features_options, video.start_utc_us, video.is_of_photos ? 1 : 0));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Result found,
                               connection_->Query(sql::SelectVideos() + "WHERE v.content_id = ?", video.content_id));

@@ -84,19 +84,28 @@ Expected<Geolocation> ReadPlace(const Row& row, std::string_view name) {
   return place;
 }
 
-BearingObservation ReadObservation(const Row& row, double time_s) {
-  return {.line = {.time_s = time_s,
-                   .camera = {row.Real(kSighting.Index("camera_latitude_rad")),
-                              row.Real(kSighting.Index("camera_longitude_rad")),
-                              row.Real(kSighting.Index("camera_altitude_m"))},
-                   .azimuth_rad = row.Real(kSighting.Index("bearing_azimuth_rad")),
-                   .elevation_rad = row.Real(kSighting.Index("bearing_elevation_rad")),
-                   .range_m = row.OptionalReal(kSighting.Index("range_m")),
-                   .sigma_rad = row.OptionalReal(kSighting.Index("bearing_sigma_rad")),
-                   .sigma_range_m = row.OptionalReal(kSighting.Index("range_sigma_m"))},
-          .heading_rad = row.OptionalReal(kSighting.Index("heading_rad")),
-          .sigma_position_m = row.OptionalReal(kSighting.Index("camera_sigma_m")),
-          .sigma_attitude_rad = row.OptionalReal(kSighting.Index("camera_sigma_rad"))};
+using ClockNumbers = Eigen::Matrix<double, 5, 1>;  // camera east, north, up; azimuth, elevation
+
+Expected<BearingObservation> ReadObservation(const Row& row, double time_s, std::string_view name) {
+  BearingObservation observation = {.line = {.time_s = time_s,
+                                             .camera = {row.Real(kSighting.Index("camera_latitude_rad")),
+                                                        row.Real(kSighting.Index("camera_longitude_rad")),
+                                                        row.Real(kSighting.Index("camera_altitude_m"))},
+                                             .azimuth_rad = row.Real(kSighting.Index("bearing_azimuth_rad")),
+                                             .elevation_rad = row.Real(kSighting.Index("bearing_elevation_rad")),
+                                             .range_m = row.OptionalReal(kSighting.Index("range_m")),
+                                             .sigma_rad = row.OptionalReal(kSighting.Index("bearing_sigma_rad")),
+                                             .sigma_range_m = row.OptionalReal(kSighting.Index("range_sigma_m"))},
+                                    .heading_rad = row.OptionalReal(kSighting.Index("heading_rad")),
+                                    .sigma_position_m = row.OptionalReal(kSighting.Index("camera_sigma_m")),
+                                    .sigma_attitude_rad = row.OptionalReal(kSighting.Index("camera_sigma_rad"))};
+  constexpr int kClockShift = kSighting.Index("clock_shift");
+  if (row.IsNull(kClockShift)) return observation;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto shift,
+                              ReadNumbers<ClockNumbers>(row.Blob(kClockShift), "a shift by the clock", name));
+  observation.line.clock_shift =
+      ClockShift{.camera_enu_m = shift.head<3>(), .azimuth_rad = shift[3], .elevation_rad = shift[4]};
+  return observation;
 }
 
 void BindObservation(const BearingObservation& observation, Parameters& insert) {
@@ -112,6 +121,10 @@ void BindObservation(const BearingObservation& observation, Parameters& insert) 
   insert.BindAt(kSighting.Parameter("range_m"), line.range_m);
   insert.BindAt(kSighting.Parameter("range_sigma_m"), line.sigma_range_m);
   insert.BindAt(kSighting.Parameter("heading_rad"), observation.heading_rad);
+  if (!line.clock_shift) return;
+  ClockNumbers shift;
+  shift << line.clock_shift->camera_enu_m, line.clock_shift->azimuth_rad, line.clock_shift->elevation_rad;
+  insert.BindAt(kSighting.Parameter("clock_shift"), NumberBytes(shift));
 }
 
 void BindPlace(const Geolocation& place, Parameters& insert) {
@@ -149,7 +162,7 @@ Status CheckSchemaVersion(std::string_view name, std::int64_t version, std::int6
 
 std::string SelectVideos() {
   return "SELECT v.id, v.content_id, v.name, v.width_px, v.height_px, v.frame_count, v.duration_s, "
-         "coalesce(o.json, ''), v.start_utc_us, v.folder FROM videos v LEFT JOIN options o ON o.id = "
+         "coalesce(o.json, ''), v.start_utc_us, v.folder, v.is_of_photos FROM videos v LEFT JOIN options o ON o.id = "
          "v.features_options_id ";
 }
 
@@ -219,6 +232,7 @@ VideoRecord ReadVideo(const Row& row) {
           .frame_count = row.OptionalInteger(5),
           .duration_s = row.OptionalReal(6),
           .start_utc_us = row.OptionalInteger(8),
+          .is_of_photos = row.Integer(10) != 0,
           .features_json = row.Text(7)};
 }
 
@@ -315,7 +329,9 @@ Expected<SightingRecord> ReadSighting(const Row& row, std::string_view name) {
   constexpr int kAzimuth = kSighting.Index("azimuth_rad");
   constexpr int kOffNadir = kSighting.Index("off_nadir_rad");
   if (!row.IsNull(kAzimuth) && !row.IsNull(kOffNadir)) sighting.view = {row.Real(kAzimuth), row.Real(kOffNadir)};
-  if (!row.IsNull(kSighting.Index("camera_latitude_rad"))) sighting.observation = ReadObservation(row, sighting.time_s);
+  if (!row.IsNull(kSighting.Index("camera_latitude_rad"))) {
+    VICTORIOUS_ASSIGN_OR_RETURN(sighting.observation, ReadObservation(row, sighting.time_s, name));
+  }
   return sighting;
 }
 

@@ -103,11 +103,14 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement put, connection_->Prepare(
                          "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
-                         "features_options_id, start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) "
+                         "features_options_id, start_utc_us, is_of_photos) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
                          "ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, folder = excluded.folder, "
-                         "start_utc_us = coalesce(excluded.start_utc_us, start_utc_us)"));
+                         "start_utc_us = CASE WHEN excluded.is_of_photos THEN NULL ELSE "
+                         "coalesce(excluded.start_utc_us, start_utc_us) END, "
+                         "is_of_photos = excluded.is_of_photos"));
   VICTORIOUS_RETURN_IF_ERROR(put.Bind(video.content_id, video.name, video.folder, video.width, video.height,
-                                      video.frame_count, video.duration_s, features_options, video.start_utc_us)
+                                      video.frame_count, video.duration_s, features_options, video.start_utc_us,
+                                      video.is_of_photos ? 1 : 0)
                                  .Run());
   VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(sql::SelectVideos() + "WHERE v.content_id = ?"));
   VICTORIOUS_RETURN_IF_ERROR(find.Bind(video.content_id).Step());

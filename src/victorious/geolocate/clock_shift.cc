@@ -1,0 +1,114 @@
+#include "victorious/geolocate/clock_shift.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Cholesky>
+
+#include "victorious/geolocate/error_ellipse.h"
+#include "victorious/geometry/geodesy.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kAlong = 0.01;        // weight along a line, relative to that across it
+constexpr double kGroundWeight = 100;  // of the ground, relative to that of all lines
+constexpr double kPathWindow_s = 2;
+constexpr double kMinDistance_m = 1;
+
+Vector3d DirectionOf(const LineOfSight& line) {
+  const double level = std::cos(line.elevation_rad);
+  return {level * std::sin(line.azimuth_rad), level * std::cos(line.azimuth_rad), std::sin(line.elevation_rad)};
+}
+
+// The sums over the lines of one flight.
+struct FlightSums {
+  Vector3d right = Vector3d::Zero();  // sum W s
+  double count = 0;
+  double time_s = 0;
+  double time2_s2 = 0;
+  Vector3d shift = Vector3d::Zero();       // sum s
+  Vector3d shift_time = Vector3d::Zero();  // sum s t
+
+  // The slope of s over time.
+  [[nodiscard]] Vector3d Rate() const {
+    const double spread_s2 = time2_s2 - time_s * time_s / count;
+    return spread_s2 > 1e-6 ? Vector3d((shift_time - shift * time_s / count) / spread_s2) : Vector3d::Zero();
+  }
+};
+
+}  // namespace
+
+Vector3d ClockShiftAt(const LineOfSight& line, double distance_m) {
+  if (!line.clock_shift) return Vector3d::Zero();
+  const double sin_azimuth = std::sin(line.azimuth_rad);
+  const double cos_azimuth = std::cos(line.azimuth_rad);
+  const double sin_elevation = std::sin(line.elevation_rad);
+  const double cos_elevation = std::cos(line.elevation_rad);
+  const Vector3d side(cos_azimuth, -sin_azimuth, 0);
+  const Vector3d rise(-sin_azimuth * sin_elevation, -cos_azimuth * sin_elevation, cos_elevation);
+  const ClockShift& shift = *line.clock_shift;
+  return shift.camera_enu_m + distance_m * (cos_elevation * shift.azimuth_rad * side + shift.elevation_rad * rise);
+}
+
+void AddClockError(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,
+                   Geolocation& place) {
+  const TangentPlane plane(place.point);
+  std::map<std::int64_t, FlightSums> flights;
+  Matrix3d normal = Matrix3d::Zero();
+  double weights = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!inliers[i]) continue;
+    const LineOfSight& line = lines[i];
+    Vector3d object = Vector3d::Zero();
+    if (place.IsMoving()) object = (line.time_s - place.time_s) * *place.velocity_enu;
+    const double distance_m = std::max(kMinDistance_m, (object - plane.EnuFromGeodetic(line.camera)).norm());
+    const Vector3d direction = DirectionOf(line);
+    const double weight = 1 / (distance_m * distance_m);
+    const Matrix3d across = weight * (Matrix3d::Identity() - (1 - kAlong) * direction * direction.transpose());
+    normal += across;
+    weights += weight;
+    if (!line.clock_shift) continue;
+    const Vector3d shift = ClockShiftAt(line, distance_m);
+    FlightSums& sums = flights[line.clock_shift->flight];
+    const double since_s = line.time_s - lines.front().time_s;
+    sums.right += across * shift;
+    sums.count += 1;
+    sums.time_s += since_s;
+    sums.time2_s2 += since_s * since_s;
+    sums.shift += shift;
+    sums.shift_time += since_s * shift;
+  }
+  if (flights.empty()) return;
+  if (on_ground) normal(2, 2) += kGroundWeight * weights;
+  const Eigen::LDLT<Matrix3d> solver(normal);
+  for (const auto& [flight, sums] : flights) {
+    const Vector3d shift = solver.solve(sums.right);
+    const Vector3d rate = sums.Rate();
+    place.covariance_enu_m2 += shift * shift.transpose();
+    if (place.velocity_covariance_enu) *place.velocity_covariance_enu += rate * rate.transpose();
+  }
+  constexpr double kProbability = 0.9;
+  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
+  place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
+}
+
+void AddClockError(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,
+                   std::span<Geolocation> path) {
+  if (std::ranges::none_of(lines, [](const LineOfSight& line) { return line.clock_shift.has_value(); })) return;
+  for (Geolocation& place : path) {
+    const auto first = std::ranges::lower_bound(lines, place.time_s - kPathWindow_s, {}, &LineOfSight::time_s);
+    const auto end = std::ranges::upper_bound(lines, place.time_s + kPathWindow_s, {}, &LineOfSight::time_s);
+    const auto begin = first - lines.begin();
+    const auto count = end - first;
+    const std::vector<bool> near(inliers.begin() + begin, inliers.begin() + begin + count);
+    AddClockError(lines.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)), near, on_ground,
+                  place);
+  }
+}
+
+}  // namespace victorious

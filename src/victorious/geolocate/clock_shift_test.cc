@@ -1,0 +1,97 @@
+#include "victorious/geolocate/clock_shift.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/geodesy.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector3d;
+
+const TangentPlane kPlane({RadiansFromDegrees(48), RadiansFromDegrees(11), 500});
+
+// The line from a camera that sees the object under these errors of its clock.
+LineOfSight Line(double time_s, const Vector3d& camera, const Vector3d& object, const ClockShift& shift) {
+  const Vector3d to = object - camera;
+  return {.time_s = time_s,
+          .camera = kPlane.GeodeticFromEnu(camera),
+          .azimuth_rad = std::atan2(to.x(), to.y()),
+          .elevation_rad = std::asin(to.z() / to.norm()),
+          .clock_shift = shift};
+}
+
+Geolocation Place(const Vector3d& object) {
+  return {.point = kPlane.GeodeticFromEnu(object), .covariance_enu_m2 = 0.01 * Eigen::Matrix3d::Identity()};
+}
+
+TEST(ClockShift, MovesAPlaceWithTheCamera) {
+  std::vector<LineOfSight> lines;
+  for (int i = 0; i < 50; ++i)
+    lines.push_back(Line(0.1 * i, {i - 25.0, -75, 100}, {0, 0, 0}, {.camera_enu_m = {20, 0, 0}}));
+  Geolocation place = Place({0, 0, 0});
+  AddClockError(lines, std::vector<bool>(50, true), false, place);
+  EXPECT_NEAR(place.covariance_enu_m2(0, 0), 400, 0.1);
+  EXPECT_NEAR(place.covariance_enu_m2(1, 1), 0.01, 1e-6);
+  EXPECT_NEAR(place.ce90_m, 1.645 * 20, 0.1) << "an error along one axis";
+}
+
+// A camera that turns its gaze with its motion around the object moves no place there.
+TEST(ClockShift, OfACircleAroundTheObjectIsNone) {
+  std::vector<LineOfSight> lines;
+  constexpr double kTurn_rad = 0.4;  // by one standard deviation
+  for (int i = 0; i < 50; ++i) {
+    const double angle = 0.03 * i;
+    const Vector3d camera(75 * std::sin(angle), -75 * std::cos(angle), 100);
+    const Vector3d moved = kTurn_rad * Vector3d(75 * std::cos(angle), 75 * std::sin(angle), 0);
+    lines.push_back(Line(0.1 * i, camera, {0, 0, 0}, {.camera_enu_m = moved, .azimuth_rad = -kTurn_rad}));
+  }
+  Geolocation place = Place({0, 0, 0});
+  AddClockError(lines, std::vector<bool>(50, true), false, place);
+  EXPECT_NEAR(place.covariance_enu_m2(0, 0), 0.01, 1e-3);
+  EXPECT_NEAR(place.covariance_enu_m2(1, 1), 0.01, 1e-3);
+}
+
+// A single line that rises by 0.01 rad meets the ground farther away.
+TEST(ClockShift, KeepsAnObjectOnItsGround) {
+  const std::vector<LineOfSight> lines = {Line(0, {0, -100, 100}, {0, 0, 0}, {.elevation_rad = 0.01})};
+  Geolocation place = Place({0, 0, 0});
+  AddClockError(lines, {true}, true, place);
+  const double expected_m = 100 - 100 / std::tan(kPi / 4 + 0.01);
+  EXPECT_NEAR(std::sqrt(place.covariance_enu_m2(1, 1)), std::abs(expected_m), 0.15);
+  EXPECT_LT(place.covariance_enu_m2(2, 2), 0.1);
+}
+
+TEST(ClockShift, FlightsAreIndependentAndOutliersDoNotCount) {
+  std::vector<LineOfSight> lines;
+  for (int i = 0; i < 20; ++i) {
+    lines.push_back(Line(0.1 * i, {i - 10.0, -75, 100}, {0, 0, 0}, {.camera_enu_m = {10, 0, 0}, .flight = 1}));
+    lines.push_back(Line(0.1 * i, {i - 10.0, -75, 100}, {0, 0, 0}, {.camera_enu_m = {-10, 0, 0}, .flight = 2}));
+  }
+  Geolocation place = Place({0, 0, 0});
+  AddClockError(lines, std::vector<bool>(40, true), false, place);
+  EXPECT_NEAR(place.covariance_enu_m2(0, 0), 2 * 25, 0.1) << "each moves the place by half";
+  Geolocation without = Place({0, 0, 0});
+  AddClockError(lines, std::vector<bool>(40, false), false, without);
+  EXPECT_EQ(without.covariance_enu_m2, Place({0, 0, 0}).covariance_enu_m2);
+}
+
+TEST(ClockShift, APathIsShiftedAsItsCameraThen) {
+  std::vector<LineOfSight> lines;
+  for (int i = 0; i < 100; ++i) {
+    const Vector3d moved = i < 50 ? Vector3d(20, 0, 0) : Vector3d(0, 10, 0);
+    lines.push_back(Line(0.1 * i, {0, -75, 100}, {0, 0, 0}, {.camera_enu_m = moved}));
+  }
+  std::vector<Geolocation> path = {Place({0, 0, 0}), Place({0, 0, 0})};
+  path[1].time_s = 9;
+  AddClockError(lines, std::vector<bool>(100, true), false, std::span(path));
+  EXPECT_NEAR(path[0].covariance_enu_m2(0, 0), 400, 1);
+  EXPECT_NEAR(path[1].covariance_enu_m2(1, 1), 100, 1);
+}
+
+}  // namespace
+}  // namespace victorious
