@@ -44,8 +44,9 @@ Status ConvertFromGeoid(std::vector<CameraState>& states, VerticalDatum datum, c
   if (geoid) ApplyUndulation(states, datum, *geoid);
   if (HasDatum(states, datum)) {
     warnings.push_back(
-        fmt::format("heights are above mean sea level ({}) and are not converted: no geoid grid covers the position; "
-                    "give a .gtx grid",
+        fmt::format("heights are above mean sea level ({}) and are not converted: no geoid grid covers the position: "
+                    "set telemetry.geoid_grid to a .gtx grid or, for a drone, give --takeoff (the height of the "
+                    "take-off above the ellipsoid)",
                     Name(datum)));
   }
   return {};
