@@ -380,7 +380,7 @@ async function jobs(page, [photos, video]) {
   assert.equal(readFileSync(await clip.path()).subarray(4, 8).toString(), "ftyp");
 
   // The list as a table.
-  const [table] = await Promise.all([page.waitForEvent("download"), page.selectOption(".order .save", "csv")]);
+  const [table] = await Promise.all([page.waitForEvent("download"), page.selectOption(".list .save", "csv")]);
   const lines = readFileSync(await table.path(), "utf8").trim().split("\r\n");
   assert.equal(lines.length, 1 + (await page.locator("[role=option]").count()));
 

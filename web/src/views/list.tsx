@@ -251,24 +251,29 @@ function Order() {
       >
         matches only
       </button>
-      <select
-        class="field save"
-        aria-label="Save the objects that match"
-        title="Save the objects that match the filters"
-        value=""
-        onChange={(event) => {
-          const kind = event.currentTarget.value;
-          event.currentTarget.value = "";
-          if (kind === "csv" || kind === "geojson") void state.saveList(kind);
-        }}
-      >
-        <option value="" disabled hidden>
-          Save
-        </option>
-        <option value="csv">Table (CSV)</option>
-        <option value="geojson">Map (GeoJSON)</option>
-      </select>
     </div>
+  );
+}
+
+function Save() {
+  return (
+    <select
+      class="field save"
+      aria-label="Save the objects that match"
+      title="Save the objects that match the filters"
+      value=""
+      onChange={(event) => {
+        const kind = event.currentTarget.value;
+        event.currentTarget.value = "";
+        if (kind === "csv" || kind === "geojson") void state.saveList(kind);
+      }}
+    >
+      <option value="" disabled hidden>
+        Save
+      </option>
+      <option value="csv">Table (CSV)</option>
+      <option value="geojson">Map (GeoJSON)</option>
+    </select>
   );
 }
 
@@ -354,6 +359,7 @@ export function ObjectList() {
               Clear filters
             </button>
           )}
+          {all > 0 && <Save />}
         </div>
         {state.marked.value.size > 0 && <Marked />}
         {isNew && (
