@@ -21,17 +21,21 @@ namespace {
 
 constexpr std::array<EnumText<SunSearch>, 2> kSunSearchTexts = {{{SunSearch::kAuto, "auto"}, {SunSearch::kOff, "off"}}};
 
-// Number of sampled frames: one in kFramesPerSample, within these bounds. Most videos agree on a direction after three
-// frames; 200 frames cost some minutes.
+// Number of sampled frames: one in kFramesPerSample, within these bounds. Most videos agree on a direction after three to
+// nine frames; 200 frames cost about a minute.
 constexpr std::int64_t kFramesPerSample = 100;
-constexpr std::int64_t kMinSamples = 6;
+constexpr std::int64_t kMinSamples = 24;
 constexpr std::int64_t kMaxSamples = 200;
 constexpr std::int64_t kUnknownLengthStep = 25;  // frames between samples if the length of the video is unknown
 
 // Frames estimated in parallel, and between two tests for a consensus; independent of the number of threads, so that
 // the result is.
 constexpr std::size_t kBatchSize = 2;
-constexpr int kMinConsensus = 3;  // agreeing estimates that end the sampling
+// The sampling ends when this many estimates agree, with this much evidence, which is this many times that of all others
+// together. Neighbouring samples may show the same object and err alike, by chance poses of a few decades.
+constexpr int kMinConsensus = 3;
+constexpr double kMinEvidence_decades = 30;
+constexpr double kMinEvidenceRatio = 2;
 
 // Two estimates agree within this angle: the spacing of the coarse grid of sun directions.
 constexpr double kConsensusGate_rad = kPi / 6;
@@ -63,13 +67,15 @@ std::optional<Sun> SunFromEphemeris(const CameraState& state) {
 // Sun direction estimated from one frame.
 struct SunDirectionEstimate {
   Eigen::Vector3d direction;  // unit vector
-  double neg_log10_nfa;
+  double gain_decades;        // its evidence
 };
 
-// The largest set of estimates that agree with one of them.
+// The set of most evidence of estimates that agree with one of them.
 struct SunConsensus {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // directions weighted by -log10 NFA
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // directions weighted by their evidence
   int count = 0;
+  double evidence_decades = 0;
+  double rest_decades = 0;  // of the other estimates
 };
 
 SunConsensus FindSunConsensus(const std::vector<SunDirectionEstimate>& estimates) {
@@ -77,11 +83,15 @@ SunConsensus FindSunConsensus(const std::vector<SunDirectionEstimate>& estimates
   for (const SunDirectionEstimate& one : estimates) {
     SunConsensus agreement;
     for (const SunDirectionEstimate& other : estimates) {
-      if (one.direction.dot(other.direction) < std::cos(kConsensusGate_rad)) continue;
-      agreement.sum += other.neg_log10_nfa * other.direction;
+      if (one.direction.dot(other.direction) < std::cos(kConsensusGate_rad)) {
+        agreement.rest_decades += other.gain_decades;
+        continue;
+      }
+      agreement.sum += other.gain_decades * other.direction;
+      agreement.evidence_decades += other.gain_decades;
       ++agreement.count;
     }
-    if (agreement.count > best.count) best = agreement;
+    if (agreement.evidence_decades > best.evidence_decades) best = agreement;
   }
   return best;
 }
@@ -102,7 +112,7 @@ Expected<std::optional<SunDirectionEstimate>> EstimateSunFromFrame(const SunDire
                               input.recognizer.EstimateSun(features, *conditions.vertical));
   if (!found) return std::nullopt;
   found->relative_sun.azimuth_rad += camera->attitude->yaw_rad;
-  return SunDirectionEstimate{DirectionFromSun(found->relative_sun), found->neg_log10_nfa};
+  return SunDirectionEstimate{DirectionFromSun(found->relative_sun), found->gain_decades};
 }
 
 // Selects the frames to sample: the middle one of each of the equal parts of the video.
@@ -138,7 +148,10 @@ class SunCollector {
     } else if (*estimate) {
       estimates_.push_back(**estimate);
     }
-    if (frames_ % kBatchSize == 0) is_determined_ = FindSunConsensus(estimates_).count >= kMinConsensus;
+    if (frames_ % kBatchSize != 0) return;
+    const SunConsensus agreement = FindSunConsensus(estimates_);
+    is_determined_ = agreement.count >= kMinConsensus && agreement.evidence_decades >= kMinEvidence_decades &&
+                     agreement.evidence_decades >= kMinEvidenceRatio * agreement.rest_decades;
   }
 
   [[nodiscard]] bool is_determined() const { return is_determined_; }

@@ -19,7 +19,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr int kFrames = 20;  // seven are sampled: 1, 4, 7, ... 19
+constexpr int kFrames = 72;  // 24 are sampled: 1, 4, 7, ... 70
 constexpr double kYaw_rad = 0.4;
 constexpr std::size_t kView = 2;     // seen from azimuth 60 degrees: the camera looks towards 240
 constexpr std::size_t kSunView = 3;  // lit from azimuth 90: 150 degrees to the left of the line of sight
@@ -27,7 +27,7 @@ constexpr double kRelativeSun_rad = -5 * kPi / 6;
 constexpr std::int64_t kNoon_us = 1'591'012'800'000'000;  // 2020-06-01 12:00 UTC
 constexpr std::int64_t kHalfDay_us = 43'200'000'000;
 
-// The same scene in every frame, 10 per second.
+// The same scene in every frame, or in every second sampled frame another one; 10 frames per second.
 class SceneReader final : public VideoReader {
  public:
   explicit SceneReader(cv::Mat scene) : scene_(std::move(scene)) { description.frame_count = kFrames; }
@@ -41,7 +41,7 @@ class SceneReader final : public VideoReader {
     if (next == broken_at) return Fail(ErrorCode::kDataLoss, "broken");
     if (next == kFrames) return std::nullopt;
     const std::int64_t index = next++;
-    cv::Mat image = scene_.clone();
+    cv::Mat image = (!other_scene.empty() && index / 3 % 2 == 1 ? other_scene : scene_).clone();
     image.at<std::uint8_t>(0, 0) = static_cast<std::uint8_t>(index);  // FailingExtractor reads it
     return Frame{.index = index, .time_s = 0.1 * static_cast<double>(index), .image = std::move(image)};
   }
@@ -53,6 +53,7 @@ class SceneReader final : public VideoReader {
   VideoInfo description;
   std::int64_t next = 0;
   std::int64_t broken_at = -1;
+  cv::Mat other_scene;
 
  private:
   cv::Mat scene_;
@@ -72,9 +73,9 @@ class FailingExtractor final : public FeatureExtractor {
   int last_failure_;
 };
 
-cv::Mat SunlitScene() {
+cv::Mat SunlitScene(std::size_t sun_view = kSunView) {
   cv::Mat scene = testing::Texture(640, 480, 4);
-  testing::Paste(testing::SunDependentTemplates::ImageOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
+  testing::Paste(testing::SunDependentTemplates::ImageOf(sun_view, kView), 1.0, 0, {320, 240}, scene);
   return scene;
 }
 
@@ -120,6 +121,13 @@ TEST_F(EstimateSunDirectionTest, FindsTheSunThatTheFramesAgreeOnAndReadsNoFurthe
   EXPECT_GT(sun->elevation_rad, 0.1);
   EXPECT_LT(reader.next, kFrames) << "three samples agree";
   EXPECT_THAT(warnings_, IsEmpty());
+}
+
+TEST_F(EstimateSunDirectionTest, SamplesOnWhileTheEvidenceIsDivided) {
+  SceneReader reader(SunlitScene());
+  reader.other_scene = SunlitScene(kSunView + 6);  // the opposite azimuth
+  EXPECT_TRUE(Estimate(reader).value());
+  EXPECT_EQ(reader.next, kFrames) << "three estimates agree, but as many contradict them";
 }
 
 TEST_F(EstimateSunDirectionTest, SunOffSearchesForNone) {

@@ -23,14 +23,15 @@ SearchMethod MethodFor(const ObjectModel& model, SearchMethod method) {
 }  // namespace
 
 std::unique_ptr<const ModelSearcher> MakeModelSearcher(const ObjectModel& model,
+                                                       std::shared_ptr<const ShortenedViews> shortened,
                                                        std::shared_ptr<const RelitTemplateSource> relit_templates,
                                                        const RecognizeOptions& options) {
   switch (MethodFor(model, options.method)) {
     case SearchMethod::kVotes:
       return std::make_unique<VoteSearch>(model, std::move(relit_templates), options.search, options.pose);
     case SearchMethod::kShortlist:
-      return std::make_unique<ShortlistSearch>(model, std::move(relit_templates), options.search, options.shortlist,
-                                               options.pose);
+      return std::make_unique<ShortlistSearch>(model, std::move(shortened), std::move(relit_templates), options.search,
+                                               options.shortlist, options.pose);
     case SearchMethod::kAuto:
     case SearchMethod::kGrammar:
       break;

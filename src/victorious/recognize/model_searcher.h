@@ -23,6 +23,7 @@
 #include "victorious/recognize/prepared_scene.h"
 #include "victorious/recognize/recognize_options.h"
 #include "victorious/recognize/relit_templates.h"
+#include "victorious/recognize/shortened_views.h"
 #include "victorious/types/frame_conditions.h"
 #include "victorious/types/object_model.h"
 
@@ -52,9 +53,10 @@ class ModelSearcher {
 
 /// Makes the searcher of options.method.
 /// @param model            must outlive the searcher
+/// @param shortened        of the model
 /// @param relit_templates  of the model; null: none
 [[nodiscard]] std::unique_ptr<const ModelSearcher> MakeModelSearcher(
-    const ObjectModel& model, std::shared_ptr<const RelitTemplateSource> relit_templates,
-    const RecognizeOptions& options);
+    const ObjectModel& model, std::shared_ptr<const ShortenedViews> shortened,
+    std::shared_ptr<const RelitTemplateSource> relit_templates, const RecognizeOptions& options);
 
 }  // namespace victorious

@@ -57,8 +57,9 @@ Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& 
                        const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates)
     : models_(std::make_shared<const std::vector<ObjectModel>>(std::move(models))), options_(options) {
   for (std::size_t m = 0; m < models_->size(); ++m) {
-    searchers_.push_back(
-        MakeModelSearcher((*models_)[m], relit_templates.empty() ? nullptr : relit_templates[m], options));
+    shortened_.push_back(std::make_shared<const ShortenedViews>((*models_)[m]));
+    searchers_.push_back(MakeModelSearcher((*models_)[m], shortened_.back(),
+                                           relit_templates.empty() ? nullptr : relit_templates[m], options));
   }
 }
 
@@ -131,9 +132,10 @@ Expected<std::optional<SunEstimate>> Recognizer::EstimateSun(const FeatureSet& f
   std::vector<RelightableModel> relightable;
   for (std::size_t m = 0; m < searchers_.size(); ++m) {
     if (const RelitTemplateSource* const templates = searchers_[m]->relit_templates())
-      relightable.push_back({&(*models_)[m], templates});
+      relightable.push_back({&(*models_)[m], templates, shortened_[m].get()});
   }
-  return victorious::EstimateSun(relightable, PreparedScene(features), vertical, options_.search, options_.pose);
+  return victorious::EstimateSun(relightable, PreparedScene(features, vertical), vertical, options_.search,
+                                 options_.pose);
 }
 
 StagedMatches Recognizer::MatchView(const FeatureSet& features, std::size_t model, std::size_t view) const {

@@ -20,6 +20,7 @@
 #include "victorious/recognize/model_searcher.h"
 #include "victorious/recognize/recognize_options.h"
 #include "victorious/recognize/relit_templates.h"
+#include "victorious/recognize/shortened_views.h"
 #include "victorious/recognize/sun_estimate.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
@@ -79,8 +80,9 @@ class Recognizer {
 
   [[nodiscard]] Status RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& detections) const;
 
-  std::shared_ptr<const std::vector<ObjectModel>> models_;       // on the heap: the searchers keep references to models
-  std::vector<std::shared_ptr<const ModelSearcher>> searchers_;  // one per model
+  std::shared_ptr<const std::vector<ObjectModel>> models_;  // on the heap: the searchers keep references to models
+  std::vector<std::shared_ptr<const ShortenedViews>> shortened_;  // one per model
+  std::vector<std::shared_ptr<const ModelSearcher>> searchers_;   // one per model
   RecognizeOptions options_;
 };
 

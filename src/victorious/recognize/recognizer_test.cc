@@ -177,14 +177,18 @@ TEST_P(VotesTest, EstimateSunFromRelitTemplates) {
   cv::Mat scene = Texture(640, 480, 4);
   Paste(SunDependentTemplates::ImageOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
   const FeatureSet features = FeaturesOf(scene);
-  const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, By(GetParam()),
-                                                   {std::make_shared<const SunDependentTemplates>()})
-                                    .value();
+  const auto templates = std::make_shared<const SunDependentTemplates>();
+  const Recognizer recognizer =
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, By(GetParam()), {templates}).value();
   ASSERT_TRUE(recognizer.HasRelitTemplates());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
 
   const std::optional<SunEstimate> found_sun = recognizer.EstimateSun(features, vertical).value();
   ASSERT_TRUE(found_sun);
+  EXPECT_EQ(templates->coarse().size(), kAround / 2) << "all coarse views are tried at half resolution";
+  EXPECT_TRUE(templates->sharp().contains(kView));
+  EXPECT_LT(templates->sharp().size(), kAround / 2) << "only the best of them at full resolution";
+  EXPECT_GT(found_sun->gain_decades, 6) << "diffuse light explains nothing";
   const Sun sun = found_sun->relative_sun;
   // Seen from azimuth 60, lit from azimuth 90: the camera looks towards 240, so the sun's relative azimuth is -150.
   EXPECT_NEAR(WrapAngle(sun.azimuth_rad + 5 * kPi / 6), 0, 0.2);

@@ -31,7 +31,7 @@ Expected<std::vector<Candidate>> ShortlistSearch::Search(const PreparedScene& sc
                        model_.views.size() * (has_sun ? 2 : 1));
   const std::vector<bool> chosen = ChooseViews(model_, matcher.cells(), options_.max_tilt_rad);
   const auto propose = [&](std::span<const TemplateVariant> variants) {
-    return ProposeTemplates(shortened_, relit_templates_.get(), scene, matcher.cells(), options_, variants,
+    return ProposeTemplates(*shortened_, relit_templates_.get(), scene, matcher.cells(), options_, variants,
                             shortlist_.nearest);
   };
   const auto with_light_of = [&](const TemplateVariant& one, std::size_t view) {

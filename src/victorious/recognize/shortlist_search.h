@@ -28,15 +28,17 @@ namespace victorious {
 class ShortlistSearch : public ModelSearcher {
  public:
   /// @param model            must outlive this
+  /// @param shortened        of the model
   /// @param relit_templates  source of the model's relit templates; null: none
-  ShortlistSearch(const ObjectModel& model, std::shared_ptr<const RelitTemplateSource> relit_templates,
-                  const VoteSearchOptions& options, const ShortlistOptions& shortlist, const PoseOptions& pose_options)
+  ShortlistSearch(const ObjectModel& model, std::shared_ptr<const ShortenedViews> shortened,
+                  std::shared_ptr<const RelitTemplateSource> relit_templates, const VoteSearchOptions& options,
+                  const ShortlistOptions& shortlist, const PoseOptions& pose_options)
       : model_(model),
         relit_templates_(relit_templates),
         options_(options),
         shortlist_(shortlist),
         pose_options_(pose_options),
-        shortened_(model),
+        shortened_(std::move(shortened)),
         few_views_(model, std::move(relit_templates), options, pose_options) {}
 
   [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene,
@@ -55,7 +57,7 @@ class ShortlistSearch : public ModelSearcher {
   VoteSearchOptions options_;
   ShortlistOptions shortlist_;
   PoseOptions pose_options_;
-  ShortenedViews shortened_;
+  std::shared_ptr<const ShortenedViews> shortened_;
   VoteSearch few_views_;
 };
 

@@ -1,9 +1,10 @@
 // recognize/, before the search: the sun's direction from the shading of an object in the scene.
 //
 // Method (ADR 0010). An upright object that is seen from a view's azimuth has a heading, and with it a sun in the model
-// frame. The oblique coarse views of all models are matched under diffuse light; those of the highest -log10 NFA are
-// matched again, relit from a coarse grid of sun directions. The best direction is refined on a fine grid around it as
-// the mean of the directions, weighted by 1 / NFA.
+// frame. The oblique coarse views of all models are proposed under diffuse light; the best are matched in full, and the
+// best of these are proposed again at half resolution, relit from a coarse grid of sun directions. The best of them are
+// matched at full resolution. The best direction is refined on a fine grid around it as the mean of the directions,
+// weighted by 1 / NFA. Proposals: template_proposals.h.
 #pragma once
 
 #include <optional>
@@ -15,6 +16,7 @@
 #include "victorious/pose/similarity_pose.h"
 #include "victorious/recognize/prepared_scene.h"
 #include "victorious/recognize/relit_templates.h"
+#include "victorious/recognize/shortened_views.h"
 #include "victorious/recognize/vote_search_options.h"
 #include "victorious/types/object_model.h"
 
@@ -24,16 +26,18 @@ namespace victorious {
 struct RelightableModel {
   const ObjectModel* model;
   const RelitTemplateSource* relit_templates;
+  const ShortenedViews* shortened;
 };
 
 /// An estimate of the sun's direction.
 struct SunEstimate {
-  Sun relative_sun;      ///< relative to the viewing direction, as FrameConditions::relative_sun
-  double neg_log10_nfa;  ///< -log10 NFA of the pose that determines it
+  Sun relative_sun;     ///< relative to the viewing direction, as FrameConditions::relative_sun
+  double gain_decades;  ///< -log10 NFA of the pose that determines it, over that of the model under diffuse light
 };
 
 /// Returns std::nullopt in most scenes: if the best -log10 NFA is below six decades or less than one decade above
 /// that of diffuse light.
+/// @param scene  with the same vertical
 /// Errors: those of RelitTemplateSource.
 [[nodiscard]] Expected<std::optional<SunEstimate>> EstimateSun(std::span<const RelightableModel> models,
                                                                const PreparedScene& scene, const Vertical& vertical,
