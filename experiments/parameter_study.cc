@@ -119,7 +119,7 @@ std::span<const VariedParameter> VariedParameters() {
       VariedParameter{"objects.locate.identity_radius_m", "geolocation"},
       VariedParameter{"objects.locate.distance_prior_allowance", "geolocation"},
       VariedParameter{"objects.locate.gate_sigma", "geolocation"},
-      VariedParameter{"objects.locate.robust_sigma", "geolocation"},
+      VariedParameter{"objects.locate.line.angle_deg", "geolocation"},
   };
   return kParameters;
 }

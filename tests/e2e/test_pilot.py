@@ -107,7 +107,7 @@ class PilotTest(program.ProgramTest):
         done, known = self.index(True, "exact.db", "--params", exact)
         self.assertNotIn("clock", done.err)
         self.assertEqual(known[0]["latitude_deg"], objects[0]["latitude_deg"])
-        self.assertLess(2 * known[0]["ce90_m"], objects[0]["ce90_m"], "2 s of a flight at 10 m/s")
+        self.assertLess(1.1 * known[0]["ce90_m"], objects[0]["ce90_m"], "0.3 s of a flight at 10 m/s")
         (feature,) = json.loads(self.export(self.scratch / "a.db", "geojson"))["features"]
         point, ellipse = feature["geometry"]["geometries"]
         self.assertAlmostEqual(point["coordinates"][0], objects[0]["longitude_deg"], places=6)

@@ -27,11 +27,7 @@ Expected<CameraStates> CameraStates::Load(const std::string& video, const VideoI
       cameras.start_utc_us_ = *state.utc_us - std::llround(state.time_s * 1e6);
     }
   }
-  // Packets in the video and subtitles of an aircraft are written with the frames, up to what the recorder adds.
-  constexpr double kRecorder_s = 0.5;
-  const bool is_of_recorder = telemetry->is_in_video || telemetry->format == TelemetryFormat::kDjiSubtitles;
-  cameras.unknown_clock_sigma_s_ =
-      is_of_recorder ? std::min(kRecorder_s, options.clock_sigma_s) : options.clock_sigma_s;
+  cameras.unknown_clock_sigma_s_ = options.clock_sigma_s;
   cameras.max_gap_s_ = cameras.is_of_photos_ ? 0 : options.max_gap_s;
   cameras.trajectory_.emplace(std::move(telemetry->states), cameras.max_gap_s_);
   return cameras;

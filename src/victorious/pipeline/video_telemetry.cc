@@ -68,7 +68,6 @@ Expected<std::optional<Telemetry>> Find(const std::string& video, double folder_
   const bool of_images = IsOfImages(video);
   Expected<Telemetry> own = Telemetry{};
   if (!of_images) own = ReadPackets(video, options, nullptr);
-  if (own) own->is_in_video = true;
   if (own && !own->packets.empty()) return std::optional(*std::move(own));
   if (const auto telemetry_file = FindTelemetryFile(video)) {
     Expected<Telemetry> read = ReadTelemetry(telemetry_file->string(), options);

@@ -339,8 +339,8 @@ void TelemetryOptions::ListFields(FieldList& fields) {
       {.min = 0,
        .max = 3600,
        .unit = "s",
-       .reason = "sigma of the clock's offset where neither time_offset_s nor the motion of the image gives it; at "
-                 "most 0.5 for telemetry in the video itself and for an aircraft's subtitles; 0: the clock is exact"});
+       .reason = "sigma of the clock's offset where neither time_offset_s nor the motion of the image gives it; 0: "
+                 "the clock is exact"});
   fields.Add("max_gap_s", max_gap_s,
              {.min = 0.01,
               .max = 3600,

@@ -28,7 +28,7 @@ struct TelemetryOptions {
   static constexpr double kUnknownHeight = -9999;  ///< m: takeoff_altitude_m is unknown
 
   double time_offset_s = 0;
-  double clock_sigma_s = 2;
+  double clock_sigma_s = 0.3;
   double max_gap_s = 2;
   std::optional<VerticalDatum> vertical_datum;  ///< of the heights; std::nullopt: as the format or the table gives it
   std::string geoid_grid;
@@ -57,7 +57,6 @@ struct Telemetry {
   std::vector<CameraState> states;    ///< by strictly increasing time
   std::vector<KlvPacket> packets;     ///< of KLV: all, as decoded
   int records = 0;                    ///< number of packets, subtitles or rows
-  bool is_in_video = false;           ///< of data packets of the video itself, with its time stamps
   std::vector<std::string> warnings;  ///< one line per defect of the data
 };
 
