@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Measures how soon the sightings of a live stream are told to an open page: a drawn flight of 12 s at 10 frames/s is sent
+"""Measures how soon the sightings of a live stream reach an open page: a drawn flight of 12 s at 10 frames/s is sent
 over TCP as it would be filmed, indexed (--every 3) and served; each event of the server is compared with the time of the
 newest frame whose sightings it shows.
 
 Usage: live_delay.py; VICTORIOUS_PROGRAM and VICTORIOUS_DRAW_FLIGHT name the programs, as for tests/e2e. Prints JSON:
-`newest_s`, how old the newest sighting is when it is told of; `oldest_s`, how old the oldest one that an event tells of;
+`newest_s`, the age of the newest sighting in an event; `oldest_s`, the age of the oldest one in it;
 median and maximum of each.
 """
 

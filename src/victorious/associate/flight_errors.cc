@@ -21,8 +21,7 @@ std::string DescribeRange(const RangeFactor& range) {
   const double percent = 100 * std::abs(range.factor - 1);
   return fmt::format(
       "the lines of sight of {} objects meet {:.0f} % {} than their sizes imply: the field of view is about {:.0f} % "
-      "too "
-      "{}; ranges are corrected by it",
+      "too {}; ranges are corrected by it",
       range.objects, percent, range.factor > 1 ? "farther" : "nearer", percent, range.factor > 1 ? "wide" : "narrow");
 }
 
