@@ -45,6 +45,7 @@ test:
 	cmake --build --preset release
 	./tools/build_web.sh build/web
 	ctest --preset release
+	@sed -nE 's/^\[  SKIPPED \] (.*) \(.* ms\)$$/SKIPPED: \1/p' build/Testing/Temporary/LastTest.log
 
 demo: victorious
 	./tools/demo.sh build/victorious scenes/demo.json assets/models demo

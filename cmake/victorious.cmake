@@ -77,9 +77,8 @@ function(victorious_library name)
   target_link_libraries(${target} ${scope} ${ARG_PUBLIC})
 endfunction()
 
-# The tests of one folder: foo_test.cc beside foo.cc, one binary a folder, one ctest entry a case named "folder/Suite.Case".
-#   TOGETHER  suites whose cases share a costly set-up: one process and one ctest entry a suite, "folder/Suite"; "Name*" is
-#             all suites whose names begin so, as one entry "folder/Name"
+# The tests of one folder: foo_test.cc beside foo.cc, one binary a folder, one ctest entry a suite named "folder/Suite".
+#   TOGETHER  "Name*": the suites whose names begin so share a costly set-up and are one entry, "folder/Name"
 function(victorious_tests name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;TOGETHER" ${ARGN})
   set(target ${name}_tests)
@@ -89,13 +88,8 @@ function(victorious_tests name)
   endif()
   target_link_libraries(${target} PRIVATE ${ARG_LINKS} victorious_testing victorious_warnings GTest::gmock GTest::gtest_main)
   victorious_precompile(tests ${target})
-  set(filter "")
-  foreach(suite IN LISTS ARG_TOGETHER)
-    string(APPEND filter ":${suite}.*")
-    string(REPLACE "*" "" entry "${name}/${suite}")
-    add_test(NAME ${entry} COMMAND ${target} --gtest_filter=${suite}.*)
-    set_tests_properties(${entry} PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
-  endforeach()
-  gtest_discover_tests(${target} TEST_PREFIX "${name}/" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 600
-    TEST_FILTER "-${filter}" PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+  set(entries "${CMAKE_CURRENT_BINARY_DIR}/${target}_entries.cmake")
+  file(GENERATE OUTPUT "${entries}" CONTENT
+    "set(NAME [[${name}]])\nset(PROGRAM [[$<TARGET_FILE:${target}>]])\nset(TOGETHER [[${ARG_TOGETHER}]])\ninclude([[${PROJECT_SOURCE_DIR}/cmake/add_suites.cmake]])\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${entries}")
 endfunction()

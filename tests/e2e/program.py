@@ -28,6 +28,8 @@ def path_from_environment(name: str) -> Path:
 
 PROGRAM = path_from_environment("VICTORIOUS_PROGRAM")
 DRAW_FLIGHT = path_from_environment("VICTORIOUS_DRAW_FLIGHT")
+# Where ctest's e2e/inputs (make_inputs.py) keeps what most of these files read; without it each file makes its own.
+INPUTS = Path(os.environ["VICTORIOUS_E2E_INPUTS"]) if "VICTORIOUS_E2E_INPUTS" in os.environ else None
 
 
 class Outcome(NamedTuple):
@@ -79,7 +81,10 @@ def folder_until_exit() -> Path:
 @functools.cache
 def flight(frames: int = FRAMES) -> Path:
     """A folder with flight.mkv, flight.mp4, truth.jsonl and photos (draw_flight.cc). Read-only."""
-    folder = folder_until_exit()
+    return INPUTS / "flight" if INPUTS and frames == FRAMES else make_flight(folder_until_exit(), frames)
+
+
+def make_flight(folder: Path, frames: int = FRAMES) -> Path:
     subprocess.run([DRAW_FLIGHT, folder, str(frames)], check=True)
     return folder
 
@@ -87,9 +92,12 @@ def flight(frames: int = FRAMES) -> Path:
 @functools.cache
 def models() -> Path:
     """A model library with the crate and the truck. Read-only."""
-    folder = folder_until_exit() / "models"
+    return INPUTS / "models" if INPUTS else make_models(flight(), folder_until_exit() / "models")
+
+
+def make_models(flight_folder: Path, folder: Path) -> Path:
     for name in ("crate", "truck"):
-        done = run("model", "add", name, flight() / f"{name}.png", "--models", folder)
+        done = run("model", "add", name, flight_folder / f"{name}.png", "--models", folder)
         assert done.status == 0, done.err
     return folder
 
@@ -97,8 +105,11 @@ def models() -> Path:
 @functools.cache
 def index() -> Path:
     """An index of flight.mkv. Read-only."""
-    path = folder_until_exit() / "index.db"
-    done = run("index", flight() / "flight.mkv", "--models", models(), "--db", path)
+    return INPUTS / "index.db" if INPUTS else make_index(flight(), models(), folder_until_exit() / "index.db")
+
+
+def make_index(flight_folder: Path, library: Path, path: Path) -> Path:
+    done = run("index", flight_folder / "flight.mkv", "--models", library, "--db", path)
     assert done.status == 0, done.err
     return path
 
