@@ -23,6 +23,7 @@ Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
 json ValueToJson(const FieldRef& field) {
   return std::visit(Overloaded{[](const auto* value) { return json(*value); },
+                               [](const std::optional<double>* value) { return *value ? json(**value) : json(); },
                                [](const EnumFieldRef& value) { return json(value.text()); }},
                     field.value);
 }
@@ -41,7 +42,9 @@ std::string_view TypeText(const FieldRef& field) {
   return std::visit(Overloaded{[](const double*) { return "a number"; }, [](const int*) { return "a whole number"; },
                                [](const bool*) { return "true or false"; },
                                [](const std::uint64_t*) { return "a whole number, at least 0"; },
-                               [](const std::string*) { return "text"; }, [](const EnumFieldRef&) { return "text"; }},
+                               [](const std::string*) { return "text"; },
+                               [](const std::optional<double>*) { return "a number, or null for none"; },
+                               [](const EnumFieldRef&) { return "text"; }},
                     field.value);
 }
 
@@ -62,6 +65,9 @@ bool TypeFits(const FieldRef& field, const json& value) {
   // negative one.
   const double number = value.is_number() ? value.get<double>() : 0.0;
   return std::visit(Overloaded{[&](const double*) { return value.is_number() && std::isfinite(number); },
+                               [&](const std::optional<double>*) {
+                                 return value.is_null() || (value.is_number() && std::isfinite(number));
+                               },
                                [&](const int*) {
                                  return value.is_number_integer() && number >= std::numeric_limits<int>::min() &&
                                         number <= std::numeric_limits<int>::max();
@@ -140,6 +146,9 @@ void Flatten(const json& node, const std::string& prefix, const std::vector<Fiel
 
 void Assign(const FieldRef& field, const json& value) {
   std::visit(Overloaded{[&]<typename T>(T* target) { *target = value.get<T>(); },
+                        [&](std::optional<double>* target) {
+                          *target = value.is_null() ? std::nullopt : std::optional(value.get<double>());
+                        },
                         [&](const EnumFieldRef& target) { target.set_text(value.get_ref<const std::string&>()); }},
              field.value);
 }

@@ -9,6 +9,7 @@
 //   };
 //
 // Structs nest by `fields.AddGroup("match", match)`; a field's full name is then "match.ratio".
+// A std::optional<double> is a number that may be absent: null in JSON.
 // A field that is an enum is listed with the table of its texts (enum_text.h), which are its choices and its JSON:
 // `fields.Add("filter", filter, kFilterTexts, {.reason = "..."})`.
 //
@@ -25,6 +26,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -58,7 +60,7 @@ struct EnumFieldRef {
 /// A reference to a field of an options struct: full name, value and spec. Valid during the lifetime of that struct.
 struct FieldRef {
   std::string name;
-  std::variant<double*, int*, bool*, std::uint64_t*, std::string*, EnumFieldRef> value;
+  std::variant<double*, int*, bool*, std::uint64_t*, std::string*, std::optional<double>*, EnumFieldRef> value;
   FieldSpec spec;
 };
 

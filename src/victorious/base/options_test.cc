@@ -246,6 +246,29 @@ TEST(MarkdownTable, ShowsLimitsInFull) {
   EXPECT_THAT(MarkdownTable(CollectFields(options)), HasSubstr("1 to 16777217"));
 }
 
+struct HeightOptions {
+  std::optional<double> height_m;
+
+  void ListFields(FieldList& fields) { fields.Add("height_m", height_m, {.min = 0, .max = 10}); }
+};
+
+TEST(OptionalField, IsANumberOrNull) {
+  HeightOptions options;
+  EXPECT_EQ(OptionsToJsonText(options), R"({"height_m":null})");
+  EXPECT_TRUE(ValidateOptions(options));
+  const auto set = [&](const nlohmann::json& value) {
+    return SetFromJson({{"height_m", value}}, CollectFields(options));
+  };
+  ASSERT_TRUE(set(3));
+  EXPECT_EQ(options.height_m, 3);
+  EXPECT_EQ(OptionsToJsonText(options), R"({"height_m":3.0})");
+  EXPECT_EQ(set(11).error().message, "height_m = 11: must be 0 to 10");
+  EXPECT_EQ(set("3").error().message, "height_m = \"3\": must be a number, or null for none");
+  EXPECT_EQ(options.height_m, 3);
+  ASSERT_TRUE(set(nullptr));
+  EXPECT_EQ(options.height_m, std::nullopt);
+}
+
 struct FilterOptions {
   Filter filter = Filter::kCascade;
 

@@ -10,7 +10,7 @@
 namespace victorious {
 
 std::optional<double> GivenFieldOfView(const TelemetryOptions& options) {
-  return options.hfov_deg > 0 ? std::optional(RadiansFromDegrees(options.hfov_deg)) : std::nullopt;
+  return options.hfov_deg.transform(RadiansFromDegrees);
 }
 
 Expected<CameraStates> CameraStates::Load(const std::string& video, const VideoInfo& info,

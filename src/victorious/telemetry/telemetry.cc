@@ -48,8 +48,7 @@ constexpr double kLowestTakeoff_m = -30;
 // Heights above the take-off are used where its height is known: the aircraft's own heights above the sea are often wrong
 // by tens of metres.
 DjiHeight HeightOf(const TelemetryOptions& options) {
-  return options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight ? DjiHeight::kAboveSea
-                                                                        : DjiHeight::kAboveTakeoff;
+  return options.takeoff_altitude_m ? DjiHeight::kAboveTakeoff : DjiHeight::kAboveSea;
 }
 
 bool HasBadChecksum(const KlvPacket& packet) { return packet.checksum && !packet.checksum->IsValid(); }
@@ -233,7 +232,7 @@ Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options)
   for (CameraState& state : telemetry.states) {
     state.time_s += options.time_offset_s;
     if (camera != nullptr && !state.hfov_rad) state.hfov_rad = FieldOfView(*camera, std::nullopt);
-    if (options.hfov_deg > 0) state.hfov_rad = RadiansFromDegrees(options.hfov_deg);
+    if (options.hfov_deg) state.hfov_rad = RadiansFromDegrees(*options.hfov_deg);
   }
   KeepIncreasingTimes(telemetry);
   CompleteAttitudes(telemetry.states, options, telemetry.warnings);
@@ -295,7 +294,7 @@ Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& opti
     for (CameraState& state : telemetry.states) {
       if (state.hfov_rad) state.hfov_rad = FieldOfView(*camera, FocalFromFieldOfView(*state.hfov_rad));
     }
-  } else if (options.hfov_deg == 0 && std::ranges::any_of(telemetry.states, has_hfov)) {
+  } else if (!options.hfov_deg && std::ranges::any_of(telemetry.states, has_hfov)) {
     telemetry.warnings.emplace_back(
         "the field of view is estimated from the focal length, within 4 % for an uncropped image: --camera or --hfov "
         "gives it exactly");
@@ -352,15 +351,15 @@ void TelemetryOptions::ListFields(FieldList& fields) {
              {.reason = "a .gtx geoid grid, for heights above mean sea level; empty: PROJ's EGM96 grid, if installed"});
   fields.Add(
       "takeoff_altitude_m", takeoff_altitude_m,
-      {.min = kUnknownHeight,
+      {.min = -1000,
        .max = 9000,
        .unit = "m",
-       .reason = "height of the take-off above the ellipsoid, for heights relative to the take-off; -9999: unknown"});
+       .reason = "height of the take-off above the ellipsoid, for heights relative to the take-off; null: unknown"});
   fields.Add("hfov_deg", hfov_deg,
-             {.min = 0,
+             {.min = 0.01,
               .max = 179,
               .unit = "deg",
-              .reason = "full horizontal field of view of the camera, overrides the telemetry; 0: from the telemetry"});
+              .reason = "full horizontal field of view of the camera; null: from the telemetry"});
 }
 
 bool LooksLikeTelemetry(std::string_view bytes) {

@@ -25,15 +25,13 @@ struct PhotoMetadata;
 
 /// telemetry.cc gives ranges, units and reasons.
 struct TelemetryOptions {
-  static constexpr double kUnknownHeight = -9999;  ///< m: takeoff_altitude_m is unknown
-
   double time_offset_s = 0;
   double clock_sigma_s = 0.3;
   double max_gap_s = 2;
   std::optional<VerticalDatum> vertical_datum;  ///< of the heights; std::nullopt: as the format or the table gives it
   std::string geoid_grid;
-  double takeoff_altitude_m = kUnknownHeight;
-  double hfov_deg = 0;
+  std::optional<double> takeoff_altitude_m;  ///< std::nullopt: unknown
+  std::optional<double> hfov_deg;            ///< std::nullopt: from the telemetry
   /// The attitude of states that have none (given_attitude.h), of footage without gimbal angles: elevation of the
   /// optical axis, -90 straight down, and yaw clockwise from north; without a yaw, the course over ground. Not user
   /// parameters: they describe one video, as its telemetry file does.

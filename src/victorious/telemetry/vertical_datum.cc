@@ -67,12 +67,10 @@ Status ConvertToEllipsoid(std::vector<CameraState>& states, const TelemetryOptio
   VICTORIOUS_RETURN_IF_ERROR(ConvertFromGeoid(states, VerticalDatum::kEgm96, options, warnings));
   VICTORIOUS_RETURN_IF_ERROR(ConvertFromGeoid(states, VerticalDatum::kEgm2008, options, warnings));
   if (!HasDatum(states, VerticalDatum::kTakeoff)) return {};
-  if (options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight) {
-    return {};  // telemetry.cc names the flag that is missing
-  }
+  if (!options.takeoff_altitude_m) return {};  // telemetry.cc names the flag that is missing
   for (CameraState& state : states) {
     if (state.datum != VerticalDatum::kTakeoff) continue;
-    state.place.altitude_m += options.takeoff_altitude_m;
+    state.place.altitude_m += *options.takeoff_altitude_m;
     state.datum = VerticalDatum::kEllipsoid;
   }
   return {};

@@ -14,7 +14,7 @@ constexpr auto kDatumTexts = DatumOverrideTexts<VerticalDatum::kEgm2008>();
 void GroundOptions::ListFields(FieldList& fields) {
   fields.Add(
       "height_m", height_m,
-      {.min = -9999, .max = 1e5, .unit = "m", .reason = "height of flat ground above the ellipsoid; -9999: not given"});
+      {.min = -1e3, .max = 1e5, .unit = "m", .reason = "height of flat ground above the ellipsoid; null: not given"});
   fields.Add("terrain", terrain, {.reason = "a GeoTIFF of heights; empty: no terrain"});
   fields.Add("vertical_datum", vertical_datum, kDatumTexts,
              {.reason = "vertical datum of the terrain's heights; as_given: that of the file"});
@@ -25,13 +25,12 @@ void GroundOptions::ListFields(FieldList& fields) {
 Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
                                                    const std::function<void(const std::string&)>& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  const bool flat = options.height_m != GroundOptions::kUnknownHeight;
-  if (flat && !options.terrain.empty()) {
+  if (options.height_m && !options.terrain.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("the ground is given twice, {} m and {}: give its height or a terrain", options.height_m,
+                fmt::format("the ground is given twice, {} m and {}: give its height or a terrain", *options.height_m,
                             options.terrain));
   }
-  if (flat) return std::make_shared<const FlatGround>(options.height_m);
+  if (options.height_m) return std::make_shared<const FlatGround>(*options.height_m);
   if (!options.terrain.empty()) return ReadTerrain(options.terrain, options, warn);
   return nullptr;
 }

@@ -21,9 +21,7 @@ namespace victorious {
 
 /// The ground that objects stand on: flat, a terrain, or unknown (the default).
 struct GroundOptions {
-  static constexpr double kUnknownHeight = -9999;  ///< m
-
-  double height_m = kUnknownHeight;
+  std::optional<double> height_m;  ///< of flat ground; std::nullopt: not given
   std::string terrain;
   std::optional<VerticalDatum> vertical_datum;  ///< of the terrain's heights; std::nullopt: as given in the file
   std::string geoid_grid;
