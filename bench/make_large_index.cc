@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <random>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/store/index_store.h"
 
@@ -27,9 +27,7 @@ struct Sizes {
 Status Fill(IndexStore& store, const Sizes& sizes) {
   constexpr int kModels = 20;
   constexpr double kFrameRate = 10;
-  std::mt19937_64 random(20);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::normal_distribution<double> normal;
+  Random random(20);
   std::vector<std::int64_t> models;
   for (int i = 0; i < kModels; ++i) {
     const std::string name = fmt::format("model-{:02}", i);
@@ -52,9 +50,9 @@ Status Fill(IndexStore& store, const Sizes& sizes) {
     IndexBatch batch;
     std::vector<ObjectRecord> found;
     for (int i = 0; i < sizes.objects; ++i) {
-      const std::int64_t model = models[static_cast<std::size_t>(random() % kModels)];
-      const double score = std::clamp(1 - std::abs(0.35 * normal(random)), 0.01, 0.999);
-      const auto first = static_cast<std::int64_t>(unit(random) * static_cast<double>(frames - sizes.sightings));
+      const std::int64_t model = models[random.Below(kModels)];
+      const double score = std::clamp(1 - std::abs(0.35 * random.Normal()), 0.01, 0.999);
+      const auto first = static_cast<std::int64_t>(random.Uniform() * static_cast<double>(frames - sizes.sightings));
       batch.tracklets.push_back({std::nullopt,
                                  {.video = video.id,
                                   .model = model,
@@ -62,8 +60,8 @@ Status Fill(IndexStore& store, const Sizes& sizes) {
                                   .frames = sizes.sightings,
                                   .first_time_s = static_cast<double>(first) / kFrameRate,
                                   .last_time_s = static_cast<double>(first + sizes.sightings - 1) / kFrameRate}});
-      const double x = 1800 * unit(random);
-      const double y = 1000 * unit(random);
+      const double x = 1800 * random.Uniform();
+      const double y = 1000 * random.Uniform();
       for (int s = 0; s < sizes.sightings; ++s) {
         const Box box{x + 0.2 * s, y, 60, 40};
         batch.sightings.push_back(
@@ -73,18 +71,18 @@ Status Fill(IndexStore& store, const Sizes& sizes) {
               .box = box,
               .outline = {{box.x, box.y}, {box.x + 60, box.y}, {box.x + 60, box.y + 40}, {box.x, box.y + 40}},
               .score = score,
-              .matches = 8 + static_cast<int>(random() % 30)}});
+              .matches = 8 + static_cast<int>(random.Below(30))}});
       }
       ObjectRecord object{.model = model};
-      Geolocation place{.point = {RadiansFromDegrees(latitude + 0.03 * normal(random)),
-                                  RadiansFromDegrees(longitude + 0.04 * normal(random)), 200},
+      Geolocation place{.point = {RadiansFromDegrees(latitude + 0.03 * random.Normal()),
+                                  RadiansFromDegrees(longitude + 0.04 * random.Normal()), 200},
                         .time_s = static_cast<double>(first) / kFrameRate};
-      const double sigma_m = 0.5 + 4 * unit(random);
+      const double sigma_m = 0.5 + 4 * random.Uniform();
       place.covariance_enu_m2 = Eigen::Vector3d(sigma_m * sigma_m, 4 * sigma_m * sigma_m, 1).asDiagonal();
       place.ce90_m = 3.3 * sigma_m;
       place.le90_m = 1.6;
-      if (unit(random) < 0.9) object.place = place;
-      object.heading_rad = 2 * kPi * unit(random);
+      if (random.Uniform() < 0.9) object.place = place;
+      object.heading_rad = 2 * kPi * random.Uniform();
       found.push_back(std::move(object));
     }
     for (const std::int64_t model : models) {

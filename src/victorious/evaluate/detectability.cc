@@ -330,6 +330,84 @@ Status CheckArguments(const ObjectModel& model, const DetectabilityOptions& opti
   return {};
 }
 
+// The rates and sizes of the bands and of all samples.
+void Summarize(const ObjectModel& model, const std::vector<Sample>& samples, const std::vector<SampleResult>& outcomes,
+               std::span<const double> ladder_px, Detectability& result) {
+  std::vector<std::size_t> rungs;
+  for (std::size_t b = 0; b < result.bands.size(); ++b) {
+    DetectabilityBand& band = result.bands[b];
+    std::vector<std::size_t> own;
+    std::vector<double> counts;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (samples[i].band != b) continue;
+      AddToRate(outcomes[i], band.rate);
+      AddToRate(outcomes[i], result.rate);
+      own.push_back(outcomes[i].min_size);
+      const std::size_t view = result.of_photos ? samples[i].photo : NearestView(model, samples[i].direction);
+      counts.push_back(static_cast<double>(model.views[view].feature_count));
+    }
+    band.min_size = ComputeDetectableSizes(own, ladder_px);
+    band.features = Median(counts);
+    std::ranges::copy(own, std::back_inserter(rungs));
+  }
+  result.min_size = ComputeDetectableSizes(rungs, ladder_px);
+}
+
+// The rate where the missed samples are searched again with `setting`.
+Expected<DetectionRate> RepeatMissed(const Search& search, const std::vector<Sample>& samples,
+                                     std::vector<SampleResult> outcomes, const Setting& setting,
+                                     ParallelRunner& runner) {
+  std::vector<std::size_t> missed;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!outcomes[i].at_size.found) missed.push_back(i);
+  }
+  VICTORIOUS_RETURN_IF_ERROR(runner.ForEach(missed.size(), [&](std::size_t i) -> Status {
+    const Sample& sample = samples[missed[i]];
+    VICTORIOUS_ASSIGN_OR_RETURN(const WarpedView view, search.RenderSample(sample, setting.sun_deg));
+    VICTORIOUS_ASSIGN_OR_RETURN(outcomes[missed[i]].at_size, search.RunTrial(view, sample, setting));
+    return {};
+  }));
+  DetectionRate rate;
+  for (const SampleResult& outcome : outcomes) AddToRate(outcome, rate);
+  return rate;
+}
+
+// Ablation: the rates without one of the difficulties, each where it applies and something was missed.
+Status Ablate(const Search& search, const std::vector<Sample>& samples, const std::vector<SampleResult>& outcomes,
+              const Setting& tested, ParallelRunner& runner, Detectability& result) {
+  if (result.rate.found == result.rate.tested) return {};
+  const auto repeat = [&](const Setting& setting, std::optional<DetectionRate>& into) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(into, RepeatMissed(search, samples, outcomes, setting, runner));
+    return {};
+  };
+  if (tested.noise > 0) {
+    Setting setting = tested;
+    setting.noise = 0;
+    VICTORIOUS_RETURN_IF_ERROR(repeat(setting, result.without_noise));
+  }
+  if (tested.sun_deg) {
+    Setting setting = tested;
+    setting.sun_deg = std::nullopt;
+    VICTORIOUS_RETURN_IF_ERROR(repeat(setting, result.in_diffuse_light));
+  }
+  if (!tested.attitude_known && !result.of_photos) {
+    Setting setting = tested;
+    setting.attitude_known = true;
+    VICTORIOUS_RETURN_IF_ERROR(repeat(setting, result.with_attitude));
+  }
+  return {};
+}
+
+// Shows the searched images with the object's box: green if it was found, red if it was missed.
+void ShowOutcomes(std::vector<SampleResult>& outcomes, const DetectabilityCallbacks& callbacks) {
+  for (SampleResult& outcome : outcomes) {
+    const Box& box = outcome.at_size.box;
+    const cv::Scalar colour = outcome.at_size.found ? cv::Scalar(0, 255, 0) : cv::Scalar(0, 0, 255);
+    cv::rectangle(outcome.at_size.bgr, cv::Rect2d(box.x - 4, box.y - 4, box.width + 8, box.height + 8), colour, 2);
+    callbacks.image(outcome.at_size.bgr);
+  }
+}
+
 }  // namespace
 
 Expected<Detectability> MeasureDetectability(const ObjectModel& model, const FeatureOptions& features,
@@ -364,64 +442,9 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
     return {};
   }));
 
-  std::vector<std::size_t> rungs;
-  for (std::size_t b = 0; b < result.bands.size(); ++b) {
-    DetectabilityBand& band = result.bands[b];
-    std::vector<std::size_t> own;
-    std::vector<double> counts;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (samples[i].band != b) continue;
-      AddToRate(outcomes[i], band.rate);
-      AddToRate(outcomes[i], result.rate);
-      own.push_back(outcomes[i].min_size);
-      const std::size_t view = result.of_photos ? samples[i].photo : NearestView(model, samples[i].direction);
-      counts.push_back(static_cast<double>(model.views[view].feature_count));
-    }
-    band.min_size = ComputeDetectableSizes(own, search.ladder_px());
-    band.features = Median(counts);
-    std::ranges::copy(own, std::back_inserter(rungs));
-  }
-  result.min_size = ComputeDetectableSizes(rungs, search.ladder_px());
-
-  // Ablation: repeats the missed samples without one of the difficulties.
-  const auto RepeatMissed = [&](const Setting& setting) -> Expected<DetectionRate> {
-    std::vector<SampleResult> again = outcomes;
-    std::vector<std::size_t> missed;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (!outcomes[i].at_size.found) missed.push_back(i);
-    }
-    VICTORIOUS_RETURN_IF_ERROR(runner.ForEach(missed.size(), [&](std::size_t i) -> Status {
-      const Sample& sample = samples[missed[i]];
-      VICTORIOUS_ASSIGN_OR_RETURN(const WarpedView view, search.RenderSample(sample, setting.sun_deg));
-      VICTORIOUS_ASSIGN_OR_RETURN(again[missed[i]].at_size, search.RunTrial(view, sample, setting));
-      return {};
-    }));
-    DetectionRate rate;
-    for (const SampleResult& outcome : again) AddToRate(outcome, rate);
-    return rate;
-  };
-  const auto repeat_missed_without = [&](bool applies, auto Setting::* what, auto value,
-                                         std::optional<DetectionRate>& into) -> Status {
-    if (!applies || result.rate.found == result.rate.tested) return {};
-    Setting setting = tested;
-    setting.*what = value;
-    VICTORIOUS_ASSIGN_OR_RETURN(into, RepeatMissed(setting));
-    return {};
-  };
-  VICTORIOUS_RETURN_IF_ERROR(repeat_missed_without(tested.noise > 0, &Setting::noise, 0.0, result.without_noise));
-  VICTORIOUS_RETURN_IF_ERROR(
-      repeat_missed_without(tested.sun_deg.has_value(), &Setting::sun_deg, std::nullopt, result.in_diffuse_light));
-  VICTORIOUS_RETURN_IF_ERROR(repeat_missed_without(!tested.attitude_known && !result.of_photos,
-                                                   &Setting::attitude_known, true, result.with_attitude));
-
-  if (callbacks.image) {
-    for (SampleResult& outcome : outcomes) {
-      const Box& box = outcome.at_size.box;
-      const cv::Scalar colour = outcome.at_size.found ? cv::Scalar(0, 255, 0) : cv::Scalar(0, 0, 255);
-      cv::rectangle(outcome.at_size.bgr, cv::Rect2d(box.x - 4, box.y - 4, box.width + 8, box.height + 8), colour, 2);
-      callbacks.image(outcome.at_size.bgr);
-    }
-  }
+  Summarize(model, samples, outcomes, search.ladder_px(), result);
+  VICTORIOUS_RETURN_IF_ERROR(Ablate(search, samples, outcomes, tested, runner, result));
+  if (callbacks.image) ShowOutcomes(outcomes, callbacks);
   return result;
 }
 

@@ -1,8 +1,11 @@
 #include "victorious/store/postgres/text.h"
 
-#include <random>
+#include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
 
 namespace victorious::postgres {
 namespace {
@@ -27,14 +30,14 @@ TEST(PostgresText, RefusedBytesBecomeCharacters) {
 
 // Law: DecodeText is the inverse of EncodeText for any bytes, and encoding its result again finds nothing to refuse.
 TEST(PostgresText, AnyBytesRoundTrip) {
-  std::mt19937 random(20260);  // NOLINT(cert-msc32-c,cert-msc51-cpp)
+  Random random(20260);
   constexpr std::string_view kBytes(
       "\x00"
       "aé\x80\x8F\xBC\xBF\xC3\xE0\xED\xA0\xF0\xF4\x90\xFF",
       16);
   for (int round = 0; round < 20'000; ++round) {
-    std::string bytes(random() % 12, ' ');
-    for (char& byte : bytes) byte = kBytes[random() % kBytes.size()];
+    std::string bytes(random.Below(12), ' ');
+    for (char& byte : bytes) byte = kBytes[random.Below(kBytes.size())];
     const std::string text = EncodeText(bytes);
     ASSERT_EQ(DecodeText(text), bytes) << round;
     ASSERT_EQ(text.find('\0'), std::string::npos) << round;
