@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <GeographicLib/Geocentric.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
 
 #include "victorious/geometry/angles.h"
@@ -14,6 +15,14 @@ GeographicLib::LocalCartesian PlaneAt(const GeodeticPoint& origin) {
 }
 
 }  // namespace
+
+Eigen::Vector3d EarthCenteredFromGeodetic(const GeodeticPoint& point) {
+  Eigen::Vector3d at;
+  GeographicLib::Geocentric::WGS84().Forward(DegreesFromRadians(point.latitude_rad),
+                                             DegreesFromRadians(point.longitude_rad), point.altitude_m, at.x(), at.y(),
+                                             at.z());
+  return at;
+}
 
 Eigen::Vector3d TangentPlane::EnuFromGeodetic(const GeodeticPoint& point) const {
   Eigen::Vector3d enu;

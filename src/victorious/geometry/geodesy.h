@@ -18,6 +18,9 @@ struct GeodeticPoint {
   bool operator==(const GeodeticPoint&) const = default;
 };
 
+/// Geocentric Cartesian coordinates, m: z to the north pole, x to latitude 0, longitude 0.
+[[nodiscard]] Eigen::Vector3d EarthCenteredFromGeodetic(const GeodeticPoint& point);
+
 /// Cartesian coordinates east, north, up at `origin`, metres. The plane is flat: distant ground lies below it.
 class TangentPlane {
  public:

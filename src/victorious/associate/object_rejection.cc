@@ -1,0 +1,205 @@
+#include "victorious/associate/object_rejection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/associate/place_grid.h"
+#include "victorious/base/median.h"
+
+namespace victorious {
+namespace {
+
+// Number of frames in which another tracklet covers the same pixels (intersection over union).
+std::int64_t CountOverlappingFrames(const ObservedTracklet& tracklet, const ObservedTracklet& by, double min_overlap) {
+  if (tracklet.record.video != by.record.video) return 0;
+  std::int64_t covered = 0;
+  auto other = by.frames.begin();
+  for (std::size_t i = 0; i < tracklet.frames.size(); ++i) {
+    other = std::lower_bound(other, by.frames.end(), tracklet.frames[i]);
+    if (other == by.frames.end()) break;
+    if (*other != tracklet.frames[i]) continue;
+    const Box& box = by.boxes[static_cast<std::size_t>(other - by.frames.begin())];
+    if (IntersectionOverUnion(tracklet.boxes[i], box) >= min_overlap) ++covered;
+  }
+  return covered;
+}
+
+std::int64_t CountObjectFrames(const ObjectRecord& object,
+                               const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+  std::int64_t frames = 0;
+  for (const std::int64_t tracklet : object.tracklets) frames += tracklets.at(tracklet)->record.frames;
+  return frames;
+}
+
+// True if `a` has more frames; ties go to the smaller id, the object seen first.
+bool HasMoreFrames(const ObjectRecord& a, const ObjectRecord& b,
+                   const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+  return std::pair(CountObjectFrames(a, tracklets), -a.id) > std::pair(CountObjectFrames(b, tracklets), -b.id);
+}
+
+std::set<std::int64_t> VideosOf(const ObjectRecord& object,
+                                const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+  std::set<std::int64_t> videos;
+  for (const std::int64_t tracklet : object.tracklets) videos.insert(tracklets.at(tracklet)->record.video);
+  return videos;
+}
+
+// Scores beyond it, and below its complement, have the log odds of it: they stay finite.
+constexpr double kMaxScore = 1 - 1e-12;
+
+double LogOdds(double score) {
+  const double probability = std::clamp(score, 1 - kMaxScore, kMaxScore);
+  return std::log(probability / (1 - probability));
+}
+
+// A contrario test. A score p is the probability that a detection is right if there is an object, with odds p / (1 -
+// p). The expected number of false detections with odds above x is about 1/x of that with even odds (`false_alarm_rate`
+// per frame and model), and they last one frame. An object in n consistent frames is therefore n times less likely to
+// be false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be
+// biased.
+//
+// kMaxFalseAlarms: maximum expected number of false detections as strong, over the whole search. Chosen: one search in
+// ten has one.
+constexpr double kMaxFalseAlarms = 0.1;
+
+// The lowest land is the shore of the Dead Sea, about 440 m below sea level; a place is below any ground if it is so by
+// two standard deviations.
+constexpr double kLowestGround_m = -500;
+constexpr double kBelowGroundSigmas = 2;
+
+bool IsBelowLowestGround(const Geolocation& place) {
+  return place.point.altitude_m + kBelowGroundSigmas * std::sqrt(place.covariance_enu_m2(2, 2)) < kLowestGround_m;
+}
+
+// Fewer lines of sight than this are not rejected for not intersecting: two always have a nearest point.
+constexpr std::size_t kMinObservations = 3;
+
+std::string SizeReason(double size_ratio) {
+  return size_ratio > 1 ? fmt::format("{:.1f} times too large for its distance", size_ratio)
+                        : fmt::format("{:.1f} times too small for its distance", 1 / size_ratio);
+}
+
+}  // namespace
+
+void HeightStatistics::Add(const ObjectHypothesis& hypothesis, double altitude_m) {
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) of_video_[tracklet->record.video].push_back(altitude_m);
+}
+
+std::optional<double> HeightStatistics::MedianHeight(const ObjectHypothesis& hypothesis) const {
+  const auto found = of_video_.find(hypothesis.tracklets[0]->record.video);
+  if (found == of_video_.end()) return std::nullopt;
+  return Median(found->second);
+}
+
+bool IsSizeContradicted(const ObjectPlace& estimate, const ObjectOptions& options) {
+  const double ratio = estimate.size_ratio.value_or(1);
+  return ratio > options.max_size_ratio || ratio < 1 / options.max_size_ratio;
+}
+
+std::string PlaceRejectionReason(const ObjectPlace& estimate, std::size_t observations, const ObjectOptions& options) {
+  if (estimate.place && IsBelowLowestGround(*estimate.place)) {
+    return fmt::format("{:.0f} m below the sea, below any ground", -estimate.place->point.altitude_m);
+  }
+  // An object that drives is placed by its size: the distance of its lines, as if it stood still, contradicts nothing.
+  if (estimate.path.empty() && IsSizeContradicted(estimate, options)) return SizeReason(*estimate.size_ratio);
+  if (observations >= kMinObservations && estimate.inlier_fraction < options.min_inlier_fraction)
+    return "its lines of sight do not intersect";
+  return {};
+}
+
+void RejectPlace(std::string reason, ObjectRecord& object) {
+  object.place_rejected = std::move(reason);
+  object.place.reset();
+  object.heading_rad.reset();
+}
+
+bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
+                     const ObjectOptions& options) {
+  double log_odds = 0;
+  double recognised = 0;
+  double frames = 0;
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
+    frames += static_cast<double>(tracklet->record.frames);
+    for (const double score : tracklet->scores) {
+      log_odds += LogOdds(score);
+      ++recognised;
+    }
+  }
+  if (recognised > 0) log_odds /= recognised;
+  if (placed) frames = std::max(1.0, frames * hypothesis.estimate.consistent_fraction);
+  const double false_alarms_at_even_odds = options.false_alarm_rate * static_cast<double>(frames_searched);
+  return std::exp(log_odds) * frames * kMaxFalseAlarms < false_alarms_at_even_odds;
+}
+
+// If a place of another size fits its lines, the object does not drive at that height, but stands and is of that size.
+void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& heights, const ObjectOptions& options,
+                    ObjectRecord& object) {
+  const ObjectPlace& estimate = hypothesis.estimate;
+  const bool other_size = !estimate.path.empty() && IsSizeContradicted(estimate, options);
+  if ((estimate.size_ratio && !other_size) || !object.place || !object.rejected.empty() ||
+      hypothesis.tracklets[0]->is_category)
+    return;
+  const std::optional<double> median_m = heights.MedianHeight(hypothesis);
+  if (!median_m) return;
+  const double above_m = object.place->point.altitude_m - *median_m;
+  if (std::abs(above_m) < options.max_height_deviation_m) return;
+  RejectPlace(other_size ? SizeReason(*estimate.size_ratio)
+                         : fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
+                                       above_m > 0 ? "above" : "below"),
+              object);
+}
+
+void RejectOccluded(std::vector<ObjectRecord>& objects,
+                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+  std::map<std::int64_t, std::vector<std::size_t>> of_video;  // indices into `objects`
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    for (const std::int64_t video : VideosOf(objects[i], tracklets)) of_video[video].push_back(i);
+  }
+  for (ObjectRecord& less : objects) {
+    if (!less.rejected.empty() || !tracklets.at(less.id)->is_cad_model) continue;
+    std::set<std::size_t> others;
+    for (const std::int64_t video : VideosOf(less, tracklets)) {
+      others.insert(of_video[video].begin(), of_video[video].end());
+    }
+    for (const std::size_t other : others) {
+      const ObjectRecord& more = objects[other];
+      if (!more.rejected.empty() || more.model == less.model || !tracklets.at(more.id)->is_cad_model) continue;
+      if (!HasMoreFrames(more, less, tracklets)) continue;
+      std::int64_t covered = 0;
+      for (const std::int64_t tracklet : less.tracklets) {
+        for (const std::int64_t by : more.tracklets)
+          covered += CountOverlappingFrames(*tracklets.at(tracklet), *tracklets.at(by), kOcclusionIou);
+      }
+      if (2 * covered < CountObjectFrames(less, tracklets)) continue;
+      less.rejected = fmt::format("in the same pixels as object {}", more.id);
+      break;
+    }
+  }
+}
+
+void RejectCoincident(std::vector<ObjectRecord>& objects,
+                      const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+  PlaceGrid grid(kMinSeparation_m);  // indices into `objects`
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].place) grid.Add(objects[i].place->point, static_cast<std::int64_t>(i));
+  }
+  for (ObjectRecord& less : objects) {
+    if (!less.place || !less.rejected.empty() || tracklets.at(less.id)->is_category) continue;
+    const TangentPlane plane(less.place->point);
+    for (const std::int64_t other : grid.Near(less.place->point)) {
+      const ObjectRecord& more = objects[static_cast<std::size_t>(other)];
+      if (!more.place || !more.rejected.empty() || more.id == less.id || tracklets.at(more.id)->is_category) continue;
+      if (!HasMoreFrames(more, less, tracklets)) continue;
+      if (less.place->IsMoving() || more.place->IsMoving()) continue;
+      if (plane.EnuFromGeodetic(more.place->point).norm() >= kMinSeparation_m) continue;
+      less.rejected = fmt::format("at the same place as object {}", more.id);
+      break;
+    }
+  }
+}
+
+}  // namespace victorious
