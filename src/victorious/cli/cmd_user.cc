@@ -151,10 +151,11 @@ Status Change(const Arguments& arguments) {
   if (arguments.has_new_password) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadPassword());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, HashPassword(password));
-    VICTORIOUS_RETURN_IF_ERROR(accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    const Status changed = accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
       VICTORIOUS_RETURN_IF_ERROR(accounts->SetPassword(arguments.name, hash));
       return EntryOf(arguments, "change_password", Json::object());
-    }));
+    });
+    VICTORIOUS_RETURN_IF_ERROR(changed);
   }
   if (arguments.role.empty()) return {};
   return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {

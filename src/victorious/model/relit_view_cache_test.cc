@@ -58,7 +58,9 @@ TEST(RelitViewCache, RenderingsDoNotDisplaceTemplates) {
     renderings.push_back(cache.FindOrAdd<int>(rendering_of(view)));
     cache.SetSize(rendering_of(view), 8);
     EXPECT_LE(cache.size_bytes(), 100U);
-    if (view == 10) EXPECT_EQ(cache.size_bytes(), 98U) << "they may fill the budget";
+    if (view == 10) {
+      EXPECT_EQ(cache.size_bytes(), 98U) << "they may fill the budget";
+    }
   }
   EXPECT_EQ(cache.FindOrAdd<int>(KeyOf(0)), made) << "the oldest of all";
   EXPECT_EQ(cache.FindOrAdd<int>(rendering_of(19)), renderings[19]);

@@ -115,9 +115,9 @@ struct Shared {
 
   Shared(const HttpServerOptions& given, HttpServer::Handler handle, HttpServer::UploadHandler plan)
       : options(given),
-        counts(given.max_connections_a_client),
         handler(std::move(handle)),
         plan_upload(std::move(plan)),
+        counts(given.max_connections_a_client),
         pool(static_cast<std::size_t>(given.threads)) {}
 };
 

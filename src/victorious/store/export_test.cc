@@ -271,9 +271,15 @@ TEST_F(ExportTest, GeoPackageHasPointsEllipsesAndObjectKeys) {
     const int field = row->GetFieldIndex(key.c_str());
     ASSERT_GE(field, 0) << key << " is no column";
     EXPECT_EQ(row->IsFieldNull(field), value.is_null()) << key;
-    if (value.is_string()) EXPECT_EQ(row->GetFieldAsString(field), value.get<std::string>()) << key;
-    if (value.is_number()) EXPECT_EQ(row->GetFieldAsDouble(field), value.get<double>()) << key;
-    if (value.is_array()) EXPECT_EQ(json::parse(row->GetFieldAsString(field)), value) << key;
+    if (value.is_string()) {
+      EXPECT_EQ(row->GetFieldAsString(field), value.get<std::string>()) << key;
+    }
+    if (value.is_number()) {
+      EXPECT_EQ(row->GetFieldAsDouble(field), value.get<double>()) << key;
+    }
+    if (value.is_array()) {
+      EXPECT_EQ(json::parse(row->GetFieldAsString(field)), value) << key;
+    }
   }
   const std::unique_ptr<OGRFeature> around(ellipses->GetNextFeature());
   OGREnvelope box;

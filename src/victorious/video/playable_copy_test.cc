@@ -34,7 +34,9 @@ std::vector<SeenFrame> ReadAll(const std::filesystem::path& path) {
     if (!frame || !*frame) break;
     frames.push_back({(*frame)->time_s, DecodeImageNumber((*frame)->image)});
   }
-  if (reader) EXPECT_THAT((*reader)->warnings(), ::testing::IsEmpty());
+  if (reader) {
+    EXPECT_THAT((*reader)->warnings(), ::testing::IsEmpty());
+  }
   return frames;
 }
 
