@@ -50,6 +50,35 @@ class RunsTest(program.ProgramTest):
         key = lambda row: (row["frame"], row["model"], row["box"])
         self.assertEqual(sorted(map(key, self.rows())), sorted(map(key, self.rows(program.index()))))
 
+    def events(self, *arguments, status: int = 0) -> list[dict]:
+        """What a command writes with --events, which is all that it writes."""
+        with open(self.scratch / "events.jsonl", "w+", encoding="utf-8") as file:
+            done = program.run("--events", file.fileno(), *arguments, pass_fds=(file.fileno(),))
+            self.assertEqual((done.status, done.out, done.err), (status, "", ""))
+            file.seek(0)
+            return [json.loads(line) for line in file]
+
+    def test_events_replace_the_log(self):
+        index = ("index", VIDEO, "--models", MODELS, "--db", self.db)
+        events = self.events(*index)
+        last = [event for event in events if event["event"] == "progress"][-1]
+        self.assertEqual((last["done"], last["total"], last["unit"]), (program.FRAMES, program.FRAMES, "frames"))
+        self.assertGreater(last["elapsed_s"], 0)
+        self.assertIn(f"{program.FRAMES} frames searched", events[-1]["message"])
+        self.assertEqual({event["event"] for event in events}, {"progress", "info"})
+        # As if another process had stored the next batch: no progress can be stored.
+        for action in ("INSERT", "UPDATE"):
+            self.query(f"CREATE TRIGGER other_{action} BEFORE {action} ON searches BEGIN SELECT RAISE(IGNORE); END")
+        events = self.events(*index, "--redo")
+        self.assertIn({"event": "video_left", "video": str(VIDEO)}, events)
+        self.assertIn("the video is left to it", self.index(VIDEO, "--redo").err)
+        [error] = self.events("index", "none.mkv", "--models", MODELS, "--db", self.db, status=2)
+        self.assertEqual((error["event"], error["code"]), ("error", "not_found"))
+        self.assertIn("none.mkv", error["message"])
+        [error] = self.events("index", VIDEO, "--modles", MODELS, status=2)
+        self.assertEqual((error["event"], error["code"]), ("error", "invalid_argument"))
+        self.refuses(2, ["--events", "999"], "--events", 999, *index)
+
     def test_all_videos_are_opened_first(self):
         missing = self.scratch / "missing.mkv"
         done = program.run("index", VIDEO, missing, "--models", MODELS, "--db", self.db)

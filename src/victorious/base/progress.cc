@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "victorious/base/program_events.h"
+
 namespace victorious {
 
 Progress::Progress(std::string label, std::optional<std::int64_t> total, std::string unit)
@@ -34,14 +36,22 @@ void Progress::Update(std::int64_t done) {
   if (!first_done_) first_done_ = done;
   done_ = done;
   const auto now = Clock::now();
-  const auto interval = on_terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(5000);
-  if (now - last_draw_ < interval) return;
+  if (now - last_draw_ < Interval()) return;
   last_draw_ = now;
   Draw(false);
 }
 
+std::chrono::milliseconds Progress::Interval() const {
+  if (HasEventOutput()) return std::chrono::seconds(1);
+  return on_terminal_ ? std::chrono::milliseconds(100) : std::chrono::seconds(5);
+}
+
 void Progress::Draw(bool last) {
   const double seconds = std::max(1e-3, std::chrono::duration<double>(Clock::now() - start_).count());
+  if (HasEventOutput()) {
+    ReportEvent(ProgressEvent{.label = label_, .done = done_, .total = total_, .unit = unit_, .elapsed_s = seconds});
+    return;
+  }
   const double rate = static_cast<double>(done_ - *first_done_) / seconds;
   const std::string of_total = total_ ? fmt::format("{} of {}", done_, *total_) : fmt::format("{}", done_);
   std::string left;

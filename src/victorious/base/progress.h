@@ -1,5 +1,5 @@
 // Reports the progress of long work on stderr: a bar on a terminal, plain lines every few seconds otherwise,
-// with the time left at the rate so far.
+// with the time left at the rate so far. With `--events`, as events instead (program_events.h).
 #pragma once
 
 #include <chrono>
@@ -24,11 +24,12 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// Reports the number of units done so far. Draws at most ten times a second on a terminal, every five seconds
-  /// elsewhere.
+  /// elsewhere; writes an event at most once a second.
   void Update(std::int64_t done);
 
  private:
   void Draw(bool last);
+  [[nodiscard]] std::chrono::milliseconds Interval() const;
 
   using Clock = std::chrono::steady_clock;
   std::string label_;

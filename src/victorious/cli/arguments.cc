@@ -261,12 +261,6 @@ Status CheckDrawnVideo(const std::string& path) {
   return CheckOutput(path);
 }
 
-std::string OneLine(std::string text) {
-  constexpr char kDelete = 0x7f;
-  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; }, '?');
-  return text;
-}
-
 namespace {
 
 volatile std::sig_atomic_t interrupt_signal = 0;

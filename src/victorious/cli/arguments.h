@@ -12,6 +12,7 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/base/one_line.h"
 #include "victorious/base/options.h"
 #include "victorious/geometry/box.h"
 #include "victorious/pipeline/preset.h"
@@ -103,9 +104,6 @@ struct FieldFlag {
 /// Checks the path of a drawn video: CheckOutput, and its extension. Error: kInvalidArgument unless it is empty or ends
 /// in .mp4 or .mkv.
 [[nodiscard]] Status CheckDrawnVideo(const std::string& path);
-
-/// Replaces control characters (for instance of a file name) by '?', so that a message stays one line.
-std::string OneLine(std::string text);
 
 /// The token that SIGINT and SIGTERM cancel. The first call installs the signal handlers.
 CancelToken& Interrupt();

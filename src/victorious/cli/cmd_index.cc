@@ -12,12 +12,12 @@
 #include <spdlog/spdlog.h>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/program_events.h"
 #include "victorious/base/text.h"
 #include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
-#include "victorious/cluster/index_task.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/drawn_video.h"
@@ -211,7 +211,8 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
                        .inform = [&](const std::string& text) { spdlog::info("{}: {}", OneLine(video), text); }};
     const Expected<IndexReport> report = indexer.Index(job, Interrupt(), *store, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
-      spdlog::info("{}; {}", OneLine(report.error().message), kLeftToAnother);
+      spdlog::info("{}; the video is left to it", OneLine(report.error().message));
+      ReportEvent(VideoLeftEvent{video});
       continue;
     }
     if (!report) {

@@ -60,6 +60,21 @@ constexpr std::array kCommands = {
             "victorious-bench"},
 };
 
+// Adds --events to the program. It takes effect before the rest of the command line is parsed: an error there is an event
+// as well.
+void AddEvents(CLI::App& app) {
+  app.add_option_function<int>(
+         "--events",
+         [](int descriptor) {
+           const Status status = SendLogToEvents(descriptor);
+           if (!status) throw CLI::ValidationError("--events", status.error().message);
+         },
+         "Before the command: write log, progress and error as JSON lines to this open file descriptor instead of to "
+         "standard error (docs/formats/events.md)")
+      ->type_name("FD")
+      ->trigger_on_parse();
+}
+
 // Adds --threads to a command, or to its parts.
 void AddThreads(CLI::App& command, int& threads) {
   const std::vector<CLI::App*> parts = command.get_subcommands([](const CLI::App*) { return true; });
@@ -81,6 +96,7 @@ Expected<int> Main(int argc, char** argv) {
   }
   CLI::App app("Finds your object in hours of video.", "victorious");
   app.set_version_flag("-V,--version", kVersion);
+  AddEvents(app);
   app.require_subcommand(1);
   app.fallthrough(false);
   Action chosen;

@@ -11,36 +11,71 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <spdlog/details/null_mutex.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "victorious/base/one_line.h"
+#include "victorious/base/program_events.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/suggestion.h"
 
 namespace victorious::cli {
-int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** argv)) {
-  std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f`, writing fails as on a full disk
-  try {
-    const char* const no_color = std::getenv("NO_COLOR");  // https://no-color.org: set and not empty
-    const bool plain = no_color != nullptr && *no_color != '\0';
-    const auto logger =
-        spdlog::stderr_color_mt("victorious", plain ? spdlog::color_mode::never : spdlog::color_mode::automatic);
-    logger->set_pattern("%^%l%$: %v");
-    spdlog::set_default_logger(logger);
-    const Expected<int> status = body(argc, argv);
-    if (status) return *status;
-    spdlog::error("{}", OneLine(status.error().message));
-    constexpr int kEndedBySignal = 128;  // a shell's convention
-    if (status.error().code == ErrorCode::kCancelled && InterruptSignal() != 0)
-      return kEndedBySignal + InterruptSignal();
-    return ExitStatus(status.error().code);
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "error: out of memory\n");
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+namespace {
+
+// Lines of the log as events.
+class EventSink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& line) override {
+    std::string message(line.payload.data(), line.payload.size());
+    if (line.level >= spdlog::level::err) {
+      ReportEvent(ErrorEvent{{ErrorCode::kInternal, std::move(message)}});
+    } else if (line.level == spdlog::level::warn) {
+      ReportEvent(WarningEvent{std::move(message)});
+    } else {
+      ReportEvent(InfoEvent{std::move(message)});
+    }
   }
-  return 1;
+
+  void flush_() override {}
+};
+
+void ReportError(const Error& error) {
+  if (HasEventOutput()) return ReportEvent(ErrorEvent{error});
+  spdlog::error("{}", OneLine(error.message));
+}
+
+}  // namespace
+
+Status SendLogToEvents(int descriptor) {
+  VICTORIOUS_RETURN_IF_ERROR(OpenEventOutput(descriptor));
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("events", std::make_shared<EventSink>()));
+  return {};
+}
+
+int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** argv)) {
+  std::signal(SIGXFSZ, SIG_IGN);                         // beyond `ulimit -f`, writing fails as on a full disk
+  const char* const no_color = std::getenv("NO_COLOR");  // https://no-color.org: set and not empty
+  const bool plain = no_color != nullptr && *no_color != '\0';
+  const auto logger =
+      spdlog::stderr_color_mt("victorious", plain ? spdlog::color_mode::never : spdlog::color_mode::automatic);
+  logger->set_pattern("%^%l%$: %v");
+  spdlog::set_default_logger(logger);
+  Expected<int> status = 0;
+  try {
+    status = body(argc, argv);
+  } catch (const std::bad_alloc&) {
+    status = Fail(ErrorCode::kInternal, "out of memory");
+  } catch (const std::exception& error) {
+    status = Fail(ErrorCode::kInternal, error.what());
+  }
+  if (status) return *status;
+  ReportError(status.error());
+  constexpr int kEndedBySignal = 128;  // a shell's convention
+  if (status.error().code == ErrorCode::kCancelled && InterruptSignal() != 0) return kEndedBySignal + InterruptSignal();
+  return ExitStatus(status.error().code);
 }
 
 namespace {

@@ -17,6 +17,10 @@ namespace victorious::cli {
 ///   ExitStatus() of its error
 int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** argv));
 
+/// For `--events`: sends the log, the progress and the error of this program to `descriptor` as events
+/// (base/program_events.h) instead of to stderr. Error: kInvalidArgument for a descriptor that is not open for writing.
+[[nodiscard]] Status SendLogToEvents(int descriptor);
+
 /// Parses the arguments. The error of a mistyped option or subcommand names the nearest one.
 /// @param name  of the program and its command, for the hint to --help
 /// @return the exit status if --help or --version ended the program; std::nullopt if it continues

@@ -12,9 +12,6 @@ namespace victorious {
 
 inline constexpr std::string_view kIndexTaskKind = "index";
 
-/// The end of the line by which `victorious index` says that another process indexes the same video.
-inline constexpr std::string_view kLeftToAnother = "the video is left to it";
-
 struct IndexTask {
   std::string video;                 ///< absolute path, the same on all machines
   std::vector<std::string> options;  ///< of `victorious index`, but for --db: "--models", "/data/models", …

@@ -1,14 +1,14 @@
 #include "victorious/cluster/worker.h"
 
 #include <algorithm>
-#include <csignal>
 #include <optional>
 #include <thread>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
-#include "victorious/base/child_process.h"
+#include "victorious/base/child_task.h"
 
 namespace victorious {
 namespace {
@@ -17,7 +17,6 @@ using postgres::Task;
 using postgres::TaskQueue;
 
 constexpr std::chrono::milliseconds kPatience{200};
-constexpr std::chrono::seconds kGrace{60};  // of a process that was asked to end
 constexpr std::chrono::minutes kOutage{5};  // of the database, that a worker waits out
 
 // The positions of the searches of a video, summed over models: a measure of progress.
@@ -33,8 +32,6 @@ Expected<std::int64_t> SumNextFrames(const std::string& video, IndexStore& store
   }
   return frames;
 }
-
-std::string DescribeEnd(const TaskEnd& end) { return end.error.empty() ? DescribeFailure(end.status) : end.error; }
 
 // Renews the lease of a task while its process runs.
 class Heartbeat {
@@ -83,13 +80,13 @@ class Heartbeat {
 // Ends a task in the queue by how its process ended. Returns whether it is done.
 Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
                        const WorkerOptions& options) {
-  if (is_cancelled && end.status != 0) {
+  if (is_cancelled && end.child.status != 0) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
     return false;
   }
-  if (end.status != 0) {
-    options.inform(fmt::format("{}: attempt {} failed: {}", work.video, task.attempt, DescribeEnd(end)));
-    VICTORIOUS_RETURN_IF_ERROR(queue.Abandon(task, DescribeEnd(end)));
+  if (end.child.status != 0) {
+    options.inform(fmt::format("{}: attempt {} failed: {}", work.video, task.attempt, DescribeFailure(end.child)));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Abandon(task, DescribeFailure(end.child)));
     return false;
   }
   if (end.is_left) {
@@ -160,27 +157,15 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
     arguments.insert(arguments.end(), more.begin(), more.end());
     // "--" ends the options: the name of a file that begins with a dash is none.
     arguments.insert(arguments.end(), {"--", task.video});
-    VICTORIOUS_ASSIGN_OR_RETURN(ChildProcess child, ChildProcess::StartSelf(arguments));
     TaskEnd end;
-    std::optional<std::chrono::steady_clock::time_point> asked;
-    while (!child.has_ended()) {
-      for (const std::string& line : child.ReadLines(kPatience)) {
-        constexpr std::string_view kError = "error: ";
-        if (line.starts_with(kError)) end.error = line.substr(kError.size());
-        if (line.starts_with("warning: ")) inform(line);
-        end.is_left |= line.ends_with(kLeftToAnother);
-      }
-      // Also while the process ends: its lease must not run out meanwhile.
-      if (beat()) continue;
-      const auto now = std::chrono::steady_clock::now();
-      if (!asked) {
-        asked = now;
-        child.Interrupt();
-      } else if (now - *asked > kGrace) {
-        return TaskEnd{.status = 128 + SIGKILL, .is_left = false, .error = {}};  // ChildProcess kills it
-      }
-    }
-    end.status = child.Wait();
+    const auto read = [&](const ProgramEvent& event) {
+      if (const auto* const warning = std::get_if<WarningEvent>(&event)) inform("warning: " + warning->message);
+      end.is_left |= std::holds_alternative<VideoLeftEvent>(event);
+    };
+    // Also while the process ends: its lease must not run out meanwhile.
+    const auto control = [&] { return beat() ? ChildControl::kContinue : ChildControl::kInterrupt; };
+    VICTORIOUS_ASSIGN_OR_RETURN(end.child,
+                                RunChild({.command = OwnProgram(arguments), .on_event = read, .control = control}));
     return end;
   };
 }

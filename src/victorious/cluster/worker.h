@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "victorious/base/cancel.h"
+#include "victorious/base/child_task.h"
 #include "victorious/base/error.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/store/index_store.h"
@@ -18,9 +19,8 @@ namespace victorious {
 
 /// How a task's process ended.
 struct TaskEnd {
-  int status = 0;        ///< exit status; 128 + the number of the signal that killed it
+  ChildEnd child;
   bool is_left = false;  ///< another process indexes the same video
-  std::string error;     ///< its line of error; empty: none
 };
 
 struct WorkerOptions {
@@ -34,7 +34,7 @@ struct WorkerOptions {
 /// process cannot be started.
 using RunTask = std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<bool()>& beat)>;
 
-/// Runs `victorious index` of this executable with `more` after the task's options. Lines of warning go to `inform`.
+/// Runs `victorious index` of this executable with `more` after the task's options. Its warnings go to `inform`.
 RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform);
 
 /// Does tasks until `cancel` is set, or until there are none left. A task

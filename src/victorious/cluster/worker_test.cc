@@ -74,7 +74,7 @@ TEST_F(PostgresWorkerTest, FailingTaskIsQuarantinedAndTheRestGoesOn) {
   Submit("/broken.mp4");
   Submit("/good.mp4");
   const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>&) -> Expected<TaskEnd> {
-    return task.video == "/good.mp4" ? TaskEnd{} : TaskEnd{.status = 128 + 11, .is_left = false, .error = {}};
+    return task.video == "/good.mp4" ? TaskEnd{} : TaskEnd{.child = {.status = 128 + 11}};
   });
   EXPECT_EQ(done.value_or(0), 1);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1, .quarantined = 1}));
@@ -87,7 +87,7 @@ TEST_F(PostgresWorkerTest, VideoOfAnotherProcessWaitsAgain) {
   Submit("/a.mp4");
   int runs = 0;
   const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>&) -> Expected<TaskEnd> {
-    return TaskEnd{.status = 0, .is_left = ++runs < 3, .error = {}};
+    return TaskEnd{.child = {}, .is_left = ++runs < 3};
   });
   EXPECT_EQ(done.value_or(0), 1);
   EXPECT_EQ(runs, 3);
@@ -121,7 +121,7 @@ TEST_F(PostgresWorkerTest, InterruptedTaskWaitsForTheNextWorker) {
   const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>& beat) -> Expected<TaskEnd> {
     cancel_.Cancel();
     EXPECT_FALSE(beat());
-    return TaskEnd{.status = 130, .is_left = false, .error = {}};
+    return TaskEnd{.child = {.status = 130}};
   });
   EXPECT_EQ(done.value_or(-1), 0);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));

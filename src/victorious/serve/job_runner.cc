@@ -1,15 +1,14 @@
 #include "victorious/serve/job_runner.h"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "victorious/base/child_process.h"
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 
@@ -65,21 +64,6 @@ Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFol
   }
   arguments.insert(arguments.end(), {"--force", "--out", clip});
   return arguments;
-}
-
-// Takes a number from the beginning of a text.
-std::optional<std::int64_t> TakeNumber(std::string_view& text) {
-  std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || number < 0) return std::nullopt;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return number;
-}
-
-bool TakePrefix(std::string_view& text, std::string_view prefix) {
-  if (!text.starts_with(prefix)) return false;
-  text.remove_prefix(prefix.size());
-  return true;
 }
 
 }  // namespace
@@ -151,27 +135,21 @@ void RemoveUnfinishedCopies(const std::filesystem::path& copy) {
   }
 }
 
-bool ReadProgressLine(std::string_view line, JobProgress& progress) {
-  // "LABEL: 12 of 40 frames, 3.5 a second": the label may hold colons itself.
-  for (std::size_t colon = line.rfind(": "); colon != std::string_view::npos && line.ends_with(" a second");
-       colon = colon == 0 ? std::string_view::npos : line.rfind(": ", colon - 1)) {
-    std::string_view rest = line.substr(colon + 2);
-    const auto done = TakeNumber(rest);
-    const bool has_total = done && TakePrefix(rest, " of ");
-    const std::optional<std::int64_t> total = has_total ? TakeNumber(rest) : std::nullopt;
-    if (!done || has_total != total.has_value() || !TakePrefix(rest, " ")) continue;
-    const std::string_view unit = rest.substr(0, rest.find(','));
-    progress.done = *done;
-    progress.total = total;
-    progress.unit = unit;
-    return true;
+bool ApplyEvent(const ProgramEvent& event, JobProgress& progress) {
+  if (const auto* const step = std::get_if<ProgressEvent>(&event)) {
+    progress.done = step->done;
+    progress.total = step->total;
+    progress.unit = step->unit;
+  } else if (const auto* const info = std::get_if<InfoEvent>(&event)) {
+    progress.message = info->message;
+  } else if (const auto* const warning = std::get_if<WarningEvent>(&event)) {
+    progress.message = warning->message;
+  } else if (const auto* const failure = std::get_if<ErrorEvent>(&event)) {
+    progress.message = failure->error.message;
+  } else {
+    return false;
   }
-  for (const std::string_view prefix : {"error: ", "warning: ", "info: "}) {
-    if (!line.starts_with(prefix)) continue;
-    progress.message = line.substr(prefix.size());
-    return true;
-  }
-  return false;
+  return true;
 }
 
 JobRunner::JobRunner(std::unique_ptr<JobQueue> queue, JobFolders folders, std::function<void()> on_change,
@@ -228,45 +206,37 @@ void JobRunner::Work(const JobRecord& job) {
     if (std::filesystem::is_regular_file(*made, error)) return finish(JobState::kDone, "");
     RemoveUnfinishedCopies(*made);
   }
-  auto child = ChildProcess::StartSelf(*arguments);
-  if (!child) return finish(JobState::kFailed, child.error().message);
   JobProgress progress;
-  std::string error;
+  bool is_new = false;
   bool is_cancelled = false;
   bool is_released = false;
+  bool is_lost = false;
   std::optional<std::chrono::steady_clock::time_point> beaten;
-  while (!child->has_ended()) {
-    bool is_new = false;
-    for (const std::string& line : child->ReadLines(std::chrono::milliseconds(200))) {
-      is_new |= ReadProgressLine(line, progress);
-      if (line.starts_with("error: ")) error = line.substr(7);
-    }
-    if (is_ending_ && !is_released) {
-      is_released = true;
-      child->Interrupt();
-    }
+  const auto control = [&] {
     const auto now = std::chrono::steady_clock::now();
-    if (beaten && now - *beaten < options_.heartbeat && !is_new) continue;
-    beaten = now;
-    const auto goes_on = queue_->Beat(job.id, owner_, NowUtcMicroseconds(), Microseconds(options_.lease), progress);
-    // Another worker has it: two must not write the same results.
-    if (!goes_on && goes_on.error().code == ErrorCode::kConflict) return;
-    if (goes_on && !*goes_on && !is_cancelled) {
-      is_cancelled = true;
-      child->Interrupt();
+    if (!beaten || now - *beaten >= options_.heartbeat || is_new) {
+      beaten = now;
+      const auto goes_on = queue_->Beat(job.id, owner_, NowUtcMicroseconds(), Microseconds(options_.lease), progress);
+      is_lost = !goes_on && goes_on.error().code == ErrorCode::kConflict;
+      is_cancelled |= goes_on && !*goes_on;
+      if (std::exchange(is_new, false)) on_change_();
     }
-    if (is_new) on_change_();
-  }
-  const int status = child->Wait();
-  if (status == 0) return finish(JobState::kDone, progress.message);
+    if (is_lost) return ChildControl::kKill;  // another worker has it: two must not write the same results
+    is_released |= is_ending_;
+    return is_cancelled || is_released ? ChildControl::kInterrupt : ChildControl::kContinue;
+  };
+  const auto read = [&](const ProgramEvent& event) { is_new |= ApplyEvent(event, progress); };
+  const auto end = RunChild({.command = OwnProgram(*arguments), .on_event = read, .control = control});
+  if (!end) return finish(JobState::kFailed, end.error().message);
+  if (is_lost) return;
+  if (end->status == 0) return finish(JobState::kDone, progress.message);
   if (is_cancelled) return finish(JobState::kCancelled, "");
   if (is_released) {
     const Status released = queue_->Release(job.id, owner_);
     if (!released) spdlog::warn("job {}: {}", job.id, released.error().message);
     return;
   }
-  if (error.empty()) error = DescribeFailure(status);
-  finish(JobState::kFailed, error);
+  finish(JobState::kFailed, DescribeFailure(*end));
 }
 
 }  // namespace victorious

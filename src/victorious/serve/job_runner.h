@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "victorious/base/child_task.h"
 #include "victorious/base/error.h"
 #include "victorious/store/job_queue.h"
 
@@ -41,10 +42,8 @@ struct JobFolders {
 /// Removes the temporary files of a copy, FILE.tmp-…, which a killed process left. Nobody may be writing it.
 void RemoveUnfinishedCopies(const std::filesystem::path& copy);
 
-/// Reads a line that a command writes to standard error into the progress: a
-/// line of Progress (base/progress.h), a warning or an error. Returns true if
-/// it says something new.
-bool ReadProgressLine(std::string_view line, JobProgress& progress);
+/// Updates the progress by an event of the job's process. Returns false for an event that changes nothing of it.
+bool ApplyEvent(const ProgramEvent& event, JobProgress& progress);
 
 class JobRunner {
  public:

@@ -83,23 +83,25 @@ TEST(RemoveUnfinishedCopies, RemovesTheTemporaryFilesOfTheCopy) {
   EXPECT_THAT(left, ElementsAre("c.mp4", "c.mp4.old", "d.mp4.tmp-12"));
 }
 
-TEST(ReadProgressLine, ReadsWhatCommandsWrite) {
+TEST(ApplyEvent, KeepsTheLastCountAndTheLastMessage) {
   JobProgress progress;
-  EXPECT_TRUE(ReadProgressLine("a: b.mp4: 12 of 40 frames, 3.5 a second", progress));
+  EXPECT_TRUE(ApplyEvent(ProgressEvent{.label = "a.mp4", .done = 12, .total = 40, .unit = "frames", .elapsed_s = 3.5},
+                         progress));
   EXPECT_EQ(progress.done, 12);
   EXPECT_EQ(progress.total, 40);
   EXPECT_EQ(progress.unit, "frames");
-  EXPECT_TRUE(ReadProgressLine("views: 7 views, 3.5 a second", progress));
+  EXPECT_TRUE(
+      ApplyEvent(ProgressEvent{.label = "views", .done = 7, .total = {}, .unit = "views", .elapsed_s = 1}, progress));
   EXPECT_EQ(progress.done, 7);
   EXPECT_FALSE(progress.total);
-  EXPECT_TRUE(ReadProgressLine("warning: no telemetry", progress));
+  EXPECT_TRUE(ApplyEvent(InfoEvent{"12 sightings"}, progress));
+  EXPECT_EQ(progress.message, "12 sightings");
+  EXPECT_TRUE(ApplyEvent(WarningEvent{"no telemetry"}, progress));
   EXPECT_EQ(progress.message, "no telemetry");
-  EXPECT_TRUE(ReadProgressLine("error: x.mp4: not a video", progress));
+  EXPECT_TRUE(ApplyEvent(ErrorEvent{{ErrorCode::kDataLoss, "x.mp4: not a video"}}, progress));
   EXPECT_EQ(progress.message, "x.mp4: not a video");
-  for (const char* line : {"", ": ", "x: y frames, 3 a second", "x: 12 of  frames, 3 a second",
-                           "x: 99999999999999999999 of 3 frames, 1 a second", "12 of 40"}) {
-    EXPECT_FALSE(ReadProgressLine(line, progress)) << line;
-  }
+  EXPECT_FALSE(ApplyEvent(VideoLeftEvent{"x.mp4"}, progress)) << "an InfoEvent says so to people";
+  EXPECT_EQ(progress.message, "x.mp4: not a video");
   EXPECT_EQ(progress.done, 7);
 }
 

@@ -1,0 +1,181 @@
+#include "victorious/base/child_task.h"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace victorious {
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{200};
+
+class ChildProcess {
+ public:
+  [[nodiscard]] static Expected<ChildProcess> Start(const ChildCommand& command);
+
+  ChildProcess(ChildProcess&& other) noexcept
+      : pid_(std::exchange(other.pid_, -1)),
+        descriptor_(std::exchange(other.descriptor_, -1)),
+        line_(std::move(other.line_)) {}
+  ChildProcess& operator=(ChildProcess&&) = delete;
+  /// Kills it if it runs, and waits for it.
+  ~ChildProcess();
+
+  /// Waits for lines of events, for at most `patience`. Returns the complete lines that came.
+  [[nodiscard]] std::vector<std::string> ReadLines(std::chrono::milliseconds patience);
+
+  /// True once the pipe is closed, which is when the process ends.
+  [[nodiscard]] bool has_ended() const { return descriptor_ < 0; }
+
+  void Interrupt() const { ::kill(pid_, SIGINT); }
+
+  /// Waits for its end. Returns the exit status; 128 + the number of the signal that killed it.
+  [[nodiscard]] int Wait();
+
+ private:
+  ChildProcess(int pid, int descriptor) : pid_(pid), descriptor_(descriptor) {}
+
+  int pid_;         ///< -1: waited for
+  int descriptor_;  ///< -1: closed
+  std::string line_;
+};
+
+Expected<ChildProcess> ChildProcess::Start(const ChildCommand& command) {
+  // All that allocates happens before fork: the child of a process with threads
+  // may only make system calls.
+  std::vector<std::string> words = command.arguments;
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return std::unexpected(ErrorFromErrno(errno, "pipe"));
+  const pid_t parent = ::getpid();
+  const pid_t pid = ::fork();
+  if (pid < 0) {
+    const int error = errno;
+    ::close(ends[0]);
+    ::close(ends[1]);
+    return std::unexpected(ErrorFromErrno(error, "fork"));
+  }
+  if (pid == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) ::_exit(127);  // the parent died before
+    ::setpgid(0, 0);                          // Ctrl-C in the server's terminal is for the server
+    const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+    ::dup2(null, STDIN_FILENO);
+    ::dup2(null, STDOUT_FILENO);
+    ::dup2(ends[1], kChildEventDescriptor);
+    ::fcntl(kChildEventDescriptor, F_SETFD, 0);  // dup2 of a descriptor onto itself leaves O_CLOEXEC
+    ::execv(command.executable.c_str(), argv.data());
+    ::_exit(127);
+  }
+  ::close(ends[1]);
+  return ChildProcess(pid, ends[0]);
+}
+
+ChildProcess::~ChildProcess() {
+  if (pid_ > 0) {
+    ::kill(pid_, SIGKILL);
+    [[maybe_unused]] const int status = Wait();
+  }
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+std::vector<std::string> ChildProcess::ReadLines(std::chrono::milliseconds patience) {
+  std::vector<std::string> lines;
+  pollfd wanted{.fd = descriptor_, .events = POLLIN, .revents = 0};
+  if (descriptor_ < 0 || ::poll(&wanted, 1, static_cast<int>(patience.count())) <= 0) return lines;
+  std::array<char, 4096> bytes;
+  const ssize_t got = ::read(descriptor_, bytes.data(), bytes.size());
+  if (got < 0 && errno == EINTR) return lines;
+  if (got <= 0) {
+    ::close(std::exchange(descriptor_, -1));
+    if (!line_.empty()) lines.push_back(std::exchange(line_, {}));
+    return lines;
+  }
+  for (const char c : std::string_view(bytes.data(), static_cast<std::size_t>(got))) {
+    if (c != '\n') {
+      if (line_.size() <= kMaxEventBytes) line_ += c;  // one byte more shows the parser that it is too long
+      continue;
+    }
+    lines.push_back(std::exchange(line_, {}));
+  }
+  return lines;
+}
+
+int ChildProcess::Wait() {
+  int status = 0;
+  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = -1;
+  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+ProgramEvent EventOfLine(std::string_view line) {
+  Expected<ProgramEvent> event = ParseEvent(line);
+  if (event) return *std::move(event);
+  return WarningEvent{fmt::format("a line of its events was ignored: {}", event.error().message)};
+}
+
+}  // namespace
+
+ChildCommand OwnProgram(const std::vector<std::string>& arguments) {
+  ChildCommand command{.executable = "/proc/self/exe",
+                       .arguments = {"victorious", "--events", std::to_string(kChildEventDescriptor)}};
+  command.arguments.insert(command.arguments.end(), arguments.begin(), arguments.end());
+  return command;
+}
+
+Expected<ChildEnd> RunChild(const ChildTask& task) {
+  VICTORIOUS_ASSIGN_OR_RETURN(ChildProcess child, ChildProcess::Start(task.command));
+  ChildEnd end;
+  std::optional<std::chrono::steady_clock::time_point> interrupted;
+  while (!child.has_ended()) {
+    for (const std::string& line : child.ReadLines(kPatience)) {
+      const ProgramEvent event = EventOfLine(line);
+      if (const auto* const failure = std::get_if<ErrorEvent>(&event)) end.error = failure->error;
+      task.on_event(event);
+    }
+    const ChildControl control = task.control();
+    const auto now = std::chrono::steady_clock::now();
+    const bool is_overdue = interrupted && now - *interrupted > task.grace;
+    if (control == ChildControl::kKill || is_overdue) {
+      end.status = 128 + SIGKILL;  // ~ChildProcess kills it
+      return end;
+    }
+    if (control == ChildControl::kInterrupt && !interrupted) {
+      interrupted = now;
+      child.Interrupt();
+    }
+  }
+  end.status = child.Wait();
+  return end;
+}
+
+std::string DescribeFailure(const ChildEnd& end) {
+  if (end.error) return end.error->message;
+  if (end.status <= 128) return fmt::format("its process ended with the status {}", end.status);
+  const int signal = end.status - 128;
+  switch (signal) {
+    case SIGKILL:
+      return "its process was killed, by somebody or because the memory ran out";
+    case SIGINT:
+    case SIGTERM:
+    case SIGHUP:
+      return fmt::format("its process was ended from outside (signal {})", signal);
+    default:
+      return fmt::format("its process crashed (signal {}): the file may be damaged", signal);
+  }
+}
+
+}  // namespace victorious
