@@ -64,13 +64,13 @@ class ClusterTest(program.ProgramTest):
 
     def test_workers_write_what_one_process_writes(self):
         said = self.submit(*self.videos)
-        self.assertIn("3 videos submitted; 3 waiting", said.err)
+        self.assertIn("3 videos submitted; 3 queued", said.err)
         self.assertIn("0 videos submitted, 3 known already", self.submit(*self.videos).err)
         self.finish(*(self.start_worker("--until-empty") for _ in range(2)))
         status = self.status()
-        self.assertEqual((status["waiting"], status["running"], status["done"]), (0, 0, 3), status)
+        self.assertEqual((status["queued"], status["running"], status["done"]), (0, 0, 3), status)
         self.assertGreater(status["seconds_per_video"], 0)
-        self.assertIn("3 done, 0 quarantined", self.succeeds("cluster", "status", "--db", self.url).out)
+        self.assertIn("3 done, 0 failed", self.succeeds("cluster", "status", "--db", self.url).out)
         self.assert_same_as_one_process()
         of_two, self.url = self.url, self.make_database()
         self.submit(*self.videos)
@@ -87,7 +87,7 @@ class ClusterTest(program.ProgramTest):
             worker.communicate(timeout=program.TIMEOUT_S)
             if sent == signal.SIGINT:
                 events = self.events_of(worker)
-                self.assertEqual(events.count("claimed"), events.count("done") + events.count("returned"), events)
+                self.assertEqual(events.count("claimed"), events.count("done") + events.count("released"), events)
         # As after a minute: the killed worker does not answer any more.
         self.sql("UPDATE victorious.tasks SET leased_until = now() - interval '1 s' WHERE state = 'running'")
         self.finish(self.start_worker("--until-empty"))
@@ -108,13 +108,13 @@ class ClusterTest(program.ProgramTest):
             time.sleep(0.05)
         self.fail("did not come")
 
-    def test_what_fails_is_quarantined_with_its_reason(self):
+    def test_what_fails_is_listed_with_its_reason(self):
         gone = Path(self.write("gone.mkv", self.videos[1].read_bytes()))
         self.submit(gone, self.videos[0])
         gone.unlink()
         self.finish(self.start_worker("--until-empty", "--retry-delay", "0"))
         status = self.status()
-        self.assertEqual((status["done"], status["quarantined"]), (1, 1), status)
+        self.assertEqual((status["done"], status["failed"]), (1, 1), status)
         self.assertEqual(status["tasks"][0]["video"], str(gone))
         self.assertIn("gone.mkv", status["tasks"][0]["reason"])
         gone.write_bytes(self.videos[1].read_bytes())
@@ -136,7 +136,7 @@ class ClusterTest(program.ProgramTest):
         done = program.run("submit", "none.mkv", self.videos[0], "--models", models, "--db", self.url)
         self.assertEqual(done.status, 2)
         self.assertIn("none.mkv", done.messages()[-1])
-        self.assertEqual(self.status()["waiting"], 1, "the others are submitted")
+        self.assertEqual(self.status()["queued"], 1, "the others are submitted")
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ struct Arguments {
 };
 
 struct ListedTask {
-  postgres::TaskState state;
+  postgres::TaskRecord record;
   std::string video;                       ///< empty: not a valid task
   std::optional<std::int64_t> next_frame;  ///< frames before it were searched for each model whose search has begun
 };
@@ -43,28 +43,26 @@ Expected<std::optional<std::int64_t>> NextFrame(const std::string& name, const s
 }
 
 nlohmann::ordered_json ToJson(const ListedTask& task) {
-  const postgres::TaskState& state = task.state;
-  nlohmann::ordered_json row = {{"video", task.video},
-                                {"state", state.is_quarantined ? "quarantined" : "running"},
-                                {"attempt", state.attempt},
-                                {"program", state.program}};
-  if (!state.is_quarantined) {
-    row["worker"] = state.worker;
-    row["lease_left_s"] = state.lease_left_s ? nlohmann::ordered_json(*state.lease_left_s) : nlohmann::ordered_json();
+  const postgres::TaskRecord& record = task.record;
+  nlohmann::ordered_json row = {
+      {"video", task.video}, {"state", ToText(record.state)}, {"attempt", record.attempt}, {"program", record.program}};
+  if (record.state == WorkState::kRunning) {
+    row["worker"] = record.worker;
+    row["lease_left_s"] = record.lease_left_s ? nlohmann::ordered_json(*record.lease_left_s) : nlohmann::ordered_json();
     row["frames"] = task.next_frame.value_or(0);
   }
-  row["reason"] = state.reason;
+  row["reason"] = record.reason;
   return row;
 }
 
 std::string ToText(const ListedTask& task) {
-  const postgres::TaskState& state = task.state;
-  if (state.is_quarantined) {
-    return fmt::format("quarantined  {}  {}\n", OneLine(task.video), OneLine(state.reason));
+  const postgres::TaskRecord& record = task.record;
+  if (record.state == WorkState::kFailed) {
+    return fmt::format("failed   {}  {}\n", OneLine(task.video), OneLine(record.reason));
   }
-  return fmt::format("running      {}  {} frames, {}, attempt {}, lease {:.0f} s{}\n", OneLine(task.video),
-                     task.next_frame.value_or(0), OneLine(state.worker), state.attempt, state.lease_left_s.value_or(0),
-                     state.reason.empty() ? "" : "; last: " + OneLine(state.reason));
+  return fmt::format("running  {}  {} frames, {}, attempt {}, lease {:.0f} s{}\n", OneLine(task.video),
+                     task.next_frame.value_or(0), OneLine(record.worker), record.attempt,
+                     record.lease_left_s.value_or(0), record.reason.empty() ? "" : "; last: " + OneLine(record.reason));
 }
 
 Status Run(const Arguments& arguments) {
@@ -77,15 +75,15 @@ Status Run(const Arguments& arguments) {
       const auto queue,
       postgres::TaskQueue::Open(arguments.db, {.worker = "status", .program = {}, .is_read_only = true}));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<postgres::TaskState> states, queue->List(kMaxListed));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<postgres::TaskRecord> records, queue->List(kMaxListed));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<double> mean_s, queue->MeanSeconds());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store->Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store->Models());
   std::vector<ListedTask> tasks;
-  for (postgres::TaskState& state : states) {
-    const Expected<IndexTask> work = FromQueue(state.kind, state.payload);
-    ListedTask task{.state = std::move(state), .video = work ? work->video : "", .next_frame = {}};
-    if (!task.state.is_quarantined) {
+  for (postgres::TaskRecord& record : records) {
+    const Expected<IndexTask> work = FromQueue(record.kind, record.payload);
+    ListedTask task{.record = std::move(record), .video = work ? work->video : "", .next_frame = {}};
+    if (task.record.state == WorkState::kRunning) {
       VICTORIOUS_ASSIGN_OR_RETURN(task.next_frame, NextFrame(task.video, videos, models, *store));
     }
     tasks.push_back(std::move(task));
@@ -94,7 +92,7 @@ Status Run(const Arguments& arguments) {
   std::optional<double> hours_left;
   if (mean_s && counts.running > 0) {
     const auto running = static_cast<double>(counts.running);
-    hours_left = (static_cast<double>(counts.waiting) / running + 0.5) * *mean_s / 3600;
+    hours_left = (static_cast<double>(counts.queued) / running + 0.5) * *mean_s / 3600;
   }
   if (arguments.json) {
     const auto number = [](const std::optional<double>& value) {
@@ -103,13 +101,13 @@ Status Run(const Arguments& arguments) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const ListedTask& task : tasks) rows.push_back(ToJson(task));
     const nlohmann::ordered_json status = {
-        {"waiting", counts.waiting},         {"running", counts.running},           {"done", counts.done},
-        {"quarantined", counts.quarantined}, {"seconds_per_video", number(mean_s)}, {"hours_left", number(hours_left)},
+        {"queued", counts.queued}, {"running", counts.running},           {"done", counts.done},
+        {"failed", counts.failed}, {"seconds_per_video", number(mean_s)}, {"hours_left", number(hours_left)},
         {"tasks", std::move(rows)}};
     return WriteOutput("", status.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   }
-  std::string text = fmt::format("{} waiting, {} running, {} done, {} quarantined", counts.waiting, counts.running,
-                                 counts.done, counts.quarantined);
+  std::string text = fmt::format("{} queued, {} running, {} done, {} failed", counts.queued, counts.running,
+                                 counts.done, counts.failed);
   if (mean_s) text += fmt::format("; {:.0f} s a video", *mean_s);
   if (hours_left) text += fmt::format(", about {:.1f} hours left", *hours_left);
   text += "\n";
@@ -123,7 +121,7 @@ Action SetUpCluster(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.require_subcommand(1);
   CLI::App* const status =
-      app.add_subcommand("status", "Videos that wait, run, are done or failed; rate and time left");
+      app.add_subcommand("status", "Videos that are queued, run, are done or have failed; rate and time left");
   status->add_option("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE")->required()->type_name("URL");
   status->add_flag("--json", arguments->json, "Print one JSON object");
   return [=] { return Run(*arguments); };

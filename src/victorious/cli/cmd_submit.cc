@@ -135,8 +135,8 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t added, queue->Submit(tasks));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   const auto known = static_cast<std::int64_t>(tasks.size()) - added;
-  spdlog::info("{} submitted{}; {} waiting, {} running", CountText(added, "video"),
-               known > 0 ? fmt::format(", {} known already", known) : "", counts.waiting, counts.running);
+  spdlog::info("{} submitted{}; {} queued, {} running", CountText(added, "video"),
+               known > 0 ? fmt::format(", {} known already", known) : "", counts.queued, counts.running);
   if (failure) return std::unexpected(*std::move(failure));
   return {};
 }

@@ -51,11 +51,11 @@ Status Run(const Arguments& arguments) {
   const auto inform = [](const std::string& line) { spdlog::info("{}", OneLine(line)); };
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue->HasOpenTasks());
-  if (counts.waiting > 0 && !has_open) {
+  if (counts.queued > 0 && !has_open) {
     spdlog::warn(
-        "the {} that wait were submitted by another build of the program, whose results may differ: run that "
+        "the {} in the queue were submitted by another build of the program, whose results may differ: run that "
         "build, or submit them again by this one ({})",
-        CountText(counts.waiting, "video"), program);
+        CountText(counts.queued, "video"), program);
   }
   spdlog::info("worker {} of {}", name, StoreName(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(
@@ -83,7 +83,7 @@ Action SetUpWork(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(0, 86'400))
       ->type_name("SECONDS");
-  app.add_flag("--until-empty", arguments->until_empty, "End once no video waits or is being indexed");
+  app.add_flag("--until-empty", arguments->until_empty, "End once no video is queued or being indexed");
   return [=] { return Run(*arguments); };
 }
 

@@ -34,14 +34,14 @@ Expected<std::int64_t> SumNextFrames(const std::string& video, IndexStore& store
 }
 
 // Renews the lease of a task while its process runs.
-class Heartbeat {
+class LeaseKeeper {
  public:
-  Heartbeat(TaskQueue& queue, IndexStore& store, const Task& task, std::string video,
-            const std::function<void(const std::string&)>& inform, const CancelToken& cancel)
+  LeaseKeeper(TaskQueue& queue, IndexStore& store, const Task& task, std::string video,
+              const std::function<void(const std::string&)>& inform, const CancelToken& cancel)
       : queue_(queue), store_(store), task_(task), video_(std::move(video)), inform_(inform), cancel_(cancel) {}
 
   /// Returns false once the process has to end.
-  bool Beat() {
+  bool Keep() {
     const auto now = std::chrono::steady_clock::now();
     if (!is_lost_ && now - renewed_ >= queue_.lease() / 4) {
       const Expected<std::int64_t> frames = SumNextFrames(video_, store_);
@@ -81,17 +81,17 @@ class Heartbeat {
 Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
                        const WorkerOptions& options) {
   if (is_cancelled && end.child.status != 0) {
-    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Release(task));
     return false;
   }
   if (end.child.status != 0) {
     options.inform(fmt::format("{}: attempt {} failed: {}", work.video, task.attempt, DescribeFailure(end.child)));
-    VICTORIOUS_RETURN_IF_ERROR(queue.Abandon(task, DescribeFailure(end.child)));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Fail(task, DescribeFailure(end.child)));
     return false;
   }
   if (end.is_left) {
     options.inform(fmt::format("{}: another process is indexing it: waits again", work.video));
-    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task, options.left_delay));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Release(task, options.left_delay));
     return false;
   }
   VICTORIOUS_RETURN_IF_ERROR(queue.Complete(task));
@@ -104,19 +104,19 @@ Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, con
                       const WorkerOptions& options, const CancelToken& cancel) {
   const Expected<IndexTask> work = FromQueue(task.kind, task.payload);
   if (!work) {
-    VICTORIOUS_RETURN_IF_ERROR(queue.Quarantine(task, work.error().message));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Reject(task, work.error().message));
     return false;
   }
   options.inform(fmt::format("{}: begun (attempt {})", work->video, task.attempt));
-  Heartbeat heartbeat(queue, store, task, work->video, options.inform, cancel);
-  const Expected<TaskEnd> end = run(*work, [&] { return heartbeat.Beat(); });
+  LeaseKeeper keeper(queue, store, task, work->video, options.inform, cancel);
+  const Expected<TaskEnd> end = run(*work, [&] { return keeper.Keep(); });
   if (!end) {
-    VICTORIOUS_RETURN_IF_ERROR(queue.Return(task));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Release(task));
     return std::unexpected(end.error());
   }
   Expected<bool> done = false;
-  if (!heartbeat.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, options);
-  if (!heartbeat.is_lost() && (done || done.error().code != ErrorCode::kConflict)) return done;
+  if (!keeper.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, options);
+  if (!keeper.is_lost() && (done || done.error().code != ErrorCode::kConflict)) return done;
   options.inform(fmt::format("{}: its lease was lost: left to another worker", work->video));
   return false;
 }
@@ -124,8 +124,8 @@ Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, con
 enum class Step {
   kDone,   ///< a task was done
   kEnded,  ///< a task was begun and ended, but is not done
-  kWait,   ///< no task can be claimed, some wait or run
-  kEmpty,  ///< no task waits or runs
+  kWait,   ///< no task can be claimed, some are open
+  kEmpty,  ///< no task is open
 };
 
 Expected<Step> DoNext(TaskQueue& queue, IndexStore& store, const RunTask& run, const WorkerOptions& options,
@@ -150,8 +150,8 @@ void Pause(std::chrono::milliseconds time, const CancelToken& cancel) {
 }  // namespace
 
 RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform) {
-  return [more = std::move(more), inform = std::move(inform)](const IndexTask& task,
-                                                              const std::function<bool()>& beat) -> Expected<TaskEnd> {
+  return [more = std::move(more), inform = std::move(inform)](
+             const IndexTask& task, const std::function<bool()>& keep_lease) -> Expected<TaskEnd> {
     std::vector<std::string> arguments = {"index"};
     arguments.insert(arguments.end(), task.options.begin(), task.options.end());
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -163,7 +163,7 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
       end.is_left |= std::holds_alternative<VideoLeftEvent>(event);
     };
     // Also while the process ends: its lease must not run out meanwhile.
-    const auto control = [&] { return beat() ? ChildControl::kContinue : ChildControl::kInterrupt; };
+    const auto control = [&] { return keep_lease() ? ChildControl::kContinue : ChildControl::kInterrupt; };
     VICTORIOUS_ASSIGN_OR_RETURN(end.child,
                                 RunChild({.command = OwnProgram(arguments), .on_event = read, .control = control}));
     return end;

@@ -24,24 +24,24 @@ struct TaskEnd {
 };
 
 struct WorkerOptions {
-  bool until_empty = false;               ///< ends once no task of this program waits or runs
-  std::chrono::milliseconds poll{1'000};  ///< between claims while no task waits
+  bool until_empty = false;               ///< ends once no task of this program is open
+  std::chrono::milliseconds poll{1'000};  ///< between claims while no task is queued
   std::chrono::seconds left_delay{30};    ///< before a task whose video another process indexes is claimed again
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
 };
 
-/// Runs a task's process. Calls `beat` at least every second; ends the process once that has returned false. Error: the
+/// Runs a task's process. Calls `keep_lease` at least every second; ends the process once that has returned false. Error: the
 /// process cannot be started.
-using RunTask = std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<bool()>& beat)>;
+using RunTask = std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<bool()>& keep_lease)>;
 
 /// Runs `victorious index` of this executable with `more` after the task's options. Its warnings go to `inform`.
 RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform);
 
 /// Does tasks until `cancel` is set, or until there are none left. A task
-/// - whose process ends well is done, unless another process indexes the same video: then it waits again;
-/// - whose process fails or crashes waits again; after TaskQueue::kMaxFailures failures without progress it is quarantined
-///   with the reason;
-/// - that runs when `cancel` is set is given back, and resumed by the next worker.
+/// - whose process ends well is done, unless another process indexes the same video: then it is released;
+/// - whose process fails or crashes is queued again; after kMaxAttempts attempts without progress it has failed, with the
+///   reason;
+/// - that runs when `cancel` is set is released, and resumed by the next worker.
 /// Renews the lease while a task runs; once it is lost (this worker stood still too long), ends the task's process.
 /// Waits up to 5 minutes for a database that does not answer.
 /// @param store  the index of the queue, to be read

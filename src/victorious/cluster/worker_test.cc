@@ -55,29 +55,30 @@ class PostgresWorkerTest : public ::testing::Test {
   CancelToken cancel_;
 };
 
-TEST_F(PostgresWorkerTest, DoesWhatWaits) {
+TEST_F(PostgresWorkerTest, DoesWhatIsQueued) {
   Submit("/a.mp4");
   Submit("/b.mp4");
   std::vector<std::string> videos;
-  const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>& beat) -> Expected<TaskEnd> {
-    EXPECT_TRUE(beat());
-    videos.push_back(task.video);
-    return TaskEnd{};
-  });
+  const auto done =
+      WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>& keep_lease) -> Expected<TaskEnd> {
+        EXPECT_TRUE(keep_lease());
+        videos.push_back(task.video);
+        return TaskEnd{};
+      });
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(*done, 2);
   EXPECT_EQ(videos, (std::vector<std::string>{"/a.mp4", "/b.mp4"}));
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 2}));
 }
 
-TEST_F(PostgresWorkerTest, FailingTaskIsQuarantinedAndTheRestGoesOn) {
+TEST_F(PostgresWorkerTest, TaskThatKeepsFailingHasFailedAndTheRestGoesOn) {
   Submit("/broken.mp4");
   Submit("/good.mp4");
   const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>&) -> Expected<TaskEnd> {
     return task.video == "/good.mp4" ? TaskEnd{} : TaskEnd{.child = {.status = 128 + 11}};
   });
   EXPECT_EQ(done.value_or(0), 1);
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1, .quarantined = 1}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1, .failed = 1}));
   const auto listed = queue_->List(10);
   ASSERT_EQ(listed->size(), 1U);
   EXPECT_THAT(listed->front().reason, HasSubstr("signal 11"));
@@ -100,11 +101,11 @@ TEST_F(PostgresWorkerTest, LostLeaseEndsTheProcess) {
   auto other = TaskQueue::Open(url_, {.worker = "other", .program = "this"});
   Submit("/a.mp4");
   bool goes_on = true;
-  const auto run = [&](const IndexTask&, const std::function<bool()>& beat) -> Expected<TaskEnd> {
+  const auto run = [&](const IndexTask&, const std::function<bool()>& keep_lease) -> Expected<TaskEnd> {
     const auto task = (*other)->Claim();
     EXPECT_TRUE(task && *task);
     EXPECT_TRUE((*other)->Complete(**task));
-    goes_on = beat();
+    goes_on = keep_lease();
     return TaskEnd{};
   };
   WorkerOptions options;
@@ -116,28 +117,28 @@ TEST_F(PostgresWorkerTest, LostLeaseEndsTheProcess) {
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
 }
 
-TEST_F(PostgresWorkerTest, InterruptedTaskWaitsForTheNextWorker) {
+TEST_F(PostgresWorkerTest, InterruptedTaskIsReleasedForTheNextWorker) {
   Submit("/a.mp4");
-  const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>& beat) -> Expected<TaskEnd> {
+  const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>& keep_lease) -> Expected<TaskEnd> {
     cancel_.Cancel();
-    EXPECT_FALSE(beat());
+    EXPECT_FALSE(keep_lease());
     return TaskEnd{.child = {.status = 130}};
   });
   EXPECT_EQ(done.value_or(-1), 0);
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
 }
 
 TEST_F(PostgresWorkerTest, TaskOfAnotherBuildIsNotTouched) {
   Submit("/a.mp4", "another");
   EXPECT_EQ(WorkUntilEmpty(EndWith({})).value_or(-1), 0);
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
 }
 
-TEST_F(PostgresWorkerTest, InvalidTaskIsQuarantined) {
+TEST_F(PostgresWorkerTest, InvalidTaskIsRejected) {
   const NewTask task{.kind = "stitch", .key = "a", .payload = "{}", .program = "this"};
   ASSERT_TRUE(queue_->Submit(std::span(&task, 1)));
   EXPECT_EQ(WorkUntilEmpty(EndWith({})).value_or(-1), 0);
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.quarantined = 1}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.failed = 1}));
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ ApiExpected<HttpResponse> Api::Route(const HttpRequest& request, const Admitted&
       if (is_cancel) return CancelJob(segments[3], caller);
       if (is_file) return JobFile(request, segments[3], segments[5]);
       if (resource == "events") return Events();
-      return request.method == HttpMethod::kPost ? PutJob(request, caller) : Jobs();
+      return request.method == HttpMethod::kPost ? SubmitJob(request, caller) : Jobs();
     }
     if (resource == "videos" && segments.size() > 3) return RouteVideo(request, segments.subspan(3), query);
     if (resource == "objects" && segments.size() > 3) {

@@ -82,7 +82,7 @@ class Api {
   ApiExpected<Json> ModelInput(const nlohmann::json& body);
   /// Writes a frame of a video as an image among the uploads.
   ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body);
-  ApiExpected<HttpResponse> PutJob(const HttpRequest& request, const Caller& caller);
+  ApiExpected<HttpResponse> SubmitJob(const HttpRequest& request, const Caller& caller);
   ApiExpected<HttpResponse> CancelJob(std::string_view number, const Caller& caller);
   ApiExpected<HttpResponse> JobFile(const HttpRequest& request, std::string_view number, std::string_view name);
   ApiExpected<HttpResponse> SendMade(const HttpRequest& request, const std::string& name);

@@ -197,7 +197,7 @@ ApiExpected<Json> Api::ClipInput(const Body& body) {
 ApiExpected<HttpResponse> Api::JobFile(const HttpRequest& request, std::string_view number, std::string_view name) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> job, live_->Find(id));
-  const auto made = job && job->kind == "clip" && job->state == JobState::kDone ? MadeFileOf(*job) : std::nullopt;
+  const auto made = job && job->kind == "clip" && job->state == WorkState::kDone ? MadeFileOf(*job) : std::nullopt;
   const bool is_table = name == "telemetry";
   if (!made || (!is_table && name != "clip")) return NotFound(fmt::format("job {} has no file {}", number, name));
   VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendMade(request, made->filename().string()));
@@ -216,7 +216,7 @@ ApiExpected<HttpResponse> Api::JobFile(const HttpRequest& request, std::string_v
   return response;
 }
 
-ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request, const Caller& caller) {
+ApiExpected<HttpResponse> Api::SubmitJob(const HttpRequest& request, const Caller& caller) {
   const auto body = ParseJson(request.body);
   if (!body) return std::unexpected(ApiError(body.error()));
   if (!body->is_object()) return FailField("", "the body must be an object");
@@ -261,8 +261,8 @@ ApiExpected<HttpResponse> Api::PutJob(const HttpRequest& request, const Caller& 
   const NewJob asked{.kind = kind, .input_json = Dump(input), .now_us = NowUtcMicroseconds(), .actor = caller.name()};
   // Several viewers ask for the same file.
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, input.contains("copy") || input.contains("clip")
-                                                       ? live_->PutOnce(asked)
-                                                       : live_->Put(asked));
+                                                       ? live_->SubmitOnce(asked)
+                                                       : live_->Submit(asked));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 

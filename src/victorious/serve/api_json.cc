@@ -39,7 +39,7 @@ Json PointToJson(const GeodeticPoint& point) {
 // What a user may fetch. A file may have been removed since it was made.
 Json FilesOf(const JobRecord& job) {
   Json files = Json::array();
-  if (job.kind != "clip" || job.state != JobState::kDone) return files;
+  if (job.kind != "clip" || job.state != WorkState::kDone) return files;
   const auto made = MadeFileOf(job);
   std::error_code error;
   if (!made || !std::filesystem::exists(*made, error)) return files;
@@ -211,7 +211,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
   const JobProgress& progress = job.progress;
   // By the rate since this attempt began; the first seconds say little.
   Json left;
-  if (job.state == JobState::kRunning && job.started_utc_us && progress.total && progress.done > 0) {
+  if (job.state == WorkState::kRunning && job.started_utc_us && progress.total && progress.done > 0) {
     constexpr double kMinElapsed_s = 2;
     const double elapsed_s = 1e-6 * static_cast<double>(now_us - *job.started_utc_us);
     const auto rest = static_cast<double>(std::max<std::int64_t>(0, *progress.total - progress.done));

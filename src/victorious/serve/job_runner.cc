@@ -158,7 +158,7 @@ JobRunner::JobRunner(std::unique_ptr<JobQueue> queue, JobFolders folders, std::f
       folders_(std::move(folders)),
       on_change_(std::move(on_change)),
       options_(options),
-      owner_(fmt::format("{}.{}", ::getpid(), NowUtcMicroseconds())),
+      worker_name_(fmt::format("{}.{}", ::getpid(), NowUtcMicroseconds())),
       thread_([this] { Run(); }) {}
 
 JobRunner::~JobRunner() {
@@ -181,7 +181,7 @@ void JobRunner::WaitForWork() {
 
 void JobRunner::Run() {
   while (!is_ending_) {
-    const auto job = queue_->Claim(owner_, NowUtcMicroseconds(), Microseconds(options_.lease));
+    const auto job = queue_->Claim(worker_name_, NowUtcMicroseconds(), Microseconds(options_.lease));
     if (!job) spdlog::warn("the queue of jobs: {}", job.error().message);
     if (!job || !*job) {
       WaitForWork();
@@ -194,16 +194,21 @@ void JobRunner::Run() {
 }
 
 void JobRunner::Work(const JobRecord& job) {
-  const auto finish = [&](JobState state, const std::string& message) {
-    const Status status = queue_->Finish(job.id, owner_, state, message, NowUtcMicroseconds());
-    if (!status) spdlog::warn("job {}: {}", job.id, status.error().message);
+  const auto report = [&](const Status& ended) {
+    if (!ended) spdlog::warn("job {}: {}", job.id, ended.error().message);
+  };
+  const auto complete = [&](const std::string& message) {
+    report(queue_->Complete(job.id, worker_name_, message, NowUtcMicroseconds()));
+  };
+  const auto fail = [&](const std::string& message) {
+    report(queue_->Fail(job.id, worker_name_, message, NowUtcMicroseconds()));
   };
   const auto arguments = JobArguments(job, folders_);
-  if (!arguments) return finish(JobState::kFailed, arguments.error().message);
+  if (!arguments) return fail(arguments.error().message);
   if (const auto made = MadeFileOf(job)) {
     std::error_code error;
     // Two asked for it, the second when the job of the first had just ended.
-    if (std::filesystem::is_regular_file(*made, error)) return finish(JobState::kDone, "");
+    if (std::filesystem::is_regular_file(*made, error)) return complete("");
     RemoveUnfinishedCopies(*made);
   }
   JobProgress progress;
@@ -211,12 +216,13 @@ void JobRunner::Work(const JobRecord& job) {
   bool is_cancelled = false;
   bool is_released = false;
   bool is_lost = false;
-  std::optional<std::chrono::steady_clock::time_point> beaten;
+  std::optional<std::chrono::steady_clock::time_point> renewed;
   const auto control = [&] {
     const auto now = std::chrono::steady_clock::now();
-    if (!beaten || now - *beaten >= options_.heartbeat || is_new) {
-      beaten = now;
-      const auto goes_on = queue_->Beat(job.id, owner_, NowUtcMicroseconds(), Microseconds(options_.lease), progress);
+    if (!renewed || now - *renewed >= options_.renewal || is_new) {
+      renewed = now;
+      const auto goes_on =
+          queue_->Renew(job.id, worker_name_, NowUtcMicroseconds(), Microseconds(options_.lease), progress);
       is_lost = !goes_on && goes_on.error().code == ErrorCode::kConflict;
       is_cancelled |= goes_on && !*goes_on;
       if (std::exchange(is_new, false)) on_change_();
@@ -227,16 +233,12 @@ void JobRunner::Work(const JobRecord& job) {
   };
   const auto read = [&](const ProgramEvent& event) { is_new |= ApplyEvent(event, progress); };
   const auto end = RunChild({.command = OwnProgram(*arguments), .on_event = read, .control = control});
-  if (!end) return finish(JobState::kFailed, end.error().message);
+  if (!end) return fail(end.error().message);
   if (is_lost) return;
-  if (end->status == 0) return finish(JobState::kDone, progress.message);
-  if (is_cancelled) return finish(JobState::kCancelled, "");
-  if (is_released) {
-    const Status released = queue_->Release(job.id, owner_);
-    if (!released) spdlog::warn("job {}: {}", job.id, released.error().message);
-    return;
-  }
-  finish(JobState::kFailed, DescribeFailure(*end));
+  if (end->status == 0) return complete(progress.message);
+  if (is_cancelled) return report(queue_->EndCancelled(job.id, worker_name_, NowUtcMicroseconds()));
+  if (is_released) return report(queue_->Release(job.id, worker_name_));
+  fail(DescribeFailure(*end));
 }
 
 }  // namespace victorious

@@ -49,8 +49,8 @@ class JobRunner {
  public:
   struct Options {
     std::chrono::milliseconds lease{6'000};
-    std::chrono::milliseconds heartbeat{1'000};
-    std::chrono::milliseconds poll{1'000};  ///< looks for jobs of other processes
+    std::chrono::milliseconds renewal{1'000};  ///< interval
+    std::chrono::milliseconds poll{1'000};     ///< looks for jobs of other processes
   };
 
   /// @param queue       used by this runner's thread only
@@ -71,7 +71,7 @@ class JobRunner {
   JobFolders folders_;
   std::function<void()> on_change_;
   Options options_;
-  std::string owner_;
+  std::string worker_name_;
   std::mutex mutex_;
   std::condition_variable woken_;
   bool is_woken_ = false;

@@ -46,24 +46,24 @@ Status LiveService::CheckHasJobs() const {
               "this server takes no jobs: start `victorious serve` with --models DIR on an index that can be written");
 }
 
-Expected<JobRecord> LiveService::Put(const NewJob& job) {
+Expected<JobRecord> LiveService::Submit(const NewJob& job) {
   VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
   const std::scoped_lock lock(queue_mutex_);
-  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Put(job));
+  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Submit(job));
   jobs_changed_ = true;
   runner_->Wake();
   return record;
 }
 
-Expected<JobRecord> LiveService::PutOnce(const NewJob& job) {
+Expected<JobRecord> LiveService::SubmitOnce(const NewJob& job) {
   VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
   const std::scoped_lock lock(queue_mutex_);
-  VICTORIOUS_ASSIGN_OR_RETURN(PutJob put, queue_->PutOnce(job));
-  if (put.is_new) {
+  VICTORIOUS_ASSIGN_OR_RETURN(SubmittedJob submitted, queue_->SubmitOnce(job));
+  if (submitted.is_new) {
     jobs_changed_ = true;
     runner_->Wake();
   }
-  return std::move(put.job);
+  return std::move(submitted.job);
 }
 
 Expected<JobRecord> LiveService::Cancel(std::int64_t job, const std::string& actor) {

@@ -34,8 +34,8 @@ class LiveService {
   [[nodiscard]] std::shared_ptr<EventFeed> Listen() { return hub_->Listen(); }
 
   /// Errors of these: kUnsupported without jobs; those of JobQueue.
-  [[nodiscard]] Expected<JobRecord> Put(const NewJob& job);
-  [[nodiscard]] Expected<JobRecord> PutOnce(const NewJob& job);
+  [[nodiscard]] Expected<JobRecord> Submit(const NewJob& job);
+  [[nodiscard]] Expected<JobRecord> SubmitOnce(const NewJob& job);
   [[nodiscard]] Expected<JobRecord> Cancel(std::int64_t job, const std::string& actor);
   [[nodiscard]] Expected<std::vector<JobRecord>> Jobs();
   [[nodiscard]] Expected<std::optional<JobRecord>> Find(std::int64_t job);

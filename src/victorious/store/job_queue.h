@@ -1,17 +1,10 @@
-// A queue of jobs that survives a kill of everyone who works on it. Input: jobs of users (from serve/). Output: the jobs,
-// one at a time, to whoever claims them. sqlite/ keeps it in the file of an index; a server database can implement it as
-// well.
+// A queue of jobs that survives a kill of everyone who works on it, in the words of work_state.h. Input: jobs of users (from
+// serve/). Output: the jobs, one at a time, to whoever claims them. sqlite/ keeps it in the file of an index.
 //
-//            Claim               Finish
-//   queued ---------> running -----------> done, failed, cancelled
-//      ^                 |
-//      '-----------------'  Release; an expired lease, of the first two workers. That of the third: failed
-//
-// A claim is a lease, which its worker renews (Beat); an expired lease is that of a dead worker. All times are given by
-// the caller, microseconds since 1970.
+// A queued job that is cancelled ends at once; a running one when its worker, told by Renew, has stopped it. A lost lease is
+// another attempt, the third a failure. All times are given by the caller, microseconds since 1970.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -19,27 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
+#include "victorious/store/work_state.h"
 
 namespace victorious {
-
-enum class JobState {
-  kQueued,
-  kRunning,
-  kDone,
-  kFailed,
-  kCancelled,
-};
-
-/// The texts in the index and in the API.
-inline constexpr auto kJobStateTexts = std::to_array<EnumText<JobState>>({{JobState::kQueued, "queued"},
-                                                                          {JobState::kRunning, "running"},
-                                                                          {JobState::kDone, "done"},
-                                                                          {JobState::kFailed, "failed"},
-                                                                          {JobState::kCancelled, "cancelled"}});
-
-constexpr std::string_view ToText(JobState state) { return ToText(kJobStateTexts, state); }
 
 /// How far a job has come.
 struct JobProgress {
@@ -53,12 +29,12 @@ struct JobRecord {
   std::int64_t id = 0;
   std::string kind;
   std::string input_json;  ///< what the kind needs
-  JobState state = JobState::kQueued;
+  WorkState state = WorkState::kQueued;
   std::int64_t created_utc_us = 0;
   std::optional<std::int64_t> started_utc_us;  ///< of the present attempt
   std::optional<std::int64_t> ended_utc_us;
-  std::string owner;  ///< the worker that has it; empty: none
-  int attempts = 0;   ///< claims so far
+  std::string worker;  ///< that has it; empty: none
+  int attempts = 0;    ///< claims so far, without those that were released
   bool cancel_asked = false;
   JobProgress progress;
 };
@@ -71,7 +47,7 @@ struct NewJob {
   std::string actor = {};  ///< who asks, for the log; empty: nobody in particular
 };
 
-struct PutJob {
+struct SubmittedJob {
   JobRecord job;
   bool is_new = true;  ///< false: it was asked for before
 };
@@ -80,34 +56,36 @@ struct PutJob {
 /// in the log of who did what (audit_record.h).
 class JobQueue {
  public:
-  static constexpr int kMaxAttempts = 3;
-
   virtual ~JobQueue() = default;
 
-  [[nodiscard]] virtual Expected<JobRecord> Put(const NewJob& job) = 0;
-  /// As Put, unless a job of this kind and input waits or runs: then returns that one. Of two callers at once, one puts
-  /// it.
-  [[nodiscard]] virtual Expected<PutJob> PutOnce(const NewJob& job) = 0;
+  [[nodiscard]] virtual Expected<JobRecord> Submit(const NewJob& job) = 0;
+  /// As Submit, unless a job of this kind and input is open: then returns that one. Of two callers at once, one submits it.
+  [[nodiscard]] virtual Expected<SubmittedJob> SubmitOnce(const NewJob& job) = 0;
   /// Takes the oldest job that is queued or whose lease has run out; std::nullopt: there is none. A job whose lease has
-  /// run out in its last attempt fails instead, and one that was to be cancelled is cancelled.
-  [[nodiscard]] virtual Expected<std::optional<JobRecord>> Claim(const std::string& owner, std::int64_t now_us,
+  /// run out in its last attempt (kMaxAttempts) fails instead, and one that was to be cancelled is cancelled.
+  [[nodiscard]] virtual Expected<std::optional<JobRecord>> Claim(const std::string& worker, std::int64_t now_us,
                                                                  std::int64_t lease_us) = 0;
-  /// Renews the lease and stores the progress. Returns false if the job is to be cancelled. Error: kConflict if the job
-  /// is not this owner's (any more): stop working on it.
-  [[nodiscard]] virtual Expected<bool> Beat(std::int64_t job, const std::string& owner, std::int64_t now_us,
-                                            std::int64_t lease_us, const JobProgress& progress) = 0;
-  /// Ends a job: kDone, kFailed or kCancelled. Error: as for Beat.
-  [[nodiscard]] virtual Status Finish(std::int64_t job, const std::string& owner, JobState state,
-                                      const std::string& message, std::int64_t now_us) = 0;
-  /// Gives a job back that will be continued later; the attempt does not count. Error: as for Beat.
-  [[nodiscard]] virtual Status Release(std::int64_t job, const std::string& owner) = 0;
-  /// Cancels a job that waits, asks the worker of one that runs, leaves one that has ended. Returns it. Error: kNotFound.
+  /// Prolongs the lease and stores the progress. Returns false if the job is to be cancelled. Error: kConflict if the job
+  /// is not this worker's (any more): stop working on it.
+  [[nodiscard]] virtual Expected<bool> Renew(std::int64_t job, const std::string& worker, std::int64_t now_us,
+                                             std::int64_t lease_us, const JobProgress& progress) = 0;
+  /// Ends a job that is done. Error: as for Renew.
+  [[nodiscard]] virtual Status Complete(std::int64_t job, const std::string& worker, const std::string& message,
+                                        std::int64_t now_us) = 0;
+  /// Ends a job that failed; it is not tried again. Error: as for Renew.
+  [[nodiscard]] virtual Status Fail(std::int64_t job, const std::string& worker, const std::string& message,
+                                    std::int64_t now_us) = 0;
+  /// Ends a job that Renew said is to be cancelled, and that its worker has stopped. Error: as for Renew.
+  [[nodiscard]] virtual Status EndCancelled(std::int64_t job, const std::string& worker, std::int64_t now_us) = 0;
+  /// Gives a job back that will be continued later; the attempt does not count. Error: as for Renew.
+  [[nodiscard]] virtual Status Release(std::int64_t job, const std::string& worker) = 0;
+  /// Cancels a queued job, asks the worker of a running one, leaves one that has ended. Returns it. Error: kNotFound.
   [[nodiscard]] virtual Expected<JobRecord> Cancel(std::int64_t job, std::int64_t now_us, const std::string& actor) = 0;
 
   [[nodiscard]] virtual Expected<std::optional<JobRecord>> Find(std::int64_t job) = 0;
-  /// Returns the jobs that have not ended, oldest first, then the `limit` latest that have, latest first.
+  /// Returns the open jobs, oldest first, then the `limit` latest that have, latest first.
   [[nodiscard]] virtual Expected<std::vector<JobRecord>> List(std::int64_t limit) = 0;
-  [[nodiscard]] virtual Expected<std::int64_t> CountWaiting() = 0;
+  [[nodiscard]] virtual Expected<std::int64_t> CountOpen() = 0;
 };
 
 /// Opens the queue of an index. Errors: those of OpenSqliteStore(kCreate).

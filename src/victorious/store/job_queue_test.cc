@@ -33,46 +33,46 @@ class JobQueueTest : public ::testing::Test {
 };
 
 TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
-  const auto first = queue_->Put({"index", R"({"video": "a"})", 1});
-  const auto second = queue_->Put({"model", "{}", 2});
+  const auto first = queue_->Submit({"index", R"({"video": "a"})", 1});
+  const auto second = queue_->Submit({"model", "{}", 2});
   ASSERT_TRUE(first && second);
   const auto a = queue_->Claim("A", 10, kLease);
   const auto b = other_->Claim("B", 10, kLease);
   ASSERT_TRUE(a && *a && b && *b);
   EXPECT_EQ((*a)->id, first->id);
   EXPECT_EQ((*a)->input_json, R"({"video": "a"})");
-  EXPECT_EQ((*a)->state, JobState::kRunning);
+  EXPECT_EQ((*a)->state, WorkState::kRunning);
   EXPECT_EQ((*b)->id, second->id);
   EXPECT_FALSE(*queue_->Claim("C", 10, kLease));
-  EXPECT_EQ(*queue_->CountWaiting(), 2);
-  ASSERT_TRUE(queue_->Finish(first->id, "A", JobState::kDone, "12 sightings", 20));
-  EXPECT_EQ(*queue_->CountWaiting(), 1);
+  EXPECT_EQ(*queue_->CountOpen(), 2);
+  ASSERT_TRUE(queue_->Complete(first->id, "A", "12 sightings", 20));
+  EXPECT_EQ(*queue_->CountOpen(), 1);
   const auto done = other_->Find(first->id);
-  EXPECT_EQ((*done)->state, JobState::kDone);
+  EXPECT_EQ((*done)->state, WorkState::kDone);
   EXPECT_EQ((*done)->progress.message, "12 sightings");
   EXPECT_EQ((*done)->ended_utc_us, 20);
-  EXPECT_EQ(queue_->Finish(first->id, "A", JobState::kFailed, "", 21).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(queue_->Fail(first->id, "A", "", 21).error().code, ErrorCode::kConflict);
 }
 
-TEST_F(JobQueueTest, AJobIsPutOnceAsLongAsItIsOpen) {
+TEST_F(JobQueueTest, AJobIsSubmittedOnceAsLongAsItIsOpen) {
   const NewJob asked{.kind = "copy", .input_json = R"({"video": "a"})", .now_us = 1, .actor = "ann"};
-  const auto first = queue_->PutOnce(asked);
+  const auto first = queue_->SubmitOnce(asked);
   ASSERT_TRUE(first);
   EXPECT_TRUE(first->is_new);
-  const auto same = other_->PutOnce(asked);
+  const auto same = other_->SubmitOnce(asked);
   EXPECT_FALSE(same->is_new);
   EXPECT_EQ(same->job.id, first->job.id);
-  EXPECT_TRUE(other_->PutOnce({.kind = "copy", .input_json = R"({"video": "b"})", .now_us = 1})->is_new);
-  EXPECT_TRUE(other_->PutOnce({.kind = "index", .input_json = asked.input_json, .now_us = 1})->is_new);
+  EXPECT_TRUE(other_->SubmitOnce({.kind = "copy", .input_json = R"({"video": "b"})", .now_us = 1})->is_new);
+  EXPECT_TRUE(other_->SubmitOnce({.kind = "index", .input_json = asked.input_json, .now_us = 1})->is_new);
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
-  EXPECT_FALSE(other_->PutOnce(asked)->is_new) << "it runs";
-  ASSERT_TRUE(queue_->Finish(first->job.id, "A", JobState::kDone, "", 20));
-  EXPECT_TRUE(other_->PutOnce(asked)->is_new);
+  EXPECT_FALSE(other_->SubmitOnce(asked)->is_new) << "it runs";
+  ASSERT_TRUE(queue_->Complete(first->job.id, "A", "", 20));
+  EXPECT_TRUE(other_->SubmitOnce(asked)->is_new);
 }
 
 TEST_F(JobQueueTest, TheLogSaysWhoAskedForAJobAndWhoCancelledIt) {
-  const auto job = queue_->Put({.kind = "index", .input_json = "{}", .now_us = 5, .actor = "ann"});
-  ASSERT_TRUE(queue_->PutOnce({.kind = "index", .input_json = "{}", .now_us = 6, .actor = "bob"}));
+  const auto job = queue_->Submit({.kind = "index", .input_json = "{}", .now_us = 5, .actor = "ann"});
+  ASSERT_TRUE(queue_->SubmitOnce({.kind = "index", .input_json = "{}", .now_us = 6, .actor = "bob"}));
   ASSERT_TRUE(queue_->Cancel(job->id, 7, "bob"));
   EXPECT_FALSE(queue_->Cancel(99, 8, "bob"));
   const auto accounts = OpenSqliteAccountStore(folder_ / "index.db", StoreMode::kRead);
@@ -87,17 +87,17 @@ TEST_F(JobQueueTest, TheLogSaysWhoAskedForAJobAndWhoCancelledIt) {
 }
 
 TEST_F(JobQueueTest, CopiesAreTakenFirst) {
-  const auto search = queue_->Put({"index", "{}", 1});
-  const auto first = queue_->Put({"copy", R"({"video": "a"})", 2});
-  const auto second = queue_->Put({"copy", R"({"video": "b"})", 3});
+  const auto search = queue_->Submit({"index", "{}", 1});
+  const auto first = queue_->Submit({"copy", R"({"video": "a"})", 2});
+  const auto second = queue_->Submit({"copy", R"({"video": "b"})", 3});
   for (const std::int64_t id : {first->id, second->id, search->id})
     EXPECT_EQ((*other_->Claim("A", 10, kLease))->id, id);
 }
 
 TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
-  const auto job = queue_->Put({"index", "{}", 1});
+  const auto job = queue_->Submit({"index", "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
-  EXPECT_TRUE(*queue_->Beat(job->id, "A", 100, kLease, {.done = 5, .total = 9, .unit = "frames", .message = "x"}));
+  EXPECT_TRUE(*queue_->Renew(job->id, "A", 100, kLease, {.done = 5, .total = 9, .unit = "frames", .message = "x"}));
   EXPECT_FALSE(*other_->Claim("B", 150, kLease)) << "the lease was renewed at 100";
   const auto found = other_->Find(job->id);
   EXPECT_EQ((*found)->progress.done, 5);
@@ -106,58 +106,58 @@ TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
 }
 
 TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
-  const auto job = queue_->Put({"index", "{}", 1});
+  const auto job = queue_->Submit({"index", "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
   EXPECT_FALSE(*other_->Claim("B", 110, kLease)) << "the lease runs until 110";
   const auto again = other_->Claim("B", 111, kLease);
   ASSERT_TRUE(again && *again);
   EXPECT_EQ((*again)->id, job->id);
   EXPECT_EQ((*again)->attempts, 2);
-  EXPECT_EQ(queue_->Beat(job->id, "A", 120, kLease, {}).error().code, ErrorCode::kConflict) << "A was taken for dead";
-  EXPECT_EQ(queue_->Finish(job->id, "A", JobState::kDone, "", 120).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(queue_->Renew(job->id, "A", 120, kLease, {}).error().code, ErrorCode::kConflict) << "A was taken for dead";
+  EXPECT_EQ(queue_->Complete(job->id, "A", "", 120).error().code, ErrorCode::kConflict);
 }
 
 TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
-  const auto job = queue_->Put({"index", "{}", 1});
-  for (int attempt = 0; attempt < JobQueue::kMaxAttempts; ++attempt) {
+  const auto job = queue_->Submit({"index", "{}", 1});
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
     ASSERT_TRUE(*queue_->Claim("A", 1000 * (attempt + 1), kLease)) << attempt;
   }
   EXPECT_FALSE(*queue_->Claim("A", 9000, kLease));
-  EXPECT_EQ((*queue_->Find(job->id))->state, JobState::kFailed);
+  EXPECT_EQ((*queue_->Find(job->id))->state, WorkState::kFailed);
   EXPECT_THAT((*queue_->Find(job->id))->progress.message, ::testing::HasSubstr("was killed 3 times"));
 }
 
 TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
-  const auto job = queue_->Put({"index", "{}", 1});
+  const auto job = queue_->Submit({"index", "{}", 1});
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
     ASSERT_TRUE(queue_->Release(job->id, "A"));
   }
-  EXPECT_EQ((*queue_->Find(job->id))->state, JobState::kQueued);
+  EXPECT_EQ((*queue_->Find(job->id))->state, WorkState::kQueued);
   EXPECT_EQ(queue_->Release(job->id, "A").error().code, ErrorCode::kConflict);
 }
 
 TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
-  const auto running = queue_->Put({"index", "{}", 1});
-  const auto waiting = queue_->Put({"index", "{}", 2});
+  const auto running = queue_->Submit({"index", "{}", 1});
+  const auto waiting = queue_->Submit({"index", "{}", 2});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
-  EXPECT_EQ(other_->Cancel(waiting->id, 11, "ann")->state, JobState::kCancelled);
-  EXPECT_EQ(other_->Cancel(running->id, 11, "ann")->state, JobState::kRunning);
-  EXPECT_FALSE(*queue_->Beat(running->id, "A", 12, kLease, {}));
-  ASSERT_TRUE(queue_->Finish(running->id, "A", JobState::kCancelled, "", 13));
+  EXPECT_EQ(other_->Cancel(waiting->id, 11, "ann")->state, WorkState::kCancelled);
+  EXPECT_EQ(other_->Cancel(running->id, 11, "ann")->state, WorkState::kRunning);
+  EXPECT_FALSE(*queue_->Renew(running->id, "A", 12, kLease, {}));
+  ASSERT_TRUE(queue_->EndCancelled(running->id, "A", 13));
   EXPECT_EQ(other_->Cancel(running->id, 14, "ann")->ended_utc_us, 13) << "it stays as it ended";
   EXPECT_EQ(queue_->Cancel(99, 1, "ann").error().code, ErrorCode::kNotFound);
-  const auto orphan = queue_->Put({"index", "{}", 20});
+  const auto orphan = queue_->Submit({"index", "{}", 20});
   ASSERT_TRUE(*queue_->Claim("A", 21, kLease));
   ASSERT_TRUE(queue_->Cancel(orphan->id, 22, "ann"));
   EXPECT_FALSE(*other_->Claim("B", 500, kLease)) << "not begun again after its worker died";
-  EXPECT_EQ((*queue_->Find(orphan->id))->state, JobState::kCancelled);
+  EXPECT_EQ((*queue_->Find(orphan->id))->state, WorkState::kCancelled);
 }
 
 TEST_F(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {
   std::vector<std::int64_t> ids;
   for (int i = 0; i < 5; ++i) {
-    ids.push_back(queue_->Put({"index", "{}", i})->id);
+    ids.push_back(queue_->Submit({"index", "{}", i})->id);
     if (i < 3) ASSERT_TRUE(queue_->Cancel(ids.back(), 10, "ann"));
   }
   const auto jobs = other_->List(2);

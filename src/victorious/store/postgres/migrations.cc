@@ -34,7 +34,8 @@ Status AddPostgis(Connection& connection) {
 
 std::span<const Migration> Migrations() {
   static constexpr std::array kMigrations = {Migration{1, kSchema001}, Migration{2, kSchema002},
-                                             Migration{3, kSchema003}, Migration{4, kSchema004}};
+                                             Migration{3, kSchema003}, Migration{4, kSchema004},
+                                             Migration{5, kSchema005}};
   return kMigrations;
 }
 

@@ -123,7 +123,7 @@ TEST_F(PostgresStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(url_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 4)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 5)"));
   }
   Run("DELETE FROM version");
   EXPECT_EQ(OpenError(url_).code, ErrorCode::kDataLoss);
@@ -135,9 +135,27 @@ TEST_F(PostgresStoreTest, MigratesIndexOfVersion1) {
   Run("INSERT INTO videos (content_id, name, folder, width_px, height_px) VALUES ('c', 'a.mp4', '', 640, 480)");
   const Error error = OpenError(url_, StoreMode::kRead);
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-  EXPECT_THAT(error.message, HasSubstr("written by an older version (schema 1; this program reads 4)"));
+  EXPECT_THAT(error.message, HasSubstr("written by an older version (schema 1; this program reads 5)"));
   EXPECT_THAT(*OpenOrDie()->Videos(), SizeIs(1));
   EXPECT_THAT(*OpenOrDie(StoreMode::kRead)->Videos(), SizeIs(1));
+}
+
+TEST_F(PostgresStoreTest, StatesOfTasksGetTheirNewNames) {
+  ASSERT_TRUE(Migrate(*ConnectOrDie(), Migrations().first(4)));
+  Run("INSERT INTO tasks (kind, key, priority, payload, state) VALUES ('index', 'a', 2, '{}', 'waiting'), "
+      "('index', 'b', 2, '{}', 'quarantined'), ('index', 'c', 2, '{}', 'done'); "
+      "INSERT INTO task_log (task_id, attempt, event, worker) VALUES (1, 1, 'claimed', 'w'), (1, 1, 'returned', 'w')");
+  ASSERT_TRUE(OpenOrDie());
+  const auto connection = ConnectOrDie();
+  const auto column = [&](const char* sql) {
+    std::vector<std::string> texts;
+    Result rows = connection->Query(sql).value();
+    while (rows.Next()) texts.push_back(rows.Text(0));
+    return texts;
+  };
+  EXPECT_THAT(column("SELECT key || ' ' || state FROM tasks ORDER BY id"),
+              ElementsAre("a queued", "b failed", "c done"));
+  EXPECT_THAT(column("SELECT event FROM task_log ORDER BY id"), ElementsAre("claimed", "released"));
 }
 
 TEST_F(PostgresStoreTest, MigrationsAreAppliedOnceAndWhole) {

@@ -28,10 +28,10 @@ Expected<std::int64_t> TaskQueue::Submit(std::span<const NewTask> tasks) {
       connection_->Query(
           "INSERT INTO tasks (kind, key, priority, payload, program) SELECT kind, key, priority, payload, program FROM "
           "(SELECT DISTINCT ON (kind, key) * FROM new_tasks ORDER BY kind, key, position) t ORDER BY position "
-          "ON CONFLICT (kind, key) DO UPDATE SET state = 'waiting', failures = 0, reason = NULL, not_before = NULL, "
+          "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, reason = NULL, not_before = NULL, "
           "payload = excluded.payload, program = excluded.program, "
-          "priority = least(tasks.priority, excluded.priority) WHERE tasks.state = 'quarantined' OR "
-          "(tasks.state = 'waiting' AND (tasks.program <> excluded.program OR excluded.priority < tasks.priority))"));
+          "priority = least(tasks.priority, excluded.priority) WHERE tasks.state = 'failed' OR "
+          "(tasks.state = 'queued' AND (tasks.program <> excluded.program OR excluded.priority < tasks.priority))"));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return added.Changes();
 }
@@ -43,11 +43,11 @@ Status TaskQueue::EndLostLeases() {
           "WITH lost AS (SELECT id, worker FROM tasks WHERE state = 'running' AND leased_until < now() "
           "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET failures = t.failures + 1, "
           "leased_until = NULL, worker = NULL, "
-          "state = CASE WHEN t.failures + 1 < ? THEN 'waiting' ELSE 'quarantined' END, "
+          "state = CASE WHEN t.failures + 1 < ? THEN 'queued' ELSE 'failed' END, "
           "reason = 'its worker did not answer any more' FROM lost WHERE t.id = lost.id "
           "RETURNING t.id, t.attempt, lost.worker) "
           "INSERT INTO task_log (task_id, attempt, event, worker) SELECT id, attempt, 'lost', worker FROM ended",
-          kMaxFailures));
+          kMaxAttempts));
   return {};
 }
 
@@ -56,7 +56,7 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
   VICTORIOUS_RETURN_IF_ERROR(EndLostLeases());
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result row,
-      connection_->Query("WITH next AS (SELECT id FROM tasks WHERE state = 'waiting' AND program = ? AND "
+      connection_->Query("WITH next AS (SELECT id FROM tasks WHERE state = 'queued' AND program = ? AND "
                          "(not_before IS NULL OR not_before <= now()) ORDER BY priority, id LIMIT 1 "
                          "FOR UPDATE SKIP LOCKED) UPDATE tasks t SET state = 'running', attempt = t.attempt + 1, "
                          "worker = ?, leased_until = now() + ? * interval '1 s' FROM next WHERE t.id = next.id "
@@ -86,39 +86,39 @@ Status TaskQueue::Renew(const Task& task, bool has_progress) {
   return transaction.Commit();
 }
 
-Status TaskQueue::Complete(const Task& task) { return EndLease(task, "done", std::nullopt, "done"); }
+Status TaskQueue::Complete(const Task& task) { return EndLease(task, WorkState::kDone, std::nullopt, "done"); }
 
-Status TaskQueue::Return(const Task& task, std::chrono::seconds delay) {
-  return EndLease(task, "waiting", std::nullopt, "returned", delay);
+Status TaskQueue::Release(const Task& task, std::chrono::seconds delay) {
+  return EndLease(task, WorkState::kQueued, std::nullopt, "released", delay);
 }
 
-Status TaskQueue::Quarantine(const Task& task, const std::string& reason) {
-  return EndLease(task, "quarantined", reason, "failed");
+Status TaskQueue::Reject(const Task& task, const std::string& reason) {
+  return EndLease(task, WorkState::kFailed, reason, "failed");
 }
 
-Status TaskQueue::Abandon(const Task& task, const std::string& reason) {
+Status TaskQueue::Fail(const Task& task, const std::string& reason) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
-      connection_->Query("UPDATE tasks SET failures = failures + 1, state = CASE WHEN failures + 1 < ? THEN 'waiting' "
-                         "ELSE 'quarantined' END, reason = ?, worker = NULL, leased_until = NULL, "
+      connection_->Query("UPDATE tasks SET failures = failures + 1, state = CASE WHEN failures + 1 < ? THEN 'queued' "
+                         "ELSE 'failed' END, reason = ?, worker = NULL, leased_until = NULL, "
                          "not_before = now() + ? * power(4, failures) * interval '1 s' "
                          "WHERE id = ? AND attempt = ? AND state = 'running'",
-                         kMaxFailures, reason, static_cast<double>(options_.retry_delay.count()), task.id,
+                         kMaxAttempts, reason, static_cast<double>(options_.retry_delay.count()), task.id,
                          task.attempt));
   if (ended.Changes() != 1) return LostLease(task);
   VICTORIOUS_RETURN_IF_ERROR(Log(task, "failed"));
   return transaction.Commit();
 }
 
-Status TaskQueue::EndLease(const Task& task, std::string_view state, std::optional<std::string> reason,
-                           std::string_view event, std::chrono::seconds delay) {
+Status TaskQueue::EndLease(const Task& task, WorkState state, std::optional<std::string> reason, std::string_view event,
+                           std::chrono::seconds delay) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
       connection_->Query("UPDATE tasks SET state = ?, reason = ?, worker = NULL, leased_until = NULL, "
                          "not_before = now() + ? * interval '1 s' WHERE id = ? AND attempt = ? AND state = 'running'",
-                         state, reason, static_cast<double>(delay.count()), task.id, task.attempt));
+                         ToText(state), reason, static_cast<double>(delay.count()), task.id, task.attempt));
   if (ended.Changes() != 1) return LostLease(task);
   VICTORIOUS_RETURN_IF_ERROR(Log(task, event));
   return transaction.Commit();
@@ -132,34 +132,35 @@ Status TaskQueue::Log(const Task& task, std::string_view event) {
 }
 
 std::unexpected<Error> TaskQueue::LostLease(const Task& task) const {
-  return Fail(ErrorCode::kConflict,
-              fmt::format("{}: attempt {} of task {} does not run any more: its lease was not renewed for {} s, and "
-                          "another worker may do it",
-                          connection_->name(), task.attempt, task.id, options_.lease.count()));
+  return victorious::Fail(
+      ErrorCode::kConflict,
+      fmt::format("{}: attempt {} of task {} does not run any more: its lease was not renewed for {} s, and "
+                  "another worker may do it",
+                  connection_->name(), task.attempt, task.id, options_.lease.count()));
 }
 
 Expected<TaskCounts> TaskQueue::Count() {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result row, connection_->Query("SELECT count(*) FILTER (WHERE state = 'waiting'), count(*) FILTER (WHERE state = "
+      Result row, connection_->Query("SELECT count(*) FILTER (WHERE state = 'queued'), count(*) FILTER (WHERE state = "
                                      "'running'), count(*) FILTER (WHERE state = 'done'), count(*) FILTER (WHERE state "
-                                     "= 'quarantined') FROM tasks"));
+                                     "= 'failed') FROM tasks"));
   if (!row.Next()) return TaskCounts{};
   return TaskCounts{row.Integer(0), row.Integer(1), row.Integer(2), row.Integer(3)};
 }
 
-Expected<std::vector<TaskState>> TaskQueue::List(std::int64_t limit) {
-  std::vector<TaskState> tasks;
-  for (const std::string_view state : {"running", "quarantined"}) {
+Expected<std::vector<TaskRecord>> TaskQueue::List(std::int64_t limit) {
+  std::vector<TaskRecord> tasks;
+  for (const WorkState state : {WorkState::kRunning, WorkState::kFailed}) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Result rows,
         connection_->Query("SELECT id, kind, payload, attempt, worker, extract(epoch FROM leased_until - "
                            "now())::double precision, reason, program FROM tasks WHERE state = ? ORDER BY id LIMIT ?",
-                           state, limit));
+                           ToText(state), limit));
     while (rows.Next()) {
       tasks.push_back({.id = rows.Integer(0),
                        .kind = rows.Text(1),
                        .payload = rows.Text(2),
-                       .is_quarantined = state == "quarantined",
+                       .state = state,
                        .attempt = rows.Integer(3),
                        .worker = rows.Text(4),
                        .lease_left_s = rows.OptionalReal(5),
@@ -172,7 +173,7 @@ Expected<std::vector<TaskState>> TaskQueue::List(std::int64_t limit) {
 
 Expected<bool> TaskQueue::HasOpenTasks() {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result row, connection_->Query("SELECT EXISTS (SELECT FROM tasks WHERE state = 'waiting' AND program = ?) OR "
+      Result row, connection_->Query("SELECT EXISTS (SELECT FROM tasks WHERE state = 'queued' AND program = ?) OR "
                                      "EXISTS (SELECT FROM tasks WHERE state = 'running' AND program = ?)",
                                      options_.program, options_.program));
   return row.Next() && row.Integer(0) != 0;

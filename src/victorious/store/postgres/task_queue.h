@@ -1,16 +1,8 @@
-// A queue of tasks for workers, in the database of the index that they write.
+// A queue of tasks for workers, in the words of work_state.h, in the database of the index that they write.
 //
-//            Submit           Claim             Complete
-//   (none) ---------> waiting ------> running ------------> done
-//                      ^  ^             | |
-//                      |  '-------------' |  Return; Abandon and expired leases, up to kMaxFailures without progress
-//                      |                  v
-//                      '------------ quarantined             Quarantine; Abandon and expired leases after that
-//                         Submit
-//
-// Claims do not wait for each other (SELECT … FOR UPDATE SKIP LOCKED). A claim is a lease, which its worker renews; an
-// expired lease is that of a dead worker. Each claim is a new attempt, and only the attempt that runs can be renewed or
-// ended. Results are stored with the progress by compare-and-swap (IndexStore::Commit), so that each task takes effect
+// Claims do not wait for each other (SELECT … FOR UPDATE SKIP LOCKED). Only the attempt that runs can be renewed or ended. An
+// attempt that fails, or loses its lease, is followed by another one, after growing delays; after kMaxAttempts of them
+// without progress the task has failed. Submitted again, it is queued again. Results are stored with the progress by compare-and-swap (IndexStore::Commit), so that each task takes effect
 // once. No transaction is open while a worker computes.
 #pragma once
 
@@ -24,6 +16,7 @@
 
 #include "victorious/base/error.h"
 #include "victorious/store/postgres/connection.h"
+#include "victorious/store/work_state.h"
 
 namespace victorious::postgres {
 
@@ -53,20 +46,20 @@ struct Task {
 
 /// Numbers of tasks by state.
 struct TaskCounts {
-  std::int64_t waiting = 0;
+  std::int64_t queued = 0;
   std::int64_t running = 0;
   std::int64_t done = 0;
-  std::int64_t quarantined = 0;
+  std::int64_t failed = 0;
 
   bool operator==(const TaskCounts&) const = default;
 };
 
-/// A task that is not done, as a person sees it.
-struct TaskState {
+/// A task that runs or has failed, as a person sees it.
+struct TaskRecord {
   std::int64_t id = 0;
   std::string kind;
   std::string payload;
-  bool is_quarantined = false;  ///< otherwise it runs
+  WorkState state = WorkState::kRunning;
   std::int64_t attempt = 0;
   std::string worker;                  ///< that runs it
   std::optional<double> lease_left_s;  ///< of a running one
@@ -86,19 +79,17 @@ struct TaskQueueOptions {
 /// Use from one thread at a time.
 class TaskQueue {
  public:
-  static constexpr int kMaxFailures = 3;
-
   /// @param url  of an index that exists (OpenPostgresStore)
   [[nodiscard]] static Expected<std::unique_ptr<TaskQueue>> Open(const std::string& url, TaskQueueOptions options);
 
   [[nodiscard]] std::chrono::seconds lease() const { return options_.lease; }
 
-  /// Adds the tasks, in one transaction. One that is quarantined waits again, one that waits gets the new program and
-  /// the higher priority. Returns the number of those that are new or changed.
+  /// Adds the tasks, in one transaction. One that has failed is queued again, a queued one gets the new program and the
+  /// higher priority. Returns the number of those that are new or changed.
   [[nodiscard]] Expected<std::int64_t> Submit(std::span<const NewTask> tasks);
 
-  /// Claims the waiting task of this program with the highest priority, of these the one that was added first;
-  /// std::nullopt if none waits. Ends the leases of dead workers first.
+  /// Claims the queued task of this program with the highest priority, of these the one that was added first;
+  /// std::nullopt if there is none. Ends the leases of dead workers first.
   [[nodiscard]] Expected<std::optional<Task>> Claim();
 
   /// Renews the lease from now on. Error: kConflict if it was lost.
@@ -108,23 +99,23 @@ class TaskQueue {
   /// Ends the task: its results are stored. Error: kConflict if the lease was lost.
   [[nodiscard]] Status Complete(const Task& task);
 
-  /// Ends a failed attempt: the task waits for `retry_delay` or longer, or is quarantined after kMaxFailures. Error:
+  /// Ends an attempt that failed: the task is queued again, for `retry_delay` from now or later, or has failed. Error:
   /// kConflict if the lease was lost.
-  [[nodiscard]] Status Abandon(const Task& task, const std::string& reason);
+  [[nodiscard]] Status Fail(const Task& task, const std::string& reason);
 
-  /// Gives the task back, as at a shutdown: it waits again, and is not claimed before `delay` is over. Error: kConflict
-  /// if the lease was lost.
-  [[nodiscard]] Status Return(const Task& task, std::chrono::seconds delay = {});
+  /// Fails a task that no attempt can do. Error: kConflict if the lease was lost.
+  [[nodiscard]] Status Reject(const Task& task, const std::string& reason);
 
-  /// Quarantines a task that cannot be done, with the reason. Error: kConflict if the lease was lost.
-  [[nodiscard]] Status Quarantine(const Task& task, const std::string& reason);
+  /// Gives the task back, as at a shutdown; it is not claimed before `delay` is over. Error: kConflict if the lease was
+  /// lost.
+  [[nodiscard]] Status Release(const Task& task, std::chrono::seconds delay = {});
 
   [[nodiscard]] Expected<TaskCounts> Count();
 
-  /// Returns the tasks that run, then those that are quarantined, by id; at most `limit` of each.
-  [[nodiscard]] Expected<std::vector<TaskState>> List(std::int64_t limit);
+  /// Returns the tasks that run, then those that have failed, by id; at most `limit` of each.
+  [[nodiscard]] Expected<std::vector<TaskRecord>> List(std::int64_t limit);
 
-  /// Whether a task of this program waits or runs.
+  /// Whether a task of this program is open.
   [[nodiscard]] Expected<bool> HasOpenTasks();
 
   /// Returns the mean time from claim to end of the last 1000 tasks done; std::nullopt if none was done.
@@ -136,7 +127,7 @@ class TaskQueue {
 
   [[nodiscard]] Status EndLostLeases();
   /// Ends the lease in a transaction: the task gets a new state and reason, the log an event.
-  [[nodiscard]] Status EndLease(const Task& task, std::string_view state, std::optional<std::string> reason,
+  [[nodiscard]] Status EndLease(const Task& task, WorkState state, std::optional<std::string> reason,
                                 std::string_view event, std::chrono::seconds delay = {});
   [[nodiscard]] Status Log(const Task& task, std::string_view event);
   [[nodiscard]] std::unexpected<Error> LostLease(const Task& task) const;

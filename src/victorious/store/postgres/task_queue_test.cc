@@ -43,7 +43,7 @@ class PostgresTaskQueueTest : public ::testing::Test {
   static Task ClaimOrDie(TaskQueue& queue) {
     const auto task = queue.Claim();
     EXPECT_TRUE(task) << task.error().message;
-    EXPECT_TRUE(task && *task) << "none waits";
+    EXPECT_TRUE(task && *task) << "none is queued";
     return task && *task ? **task : Task{};
   }
 
@@ -115,9 +115,9 @@ TEST_F(PostgresTaskQueueTest, LateWorkerIsRefused) {
   EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
   EXPECT_THAT(refused.error().message, HasSubstr("does not run any more"));
   EXPECT_EQ(queue_->Renew(late, false).error().code, ErrorCode::kConflict);
-  EXPECT_EQ(queue_->Return(late).error().code, ErrorCode::kConflict);
-  EXPECT_EQ(queue_->Quarantine(late, "").error().code, ErrorCode::kConflict);
-  EXPECT_EQ(queue_->Abandon(late, "").error().code, ErrorCode::kConflict);
+  EXPECT_EQ(queue_->Release(late).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(queue_->Reject(late, "").error().code, ErrorCode::kConflict);
+  EXPECT_EQ(queue_->Fail(late, "").error().code, ErrorCode::kConflict);
   ASSERT_TRUE(second->Complete(task));
   EXPECT_THAT(Log(), ElementsAre("1 claimed first", "1 lost first", "2 claimed second", "2 done second"));
 }
@@ -131,49 +131,49 @@ TEST_F(PostgresTaskQueueTest, RenewedLeaseIsKept) {
   EXPECT_TRUE(queue_->Complete(task));
 }
 
-TEST_F(PostgresTaskQueueTest, TaskThatKillsThreeWorkersIsQuarantined) {
+TEST_F(PostgresTaskQueueTest, TaskThatKillsThreeWorkersFails) {
   Submit({{"index", "poison", TaskPriority::kBatch, "{}", ""}, {"index", "good", TaskPriority::kBatch, "{}", ""}});
-  for (int attempt = 1; attempt <= TaskQueue::kMaxFailures; ++attempt) {
+  for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
     const Task task = ClaimOrDie(*queue_);
     EXPECT_EQ(task.key, "poison");
     EXPECT_EQ(task.attempt, attempt);
     EndLeases();
   }
   EXPECT_EQ(ClaimOrDie(*queue_).key, "good");
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.running = 1, .quarantined = 1}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.running = 1, .failed = 1}));
 }
 
-TEST_F(PostgresTaskQueueTest, ReturnedAndQuarantinedTasks) {
+TEST_F(PostgresTaskQueueTest, ReleasedAndRejectedTasks) {
   Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
-  for (int i = 0; i < 2 * TaskQueue::kMaxFailures; ++i) {
-    ASSERT_TRUE(queue_->Return(ClaimOrDie(*queue_))) << "a worker that stops in order kills nothing";
+  for (int i = 0; i < 2 * kMaxAttempts; ++i) {
+    ASSERT_TRUE(queue_->Release(ClaimOrDie(*queue_))) << "a worker that stops in order kills nothing";
   }
-  ASSERT_TRUE(queue_->Quarantine(ClaimOrDie(*queue_), "not a video"));
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.quarantined = 1}));
+  ASSERT_TRUE(queue_->Reject(ClaimOrDie(*queue_), "not a video"));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.failed = 1}));
   EXPECT_FALSE(queue_->Claim()->has_value());
 }
 
-TEST_F(PostgresTaskQueueTest, FailedTaskIsTriedAgainThenQuarantined) {
+TEST_F(PostgresTaskQueueTest, TaskIsTriedAgainThenItHasFailed) {
   const std::vector<NewTask> tasks = {{"index", "a", TaskPriority::kBatch, R"({"program":"1"})", ""}};
   Submit(tasks);
-  for (int attempt = 1; attempt < TaskQueue::kMaxFailures; ++attempt) {
-    ASSERT_TRUE(queue_->Abandon(ClaimOrDie(*queue_), "no space"));
-    EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+  for (int attempt = 1; attempt < kMaxAttempts; ++attempt) {
+    ASSERT_TRUE(queue_->Fail(ClaimOrDie(*queue_), "no space"));
+    EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
   }
-  ASSERT_TRUE(queue_->Abandon(ClaimOrDie(*queue_), "not a video"));
+  ASSERT_TRUE(queue_->Fail(ClaimOrDie(*queue_), "not a video"));
   auto listed = queue_->List(10);
   ASSERT_EQ(listed->size(), 1U);
-  EXPECT_TRUE(listed->front().is_quarantined);
+  EXPECT_EQ(listed->front().state, WorkState::kFailed);
   EXPECT_EQ(listed->front().reason, "not a video");
   EXPECT_EQ(listed->front().payload, tasks[0].payload);
-  EXPECT_EQ(listed->front().attempt, TaskQueue::kMaxFailures);
+  EXPECT_EQ(listed->front().attempt, kMaxAttempts);
   EXPECT_FALSE(queue_->Claim()->has_value());
 
-  EXPECT_EQ(*queue_->Submit(tasks), 1) << "submitted again, it waits again";
+  EXPECT_EQ(*queue_->Submit(tasks), 1) << "submitted again, it is queued again";
   const Task again = ClaimOrDie(*queue_);
-  EXPECT_EQ(again.attempt, TaskQueue::kMaxFailures + 1);
-  ASSERT_TRUE(queue_->Abandon(again, "again")) << "its failures are forgotten";
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+  EXPECT_EQ(again.attempt, kMaxAttempts + 1);
+  ASSERT_TRUE(queue_->Fail(again, "again")) << "its failures are forgotten";
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
 }
 
 TEST_F(PostgresTaskQueueTest, ListsWhatRunsAndHowFastItGoes) {
@@ -192,31 +192,31 @@ TEST_F(PostgresTaskQueueTest, ListsWhatRunsAndHowFastItGoes) {
   EXPECT_NEAR(queue_->MeanSeconds()->value_or(0), 1800, 60);
 }
 
-TEST_F(PostgresTaskQueueTest, FailedTaskWaitsLongerEachTime) {
+TEST_F(PostgresTaskQueueTest, FailingTaskWaitsLongerEachTime) {
   const auto queue = TaskQueue::Open(url_, {.worker = "patient", .program = "this build"}).value();
   Submit({{"index", "a", TaskPriority::kBatch, "{}", "this build"}});
   double delay_s = static_cast<double>(TaskQueueOptions{}.retry_delay.count());
-  for (int attempt = 1; attempt < TaskQueue::kMaxFailures; ++attempt, delay_s *= 4) {
+  for (int attempt = 1; attempt < kMaxAttempts; ++attempt, delay_s *= 4) {
     const Task task = ClaimOrDie(*queue);
     EXPECT_EQ(queue->List(10)->front().program, "this build");
-    ASSERT_TRUE(queue->Abandon(task, "the disk is away"));
+    ASSERT_TRUE(queue->Fail(task, "the disk is away"));
     EXPECT_FALSE(queue->Claim()->has_value()) << "not at once";
     EXPECT_TRUE(*queue->HasOpenTasks());
     Run(fmt::format("UPDATE tasks SET not_before = not_before - {} * interval '1 s'", delay_s - 100));
     EXPECT_FALSE(queue->Claim()->has_value()) << "not before the delay is over";
     Run("UPDATE tasks SET not_before = not_before - interval '100 s'");
   }
-  EXPECT_EQ(ClaimOrDie(*queue).attempt, TaskQueue::kMaxFailures);
+  EXPECT_EQ(ClaimOrDie(*queue).attempt, kMaxAttempts);
 }
 
 TEST_F(PostgresTaskQueueTest, ProgressForgetsFailures) {
   Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
-  for (int attempt = 0; attempt < 2 * TaskQueue::kMaxFailures; ++attempt) {
+  for (int attempt = 0; attempt < 2 * kMaxAttempts; ++attempt) {
     const Task task = ClaimOrDie(*queue_);
     ASSERT_TRUE(queue_->Renew(task, true));
-    ASSERT_TRUE(queue_->Abandon(task, "the server was restarted"));
+    ASSERT_TRUE(queue_->Fail(task, "the server was restarted"));
   }
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
 }
 
 TEST_F(PostgresTaskQueueTest, TaskOfAnotherBuildIsNotClaimed) {
@@ -233,12 +233,12 @@ TEST_F(PostgresTaskQueueTest, TaskOfAnotherBuildIsNotClaimed) {
 TEST_F(PostgresTaskQueueTest, SubmittedTwiceAtOnceItIsOneTask) {
   const NewTask task{"index", "a", TaskPriority::kBatch, "{}", ""};
   EXPECT_EQ(*queue_->Submit(std::vector{task, task}), 1);
-  EXPECT_EQ(*queue_->Count(), (TaskCounts{.waiting = 1}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
 }
 
-TEST_F(PostgresTaskQueueTest, ReturnedWithDelayItWaits) {
+TEST_F(PostgresTaskQueueTest, ReleasedWithDelayItWaits) {
   Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
-  ASSERT_TRUE(queue_->Return(ClaimOrDie(*queue_), std::chrono::hours(1)));
+  ASSERT_TRUE(queue_->Release(ClaimOrDie(*queue_), std::chrono::hours(1)));
   EXPECT_FALSE(queue_->Claim()->has_value());
   Run("UPDATE tasks SET not_before = now()");
   EXPECT_EQ(ClaimOrDie(*queue_).key, "a");

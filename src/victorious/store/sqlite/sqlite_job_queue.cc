@@ -14,7 +14,7 @@ constexpr std::string_view kSelect =
     "total, unit, message FROM jobs ";
 
 Expected<JobRecord> ReadJob(const Statement& row, std::string_view name) {
-  const auto state = FromText(kJobStateTexts, row.Text(3));
+  const auto state = FromText(kWorkStateTexts, row.Text(3));
   if (!state) return std::unexpected(DamagedIndex(name, fmt::format("a job in the state \"{}\"", row.Text(3))));
   return JobRecord{
       .id = row.Integer(0),
@@ -24,7 +24,7 @@ Expected<JobRecord> ReadJob(const Statement& row, std::string_view name) {
       .created_utc_us = row.Integer(4),
       .started_utc_us = row.OptionalInteger(5),
       .ended_utc_us = row.OptionalInteger(6),
-      .owner = row.Text(7),
+      .worker = row.Text(7),
       .attempts = static_cast<int>(row.Integer(8)),
       .cancel_asked = row.Integer(9) != 0,
       .progress = {
@@ -35,14 +35,14 @@ class SqliteJobQueue final : public JobQueue {
  public:
   explicit SqliteJobQueue(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
-  Expected<JobRecord> Put(const NewJob& job) override {
+  Expected<JobRecord> Submit(const NewJob& job) override {
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
     VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, Insert(job));
     VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
     return record;
   }
 
-  Expected<PutJob> PutOnce(const NewJob& job) override {
+  Expected<SubmittedJob> SubmitOnce(const NewJob& job) override {
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
     {
       VICTORIOUS_ASSIGN_OR_RETURN(
@@ -52,18 +52,18 @@ class SqliteJobQueue final : public JobQueue {
       VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(job.kind, job.input_json).Step());
       if (found) {
         VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, ReadJob(select, connection_->name()));
-        return PutJob{.job = std::move(record), .is_new = false};
+        return SubmittedJob{.job = std::move(record), .is_new = false};
       }
     }
     VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, Insert(job));
     VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
-    return PutJob{.job = std::move(record), .is_new = true};
+    return SubmittedJob{.job = std::move(record), .is_new = true};
   }
 
-  Expected<std::optional<JobRecord>> Claim(const std::string& owner, std::int64_t now_us,
+  Expected<std::optional<JobRecord>> Claim(const std::string& worker, std::int64_t now_us,
                                            std::int64_t lease_us) override {
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
-    VICTORIOUS_RETURN_IF_ERROR(EndAbandoned(now_us));
+    VICTORIOUS_RETURN_IF_ERROR(EndLostLeases(now_us));
     std::int64_t id = 0;
     {
       // Somebody waits for a copy before the page plays a video, and it takes minutes where a search takes hours.
@@ -81,7 +81,7 @@ class SqliteJobQueue final : public JobQueue {
             connection_->Prepare("UPDATE jobs SET state = 'running', owner = ?, lease_utc_us = ?, started_utc_us = ?, "
                                  "attempts = attempts + 1, done = 0, total = NULL, unit = '', message = '' "
                                  "WHERE id = ?"));
-        VICTORIOUS_RETURN_IF_ERROR(claim.Bind(owner, now_us + lease_us, now_us, id).Run());
+        VICTORIOUS_RETURN_IF_ERROR(claim.Bind(worker, now_us + lease_us, now_us, id).Run());
       }
       VICTORIOUS_ASSIGN_OR_RETURN(claimed, Find(id));
     }
@@ -89,35 +89,38 @@ class SqliteJobQueue final : public JobQueue {
     return claimed;
   }
 
-  Expected<bool> Beat(std::int64_t job, const std::string& owner, std::int64_t now_us, std::int64_t lease_us,
-                      const JobProgress& progress) override {
+  Expected<bool> Renew(std::int64_t job, const std::string& worker, std::int64_t now_us, std::int64_t lease_us,
+                       const JobProgress& progress) override {
     {
       VICTORIOUS_ASSIGN_OR_RETURN(
-          Statement beat, connection_->Prepare("UPDATE jobs SET lease_utc_us = ?, done = ?, total = ?, unit = ?, "
-                                               "message = ? WHERE id = ? AND owner = ? AND state = 'running'"));
-      beat.Bind(now_us + lease_us, progress.done, progress.total, progress.unit, progress.message, job, owner);
-      VICTORIOUS_RETURN_IF_ERROR(RunOwned(beat, job));
+          Statement renew, connection_->Prepare("UPDATE jobs SET lease_utc_us = ?, done = ?, total = ?, unit = ?, "
+                                                "message = ? WHERE id = ? AND owner = ? AND state = 'running'"));
+      renew.Bind(now_us + lease_us, progress.done, progress.total, progress.unit, progress.message, job, worker);
+      VICTORIOUS_RETURN_IF_ERROR(RunOwned(renew, job));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord record, Get(job));
     return !record.cancel_asked;
   }
 
-  Status Finish(std::int64_t job, const std::string& owner, JobState state, const std::string& message,
-                std::int64_t now_us) override {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement finish,
-        connection_->Prepare("UPDATE jobs SET state = ?, message = ?, ended_utc_us = ?, owner = NULL, "
-                             "lease_utc_us = NULL WHERE id = ? AND owner = ? AND state = 'running'"));
-    finish.Bind(ToText(state), message, now_us, job, owner);
-    return RunOwned(finish, job);
+  Status Complete(std::int64_t job, const std::string& worker, const std::string& message,
+                  std::int64_t now_us) override {
+    return End(job, worker, WorkState::kDone, message, now_us);
   }
 
-  Status Release(std::int64_t job, const std::string& owner) override {
+  Status Fail(std::int64_t job, const std::string& worker, const std::string& message, std::int64_t now_us) override {
+    return End(job, worker, WorkState::kFailed, message, now_us);
+  }
+
+  Status EndCancelled(std::int64_t job, const std::string& worker, std::int64_t now_us) override {
+    return End(job, worker, WorkState::kCancelled, "", now_us);
+  }
+
+  Status Release(std::int64_t job, const std::string& worker) override {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Statement release,
         connection_->Prepare("UPDATE jobs SET state = 'queued', owner = NULL, lease_utc_us = NULL, attempts = attempts "
                              "- 1 WHERE id = ? AND owner = ? AND state = 'running'"));
-    release.Bind(job, owner);
+    release.Bind(job, worker);
     return RunOwned(release, job);
   }
 
@@ -159,7 +162,7 @@ class SqliteJobQueue final : public JobQueue {
     return jobs;
   }
 
-  Expected<std::int64_t> CountWaiting() override {
+  Expected<std::int64_t> CountOpen() override {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
                                 connection_->Prepare("SELECT count(*) FROM jobs WHERE state IN ('queued', 'running')"));
     VICTORIOUS_RETURN_IF_ERROR(select.Step());
@@ -173,7 +176,7 @@ class SqliteJobQueue final : public JobQueue {
       VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
                                   connection_->Prepare("INSERT INTO jobs (kind, input, state, created_utc_us) "
                                                        "VALUES (?, ?, ?, ?)"));
-      VICTORIOUS_RETURN_IF_ERROR(insert.Bind(job.kind, job.input_json, ToText(JobState::kQueued), job.now_us).Run());
+      VICTORIOUS_RETURN_IF_ERROR(insert.Bind(job.kind, job.input_json, ToText(WorkState::kQueued), job.now_us).Run());
     }
     const std::int64_t id = connection_->LastInsertId();
     VICTORIOUS_RETURN_IF_ERROR(Log("job", id, job.input_json, job.now_us, job.actor));
@@ -191,18 +194,27 @@ class SqliteJobQueue final : public JobQueue {
   Expected<JobRecord> Get(std::int64_t job) {
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<JobRecord> record, Find(job));
     if (record) return *std::move(record);
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: there is no job {}", connection_->name(), job));
+    return victorious::Fail(ErrorCode::kNotFound, fmt::format("{}: there is no job {}", connection_->name(), job));
+  }
+
+  Status End(std::int64_t job, const std::string& worker, WorkState state, const std::string& message,
+             std::int64_t now_us) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement end, connection_->Prepare("UPDATE jobs SET state = ?, message = ?, ended_utc_us = ?, owner = NULL, "
+                                            "lease_utc_us = NULL WHERE id = ? AND owner = ? AND state = 'running'"));
+    end.Bind(ToText(state), message, now_us, job, worker);
+    return RunOwned(end, job);
   }
 
   Status RunOwned(Statement& statement, std::int64_t job) {
     VICTORIOUS_RETURN_IF_ERROR(statement.Run());
     if (connection_->Changes() == 1) return {};
-    return Fail(ErrorCode::kConflict,
-                fmt::format("{}: job {} belongs to another worker now, or has ended", connection_->name(), job));
+    return victorious::Fail(ErrorCode::kConflict, fmt::format("{}: job {} belongs to another worker now, or has ended",
+                                                              connection_->name(), job));
   }
 
-  // Ends jobs of dead workers that are not to be tried again.
-  Status EndAbandoned(std::int64_t now_us) {
+  // Ends jobs whose lease was lost and that are not to be tried again.
+  Status EndLostLeases(std::int64_t now_us) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Statement end,
         connection_->Prepare("UPDATE jobs SET state = CASE WHEN cancel_asked = 1 THEN 'cancelled' ELSE 'failed' END, "
