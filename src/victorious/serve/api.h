@@ -74,12 +74,12 @@ class Api {
   // In api_jobs.cc.
   ApiExpected<HttpResponse> Upload(const HttpRequest& request, const Caller& caller);
   ApiExpected<HttpResponse> Jobs();
-  /// The input of a job of the kind "copy".
-  ApiExpected<Json> CopyInput(std::int64_t video);
-  /// The input of a job of the kind "clip".
-  ApiExpected<Json> ClipInput(const nlohmann::json& body);
-  /// The input of a job of the kind "model".
+  /// The input of a job (job_runner.h), from the body of the request for it.
+  ApiExpected<Json> JobInput(JobKind kind, const nlohmann::json& body);
+  ApiExpected<Json> IndexInput(const nlohmann::json& body);
   ApiExpected<Json> ModelInput(const nlohmann::json& body);
+  ApiExpected<Json> CopyInput(const nlohmann::json& body);
+  ApiExpected<Json> ClipInput(const nlohmann::json& body);
   /// Writes a frame of a video as an image among the uploads.
   ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body);
   ApiExpected<HttpResponse> SubmitJob(const HttpRequest& request, const Caller& caller);

@@ -84,7 +84,52 @@ ApiExpected<HttpResponse> Api::Jobs() {
   return JsonResponse(JobsToJson(jobs, NowUtcMicroseconds()));
 }
 
-ApiExpected<Json> Api::CopyInput(std::int64_t video) {
+ApiExpected<Json> Api::JobInput(JobKind kind, const Body& body) {
+  switch (kind) {
+    case JobKind::kIndex:
+      return IndexInput(body);
+    case JobKind::kModel:
+      return ModelInput(body);
+    case JobKind::kCopy:
+      return CopyInput(body);
+    case JobKind::kClip:
+      break;
+  }
+  return ClipInput(body);
+}
+
+ApiExpected<Json> Api::IndexInput(const Body& body) {
+  Json input;
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id", "upload", "telemetry"}));
+  if (body.contains("video_id") == body.contains("upload")) {
+    return FailField("upload", "give a video_id of the index or an upload");
+  }
+  if (body.contains("video_id")) {
+    const Body& id = body["video_id"];
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+    const VideoRecord* video = id.is_number_integer() ? lists->Video(id.get<std::int64_t>()) : nullptr;
+    if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video));
+    input["video"] = path.string();
+  } else {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string upload, ReadText(body, "upload"));
+    const auto path = uploads_.Find(upload);
+    if (!path) return std::unexpected(ApiError(path.error(), "upload"));
+    input["video"] = path->string();
+  }
+  if (body.contains("telemetry")) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string upload, ReadText(body, "telemetry"));
+    const auto path = uploads_.Find(upload);
+    if (!path) return std::unexpected(ApiError(path.error(), "telemetry"));
+    input["telemetry"] = path->string();
+  }
+  return input;
+}
+
+ApiExpected<Json> Api::CopyInput(const Body& body) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id"}));
+  const auto id = body.find("video_id");
+  const std::int64_t video = id != body.end() && id->is_number_integer() ? id->get<std::int64_t>() : -1;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   const VideoRecord* record = lists->Video(video);
   if (record == nullptr) return FailField("video_id", "video_id: not a video of the index");
@@ -197,7 +242,8 @@ ApiExpected<Json> Api::ClipInput(const Body& body) {
 ApiExpected<HttpResponse> Api::JobFile(const HttpRequest& request, std::string_view number, std::string_view name) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> job, live_->Find(id));
-  const auto made = job && job->kind == "clip" && job->state == WorkState::kDone ? MadeFileOf(*job) : std::nullopt;
+  const auto made =
+      job && job->kind == JobKind::kClip && job->state == WorkState::kDone ? MadeFileOf(*job) : std::nullopt;
   const bool is_table = name == "telemetry";
   if (!made || (!is_table && name != "clip")) return NotFound(fmt::format("job {} has no file {}", number, name));
   VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendMade(request, made->filename().string()));
@@ -220,49 +266,13 @@ ApiExpected<HttpResponse> Api::SubmitJob(const HttpRequest& request, const Calle
   const auto body = ParseJson(request.body);
   if (!body) return std::unexpected(ApiError(body.error()));
   if (!body->is_object()) return FailField("", "the body must be an object");
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string kind, ReadText(*body, "kind"));
-  Json input;
-  if (kind == "index") {
-    VICTORIOUS_RETURN_IF_ERROR(CheckMembers(*body, {"kind", "video_id", "upload", "telemetry"}));
-    if (body->contains("video_id") == body->contains("upload")) {
-      return FailField("upload", "give a video_id of the index or an upload");
-    }
-    if (body->contains("video_id")) {
-      const Body& id = (*body)["video_id"];
-      VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-      const VideoRecord* video = id.is_number_integer() ? lists->Video(id.get<std::int64_t>()) : nullptr;
-      if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video));
-      input["video"] = path.string();
-    } else {
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::string upload, ReadText(*body, "upload"));
-      const auto path = uploads_.Find(upload);
-      if (!path) return std::unexpected(ApiError(path.error(), "upload"));
-      input["video"] = path->string();
-    }
-    if (body->contains("telemetry")) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::string upload, ReadText(*body, "telemetry"));
-      const auto path = uploads_.Find(upload);
-      if (!path) return std::unexpected(ApiError(path.error(), "telemetry"));
-      input["telemetry"] = path->string();
-    }
-  } else if (kind == "model") {
-    VICTORIOUS_ASSIGN_OR_RETURN(input, ModelInput(*body));
-  } else if (kind == "clip") {
-    VICTORIOUS_ASSIGN_OR_RETURN(input, ClipInput(*body));
-  } else if (kind == "copy") {
-    VICTORIOUS_RETURN_IF_ERROR(CheckMembers(*body, {"kind", "video_id"}));
-    const auto id = body->find("video_id");
-    const bool has_id = id != body->end() && id->is_number_integer();
-    VICTORIOUS_ASSIGN_OR_RETURN(input, CopyInput(has_id ? id->get<std::int64_t>() : -1));
-  } else {
-    return FailField("kind", fmt::format("kind \"{}\": must be index, model, copy or clip", kind));
-  }
-  const NewJob asked{.kind = kind, .input_json = Dump(input), .now_us = NowUtcMicroseconds(), .actor = caller.name()};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(*body, "kind"));
+  const std::optional<JobKind> kind = FromText(kJobKindTexts, name);
+  if (!kind) return FailField("kind", fmt::format("kind \"{}\": must be index, model, copy or clip", name));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body));
+  const NewJob asked{.kind = *kind, .input_json = Dump(input), .now_us = NowUtcMicroseconds(), .actor = caller.name()};
   // Several viewers ask for the same file.
-  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, input.contains("copy") || input.contains("clip")
-                                                       ? live_->SubmitOnce(asked)
-                                                       : live_->Submit(asked));
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, MakesFile(*kind) ? live_->SubmitOnce(asked) : live_->Submit(asked));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 

@@ -39,7 +39,7 @@ Json PointToJson(const GeodeticPoint& point) {
 // What a user may fetch. A file may have been removed since it was made.
 Json FilesOf(const JobRecord& job) {
   Json files = Json::array();
-  if (job.kind != "clip" || job.state != WorkState::kDone) return files;
+  if (job.kind != JobKind::kClip || job.state != WorkState::kDone) return files;
   const auto made = MadeFileOf(job);
   std::error_code error;
   if (!made || !std::filesystem::exists(*made, error)) return files;
@@ -202,8 +202,8 @@ std::string JobTitle(const JobRecord& job) {
     const auto found = input->find(name);
     return found != input->end() && found->is_string() ? found->get<std::string>() : std::string();
   };
-  if (job.kind == "model") return text("name");
-  if (job.kind == "clip") return text("title");
+  if (job.kind == JobKind::kModel) return text("name");
+  if (job.kind == JobKind::kClip) return text("title");
   return std::filesystem::path(text("video")).filename().string();
 }
 
@@ -218,7 +218,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
     if (elapsed_s >= kMinElapsed_s) left = std::round(elapsed_s * rest / static_cast<double>(progress.done));
   }
   return {{"id", job.id},
-          {"kind", job.kind},
+          {"kind", ToText(job.kind)},
           {"title", JobTitle(job)},
           {"state", ToText(job.state)},
           {"done", progress.done},

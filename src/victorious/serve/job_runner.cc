@@ -66,58 +66,71 @@ Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFol
   return arguments;
 }
 
+// In these, "--" ends the options: the name of a file that begins with a dash is none.
+
+Expected<std::vector<std::string>> IndexArguments(const Json& input, const JobFolders& folders) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
+  std::vector<std::string> arguments = {"index", "--models", folders.models.string(), "--db", folders.index.string()};
+  if (input.contains("telemetry") && !input["telemetry"].is_null()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, TextMember(input, "telemetry"));
+    arguments.insert(arguments.end(), {"--telemetry", telemetry});
+  }
+  arguments.insert(arguments.end(), {"--", video});
+  return arguments;
+}
+
+Expected<std::vector<std::string>> ModelArguments(const Json& input, const JobFolders& folders) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, TextMember(input, "name"));
+  std::vector<std::string> arguments = {"model", "add", "--models", folders.models.string()};
+  VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "length_m", "--length", arguments));
+  if (const auto box = input.find("box"); box != input.end() && !box->is_null()) {
+    const bool is_box = box->is_array() && box->size() == 4 &&
+                        std::ranges::all_of(*box, [](const Json& one) { return one.is_number(); });
+    if (!is_box) return Fail(ErrorCode::kInvalidArgument, "box: must be four numbers");
+    arguments.push_back(fmt::format("--box={},{},{},{}", (*box)[0].get<double>(), (*box)[1].get<double>(),
+                                    (*box)[2].get<double>(), (*box)[3].get<double>()));
+  }
+  arguments.insert(arguments.end(), {"--", name});
+  const auto files = input.find("files");
+  if (files == input.end() || !files->is_array() || files->empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
+  }
+  for (const Json& file : *files) {
+    if (!file.is_string()) return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
+    arguments.push_back(file.get<std::string>());
+  }
+  return arguments;
+}
+
+Expected<std::vector<std::string>> CopyArguments(const Json& input) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string copy, TextMember(input, "copy"));
+  return std::vector<std::string>{"copy", "--force", "--out", copy, "--", video};
+}
+
 }  // namespace
 
 Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, ParseJson(job.input_json));
   if (!input.is_object()) return Fail(ErrorCode::kInvalidArgument, "the input must be an object");
-  // "--" ends the options: the name of a file that begins with a dash is none.
-  if (job.kind == "index") {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
-    std::vector<std::string> arguments = {"index", "--models", folders.models.string(), "--db", folders.index.string()};
-    if (input.contains("telemetry") && !input["telemetry"].is_null()) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, TextMember(input, "telemetry"));
-      arguments.insert(arguments.end(), {"--telemetry", telemetry});
-    }
-    arguments.insert(arguments.end(), {"--", video});
-    return arguments;
+  switch (job.kind) {
+    case JobKind::kIndex:
+      return IndexArguments(input, folders);
+    case JobKind::kModel:
+      return ModelArguments(input, folders);
+    case JobKind::kCopy:
+      return CopyArguments(input);
+    case JobKind::kClip:
+      break;
   }
-  if (job.kind == "model") {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, TextMember(input, "name"));
-    std::vector<std::string> arguments = {"model", "add", "--models", folders.models.string()};
-    VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "length_m", "--length", arguments));
-    if (const auto box = input.find("box"); box != input.end() && !box->is_null()) {
-      const bool is_box = box->is_array() && box->size() == 4 &&
-                          std::ranges::all_of(*box, [](const Json& one) { return one.is_number(); });
-      if (!is_box) return Fail(ErrorCode::kInvalidArgument, "box: must be four numbers");
-      arguments.push_back(fmt::format("--box={},{},{},{}", (*box)[0].get<double>(), (*box)[1].get<double>(),
-                                      (*box)[2].get<double>(), (*box)[3].get<double>()));
-    }
-    arguments.insert(arguments.end(), {"--", name});
-    const auto files = input.find("files");
-    if (files == input.end() || !files->is_array() || files->empty()) {
-      return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
-    }
-    for (const Json& file : *files) {
-      if (!file.is_string()) return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
-      arguments.push_back(file.get<std::string>());
-    }
-    return arguments;
-  }
-  if (job.kind == "copy") {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string copy, TextMember(input, "copy"));
-    return std::vector<std::string>{"copy", "--force", "--out", copy, "--", video};
-  }
-  if (job.kind == "clip") return ClipArguments(input, folders);
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("kind \"{}\": must be index, model, copy or clip", job.kind));
+  return ClipArguments(input, folders);
 }
 
 std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job) {
-  if (job.kind != "copy" && job.kind != "clip") return std::nullopt;
+  if (!MakesFile(job.kind)) return std::nullopt;
   const auto input = ParseJson(job.input_json);
   if (!input || !input->is_object()) return std::nullopt;
-  const auto path = TextMember(*input, job.kind.c_str());
+  const auto path = TextMember(*input, std::string(ToText(job.kind)).c_str());
   return path ? std::optional<std::filesystem::path>(*path) : std::nullopt;
 }
 

@@ -27,14 +27,17 @@ struct JobFolders {
   std::filesystem::path uploads;  ///< one folder an upload
 };
 
-/// The arguments of `victorious` that do a job. Errors: kInvalidArgument for an
-/// unknown kind or an input that is not valid, with the member that is wrong.
+/// The arguments of `victorious` that do a job. Error: kInvalidArgument for an input that is not valid, with the member that
+/// is wrong.
 ///   index  {"video": path, "telemetry": path or null}
 ///   copy   {"video": path, "copy": path}
 ///   clip   {"video": name in the index, "object": id, "from_s", "to_s": numbers or null, "telemetry": path or null,
 ///          "clip": path}
 ///   model  {"name": text, "files": [path, …], "length_m": number or null, "box": [x, y, w, h] or null}
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
+
+/// Whether a job of this kind makes a file for users. Its input names that file by the text of the kind.
+[[nodiscard]] constexpr bool MakesFile(JobKind kind) { return kind == JobKind::kCopy || kind == JobKind::kClip; }
 
 /// The file that a job makes for users; std::nullopt: none, or an input that is not valid.
 [[nodiscard]] std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job);

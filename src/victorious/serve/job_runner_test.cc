@@ -17,57 +17,57 @@ using ::testing::ElementsAre;
 const JobFolders kFolders{.index = "/d/index.db", .models = "/d/models", .uploads = "/d/uploads"};
 
 TEST(JobArguments, AreThoseOfTheCommands) {
-  EXPECT_THAT(*JobArguments({.kind = "index", .input_json = R"({"video": "/v/a.mp4"})"}, kFolders),
+  EXPECT_THAT(*JobArguments({.kind = JobKind::kIndex, .input_json = R"({"video": "/v/a.mp4"})"}, kFolders),
               ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--", "/v/a.mp4"));
   EXPECT_THAT(
-      *JobArguments({.kind = "index", .input_json = R"({"video": "-x", "telemetry": "/t.csv"})"}, kFolders),
+      *JobArguments({.kind = JobKind::kIndex, .input_json = R"({"video": "-x", "telemetry": "/t.csv"})"}, kFolders),
       ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--telemetry", "/t.csv", "--", "-x"));
-  EXPECT_THAT(*JobArguments(
-                  {.kind = "model", .input_json = R"({"name": "jeep", "files": ["a.jpg", "b.jpg"], "length_m": 4.5})"},
-                  kFolders),
+  EXPECT_THAT(*JobArguments({.kind = JobKind::kModel,
+                             .input_json = R"({"name": "jeep", "files": ["a.jpg", "b.jpg"], "length_m": 4.5})"},
+                            kFolders),
               ElementsAre("model", "add", "--models", "/d/models", "--length", "4.5", "--", "jeep", "a.jpg", "b.jpg"));
-  EXPECT_THAT(*JobArguments({.kind = "copy", .input_json = R"({"video": "-x.ts", "copy": "/d/c.mp4"})"}, kFolders),
-              ElementsAre("copy", "--force", "--out", "/d/c.mp4", "--", "-x.ts"));
+  EXPECT_THAT(
+      *JobArguments({.kind = JobKind::kCopy, .input_json = R"({"video": "-x.ts", "copy": "/d/c.mp4"})"}, kFolders),
+      ElementsAre("copy", "--force", "--out", "/d/c.mp4", "--", "-x.ts"));
 }
 
 TEST(JobArguments, OfClipsAndOfModelsFromAFrame) {
-  const JobRecord clip{.kind = "clip", .input_json = R"({"video": "-v.mp4", "object": 3, "clip": "/d/c.mp4"})"};
+  const JobRecord clip{.kind = JobKind::kClip, .input_json = R"({"video": "-v.mp4", "object": 3, "clip": "/d/c.mp4"})"};
   EXPECT_THAT(*JobArguments(clip, kFolders),
               ElementsAre("export", "--format", "video", "--db", "/d/index.db", "--video=-v.mp4", "--object", "3",
                           "--clip", "2", "--force", "--out", "/d/c.mp4"));
   EXPECT_EQ(MadeFileOf(clip), "/d/c.mp4");
-  EXPECT_FALSE(MadeFileOf({.kind = "index", .input_json = R"({"video": "a"})"}));
-  EXPECT_THAT(*JobArguments({.kind = "clip",
+  EXPECT_FALSE(MadeFileOf({.kind = JobKind::kIndex, .input_json = R"({"video": "a"})"}));
+  EXPECT_THAT(*JobArguments({.kind = JobKind::kClip,
                              .input_json = R"({"video": "v", "object": 3, "clip": "/d/c.mp4", "from_s": 1.5, "to_s": 2,
                                                "telemetry": "/t.csv"})"},
                             kFolders),
               ElementsAre("export", "--format", "video", "--db", "/d/index.db", "--video=v", "--object", "3", "--clip",
                           "2", "--from", "1.5", "--to", "2", "--telemetry=/t.csv", "--force", "--out", "/d/c.mp4"));
-  EXPECT_THAT(
-      *JobArguments({.kind = "model", .input_json = R"({"name": "van", "files": ["f.jpg"], "box": [1, 2.5, 30, 40]})"},
-                    kFolders),
-      ElementsAre("model", "add", "--models", "/d/models", "--box=1,2.5,30,40", "--", "van", "f.jpg"));
+  EXPECT_THAT(*JobArguments({.kind = JobKind::kModel,
+                             .input_json = R"({"name": "van", "files": ["f.jpg"], "box": [1, 2.5, 30, 40]})"},
+                            kFolders),
+              ElementsAre("model", "add", "--models", "/d/models", "--box=1,2.5,30,40", "--", "van", "f.jpg"));
 }
 
 TEST(JobArguments, InvalidInputsAreErrors) {
-  for (const auto& [kind, input] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"index", "{}"},
-           {"index", "[]"},
-           {"index", "no JSON"},
-           {"index", R"({"video": 3})"},
-           {"index", R"({"video": "a", "telemetry": 3})"},
-           {"model", R"({"name": "jeep"})"},
-           {"model", R"({"name": "jeep", "files": []})"},
-           {"model", R"({"name": "jeep", "files": [3]})"},
-           {"model", R"({"name": "jeep", "files": ["a"], "length_m": "x"})"},
-           {"model", R"({"name": "jeep", "files": ["a"], "box": [1, 2, 3]})"},
-           {"clip", R"({"video": "a", "object": 3})"},
-           {"clip", R"({"video": "a", "clip": "b", "object": "3"})"},
-           {"clip", R"({"video": "a", "clip": "b", "object": 3, "from_s": "x"})"},
-           {"copy", R"({"video": "a"})"},
-           {"copy", R"({"copy": "a"})"},
-           {"dance", "{}"}}) {
-    EXPECT_FALSE(JobArguments({.kind = kind, .input_json = input}, kFolders)) << kind << input;
+  for (const auto& [kind, input] : std::initializer_list<std::pair<JobKind, const char*>>{
+           {JobKind::kIndex, "{}"},
+           {JobKind::kIndex, "[]"},
+           {JobKind::kIndex, "no JSON"},
+           {JobKind::kIndex, R"({"video": 3})"},
+           {JobKind::kIndex, R"({"video": "a", "telemetry": 3})"},
+           {JobKind::kModel, R"({"name": "jeep"})"},
+           {JobKind::kModel, R"({"name": "jeep", "files": []})"},
+           {JobKind::kModel, R"({"name": "jeep", "files": [3]})"},
+           {JobKind::kModel, R"({"name": "jeep", "files": ["a"], "length_m": "x"})"},
+           {JobKind::kModel, R"({"name": "jeep", "files": ["a"], "box": [1, 2, 3]})"},
+           {JobKind::kClip, R"({"video": "a", "object": 3})"},
+           {JobKind::kClip, R"({"video": "a", "clip": "b", "object": "3"})"},
+           {JobKind::kClip, R"({"video": "a", "clip": "b", "object": 3, "from_s": "x"})"},
+           {JobKind::kCopy, R"({"video": "a"})"},
+           {JobKind::kCopy, R"({"copy": "a"})"}}) {
+    EXPECT_FALSE(JobArguments({.kind = kind, .input_json = input}, kFolders)) << ToText(kind) << input;
   }
 }
 

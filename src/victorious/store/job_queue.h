@@ -5,17 +5,34 @@
 // another attempt, the third a failure. All times are given by the caller, microseconds since 1970.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 #include "victorious/store/work_state.h"
 
 namespace victorious {
+
+/// What a job does. Each kind has its own input (serve/job_runner.h).
+enum class JobKind {
+  kIndex,  ///< searches a video
+  kModel,  ///< makes a model
+  kCopy,   ///< copies a video for browsers
+  kClip,   ///< cuts and draws the moments of an object
+};
+
+/// The texts in the index and in the API.
+inline constexpr auto kJobKindTexts = std::to_array<EnumText<JobKind>>(
+    {{JobKind::kIndex, "index"}, {JobKind::kModel, "model"}, {JobKind::kCopy, "copy"}, {JobKind::kClip, "clip"}});
+
+constexpr std::string_view ToText(JobKind kind) { return ToText(kJobKindTexts, kind); }
 
 /// How far a job has come.
 struct JobProgress {
@@ -27,7 +44,7 @@ struct JobProgress {
 
 struct JobRecord {
   std::int64_t id = 0;
-  std::string kind;
+  JobKind kind = JobKind::kIndex;
   std::string input_json;  ///< what the kind needs
   WorkState state = WorkState::kQueued;
   std::int64_t created_utc_us = 0;
@@ -41,7 +58,7 @@ struct JobRecord {
 
 /// A job that somebody asks for.
 struct NewJob {
-  std::string kind;
+  JobKind kind = JobKind::kIndex;
   std::string input_json;  ///< what the kind needs
   std::int64_t now_us = 0;
   std::string actor = {};  ///< who asks, for the log; empty: nobody in particular
@@ -53,7 +70,8 @@ struct SubmittedJob {
 };
 
 /// Not thread-safe: use from one thread at a time. Any number of processes may use the same queue. What a user asks for is
-/// in the log of who did what (audit_record.h).
+/// in the log of who did what (audit_record.h). Each function that returns jobs fails with kUnsupported for one of a kind
+/// that this program does not know.
 class JobQueue {
  public:
   virtual ~JobQueue() = default;
@@ -83,7 +101,7 @@ class JobQueue {
   [[nodiscard]] virtual Expected<JobRecord> Cancel(std::int64_t job, std::int64_t now_us, const std::string& actor) = 0;
 
   [[nodiscard]] virtual Expected<std::optional<JobRecord>> Find(std::int64_t job) = 0;
-  /// Returns the open jobs, oldest first, then the `limit` latest that have, latest first.
+  /// Returns the open jobs, oldest first, then the `limit` latest that have ended, latest first.
   [[nodiscard]] virtual Expected<std::vector<JobRecord>> List(std::int64_t limit) = 0;
   [[nodiscard]] virtual Expected<std::int64_t> CountOpen() = 0;
 };

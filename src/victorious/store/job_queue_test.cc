@@ -33,8 +33,8 @@ class JobQueueTest : public ::testing::Test {
 };
 
 TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
-  const auto first = queue_->Submit({"index", R"({"video": "a"})", 1});
-  const auto second = queue_->Submit({"model", "{}", 2});
+  const auto first = queue_->Submit({JobKind::kIndex, R"({"video": "a"})", 1});
+  const auto second = queue_->Submit({JobKind::kModel, "{}", 2});
   ASSERT_TRUE(first && second);
   const auto a = queue_->Claim("A", 10, kLease);
   const auto b = other_->Claim("B", 10, kLease);
@@ -55,15 +55,15 @@ TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
 }
 
 TEST_F(JobQueueTest, AJobIsSubmittedOnceAsLongAsItIsOpen) {
-  const NewJob asked{.kind = "copy", .input_json = R"({"video": "a"})", .now_us = 1, .actor = "ann"};
+  const NewJob asked{.kind = JobKind::kCopy, .input_json = R"({"video": "a"})", .now_us = 1, .actor = "ann"};
   const auto first = queue_->SubmitOnce(asked);
   ASSERT_TRUE(first);
   EXPECT_TRUE(first->is_new);
   const auto same = other_->SubmitOnce(asked);
   EXPECT_FALSE(same->is_new);
   EXPECT_EQ(same->job.id, first->job.id);
-  EXPECT_TRUE(other_->SubmitOnce({.kind = "copy", .input_json = R"({"video": "b"})", .now_us = 1})->is_new);
-  EXPECT_TRUE(other_->SubmitOnce({.kind = "index", .input_json = asked.input_json, .now_us = 1})->is_new);
+  EXPECT_TRUE(other_->SubmitOnce({.kind = JobKind::kCopy, .input_json = R"({"video": "b"})", .now_us = 1})->is_new);
+  EXPECT_TRUE(other_->SubmitOnce({.kind = JobKind::kIndex, .input_json = asked.input_json, .now_us = 1})->is_new);
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
   EXPECT_FALSE(other_->SubmitOnce(asked)->is_new) << "it runs";
   ASSERT_TRUE(queue_->Complete(first->job.id, "A", "", 20));
@@ -71,8 +71,8 @@ TEST_F(JobQueueTest, AJobIsSubmittedOnceAsLongAsItIsOpen) {
 }
 
 TEST_F(JobQueueTest, TheLogSaysWhoAskedForAJobAndWhoCancelledIt) {
-  const auto job = queue_->Submit({.kind = "index", .input_json = "{}", .now_us = 5, .actor = "ann"});
-  ASSERT_TRUE(queue_->SubmitOnce({.kind = "index", .input_json = "{}", .now_us = 6, .actor = "bob"}));
+  const auto job = queue_->Submit({.kind = JobKind::kIndex, .input_json = "{}", .now_us = 5, .actor = "ann"});
+  ASSERT_TRUE(queue_->SubmitOnce({.kind = JobKind::kIndex, .input_json = "{}", .now_us = 6, .actor = "bob"}));
   ASSERT_TRUE(queue_->Cancel(job->id, 7, "bob"));
   EXPECT_FALSE(queue_->Cancel(99, 8, "bob"));
   const auto accounts = OpenSqliteAccountStore(folder_ / "index.db", StoreMode::kRead);
@@ -87,15 +87,15 @@ TEST_F(JobQueueTest, TheLogSaysWhoAskedForAJobAndWhoCancelledIt) {
 }
 
 TEST_F(JobQueueTest, CopiesAreTakenFirst) {
-  const auto search = queue_->Submit({"index", "{}", 1});
-  const auto first = queue_->Submit({"copy", R"({"video": "a"})", 2});
-  const auto second = queue_->Submit({"copy", R"({"video": "b"})", 3});
+  const auto search = queue_->Submit({JobKind::kIndex, "{}", 1});
+  const auto first = queue_->Submit({JobKind::kCopy, R"({"video": "a"})", 2});
+  const auto second = queue_->Submit({JobKind::kCopy, R"({"video": "b"})", 3});
   for (const std::int64_t id : {first->id, second->id, search->id})
     EXPECT_EQ((*other_->Claim("A", 10, kLease))->id, id);
 }
 
 TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
-  const auto job = queue_->Submit({"index", "{}", 1});
+  const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
   EXPECT_TRUE(*queue_->Renew(job->id, "A", 100, kLease, {.done = 5, .total = 9, .unit = "frames", .message = "x"}));
   EXPECT_FALSE(*other_->Claim("B", 150, kLease)) << "the lease was renewed at 100";
@@ -106,7 +106,7 @@ TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
 }
 
 TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
-  const auto job = queue_->Submit({"index", "{}", 1});
+  const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
   EXPECT_FALSE(*other_->Claim("B", 110, kLease)) << "the lease runs until 110";
   const auto again = other_->Claim("B", 111, kLease);
@@ -118,7 +118,7 @@ TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
 }
 
 TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
-  const auto job = queue_->Submit({"index", "{}", 1});
+  const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
     ASSERT_TRUE(*queue_->Claim("A", 1000 * (attempt + 1), kLease)) << attempt;
   }
@@ -128,7 +128,7 @@ TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
 }
 
 TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
-  const auto job = queue_->Submit({"index", "{}", 1});
+  const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
     ASSERT_TRUE(queue_->Release(job->id, "A"));
@@ -138,8 +138,8 @@ TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
 }
 
 TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
-  const auto running = queue_->Submit({"index", "{}", 1});
-  const auto waiting = queue_->Submit({"index", "{}", 2});
+  const auto running = queue_->Submit({JobKind::kIndex, "{}", 1});
+  const auto waiting = queue_->Submit({JobKind::kIndex, "{}", 2});
   ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
   EXPECT_EQ(other_->Cancel(waiting->id, 11, "ann")->state, WorkState::kCancelled);
   EXPECT_EQ(other_->Cancel(running->id, 11, "ann")->state, WorkState::kRunning);
@@ -147,7 +147,7 @@ TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
   ASSERT_TRUE(queue_->EndCancelled(running->id, "A", 13));
   EXPECT_EQ(other_->Cancel(running->id, 14, "ann")->ended_utc_us, 13) << "it stays as it ended";
   EXPECT_EQ(queue_->Cancel(99, 1, "ann").error().code, ErrorCode::kNotFound);
-  const auto orphan = queue_->Submit({"index", "{}", 20});
+  const auto orphan = queue_->Submit({JobKind::kIndex, "{}", 20});
   ASSERT_TRUE(*queue_->Claim("A", 21, kLease));
   ASSERT_TRUE(queue_->Cancel(orphan->id, 22, "ann"));
   EXPECT_FALSE(*other_->Claim("B", 500, kLease)) << "not begun again after its worker died";
@@ -157,7 +157,7 @@ TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
 TEST_F(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {
   std::vector<std::int64_t> ids;
   for (int i = 0; i < 5; ++i) {
-    ids.push_back(queue_->Submit({"index", "{}", i})->id);
+    ids.push_back(queue_->Submit({JobKind::kIndex, "{}", i})->id);
     if (i < 3) ASSERT_TRUE(queue_->Cancel(ids.back(), 10, "ann"));
   }
   const auto jobs = other_->List(2);

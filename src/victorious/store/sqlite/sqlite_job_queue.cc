@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/one_line.h"
 #include "victorious/store/job_queue.h"
 #include "victorious/store/sqlite/open_database.h"
 
@@ -14,11 +15,18 @@ constexpr std::string_view kSelect =
     "total, unit, message FROM jobs ";
 
 Expected<JobRecord> ReadJob(const Statement& row, std::string_view name) {
+  const auto kind = FromText(kJobKindTexts, row.Text(1));
+  if (!kind) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: job {} is of the kind \"{}\", which this program does not know: a newer version wrote it",
+                    name, row.Integer(0), OneLine(row.Text(1))));
+  }
   const auto state = FromText(kWorkStateTexts, row.Text(3));
   if (!state) return std::unexpected(DamagedIndex(name, fmt::format("a job in the state \"{}\"", row.Text(3))));
   return JobRecord{
       .id = row.Integer(0),
-      .kind = row.Text(1),
+      .kind = *kind,
       .input_json = row.Text(2),
       .state = *state,
       .created_utc_us = row.Integer(4),
@@ -49,7 +57,7 @@ class SqliteJobQueue final : public JobQueue {
           Statement select,
           connection_->Prepare(std::string(kSelect) + "WHERE state IN ('queued', 'running') AND kind = ? AND input = ? "
                                                       "ORDER BY id LIMIT 1"));
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(job.kind, job.input_json).Step());
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(ToText(job.kind), job.input_json).Step());
       if (found) {
         VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, ReadJob(select, connection_->name()));
         return SubmittedJob{.job = std::move(record), .is_new = false};
@@ -69,8 +77,8 @@ class SqliteJobQueue final : public JobQueue {
       // Somebody waits for a copy before the page plays a video, and it takes minutes where a search takes hours.
       VICTORIOUS_ASSIGN_OR_RETURN(
           Statement select, connection_->Prepare("SELECT id FROM jobs WHERE state = 'queued' OR (state = 'running' AND "
-                                                 "lease_utc_us < ?) ORDER BY kind != 'copy', id LIMIT 1"));
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(now_us).Step());
+                                                 "lease_utc_us < ?) ORDER BY kind != ?, id LIMIT 1"));
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(now_us, ToText(JobKind::kCopy)).Step());
       if (found) id = select.Integer(0);
     }
     std::optional<JobRecord> claimed;
@@ -176,7 +184,8 @@ class SqliteJobQueue final : public JobQueue {
       VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
                                   connection_->Prepare("INSERT INTO jobs (kind, input, state, created_utc_us) "
                                                        "VALUES (?, ?, ?, ?)"));
-      VICTORIOUS_RETURN_IF_ERROR(insert.Bind(job.kind, job.input_json, ToText(WorkState::kQueued), job.now_us).Run());
+      VICTORIOUS_RETURN_IF_ERROR(
+          insert.Bind(ToText(job.kind), job.input_json, ToText(WorkState::kQueued), job.now_us).Run());
     }
     const std::int64_t id = connection_->LastInsertId();
     VICTORIOUS_RETURN_IF_ERROR(Log("job", id, job.input_json, job.now_us, job.actor));
