@@ -165,7 +165,8 @@ Report DescribeTelemetrySource(const std::string& source, const VideoProbe& prob
 ordered_json StreamsToJson(const VideoInfo& info) {
   ordered_json streams = ordered_json::array();
   for (const StreamInfo& stream : info.streams) {
-    streams.push_back({{"index", stream.index}, {"type", stream.type}, {"codec", stream.codec}});
+    streams.push_back(
+        {{"index", stream.index}, {"type", ToText(kStreamTypeTexts, stream.type)}, {"codec", stream.codec}});
   }
   return streams;
 }
@@ -186,7 +187,7 @@ Expected<Report> DescribeVideo(const std::string& source) {
                    : fmt::format("; the first {} frames ({:.2f} s) were decoded for this report", probe.frames,
                                  probe.last_time_s));
   for (const StreamInfo& stream : info.streams)
-    text += fmt::format("  stream {}   {} ({})\n", stream.index, stream.type, stream.codec);
+    text += fmt::format("  stream {}   {} ({})\n", stream.index, ToText(kStreamTypeTexts, stream.type), stream.codec);
   for (const std::string& warning : reader->warnings()) text += fmt::format("  damage     {}\n", warning);
   text += "Finding objects: possible.\n";
   Report place = DescribeTelemetrySource(source, probe);

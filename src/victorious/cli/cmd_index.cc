@@ -89,7 +89,8 @@ Expected<IndexOptions> ReadOptions(const Arguments& arguments, const std::vector
   if (!arguments.quality.empty()) {
     const bool cad_only =
         std::ranges::all_of(models, [](const ObjectModel& one) { return one.kind == ModelKind::kCad; });
-    VICTORIOUS_RETURN_IF_ERROR(ApplyQuality(arguments.quality, cad_only, options));
+    VICTORIOUS_ASSIGN_OR_RETURN(const Quality quality, ParseQuality(arguments.quality));
+    ApplyQuality(quality, cad_only, options);
   }
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.every) options.every = *arguments.every;

@@ -85,7 +85,7 @@ Status CheckArguments(const Arguments& arguments) {
   }
   // What a worker would refuse is refused here.
   IndexOptions options;
-  if (!arguments.quality.empty()) VICTORIOUS_RETURN_IF_ERROR(ApplyQuality(arguments.quality, false, options));
+  if (!arguments.quality.empty()) VICTORIOUS_RETURN_IF_ERROR(ParseQuality(arguments.quality));
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.every) options.every = *arguments.every;
   return CheckFlags(CollectFields(options), {{"every", "--every"}});

@@ -34,7 +34,9 @@ Expected<CameraStates> CameraStates::Load(const std::string& video, const VideoI
 }
 
 CameraStates CameraStates::ForLive(const VideoInfo& info, const TelemetryOptions& options) {
-  const auto is_telemetry = [](const StreamInfo& stream) { return stream.type == "data" || stream.type == "subtitle"; };
+  const auto is_telemetry = [](const StreamInfo& stream) {
+    return stream.type == StreamType::kData || stream.type == StreamType::kSubtitle;
+  };
   CameraStates cameras;
   if (info.live && std::ranges::any_of(info.streams, is_telemetry)) cameras.live_.emplace(options);
   return cameras;

@@ -83,7 +83,7 @@ TEST_F(CameraStatesTest, OnlyLiveSourcesWithADataStreamNeedPackets) {
   VideoInfo info;
   info.live = true;
   EXPECT_EQ(CameraStates::ForLive(info, {}).packet_receiver(), nullptr);
-  info.streams.push_back({.index = 1, .type = "data", .codec = "klv"});
+  info.streams.push_back({.index = 1, .type = StreamType::kData, .codec = "klv"});
   CameraStates live = CameraStates::ForLive(info, {});
   ASSERT_NE(live.packet_receiver(), nullptr);
   EXPECT_FALSE(live.packet_receiver()->IsReady(3, 3.5));

@@ -52,7 +52,7 @@ class FakeReader final : public VideoReader {
   void SkipToEnd() override { next_ = kFrames; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
 
-  void AddStream(const std::string& type) { info_.streams.push_back({.index = 1, .type = type, .codec = {}}); }
+  void AddStream(StreamType type) { info_.streams.push_back({.index = 1, .type = type, .codec = {}}); }
 
   std::int64_t broken_at = -1;
   std::function<cv::Mat(std::int64_t)> image_of;                   // grey image; default: a uniform one
@@ -178,7 +178,7 @@ TEST_F(IndexPassTest, LiveTelemetryGivesPlaces) {
   FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
     if (frame == 14) cancel_.Cancel();
   });
-  reader.AddStream("data");
+  reader.AddStream(StreamType::kData);
   reader.image_of = [&](std::int64_t /*frame*/) { return GreyFromBgr(flight_.flight().Render(0).image); };
   reader.packet_of = [](std::int64_t frame) -> std::vector<DataPacket> {
     if (frame % 5 != 0) return {};  // 2 per second, from an altitude of 1000 m

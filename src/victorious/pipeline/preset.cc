@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -131,28 +132,29 @@ Status ApplyPreset(Preset preset, CategoryTrainOptions& options) {
   return {};
 }
 
-std::span<const std::string_view> QualityNames() {
-  static constexpr std::array<std::string_view, 3> kQualities = {"fast", "normal", "thorough"};
-  return kQualities;
+Expected<Quality> ParseQuality(std::string_view name) {
+  if (const std::optional<Quality> quality = FromText(kQualityTexts, name)) return *quality;
+  std::vector<std::string_view> names;
+  for (const auto& [quality, text] : kQualityTexts) names.push_back(text);
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("--quality {}: give one of {}", name, fmt::join(names, ", ")));
 }
 
-Status ApplyQuality(std::string_view name, bool cad_only, IndexOptions& options) {
+void ApplyQuality(Quality quality, bool cad_only, IndexOptions& options) {
   constexpr int kFastInterval_frames = 5;
   constexpr int kThoroughNearest = 8;
-  if (std::ranges::find(QualityNames(), name) == QualityNames().end()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--quality {}: give one of {}", name, fmt::join(QualityNames(), ", ")));
+  switch (quality) {
+    case Quality::kFast:
+      options.every = kFastInterval_frames;
+      options.follow.search_interval_frames = kFastInterval_frames;
+      if (cad_only) options.recognize.method = SearchMethod::kShortlist;
+      return;
+    case Quality::kNormal:
+      return;
+    case Quality::kThorough:
+      options.recognize.search.nearest = kThoroughNearest;
+      if (cad_only) options.recognize.method = SearchMethod::kVotes;
+      return;
   }
-  if (name == "fast") {
-    options.every = kFastInterval_frames;
-    options.follow.search_interval_frames = kFastInterval_frames;
-    if (cad_only) options.recognize.method = SearchMethod::kShortlist;
-  }
-  if (name == "thorough") {
-    options.recognize.search.nearest = kThoroughNearest;
-    if (cad_only) options.recognize.method = SearchMethod::kVotes;
-  }
-  return {};
 }
 
 }  // namespace victorious

@@ -2,10 +2,12 @@
 // that it sets no field of another command that happens to have the same name.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string_view>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 
 namespace victorious {
@@ -54,8 +56,14 @@ template <typename Options>
   return std::unexpected(PresetDoesNotApply(preset));
 }
 
-/// The qualities of `index --quality`: "fast", "normal", "thorough".
-[[nodiscard]] std::span<const std::string_view> QualityNames();
+/// What `index --quality` trades: time for completeness.
+enum class Quality { kFast, kNormal, kThorough };
+
+inline constexpr auto kQualityTexts = std::to_array<EnumText<Quality>>(
+    {{Quality::kFast, "fast"}, {Quality::kNormal, "normal"}, {Quality::kThorough, "thorough"}});
+
+/// The quality of a name. Error: kInvalidArgument for another name, with all of them.
+[[nodiscard]] Expected<Quality> ParseQuality(std::string_view name);
 
 /// Sets the parameters that trade time for completeness.
 ///
@@ -67,7 +75,6 @@ template <typename Options>
 ///
 /// @param cad_only  all models are CAD models: the method stays auto if there are models of photos, which the grammar
 ///                  searches
-/// Error: kInvalidArgument for another name.
-[[nodiscard]] Status ApplyQuality(std::string_view name, bool cad_only, IndexOptions& options);
+void ApplyQuality(Quality quality, bool cad_only, IndexOptions& options);
 
 }  // namespace victorious

@@ -1,5 +1,6 @@
 #include "victorious/pipeline/preset.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "victorious/calibrate/time_offset.h"
@@ -100,24 +101,30 @@ TEST(Preset, IsFoundByName) {
 TEST(Quality, TradesTimeForCompleteness) {
   const IndexOptions defaults;
   IndexOptions normal;
-  ASSERT_TRUE(ApplyQuality("normal", true, normal));
+  ApplyQuality(Quality::kNormal, true, normal);
   EXPECT_EQ(OptionsToJsonText(normal), OptionsToJsonText(defaults));
   IndexOptions fast;
-  ASSERT_TRUE(ApplyQuality("fast", true, fast));
+  ApplyQuality(Quality::kFast, true, fast);
   EXPECT_GT(fast.every, defaults.every);
   EXPECT_GT(fast.follow.search_interval_frames, defaults.follow.search_interval_frames);
   EXPECT_EQ(fast.recognize.method, SearchMethod::kShortlist);
   IndexOptions fast_for_photos;
-  ASSERT_TRUE(ApplyQuality("fast", false, fast_for_photos));
+  ApplyQuality(Quality::kFast, false, fast_for_photos);
   EXPECT_EQ(fast_for_photos.recognize.method, SearchMethod::kAuto) << "photos are searched for by the grammar";
   IndexOptions thorough;
-  ASSERT_TRUE(ApplyQuality("thorough", true, thorough));
+  ApplyQuality(Quality::kThorough, true, thorough);
   EXPECT_GT(thorough.recognize.search.nearest, defaults.recognize.search.nearest);
   EXPECT_EQ(thorough.recognize.method, SearchMethod::kVotes);
   IndexOptions thorough_for_photos;
-  ASSERT_TRUE(ApplyQuality("thorough", false, thorough_for_photos));
+  ApplyQuality(Quality::kThorough, false, thorough_for_photos);
   EXPECT_EQ(thorough_for_photos.recognize.method, SearchMethod::kAuto);
-  EXPECT_EQ(ApplyQuality("best", true, thorough).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Quality, IsReadByItsName) {
+  for (const auto& [quality, name] : kQualityTexts) EXPECT_EQ(ParseQuality(name), quality);
+  const Error error = ParseQuality("best").error();
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(error.message, ::testing::HasSubstr("fast, normal, thorough"));
 }
 
 TEST(KeptFeatures, AreThoseOfTheSearchButBounded) {

@@ -241,8 +241,8 @@ Expected<CameraPath> Api::ReadCameraPath(const VideoRecord& video, std::optional
                                             [&](const std::string& warning) { reason = warning; });
     if (!cameras) return std::unexpected(cameras.error());
     if (cameras->HasStates()) {
-      return MakeCameraPath(ThinStates(cameras->trajectory()->states(), kMaxPoints), "telemetry", video.width,
-                            video.height, ground_m);
+      return MakeCameraPath(ThinStates(cameras->trajectory()->states(), kMaxPoints), CameraPathSource::kTelemetry,
+                            video.width, video.height, ground_m);
     }
   }
   std::vector<CameraState> states;
@@ -256,7 +256,8 @@ Expected<CameraPath> Api::ReadCameraPath(const VideoRecord& video, std::optional
     return ++visited < kMaxVisited;
   }));
   if (states.empty()) return CameraPath{.source = {}, .reason = reason, .ground_m = ground_m, .points = {}};
-  CameraPath path = MakeCameraPath(ThinStates(states, kMaxPoints), "sightings", video.width, video.height, {});
+  CameraPath path =
+      MakeCameraPath(ThinStates(states, kMaxPoints), CameraPathSource::kSightings, video.width, video.height, {});
   path.reason = reason + ", so the path is known only where objects were seen: `victorious serve --telemetry FILE` " +
                 "names a file";
   return path;

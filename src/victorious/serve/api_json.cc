@@ -252,7 +252,7 @@ Json CameraPathToJson(const CameraPath& path) {
                       {"yaw_deg", OrNull(point.yaw_rad, &DegreesJson)},
                       {"footprint", std::move(footprint)}});
   }
-  return {{"source", path.source.empty() ? Json() : Json(path.source)},
+  return {{"source", path.source ? Json(ToText(kCameraPathSourceTexts, *path.source)) : Json()},
           {"reason", path.reason.empty() ? Json() : Json(path.reason)},
           {"ground_m", OrNull(path.ground_m, &MetresJson)},
           {"points", std::move(points)}};

@@ -39,9 +39,9 @@ std::vector<CameraState> ThinStates(const std::vector<CameraState>& states, std:
   return thinned;
 }
 
-CameraPath MakeCameraPath(const std::vector<CameraState>& states, std::string_view source, int width_px, int height_px,
+CameraPath MakeCameraPath(const std::vector<CameraState>& states, CameraPathSource source, int width_px, int height_px,
                           std::optional<double> ground_m) {
-  CameraPath path{.source = std::string(source), .reason = {}, .ground_m = ground_m, .points = {}};
+  CameraPath path{.source = source, .reason = {}, .ground_m = ground_m, .points = {}};
   bool has_footprint = false;
   for (const CameraState& state : states) {
     CameraPathPoint point{.time_s = state.time_s, .place = state.place, .yaw_rad = {}, .footprint = {}};

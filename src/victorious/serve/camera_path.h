@@ -5,9 +5,9 @@
 #include <array>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 #include "victorious/geometry/geodesy.h"
 #include "victorious/types/camera_state.h"
@@ -30,8 +30,17 @@ struct CameraPathPoint {
   std::optional<Footprint> footprint;
 };
 
+/// Where a path is from.
+enum class CameraPathSource {
+  kTelemetry,
+  kSightings,  ///< the camera positions stored with sightings
+};
+
+inline constexpr auto kCameraPathSourceTexts = std::to_array<EnumText<CameraPathSource>>(
+    {{CameraPathSource::kTelemetry, "telemetry"}, {CameraPathSource::kSightings, "sightings"}});
+
 struct CameraPath {
-  std::string source;              ///< "telemetry" or "sightings"; empty: there is none
+  std::optional<CameraPathSource> source;  ///< std::nullopt: there is no path
   std::string reason;              ///< why there is no path, or why it has no footprints; empty: nothing is missing
   std::optional<double> ground_m;  ///< height above the ellipsoid that the footprints assume
   std::vector<CameraPathPoint> points;  ///< by time
@@ -41,7 +50,7 @@ struct CameraPath {
 [[nodiscard]] std::vector<CameraState> ThinStates(const std::vector<CameraState>& states, std::size_t max_points);
 
 /// The path of complete or incomplete states, with footprints where these are known.
-[[nodiscard]] CameraPath MakeCameraPath(const std::vector<CameraState>& states, std::string_view source, int width_px,
+[[nodiscard]] CameraPath MakeCameraPath(const std::vector<CameraState>& states, CameraPathSource source, int width_px,
                                         int height_px, std::optional<double> ground_m);
 
 }  // namespace victorious

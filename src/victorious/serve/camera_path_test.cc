@@ -60,8 +60,8 @@ TEST(CameraPath, IsThinnedWithItsEnds) {
 }
 
 TEST(CameraPath, SaysWhyItHasNoFootprint) {
-  EXPECT_NE(MakeCameraPath({LookingDown(0)}, "telemetry", 640, 480, std::nullopt).reason, "");
-  EXPECT_EQ(MakeCameraPath({LookingDown(0)}, "telemetry", 640, 480, 50).reason, "");
+  EXPECT_NE(MakeCameraPath({LookingDown(0)}, CameraPathSource::kTelemetry, 640, 480, std::nullopt).reason, "");
+  EXPECT_EQ(MakeCameraPath({LookingDown(0)}, CameraPathSource::kTelemetry, 640, 480, 50).reason, "");
 }
 
 TEST(EllipseAxes, AreThoseOfTheCovariance) {

@@ -51,18 +51,18 @@ bool HasTimeStamps(const AVFormatContext& container) {
   return std::ranges::find(kElementaryStreams, std::string_view(container.iformat->name)) == kElementaryStreams.end();
 }
 
-std::string TypeName(const AVStream& stream) {
+StreamType TypeOf(const AVStream& stream) {
   switch (stream.codecpar->codec_type) {
     case AVMEDIA_TYPE_VIDEO:
-      return "video";
+      return StreamType::kVideo;
     case AVMEDIA_TYPE_AUDIO:
-      return "audio";
+      return StreamType::kAudio;
     case AVMEDIA_TYPE_DATA:
-      return "data";
+      return StreamType::kData;
     case AVMEDIA_TYPE_SUBTITLE:
-      return "subtitle";
+      return StreamType::kSubtitle;
     default:
-      return "other";
+      return StreamType::kOther;
   }
 }
 
@@ -384,7 +384,7 @@ void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   }
   for (unsigned i = 0; i < demuxer_->container().nb_streams; ++i) {
     const AVStream& stream = demuxer_->stream(static_cast<int>(i));
-    info_.streams.push_back({stream.index, TypeName(stream), avcodec_get_name(stream.codecpar->codec_id)});
+    info_.streams.push_back({stream.index, TypeOf(stream), avcodec_get_name(stream.codecpar->codec_id)});
   }
 }
 

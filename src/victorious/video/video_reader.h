@@ -9,6 +9,7 @@
 // stored range and matrix.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "victorious/base/cancel.h"
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 #include "victorious/base/file.h"
 #include "victorious/types/data_packet.h"
@@ -33,10 +35,18 @@ struct VideoReaderOptions {
   double folder_frame_rate = 10.0;       ///< frames/s of a folder of images, which has no time stamps
 };
 
+enum class StreamType { kVideo, kAudio, kData, kSubtitle, kOther };
+
+inline constexpr auto kStreamTypeTexts = std::to_array<EnumText<StreamType>>({{StreamType::kVideo, "video"},
+                                                                              {StreamType::kAudio, "audio"},
+                                                                              {StreamType::kData, "data"},
+                                                                              {StreamType::kSubtitle, "subtitle"},
+                                                                              {StreamType::kOther, "other"}});
+
 /// One stream of the container, as reported by `victorious doctor`.
 struct StreamInfo {
   int index = 0;
-  std::string type;   ///< "video", "audio", "data", "subtitle", "other"
+  StreamType type = StreamType::kOther;
   std::string codec;  ///< FFmpeg's name: "h264", "klv", …
 };
 
