@@ -146,10 +146,11 @@ Expected<Caller> AccessControl::Identify(const HttpRequest& request, int port) {
   return Caller{.proved = std::move(proved), .is_open = false};
 }
 
-std::expected<Caller, HttpResponse> AccessControl::Admit(const HttpRequest& request, const RouteRule& rule, int port) {
+std::expected<Caller, HttpResponse> AccessControl::Admit(const HttpRequest& request, std::optional<Role> least,
+                                                         int port) {
   auto caller = Identify(request, port);
   if (!caller) return std::unexpected(ErrorResponse(ApiError(caller.error())));
-  if (caller->May(rule.least)) return *std::move(caller);
+  if (caller->May(least)) return *std::move(caller);
   if (!caller->proved) {
     return std::unexpected(Unauthenticated(request.authorization.empty()
                                                ? "log in first: there is no session, or it has ended"
@@ -157,7 +158,7 @@ std::expected<Caller, HttpResponse> AccessControl::Admit(const HttpRequest& requ
   }
   return std::unexpected(ErrorResponse(403, "forbidden",
                                        fmt::format("the account {} is a {}: this needs the role {}", caller->name(),
-                                                   ToText(caller->proved->account.role), ToText(*rule.least))));
+                                                   ToText(caller->proved->account.role), ToText(*least))));
 }
 
 ApiExpected<HttpResponse> AccessControl::Session(const Caller& caller) {

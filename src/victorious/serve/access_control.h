@@ -17,7 +17,6 @@
 #include "victorious/serve/http_message.h"
 #include "victorious/serve/log_in_limiter.h"
 #include "victorious/serve/request_guard.h"
-#include "victorious/serve/route_rules.h"
 #include "victorious/store/account_store.h"
 
 namespace victorious {
@@ -55,9 +54,11 @@ class AccessControl {
                                                                      const ServerIdentity& server,
                                                                      Clock clock = SteadyMicroseconds);
 
-  /// Who sends the request, or the response that refuses it: 401 without a valid credential where the rule asks for
-  /// one, 403 if the account's role is not enough.
-  [[nodiscard]] std::expected<Caller, HttpResponse> Admit(const HttpRequest& request, const RouteRule& rule, int port);
+  /// Who sends the request, or the response that refuses it: 401 without a valid credential where one is needed, 403 if
+  /// the account's role is not enough.
+  /// @param least  role that an account needs; std::nullopt: open to everybody
+  [[nodiscard]] std::expected<Caller, HttpResponse> Admit(const HttpRequest& request, std::optional<Role> least,
+                                                          int port);
 
   /// The routes of sessions. LogIn: kPermissionDenied if the index cannot be written.
   [[nodiscard]] ApiExpected<HttpResponse> Session(const Caller& caller);

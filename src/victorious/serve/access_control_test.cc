@@ -109,7 +109,7 @@ class AccessTest : public ::testing::Test {
   std::unique_ptr<Api> api_;
 };
 
-TEST_F(AccessTest, EveryDescribedRouteHasARule) {
+TEST_F(AccessTest, TheTableHasEveryDescribedRoute) {
   std::ifstream file(VICTORIOUS_API_DESCRIPTION);
   const json description = json::parse(file);
   std::set<std::string> described;
@@ -120,28 +120,28 @@ TEST_F(AccessTest, EveryDescribedRouteHasARule) {
       if (method == "post") described.insert("POST " + path);
     }
   }
-  std::set<std::string> ruled;
-  for (const RouteRule& rule : RouteRules())
-    ruled.insert(std::string(NameOf(rule.method)) + " " + std::string(rule.path));
-  EXPECT_EQ(ruled, described);
+  std::set<std::string> routes;
+  for (const Api::Route& route : Api::Routes())
+    routes.insert(std::string(NameOf(route.method)) + " " + std::string(route.path));
+  EXPECT_EQ(routes, described);
 }
 
 TEST_F(AccessTest, EveryRouteAsksForItsRole) {
   AddAccounts();
   Open();
-  for (const RouteRule& rule : RouteRules()) {
-    HttpRequest request{.method = rule.method, .body = "{}"};
-    for (const char c : rule.path) {
+  for (const Api::Route& route : Api::Routes()) {
+    HttpRequest request{.method = route.method, .body = "{}"};
+    for (const char c : route.path) {
       if (request.target.find('{') == std::string::npos || c != '}') request.target += c;
       if (c == '}') request.target.replace(request.target.find('{'), std::string::npos, "1");
     }
     for (const std::string account : {"", "viewer", "analyst", "admin"}) {
-      const bool is_log_out = rule.path.ends_with("/end");
+      const bool is_log_out = route.path.ends_with("/end");
       if (is_log_out && !account.empty()) continue;  // ends the session: LogOutEndsTheSession
       const auto role = FromText(kRoleTexts, account);
       const int status = SendAs(account, request).status;
-      const std::string what = std::string(NameOf(rule.method)) + " " + request.target + " by " + account;
-      const bool may = !rule.least || (role && *role >= *rule.least);
+      const std::string what = std::string(NameOf(route.method)) + " " + request.target + " by " + account;
+      const bool may = !route.least || (role && *role >= *route.least);
       if (may) {
         EXPECT_THAT(status, ::testing::AllOf(Not(401), Not(403), Not(405))) << what;
       } else {
@@ -160,7 +160,7 @@ TEST_F(AccessTest, EveryRouteAsksForItsRole) {
   }
 }
 
-TEST_F(AccessTest, RequestsWithoutARuleAreRefused) {
+TEST_F(AccessTest, RequestsWithoutARouteAreRefused) {
   AddAccounts();
   Open();
   for (const std::string target : {"/api", "/api/v1", "/api/v2/project", "/api/v1/projects", "/api/v1/videos/1/file/x",
@@ -296,7 +296,7 @@ TEST_F(AccessTest, NobodyLogsInToAnIndexThatCannotBeWritten) {
   EXPECT_THAT(refused.error().error.message, HasSubstr("cannot be written"));
   HttpRequest request{.method = HttpMethod::kPost, .target = "/api/v1/session/end"};
   request.cookie = "victorious_8080=" + SecretOf("admin");
-  const auto caller = access->Admit(request, {.method = HttpMethod::kPost, .path = "", .least = Role::kViewer}, kPort);
+  const auto caller = access->Admit(request, Role::kViewer, kPort);
   ASSERT_TRUE(caller);
   const auto ended = access->LogOut(*caller, kPort);
   ASSERT_TRUE(ended);

@@ -75,7 +75,7 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
 HttpResponse Api::Handle(const HttpRequest& request, int port) {
   auto admitted = Admit(request, port);
   if (!admitted) return std::move(admitted).error();
-  auto response = Route(request, *admitted, port);
+  auto response = Answer(request, *admitted, port);
   return response ? *std::move(response) : ErrorResponse(response.error());
 }
 
@@ -88,104 +88,65 @@ std::expected<Api::Admitted, HttpResponse> Api::Admit(const HttpRequest& request
   if (!target) return std::unexpected(ErrorResponse(target.error()));
   if (!IsOfApi(target->segments)) {
     if (!IsRead(request)) return std::unexpected(MethodNotAllowed("GET, HEAD"));
-    return Admitted{.target = *std::move(target), .caller = {}};  // the page itself, which has the form to log in
+    // The page itself, which has the form to log in.
+    return Admitted{.target = *std::move(target), .match = {}, .caller = {}};
   }
-  const RouteRule* rule = FindRule(request.method, target->segments);
-  if (rule == nullptr) {
+  auto match = FindRoute(request.method, target->segments);
+  if (!match) {
     const std::string methods = AllowedMethods(target->segments);
     if (!methods.empty()) return std::unexpected(MethodNotAllowed(methods));
     return std::unexpected(ErrorResponse(NotFound("there is no such address; api/openapi.json lists them").error()));
   }
-  auto caller = access_->Admit(request, *rule, port);
+  auto caller = access_->Admit(request, match->route->least, port);
   if (!caller) return std::unexpected(std::move(caller).error());
-  return Admitted{.target = *std::move(target), .caller = *std::move(caller)};
+  return Admitted{.target = *std::move(target), .match = *std::move(match), .caller = *std::move(caller)};
 }
 
-ApiExpected<HttpResponse> Api::Route(const HttpRequest& request, const Admitted& admitted, int port) {
-  const Segments segments = admitted.target.segments;
-  const Caller& caller = admitted.caller;
-  if (!IsOfApi(segments)) return page_.Get(request, admitted.target.segments);
+ApiExpected<HttpResponse> Api::Answer(const HttpRequest& request, const Admitted& admitted, int port) {
+  const Route* route = admitted.match.route;
+  if (route == nullptr) return page_.Get(request, admitted.target.segments);
   QueryReader query(admitted.target);
-  if (segments.size() >= 3 && segments[1] == "v1") {
-    const std::string& resource = segments[2];
-    if (segments.size() == 3 && resource == "uploads") return Upload(request, caller);
-    if (resource == "audit") return Audit(query);
-    if (resource == "session") {
-      VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-      if (segments.size() == 4) return access_->LogOut(caller, port);
-      return request.method == HttpMethod::kPost ? access_->LogIn(request, port) : access_->Session(caller);
-    }
-    const bool is_cancel = segments.size() == 5 && resource == "jobs" && segments[4] == "cancel";
-    const bool is_file = segments.size() == 6 && resource == "jobs" && segments[4] == "files";
-    if (is_cancel || is_file || (segments.size() == 3 && (resource == "jobs" || resource == "events"))) {
-      VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-      if (is_cancel) return CancelJob(segments[3], caller);
-      if (is_file) return JobFile(request, segments[3], segments[5]);
-      if (resource == "events") return Events();
-      return request.method == HttpMethod::kPost ? SubmitJob(request, caller) : Jobs();
-    }
-    if (resource == "videos" && segments.size() > 3) return RouteVideo(request, segments.subspan(3), query);
-    if (resource == "objects" && segments.size() > 3) {
-      return RouteObject(request, segments.subspan(3), query, caller);
-    }
-    if (resource == "objects") return Objects(query);
-    if (resource == "tiles" && segments.size() == 6) return Tile(request, segments.subspan(3), query);
-    if (resource == "models" && segments.size() == 6 && segments[4] == "views") {
-      VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-      return ViewImage(request, segments.subspan(3));
-    }
-    if (segments.size() == 3 && (resource == "project" || resource == "videos")) {
-      VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-      return resource == "project" ? Project(caller) : Videos();
-    }
-  }
-  return NotFound("there is no such address; api/openapi.json lists them");
+  if (!route->has_query) VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  return (this->*route->handler)({.request = request,
+                                  .parameters = admitted.match.parameters,
+                                  .query = query,
+                                  .caller = admitted.caller,
+                                  .port = port});
 }
 
-ApiExpected<HttpResponse> Api::RouteVideo(const HttpRequest& request, Segments segments, QueryReader& query) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(segments[0], "video"));
+ApiExpected<Api::ListedVideo> Api::FindVideo(std::string_view id) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(id, "video"));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  const VideoRecord* video = lists->Video(id);
-  if (video == nullptr) return NotFound(fmt::format("video {} is not in the index", id));
-  if (segments.size() == 2 && segments[1] == "sightings") return Sightings({.video = id}, query);
-  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-  if (segments.size() == 1) {
-    const auto path = videos_.Find(*video);
-    return JsonResponse(VideoToJson(*video, *lists, path ? "" : path.error().message, copies_.Has(CopyName(*video)),
-                                    /*with_searches=*/true));
-  }
-  if (segments.size() == 2 && segments[1] == "file") return VideoFile(request, *video);
-  if (segments.size() == 2 && segments[1] == "copy") return VideoCopy(request, *video);
-  if (segments.size() == 2 && segments[1] == "camera") return Camera(*video);
-  if (segments.size() == 2 && segments[1] == "times") {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video));
-    Json rounded = Json::array();
-    for (const double time_s : *times_s) rounded.push_back(TimeJson(time_s));
-    return JsonResponse({{"times_s", std::move(rounded)}});
-  }
-  if (segments.size() == 3 && segments[1] == "frames") return VideoFrame(request, *video, segments[2]);
-  return NotFound("there is no such address of a video; api/openapi.json lists them");
+  const VideoRecord* record = lists->Video(number);
+  if (record == nullptr) return NotFound(fmt::format("video {} is not in the index", number));
+  return ListedVideo{lists, record};
 }
 
-ApiExpected<HttpResponse> Api::Project(const Caller& caller) {
+ApiExpected<HttpResponse> Api::Session(const Call& call) { return access_->Session(call.caller); }
+
+ApiExpected<HttpResponse> Api::LogIn(const Call& call) { return access_->LogIn(call.request, call.port); }
+
+ApiExpected<HttpResponse> Api::LogOut(const Call& call) { return access_->LogOut(call.caller, call.port); }
+
+ApiExpected<HttpResponse> Api::Project(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count({}));
-  const bool may_decide = caller.May(Role::kAnalyst);
+  const bool may_decide = call.caller.May(Role::kAnalyst);
   return JsonResponse(ProjectToJson(options_.index, *lists, counts, index_->can_review() && may_decide,
                                     !options_.models.empty(), live_->has_jobs() && may_decide));
 }
 
-ApiExpected<HttpResponse> Api::Audit(QueryReader& query) {
+ApiExpected<HttpResponse> Api::Audit(const Call& call) {
   constexpr std::int64_t kDefaultLimit = 100;
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto limit, query.Integer("limit", 1, 1000));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto before, query.Integer("before", 1, INT64_MAX));
-  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto limit, call.query.Integer("limit", 1, 1000));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto before, call.query.Integer("before", 1, INT64_MAX));
+  VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto records, access_->Audit(limit.value_or(kDefaultLimit), before));
   return JsonResponse(AuditToJson(records));
 }
 
-ApiExpected<HttpResponse> Api::Videos() {
+ApiExpected<HttpResponse> Api::Videos(const Call& /*call*/) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   Json rows = Json::array();
   for (const VideoRecord& video : lists->videos) {
@@ -196,18 +157,41 @@ ApiExpected<HttpResponse> Api::Videos() {
   return JsonResponse({{"videos", std::move(rows)}});
 }
 
-ApiExpected<HttpResponse> Api::VideoFile(const HttpRequest& request, const VideoRecord& video) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
+ApiExpected<HttpResponse> Api::Video(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
+  const auto path = videos_.Find(*video.record);
+  return JsonResponse(VideoToJson(*video.record, *video.lists, path ? "" : path.error().message,
+                                  copies_.Has(CopyName(*video.record)), /*with_searches=*/true));
+}
+
+ApiExpected<HttpResponse> Api::VideoTimes(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record));
+  Json rounded = Json::array();
+  for (const double time_s : *times_s) rounded.push_back(TimeJson(time_s));
+  return JsonResponse({{"times_s", std::move(rounded)}});
+}
+
+ApiExpected<HttpResponse> Api::VideoSightings(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
+  return Sightings({.video = video.record->id}, call.query);
+}
+
+ApiExpected<HttpResponse> Api::VideoFile(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video.record));
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     return std::unexpected(
         ApiError(Error{ErrorCode::kUnsupported, path.string() + ": a folder of images: read its frames one by one"}));
   }
-  return SendVideo(request, path);
+  return SendVideo(call.request, path);
 }
 
-ApiExpected<HttpResponse> Api::VideoCopy(const HttpRequest& request, const VideoRecord& video) {
-  if (copies_.Has(CopyName(video))) return SendMade(request, CopyName(video));
+ApiExpected<HttpResponse> Api::VideoCopy(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
+  const std::string name = CopyName(*video.record);
+  if (copies_.Has(name)) return SendMade(call.request, name);
   return NotFound("there is no copy of the video for browsers: a job of the kind copy makes one");
 }
 
@@ -219,13 +203,14 @@ ApiExpected<HttpResponse> Api::SendMade(const HttpRequest& request, const std::s
   return response;
 }
 
-ApiExpected<HttpResponse> Api::VideoFrame(const HttpRequest& request, const VideoRecord& video,
-                                          std::string_view number) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frame, ParseId(number, "frame"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(video));
+ApiExpected<HttpResponse> Api::VideoFrame(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frame, ParseId(call.parameters[1], "frame"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record));
   if (frame >= std::ssize(*times_s)) return NotFound(fmt::format("the video has {} frames", times_s->size()));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto bytes, videos_.Frame(video, (*times_s)[static_cast<std::size_t>(frame)]));
-  return TaggedResponse(request, "image/jpeg", *bytes, 60);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto bytes,
+                              videos_.Frame(*video.record, (*times_s)[static_cast<std::size_t>(frame)]));
+  return TaggedResponse(call.request, "image/jpeg", *bytes, 60);
 }
 
 // From the telemetry; without it, from the camera positions stored with the sightings.
@@ -263,7 +248,9 @@ Expected<CameraPath> Api::ReadCameraPath(const VideoRecord& video, std::optional
   return path;
 }
 
-ApiExpected<HttpResponse> Api::Camera(const VideoRecord& video) {
+ApiExpected<HttpResponse> Api::VideoCamera(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo listed, FindVideo(call.parameters[0]));
+  const VideoRecord& video = *listed.record;
   std::optional<double> ground_m;
   {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
@@ -283,9 +270,9 @@ ApiExpected<HttpResponse> Api::Camera(const VideoRecord& video) {
       .content_type = "application/json", .headers = {{"Cache-Control", "no-store"}}, .body = *body, .file = {}};
 }
 
-ApiExpected<HttpResponse> Api::ViewImage(const HttpRequest& request, Segments segments) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(segments[0], "model"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t view, ParseId(segments[2], "view"));
+ApiExpected<HttpResponse> Api::ViewImage(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(call.parameters[0], "model"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t view, ParseId(call.parameters[1], "view"));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   const ModelRecord* record = lists->Model(id);
   if (record == nullptr) return NotFound(fmt::format("model {} is not in the index", id));
@@ -303,7 +290,7 @@ ApiExpected<HttpResponse> Api::ViewImage(const HttpRequest& request, Segments se
     return NotFound(fmt::format("{} has {} views; view {} has no image", record->name, model.views.size(), view));
   }
   const auto bytes = model.views[static_cast<std::size_t>(view)].thumbnail;
-  return TaggedResponse(request, "image/jpeg", {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 60);
+  return TaggedResponse(call.request, "image/jpeg", {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 60);
 }
 
 }  // namespace victorious

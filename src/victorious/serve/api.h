@@ -1,5 +1,5 @@
-// The routes of `victorious serve`: from a request to its response. api/openapi.json describes them. No network here:
-// http_server.h calls Handle from several threads.
+// The routes of `victorious serve`: from a request to its response. api/openapi.json describes them, api_routes.cc has the
+// one table of them. No network here: http_server.h calls Handle from several threads.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "victorious/base/cancel.h"
 #include "victorious/serve/access_control.h"
@@ -41,6 +43,27 @@ struct ApiOptions {
 /// Thread-safe.
 class Api {
  public:
+  /// A request, as the handler of its route gets it.
+  struct Call {
+    const HttpRequest& request;
+    const std::vector<std::string>& parameters;  ///< the segments in the places of {…}, in their order
+    QueryReader& query;                          ///< checked to be empty for a route without kHasQuery
+    const Caller& caller;
+    int port = 0;
+  };
+  using Handler = ApiExpected<HttpResponse> (Api::*)(const Call& call);
+
+  /// What a request can be for. The role stands between address and handler, so that none can be left out.
+  struct Route {
+    HttpMethod method;          ///< kGet answers HEAD, too
+    std::string_view path;      ///< as in api/openapi.json; {…} stands for one segment
+    std::optional<Role> least;  ///< that an account needs; std::nullopt: open to everybody
+    Handler handler;
+    bool has_query = false;  ///< the handler reads parameters of the query, and refuses others
+  };
+
+  [[nodiscard]] static std::span<const Route> Routes();
+
   /// @param cancel  ends long reading of videos; must outlive the Api
   /// Errors: those of IndexView::Open and AccessControl::Open; kInvalidArgument for telemetry with several videos; kNotFound for a models
   /// folder that is not there.
@@ -57,23 +80,65 @@ class Api {
 
   using Segments = std::span<const std::string>;
 
+  struct RouteMatch {
+    const Route* route = nullptr;
+    std::vector<std::string> parameters;
+  };
+  [[nodiscard]] static std::optional<RouteMatch> FindRoute(HttpMethod method, Segments segments);
+  /// The methods of an address, as the header Allow names them; empty: there is no such address.
+  [[nodiscard]] static std::string AllowedMethods(Segments segments);
+
   /// A request that may be answered.
   struct Admitted {
     RequestTarget target;
+    RouteMatch match;  ///< without a route: for a file of the page
     Caller caller;
   };
-  /// Refuses what comes from elsewhere, what has no rule, and whom the rule does not admit.
+  /// Refuses what comes from elsewhere, what has no route, and whom its role does not admit.
   [[nodiscard]] std::expected<Admitted, HttpResponse> Admit(const HttpRequest& request, int port);
-  ApiExpected<HttpResponse> Route(const HttpRequest& request, const Admitted& admitted, int port);
-  ApiExpected<HttpResponse> RouteVideo(const HttpRequest& request, Segments segments, QueryReader& query);
-  ApiExpected<HttpResponse> RouteObject(const HttpRequest& request, Segments segments, QueryReader& query,
-                                        const Caller& caller);
-  ApiExpected<HttpResponse> Project(const Caller& caller);
-  ApiExpected<HttpResponse> Audit(QueryReader& query);
-  ApiExpected<HttpResponse> Videos();
+  ApiExpected<HttpResponse> Answer(const HttpRequest& request, const Admitted& admitted, int port);
+
+  /// A video of the index, and the lists that hold it.
+  struct ListedVideo {
+    std::shared_ptr<const IndexLists> lists;
+    const VideoRecord* record = nullptr;
+  };
+  /// Error: kNotFound.
+  ApiExpected<ListedVideo> FindVideo(std::string_view id);
+  /// Error: kNotFound.
+  ApiExpected<TriageObject> FindObject(std::string_view id);
+
+  // Handlers.
+  ApiExpected<HttpResponse> Session(const Call& call);
+  ApiExpected<HttpResponse> LogIn(const Call& call);
+  ApiExpected<HttpResponse> LogOut(const Call& call);
+  ApiExpected<HttpResponse> Project(const Call& call);
+  ApiExpected<HttpResponse> Audit(const Call& call);
+  ApiExpected<HttpResponse> Videos(const Call& call);
+  ApiExpected<HttpResponse> Video(const Call& call);
+  ApiExpected<HttpResponse> VideoTimes(const Call& call);
+  ApiExpected<HttpResponse> VideoSightings(const Call& call);
+  ApiExpected<HttpResponse> VideoCamera(const Call& call);
+  ApiExpected<HttpResponse> VideoFile(const Call& call);
+  ApiExpected<HttpResponse> VideoCopy(const Call& call);
+  ApiExpected<HttpResponse> VideoFrame(const Call& call);
+  ApiExpected<HttpResponse> ViewImage(const Call& call);
   // In api_jobs.cc.
-  ApiExpected<HttpResponse> Upload(const HttpRequest& request, const Caller& caller);
-  ApiExpected<HttpResponse> Jobs();
+  ApiExpected<HttpResponse> Upload(const Call& call);
+  ApiExpected<HttpResponse> Jobs(const Call& call);
+  ApiExpected<HttpResponse> SubmitJob(const Call& call);
+  ApiExpected<HttpResponse> CancelJob(const Call& call);
+  ApiExpected<HttpResponse> JobFile(const Call& call);
+  ApiExpected<HttpResponse> Events(const Call& call);
+  // In api_objects.cc.
+  ApiExpected<HttpResponse> Objects(const Call& call);
+  ApiExpected<HttpResponse> Counts(const Call& call);
+  ApiExpected<HttpResponse> Tile(const Call& call);
+  ApiExpected<HttpResponse> Object(const Call& call);
+  ApiExpected<HttpResponse> ObjectSightings(const Call& call);
+  ApiExpected<HttpResponse> Thumbnail(const Call& call);
+  ApiExpected<HttpResponse> PutReview(const Call& call);
+
   /// The input of a job (job_runner.h), from the body of the request for it.
   ApiExpected<Json> JobInput(JobKind kind, const nlohmann::json& body);
   ApiExpected<Json> IndexInput(const nlohmann::json& body);
@@ -82,25 +147,8 @@ class Api {
   ApiExpected<Json> ClipInput(const nlohmann::json& body);
   /// Writes a frame of a video as an image among the uploads.
   ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body);
-  ApiExpected<HttpResponse> SubmitJob(const HttpRequest& request, const Caller& caller);
-  ApiExpected<HttpResponse> CancelJob(std::string_view number, const Caller& caller);
-  ApiExpected<HttpResponse> JobFile(const HttpRequest& request, std::string_view number, std::string_view name);
   ApiExpected<HttpResponse> SendMade(const HttpRequest& request, const std::string& name);
-  ApiExpected<HttpResponse> Events();
-  // In api_objects.cc.
-  ApiExpected<HttpResponse> Objects(QueryReader& query);
-  ApiExpected<HttpResponse> Counts(QueryReader& query);
-  ApiExpected<HttpResponse> Tile(const HttpRequest& request, Segments address, QueryReader& query);
-  ApiExpected<HttpResponse> Object(const IndexLists& lists, const TriageObject& object);
   ApiExpected<HttpResponse> Sightings(SightingFilter filter, QueryReader& query);
-  ApiExpected<HttpResponse> Thumbnail(const HttpRequest& request, const IndexLists& lists, std::int64_t object,
-                                      QueryReader& query);
-  ApiExpected<HttpResponse> PutReview(const HttpRequest& request, std::int64_t object, const Caller& caller);
-  ApiExpected<HttpResponse> VideoFile(const HttpRequest& request, const VideoRecord& video);
-  ApiExpected<HttpResponse> VideoCopy(const HttpRequest& request, const VideoRecord& video);
-  ApiExpected<HttpResponse> VideoFrame(const HttpRequest& request, const VideoRecord& video, std::string_view number);
-  ApiExpected<HttpResponse> Camera(const VideoRecord& video);
-  ApiExpected<HttpResponse> ViewImage(const HttpRequest& request, Segments segments);
   [[nodiscard]] Expected<CameraPath> ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m);
 
   ApiOptions options_;

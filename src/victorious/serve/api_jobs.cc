@@ -45,7 +45,7 @@ std::expected<UploadPlan, HttpResponse> Api::PlanUpload(const HttpRequest& reque
   if (!admitted) return std::unexpected(admitted.error());
   const auto plan = [&]() -> ApiExpected<UploadPlan> {
     const RequestTarget& target = admitted->target;
-    const bool is_upload = target.segments == std::vector<std::string>{"api", "v1", "uploads"};
+    const bool is_upload = admitted->match.route != nullptr && admitted->match.route->handler == &Api::Upload;
     if (!is_upload) return NotFound("files are uploaded to /api/v1/uploads");
     if (!live_->has_jobs()) {
       return std::unexpected(
@@ -64,7 +64,8 @@ std::expected<UploadPlan, HttpResponse> Api::PlanUpload(const HttpRequest& reque
   return *plan;
 }
 
-ApiExpected<HttpResponse> Api::Upload(const HttpRequest& request, const Caller& caller) {
+ApiExpected<HttpResponse> Api::Upload(const Call& call) {
+  const HttpRequest& request = call.request;
   if (!request.upload) {
     return std::unexpected(
         ApiError(Error{ErrorCode::kUnsupported, "the body must have the content type application/octet-stream"},
@@ -75,11 +76,11 @@ ApiExpected<HttpResponse> Api::Upload(const HttpRequest& request, const Caller& 
   if (error) return std::unexpected(ApiError(ErrorFromErrno(error.value(), request.upload->string())));
   const Json upload = {
       {"id", UploadFolder::IdOf(*request.upload)}, {"name", request.upload->filename().string()}, {"bytes", bytes}};
-  VICTORIOUS_RETURN_IF_ERROR(access_->Log(caller, "upload", upload["name"].get<std::string>(), Dump(upload)));
+  VICTORIOUS_RETURN_IF_ERROR(access_->Log(call.caller, "upload", upload["name"].get<std::string>(), Dump(upload)));
   return JsonResponse(upload);
 }
 
-ApiExpected<HttpResponse> Api::Jobs() {
+ApiExpected<HttpResponse> Api::Jobs(const Call& /*call*/) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, live_->Jobs());
   return JsonResponse(JobsToJson(jobs, NowUtcMicroseconds()));
 }
@@ -239,20 +240,22 @@ ApiExpected<Json> Api::ClipInput(const Body& body) {
   return input;
 }
 
-ApiExpected<HttpResponse> Api::JobFile(const HttpRequest& request, std::string_view number, std::string_view name) {
+ApiExpected<HttpResponse> Api::JobFile(const Call& call) {
+  const std::string& number = call.parameters[0];
+  const std::string& name = call.parameters[1];
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> job, live_->Find(id));
   const auto made =
       job && job->kind == JobKind::kClip && job->state == WorkState::kDone ? MadeFileOf(*job) : std::nullopt;
   const bool is_table = name == "telemetry";
   if (!made || (!is_table && name != "clip")) return NotFound(fmt::format("job {} has no file {}", number, name));
-  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendMade(request, made->filename().string()));
+  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendMade(call.request, made->filename().string()));
   if (is_table) {
     const std::filesystem::path table = ClipTelemetryPath(*made);
     std::error_code error;
     const auto bytes = std::filesystem::file_size(table, error);
     if (error) return NotFound("the clip has no telemetry");
-    response = FileResponse(request, table, static_cast<std::int64_t>(bytes), "text/csv", FileEtag(table));
+    response = FileResponse(call.request, table, static_cast<std::int64_t>(bytes), "text/csv", FileEtag(table));
   }
   // The name is of letters that every system takes, whatever the model and the video are called.
   std::string saved = JobTitle(*job);
@@ -262,27 +265,28 @@ ApiExpected<HttpResponse> Api::JobFile(const HttpRequest& request, std::string_v
   return response;
 }
 
-ApiExpected<HttpResponse> Api::SubmitJob(const HttpRequest& request, const Caller& caller) {
-  const auto body = ParseJson(request.body);
+ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
+  const auto body = ParseJson(call.request.body);
   if (!body) return std::unexpected(ApiError(body.error()));
   if (!body->is_object()) return FailField("", "the body must be an object");
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(*body, "kind"));
   const std::optional<JobKind> kind = FromText(kJobKindTexts, name);
   if (!kind) return FailField("kind", fmt::format("kind \"{}\": must be index, model, copy or clip", name));
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body));
-  const NewJob asked{.kind = *kind, .input_json = Dump(input), .now_us = NowUtcMicroseconds(), .actor = caller.name()};
+  const NewJob asked{
+      .kind = *kind, .input_json = Dump(input), .now_us = NowUtcMicroseconds(), .actor = call.caller.name()};
   // Several viewers ask for the same file.
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, MakesFile(*kind) ? live_->SubmitOnce(asked) : live_->Submit(asked));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 
-ApiExpected<HttpResponse> Api::CancelJob(std::string_view number, const Caller& caller) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Cancel(id, caller.name()));
+ApiExpected<HttpResponse> Api::CancelJob(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(call.parameters[0], "job"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Cancel(id, call.caller.name()));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 
-ApiExpected<HttpResponse> Api::Events() {
+ApiExpected<HttpResponse> Api::Events(const Call& /*call*/) {
   return HttpResponse{.content_type = "text/event-stream",
                       .headers = {{"Cache-Control", "no-store"}},
                       .body = {},

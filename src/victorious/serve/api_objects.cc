@@ -159,7 +159,8 @@ ApiExpected<Review> ParseReview(std::string_view body) {
 
 }  // namespace
 
-ApiExpected<HttpResponse> Api::Objects(QueryReader& query) {
+ApiExpected<HttpResponse> Api::Objects(const Call& call) {
+  QueryReader& query = call.query;
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query));
   VICTORIOUS_ASSIGN_OR_RETURN(ListRequest wanted, ReadListRequest(query));
   const auto ids_text = query.Text("ids");
@@ -218,59 +219,48 @@ ApiExpected<HttpResponse> Api::Objects(QueryReader& query) {
                        {"total", std::move(total)}});
 }
 
-ApiExpected<HttpResponse> Api::Counts(QueryReader& query) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query));
-  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+ApiExpected<HttpResponse> Api::Counts(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(call.query));
+  VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count(filter));
   return JsonResponse(CountsToJson(counts));
 }
 
-ApiExpected<HttpResponse> Api::Tile(const HttpRequest& request, Segments address, QueryReader& query) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query));
+ApiExpected<HttpResponse> Api::Tile(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(call.query));
   // Part of the key of the browser's cache: tiles change with the index and its reviews.
-  [[maybe_unused]] const auto version = query.Text("v");
-  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t zoom, ParseId(address[0], "zoom"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t x, ParseId(address[1], "column"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t y, ParseId(address[2], "row"));
+  [[maybe_unused]] const auto version = call.query.Text("v");
+  VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t zoom, ParseId(call.parameters[0], "zoom"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t x, ParseId(call.parameters[1], "column"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t y, ParseId(call.parameters[2], "row"));
   if (zoom > kMaxTileZoom || x >> zoom != 0 || y >> zoom != 0) {
     return NotFound(fmt::format("there is no tile {}/{}/{}: zoom is 0 to {}", zoom, x, y, kMaxTileZoom));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(
       std::string tile, MakeObjectTile(*reader->objects, {.zoom = static_cast<int>(zoom), .x = x, .y = y}, filter));
-  return TaggedResponse(request, "application/vnd.mapbox-vector-tile", std::move(tile), 0);
+  return TaggedResponse(call.request, "application/vnd.mapbox-vector-tile", std::move(tile), 0);
 }
 
-ApiExpected<HttpResponse> Api::RouteObject(const HttpRequest& request, Segments segments, QueryReader& query,
-                                           const Caller& caller) {
-  if (segments.size() == 1 && segments[0] == "counts") return Counts(query);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(segments[0], "object"));
+ApiExpected<TriageObject> Api::FindObject(std::string_view id) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(id, "object"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TriageObject> found, reader->objects->ObjectsById({&number, 1}));
+  if (!found.empty()) return std::move(found.front());
+  return NotFound(fmt::format("object {} is not in the index (a search may have joined or removed it)", number));
+}
+
+ApiExpected<HttpResponse> Api::Object(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(call.parameters[0]));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  std::vector<TriageObject> found;
-  {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
-    VICTORIOUS_ASSIGN_OR_RETURN(found, reader->objects->ObjectsById({&id, 1}));
-  }
-  if (found.empty()) {
-    return NotFound(fmt::format("object {} is not in the index (a search may have joined or removed it)", id));
-  }
-  if (segments.size() == 2 && segments[1] == "sightings") return Sightings({.object = id}, query);
-  if (segments.size() == 2 && segments[1] == "thumbnail") return Thumbnail(request, *lists, id, query);
-  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-  if (segments.size() == 1) return Object(*lists, found.front());
-  if (segments.size() == 2 && segments[1] == "review") return PutReview(request, id, caller);
-  return NotFound("there is no such address of an object; api/openapi.json lists them");
-}
-
-ApiExpected<HttpResponse> Api::Object(const IndexLists& lists, const TriageObject& object) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   TriageStore& store = *reader->objects;
   const std::int64_t id = object.object.id;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SightingRecord> best, store.BestSighting(id));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectKey> key, store.FindKey(id, {}));
-  Json json = ObjectToJson(object, lists);
+  Json json = ObjectToJson(object, *lists);
   json["best"] = best ? SightingToJson(*best) : Json();
   json["rank"] = nullptr;
   if (key) {
@@ -278,6 +268,11 @@ ApiExpected<HttpResponse> Api::Object(const IndexLists& lists, const TriageObjec
     json["rank"] = better + 1;
   }
   return JsonResponse(json);
+}
+
+ApiExpected<HttpResponse> Api::ObjectSightings(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(call.parameters[0]));
+  return Sightings({.object = object.object.id}, call.query);
 }
 
 ApiExpected<HttpResponse> Api::Sightings(SightingFilter filter, QueryReader& query) {
@@ -297,29 +292,32 @@ ApiExpected<HttpResponse> Api::Sightings(SightingFilter filter, QueryReader& que
   return JsonResponse({{"sightings", std::move(rows)}, {"truncated", is_truncated}});
 }
 
-ApiExpected<HttpResponse> Api::Thumbnail(const HttpRequest& request, const IndexLists& lists, std::int64_t object,
-                                         QueryReader& query) {
+ApiExpected<HttpResponse> Api::Thumbnail(const Call& call) {
   constexpr std::int64_t kDefaultWidth = 240;
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto width, query.Integer("width", 32, 640));
-  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(call.parameters[0]));
+  const std::int64_t object = found.object.id;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto width, call.query.Integer("width", 32, 640));
+  VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   std::optional<SightingRecord> best;
   {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
     VICTORIOUS_ASSIGN_OR_RETURN(best, reader->objects->BestSighting(object));
   }
-  const VideoRecord* video = best ? lists.Video(best->video) : nullptr;
+  const VideoRecord* video = best ? lists->Video(best->video) : nullptr;
   if (video == nullptr) return NotFound(fmt::format("object {} has no sighting", object));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const auto bytes, videos_.Crop(*video, best->time_s, best->box, static_cast<int>(width.value_or(kDefaultWidth))));
-  return TaggedResponse(request, "image/jpeg", *bytes, 60);
+  return TaggedResponse(call.request, "image/jpeg", *bytes, 60);
 }
 
-ApiExpected<HttpResponse> Api::PutReview(const HttpRequest& request, std::int64_t object, const Caller& caller) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Review review, ParseReview(request.body));
+ApiExpected<HttpResponse> Api::PutReview(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(Review review, ParseReview(call.request.body));
   // With accounts, nobody decides in the name of another.
-  if (!caller.is_open) review.reviewer = caller.name();
-  VICTORIOUS_ASSIGN_OR_RETURN(review, index_->PutReview(object, std::move(review)));
-  return JsonResponse({{"object_id", object}, {"review", ReviewToJson(review)}});
+  if (!call.caller.is_open) review.reviewer = call.caller.name();
+  VICTORIOUS_ASSIGN_OR_RETURN(review, index_->PutReview(found.object.id, std::move(review)));
+  return JsonResponse({{"object_id", found.object.id}, {"review", ReviewToJson(review)}});
 }
 
 }  // namespace victorious
