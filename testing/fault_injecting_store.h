@@ -46,8 +46,9 @@ class FaultInjectingStore final : public IndexStore {
   }
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override { return store_.Tracklets(); }
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override { return store_.PutObjects(objects); }
-  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) override {
-    return store_.UpdateObjects(make);
+  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+                                     const CancelToken& cancel) override {
+    return store_.UpdateObjects(make, cancel);
   }
   [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override {
     return store_.Objects(filter);

@@ -241,14 +241,16 @@ Expected<std::vector<ObjectRecord>> MakeObjects(
 }  // namespace
 
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store, FlightErrorCache& cache,
+                     const CancelToken& cancel,
                      const std::function<void(const VideoRecord&, const std::string&)>& warn) {
   std::vector<std::pair<VideoRecord, std::string>> warnings;
-  VICTORIOUS_RETURN_IF_ERROR(store.UpdateObjects([&] {
+  const auto make = [&] {
     warnings.clear();
     return MakeObjects(options, store, cache, [&](const VideoRecord& video, const std::string& warning) {
       warnings.emplace_back(video, warning);
     });
-  }));
+  };
+  VICTORIOUS_RETURN_IF_ERROR(store.UpdateObjects(make, cancel));
   for (const auto& [video, warning] : warnings) warn(video, warning);
   return {};
 }

@@ -24,6 +24,7 @@
 
 #include "victorious/associate/object_options.h"
 #include "victorious/associate/observed_tracklet.h"
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/store/index_store.h"
 
@@ -40,9 +41,11 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
 
 /// Recomputes the objects of the whole index and stores them; corrects the yaw and the ranges of each flight by the
 /// errors on which its objects agree, which `cache` remembers (flight_errors.h).
-/// @param warn  receives each line of Describe(), with its video
+/// @param cancel  as of IndexStore::UpdateObjects
+/// @param warn    receives each line of Describe(), with its video
 /// Errors: those of IndexStore; kDataLoss for a search whose stored options cannot be read.
 [[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store, FlightErrorCache& cache,
+                                   const CancelToken& cancel,
                                    const std::function<void(const VideoRecord&, const std::string&)>& warn);
 
 }  // namespace victorious

@@ -487,9 +487,9 @@ TEST(UpdateObjects, UnreadableSearchOptionsAreDataLoss) {
   search_with(R"({"every": 5})", 0, 10);
   FlightErrorCache cache;
   const auto warn = [](const VideoRecord&, const std::string&) {};
-  EXPECT_TRUE(UpdateObjects({}, *store, cache, warn));
+  EXPECT_TRUE(UpdateObjects({}, *store, cache, CancelToken(), warn));
   search_with(R"({"every": "5"})", 10, 20);
-  const Status status = UpdateObjects({}, *store, cache, warn);
+  const Status status = UpdateObjects({}, *store, cache, CancelToken(), warn);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::kDataLoss);
   EXPECT_THAT(status.error().message, ::testing::AllOf(HasSubstr("a.mp4"), HasSubstr("jeep"), HasSubstr("every")));

@@ -187,7 +187,7 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
     const auto warn_of_own = [&](const VideoRecord& video, const std::string& warning) {
       if (video.name == job.video) emit_warning(warning);
     };
-    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, *flight_errors_, warn_of_own));
+    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, *flight_errors_, cancel, warn_of_own));
   }
   return report;
 }

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "victorious/base/cancel.h"
 #include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
@@ -252,8 +253,10 @@ class IndexStore {
   [[nodiscard]] virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
   /// Stores the objects that `make` computes from the content of the store, as PutObjects does. Of processes that do so at
   /// once, the last one to store has seen what the others had stored before: `make` may be called again. Errors: those of
-  /// `make`.
-  [[nodiscard]] virtual Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) = 0;
+  /// `make`; kCancelled, or kInternal that names who holds it, if another process does not let go of the objects.
+  /// @param cancel  does not stop `make` or the storing, only long waiting for another process
+  [[nodiscard]] virtual Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+                                             const CancelToken& cancel) = 0;
 
   /// Returns the matching objects, best first: by score, then by number of frames, then by id.
   [[nodiscard]] virtual Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) = 0;

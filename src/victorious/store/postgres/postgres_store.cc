@@ -19,9 +19,6 @@ namespace {
 constexpr int kSightingsAtOnce = 2000;
 constexpr int kKeptFramesAtOnce = 8;  // some 0.3 MB each
 
-// Of the advisory lock of UpdateObjects: "OBJS" in ASCII.
-constexpr std::int64_t kObjectsLockKey = 0x4F424A53;
-
 // Ids of a video's tracklets: those of one video lie below those of the next, whichever is indexed first.
 constexpr std::int64_t kIdsPerVideo = 1'000'000'000;
 
@@ -331,11 +328,12 @@ Status PostgresStore::PutObjects(std::span<const ObjectRecord> objects) {
   return transaction.Commit();
 }
 
-Status PostgresStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) {
+Status PostgresStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+                                    const CancelToken& cancel) {
   // A connection that was lost and opened again has lost the lock.
   constexpr int kMaxTries = 3;
   for (int tries = 1;; ++tries) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t session, LockObjects());
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t session, LockObjects(cancel));
     const Expected<std::vector<ObjectRecord>> objects = make();
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t session_now, Session());
     const bool is_locked = session_now == session;
@@ -360,18 +358,43 @@ Expected<std::int64_t> PostgresStore::Session() {
 }
 
 // Held over several transactions: by the session, not by one of them.
-Expected<std::int64_t> PostgresStore::LockObjects() {
+Expected<std::int64_t> PostgresStore::LockObjects(const CancelToken& cancel) {
   constexpr std::chrono::milliseconds kPoll{100};
+  const auto begun = std::chrono::steady_clock::now();
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Result row, connection_->Query("SELECT pg_try_advisory_lock(?), pg_backend_pid()::bigint", kObjectsLockKey));
     if (row.Next() && row.Integer(0) != 0) {
       // A process that stands still for long must not hold up all others.
-      VICTORIOUS_RETURN_IF_ERROR(connection_->Execute("SET idle_session_timeout = '30min'"));
+      VICTORIOUS_RETURN_IF_ERROR(
+          connection_->Execute(fmt::format("SET idle_session_timeout = {}", ObjectsPatience{}.others.count())));
       return row.Integer(1);
+    }
+    const bool is_cancelled = cancel.IsCancelled();
+    const auto waited = std::chrono::steady_clock::now() - begun;
+    if (waited >= (is_cancelled ? patience_.cancelled : patience_.others)) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::string holder, DescribeHolder());
+      return Fail(
+          is_cancelled ? ErrorCode::kCancelled : ErrorCode::kInternal,
+          fmt::format("{}: the sightings are stored, the objects not updated: another process updates them ({}); "
+                      "run this again",
+                      connection_->name(), holder));
     }
     std::this_thread::sleep_for(kPoll);
   }
+}
+
+Expected<std::string> PostgresStore::DescribeHolder() {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result row, connection_->Query(
+                      "SELECT a.pid::bigint, a.usename::text, host(a.client_addr) FROM pg_locks l JOIN "
+                      "pg_stat_activity a USING (pid) WHERE l.locktype = 'advisory' AND l.granted AND l.objsubid = 1 "
+                      "AND l.classid::bigint = 0 AND l.objid::bigint = ? AND a.datname = current_database()",
+                      kObjectsLockKey));
+  if (!row.Next()) return "which ended just now";
+  const std::string address = row.Text(2);
+  return fmt::format("server process {} of the role {}{}", row.Integer(0), row.Text(1),
+                     address.empty() ? "" : " from " + address);
 }
 
 Status PostgresStore::UnlockObjects() {

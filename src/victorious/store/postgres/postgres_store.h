@@ -1,6 +1,8 @@
 // IndexStore in a PostgreSQL database with PostGIS.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,10 +13,21 @@
 
 namespace victorious::postgres {
 
+/// The advisory lock of UpdateObjects: "OBJS" in ASCII.
+inline constexpr std::int64_t kObjectsLockKey = 0x4F424A53;
+
+/// How long UpdateObjects waits for another process that updates objects.
+struct ObjectsPatience {
+  /// The server ends a session that stands still with the lock for this long.
+  std::chrono::milliseconds others = std::chrono::minutes(30);
+  std::chrono::milliseconds cancelled = std::chrono::seconds(10);  ///< in all, once cancelled
+};
+
 /// Visits return false or end before the store writes: VisitSightings and VisitKeptFrames hold a transaction that reads.
 class PostgresStore final : public IndexStore {
  public:
-  explicit PostgresStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+  explicit PostgresStore(std::unique_ptr<Connection> connection, ObjectsPatience patience = {})
+      : connection_(std::move(connection)), patience_(patience) {}
 
   [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override;
   [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
@@ -34,7 +47,8 @@ class PostgresStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
-  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) override;
+  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+                                     const CancelToken& cancel) override;
 
   [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override;
   [[nodiscard]] Status VisitSightings(const SightingFilter& filter,
@@ -59,14 +73,18 @@ class PostgresStore final : public IndexStore {
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
   /// The number of the server's process for this connection.
   [[nodiscard]] Expected<std::int64_t> Session();
-  /// Waits for the lock of UpdateObjects. Returns the session that holds it.
-  [[nodiscard]] Expected<std::int64_t> LockObjects();
+  /// Waits for the lock of UpdateObjects. Returns the session that holds it. Errors: kCancelled, kInternal: another process
+  /// has held it for too long.
+  [[nodiscard]] Expected<std::int64_t> LockObjects(const CancelToken& cancel);
+  /// Says who holds the lock of UpdateObjects, as far as the server tells this role.
+  [[nodiscard]] Expected<std::string> DescribeHolder();
   [[nodiscard]] Status UnlockObjects();
   [[nodiscard]] Expected<sql::NearIds> FindNear(const SightingFilter& filter);
   /// The error of a statement that had to change one row, and did not.
   [[nodiscard]] Error Missing(std::string_view what, std::int64_t id) const;
 
   std::unique_ptr<Connection> connection_;
+  ObjectsPatience patience_;
 };
 
 }  // namespace victorious::postgres

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -127,6 +128,36 @@ TEST_F(PostgresStoreTest, RefusesANewerVersion) {
   }
   Run("DELETE FROM version");
   EXPECT_EQ(OpenError(url_).code, ErrorCode::kDataLoss);
+}
+
+// Another process that updates the objects, and does not come to its end.
+TEST_F(PostgresStoreTest, ObjectsHeldByAnotherProcessAreAnErrorThatNamesIt) {
+  ASSERT_TRUE(OpenOrDie());
+  const auto holder = Connection::Open(url_, false).value();
+  ASSERT_TRUE(holder->Query("SELECT pg_advisory_lock(?)", kObjectsLockKey));
+  Result row = holder->Query("SELECT pg_backend_pid()::bigint, current_user::text").value();
+  ASSERT_TRUE(row.Next());
+  int made = 0;
+  const auto make = [&]() -> Expected<std::vector<ObjectRecord>> {
+    ++made;
+    return std::vector<ObjectRecord>();
+  };
+  CancelToken cancel;
+  PostgresStore impatient(Connection::Open(url_, false).value(), {.others = {}, .cancelled = std::chrono::hours(1)});
+  const Status late = impatient.UpdateObjects(make, cancel);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::kInternal);
+  EXPECT_THAT(late.error().message,
+              HasSubstr(fmt::format("server process {} of the role {}", row.Integer(0), row.Text(1))));
+  cancel.Cancel();
+  PostgresStore patient(Connection::Open(url_, false).value(), {.others = std::chrono::hours(1), .cancelled = {}});
+  const Status cancelled = patient.UpdateObjects(make, cancel);
+  ASSERT_FALSE(cancelled);
+  EXPECT_EQ(cancelled.error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(made, 0);
+  ASSERT_TRUE(holder->Query("SELECT pg_advisory_unlock(?)", kObjectsLockKey));
+  EXPECT_TRUE(patient.UpdateObjects(make, cancel)) << "cancelled, it is done if nobody holds it up";
+  EXPECT_EQ(made, 1);
 }
 
 // An index of schema 1: it has no tasks. Reading does not migrate it.

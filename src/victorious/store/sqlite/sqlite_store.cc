@@ -294,7 +294,8 @@ Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
   return transaction.Commit();
 }
 
-Status SqliteStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) {
+Status SqliteStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+                                  const CancelToken& /*cancel*/) {
   // A process that changes the index again and again meanwhile will itself update the objects.
   constexpr int kMaxTries = 3;
   for (int tries = 1;; ++tries) {

@@ -32,7 +32,8 @@ class SqliteStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
-  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make) override;
+  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+                                     const CancelToken& cancel) override;
 
   [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override;
   [[nodiscard]] Status VisitSightings(const SightingFilter& filter,
