@@ -119,11 +119,9 @@ Status Run(const Arguments& arguments) {
       failure = std::move(record).error();
       continue;
     }
-    tasks.push_back(ToQueue(task, fmt::format("{} {}", record->content_id, targets), priority));
-    const Expected<IndexTask> read = FromQueue(tasks.back().kind, tasks.back().payload);
-    if (!read || read->video != task.video || read->options != task.options) {
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a path that is not UTF-8: rename it", video));
-    }
+    VICTORIOUS_ASSIGN_OR_RETURN(postgres::NewTask queued,
+                                ToQueue(task, fmt::format("{} {}", record->content_id, targets), priority));
+    tasks.push_back(std::move(queued));
     videos.push_back(*std::move(record));
   }
   if (tasks.empty()) return std::unexpected(*std::move(failure));

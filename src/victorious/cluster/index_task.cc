@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
+#include "victorious/base/one_line.h"
 
 namespace victorious {
 namespace {
@@ -13,33 +14,51 @@ std::string Dump(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+// Whether an argument of a process can be this text, and JSON hold it.
+bool IsArgument(const std::string& text) {
+  const bool is_utf8 = nlohmann::json::parse(Dump(text)).get<std::string>() == text;
+  return is_utf8 && text.find('\0') == std::string::npos;
+}
+
+bool IsArgument(const nlohmann::json& value) { return value.is_string() && IsArgument(value.get<std::string>()); }
+
 }  // namespace
 
-postgres::NewTask ToQueue(const IndexTask& task, const std::string& content, postgres::TaskPriority priority) {
+Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& content,
+                                    postgres::TaskPriority priority) {
+  const auto invalid = [](const std::string& text) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not UTF-8: rename it", OneLine(text)));
+  };
+  if (!IsArgument(task.video)) return invalid(task.video);
+  for (const std::string& option : task.options) {
+    if (!IsArgument(option)) return invalid(option);
+  }
   const nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
-  return {.kind = std::string(kIndexTaskKind),
-          .key = fmt::format("{} {}", content, Dump(task.options)),
-          .priority = priority,
-          .payload = Dump(payload),
-          .program = task.program};
+  return postgres::NewTask{.kind = std::string(kIndexTaskKind),
+                           .key = fmt::format("{} {}", content, Dump(task.options)),
+                           .priority = priority,
+                           .payload = Dump(payload),
+                           .program = task.program};
 }
 
 Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
   if (kind != kIndexTaskKind) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("a task of the kind \"{}\", which this program cannot do", kind));
+                fmt::format("a task of the kind \"{}\", which this program cannot do", OneLine(std::string(kind))));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const nlohmann::json fields, ParseJson(payload));
-  const auto is_text = [&](const char* name) { return fields.contains(name) && fields[name].is_string(); };
   const auto invalid = [](std::string_view what) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("a task that is not valid: {}", what));
   };
-  if (!fields.is_object() || !is_text("video") || !is_text("program"))
-    return invalid("video and program must be texts");
-  if (!fields.contains("options") || !fields["options"].is_array()) return invalid("options must be a list of texts");
-  IndexTask task{.video = fields["video"], .options = {}, .program = fields["program"]};
-  for (const nlohmann::json& option : fields["options"]) {
-    if (!option.is_string()) return invalid("options must be a list of texts");
+  const Expected<nlohmann::json> fields = ParseJson(payload);
+  if (!fields) return invalid(fields.error().message);
+  const auto is_argument = [&](const char* name) { return fields->contains(name) && IsArgument((*fields)[name]); };
+  if (!fields->is_object() || !is_argument("video") || !is_argument("program"))
+    return invalid("video and program must be texts without zero bytes");
+  constexpr std::string_view kOptionsRule = "options must be a list of texts without zero bytes";
+  if (!fields->contains("options") || !(*fields)["options"].is_array()) return invalid(kOptionsRule);
+  IndexTask task{.video = (*fields)["video"], .options = {}, .program = (*fields)["program"]};
+  for (const nlohmann::json& option : (*fields)["options"]) {
+    if (!IsArgument(option)) return invalid(kOptionsRule);
     task.options.push_back(option);
   }
   return task;

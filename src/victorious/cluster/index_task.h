@@ -21,9 +21,11 @@ struct IndexTask {
 /// The task for the queue.
 /// @param content  identifies the content of the video, the models and the categories: what was submitted with the same
 ///                 content and options is one task
-postgres::NewTask ToQueue(const IndexTask& task, const std::string& content, postgres::TaskPriority priority);
+/// Error: kInvalidArgument for a text that a task cannot hold: not UTF-8, or with a zero byte.
+[[nodiscard]] Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& content,
+                                                  postgres::TaskPriority priority);
 
-/// Error: kInvalidArgument for a task of another kind, or a payload that is not valid.
+/// Safe for any bytes. Error: kInvalidArgument, in one line, for a task of another kind, or a payload that is not valid.
 [[nodiscard]] Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload);
 
 }  // namespace victorious

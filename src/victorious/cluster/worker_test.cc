@@ -31,7 +31,8 @@ class PostgresWorkerTest : public ::testing::Test {
   }
 
   void Submit(const std::string& video, const std::string& program = "this") {
-    const NewTask task = ToQueue({.video = video, .options = {}, .program = program}, video, TaskPriority::kBatch);
+    const NewTask task =
+        ToQueue({.video = video, .options = {}, .program = program}, video, TaskPriority::kBatch).value();
     ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
   }
 

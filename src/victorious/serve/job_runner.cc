@@ -21,20 +21,33 @@ std::int64_t Microseconds(std::chrono::milliseconds duration) {
   return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
 }
 
-Expected<std::string> TextMember(const Json& input, const char* name) {
-  const auto found = input.find(name);
-  if (found != input.end() && found->is_string() && !found->get<std::string>().empty()) {
-    return found->get<std::string>();
-  }
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be a text", name));
+// Whether an argument of a process can be this value: a zero byte would cut it off.
+bool IsArgument(const Json& value) {
+  return value.is_string() && !value.get<std::string>().empty() &&
+         value.get<std::string>().find('\0') == std::string::npos;
 }
 
-// Appends FLAG and the number that the input has under a name, if it has one.
+Expected<std::string> TextMember(const Json& input, const char* name) {
+  const auto found = input.find(name);
+  if (found != input.end() && IsArgument(*found)) return found->get<std::string>();
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be a text without zero bytes", name));
+}
+
+// Appends FLAG=NUMBER with the number that the input has under a name, if it has one.
 Status AddNumber(const Json& input, const char* name, const char* flag, std::vector<std::string>& arguments) {
   const auto found = input.find(name);
   if (found == input.end() || found->is_null()) return {};
   if (!found->is_number()) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be a number", name));
-  arguments.insert(arguments.end(), {flag, fmt::format("{}", found->get<double>())});
+  arguments.push_back(fmt::format("{}={}", flag, found->get<double>()));
+  return {};
+}
+
+// Appends --telemetry=FILE, if the input has one.
+Status AddTelemetry(const Json& input, std::vector<std::string>& arguments) {
+  const auto found = input.find("telemetry");
+  if (found == input.end() || found->is_null()) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, TextMember(input, "telemetry"));
+  arguments.push_back("--telemetry=" + telemetry);
   return {};
 }
 
@@ -45,7 +58,6 @@ Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFol
   if (object == input.end() || !object->is_number_integer()) {
     return Fail(ErrorCode::kInvalidArgument, "object: must be the number of an object");
   }
-  // With "=", the name of a video that begins with a dash is no flag.
   std::vector<std::string> arguments = {"export",
                                         "--format",
                                         "video",
@@ -58,23 +70,17 @@ Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFol
                                         "2"};
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "from_s", "--from", arguments));
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "to_s", "--to", arguments));
-  if (input.contains("telemetry") && !input["telemetry"].is_null()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, TextMember(input, "telemetry"));
-    arguments.push_back("--telemetry=" + telemetry);
-  }
+  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
   arguments.insert(arguments.end(), {"--force", "--out", clip});
   return arguments;
 }
 
-// In these, "--" ends the options: the name of a file that begins with a dash is none.
+// In these, "--" ends the options and "=" binds a value to its flag: a name that begins with a dash is none.
 
 Expected<std::vector<std::string>> IndexArguments(const Json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
   std::vector<std::string> arguments = {"index", "--models", folders.models.string(), "--db", folders.index.string()};
-  if (input.contains("telemetry") && !input["telemetry"].is_null()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, TextMember(input, "telemetry"));
-    arguments.insert(arguments.end(), {"--telemetry", telemetry});
-  }
+  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
   arguments.insert(arguments.end(), {"--", video});
   return arguments;
 }
@@ -96,7 +102,7 @@ Expected<std::vector<std::string>> ModelArguments(const Json& input, const JobFo
     return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
   }
   for (const Json& file : *files) {
-    if (!file.is_string()) return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
+    if (!IsArgument(file)) return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
     arguments.push_back(file.get<std::string>());
   }
   return arguments;

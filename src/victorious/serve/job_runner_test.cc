@@ -21,11 +21,11 @@ TEST(JobArguments, AreThoseOfTheCommands) {
               ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--", "/v/a.mp4"));
   EXPECT_THAT(
       *JobArguments({.kind = JobKind::kIndex, .input_json = R"({"video": "-x", "telemetry": "/t.csv"})"}, kFolders),
-      ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--telemetry", "/t.csv", "--", "-x"));
+      ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--telemetry=/t.csv", "--", "-x"));
   EXPECT_THAT(*JobArguments({.kind = JobKind::kModel,
                              .input_json = R"({"name": "jeep", "files": ["a.jpg", "b.jpg"], "length_m": 4.5})"},
                             kFolders),
-              ElementsAre("model", "add", "--models", "/d/models", "--length", "4.5", "--", "jeep", "a.jpg", "b.jpg"));
+              ElementsAre("model", "add", "--models", "/d/models", "--length=4.5", "--", "jeep", "a.jpg", "b.jpg"));
   EXPECT_THAT(
       *JobArguments({.kind = JobKind::kCopy, .input_json = R"({"video": "-x.ts", "copy": "/d/c.mp4"})"}, kFolders),
       ElementsAre("copy", "--force", "--out", "/d/c.mp4", "--", "-x.ts"));
@@ -43,7 +43,7 @@ TEST(JobArguments, OfClipsAndOfModelsFromAFrame) {
                                                "telemetry": "/t.csv"})"},
                             kFolders),
               ElementsAre("export", "--format", "video", "--db", "/d/index.db", "--video=v", "--object", "3", "--clip",
-                          "2", "--from", "1.5", "--to", "2", "--telemetry=/t.csv", "--force", "--out", "/d/c.mp4"));
+                          "2", "--from=1.5", "--to=2", "--telemetry=/t.csv", "--force", "--out", "/d/c.mp4"));
   EXPECT_THAT(*JobArguments({.kind = JobKind::kModel,
                              .input_json = R"({"name": "van", "files": ["f.jpg"], "box": [1, 2.5, 30, 40]})"},
                             kFolders),
@@ -56,6 +56,8 @@ TEST(JobArguments, InvalidInputsAreErrors) {
            {JobKind::kIndex, "[]"},
            {JobKind::kIndex, "no JSON"},
            {JobKind::kIndex, R"({"video": 3})"},
+           {JobKind::kIndex, R"({"video": "a\u0000b"})"},
+           {JobKind::kModel, R"({"name": "jeep", "files": ["a\u0000b"]})"},
            {JobKind::kIndex, R"({"video": "a", "telemetry": 3})"},
            {JobKind::kModel, R"({"name": "jeep"})"},
            {JobKind::kModel, R"({"name": "jeep", "files": []})"},
