@@ -17,7 +17,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{200};
+constexpr std::chrono::milliseconds kPoll{200};
 
 class ChildProcess {
  public:
@@ -141,7 +141,7 @@ Expected<ChildEnd> RunChild(const ChildTask& task) {
   ChildEnd end;
   std::optional<std::chrono::steady_clock::time_point> interrupted;
   while (!child.has_ended()) {
-    for (const std::string& line : child.ReadLines(kPatience)) {
+    for (const std::string& line : child.ReadLines(kPoll)) {
       const ProgramEvent event = EventOfLine(line);
       if (const auto* const failure = std::get_if<ErrorEvent>(&event)) end.error = failure->error;
       task.on_event(event);

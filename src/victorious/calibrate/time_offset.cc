@@ -344,7 +344,7 @@ constexpr double kNotAMinimum = 1e6;
 std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, double row_s) {
   constexpr int kRounds = 40;
   constexpr int kLineSearchRounds = 8;  // iterations with step halving
-  constexpr double kEnough_s = 1e-5;
+  constexpr double kConvergedStep_s = 1e-5;
   const auto system_at = [&](const Derivatives& derivatives, const Vector3d& scales_px) {
     NormalEquations system = MakeNormalEquations(comparison, derivatives, scales_px);
     // Damping keeps unobservable unknowns (the height, if the camera only rotates) at their value.
@@ -372,7 +372,7 @@ std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, doubl
       step /= 2;
     }
     unknowns = after(step);
-    if (round >= kLineSearchRounds && std::abs(step[0]) < kEnough_s) break;
+    if (round >= kLineSearchRounds && std::abs(step[0]) < kConvergedStep_s) break;
   }
   const Derivatives derivatives = ComputeDerivatives(comparison, unknowns, row_s);
   if (derivatives.derivatives.size() < kMinPairs) return std::nullopt;
@@ -452,12 +452,12 @@ Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffset
   FrameLoop loop(*reader, cancel, {.label = video + ", motion"});
   std::optional<double> selected_s;
   const auto select = [&](Frame frame) -> std::optional<CleanFrame> {
-    constexpr double kNearly = 0.95;  // of the interval, as time stamps are rounded
+    constexpr double kRoundingAllowance = 0.95;  // of the interval, as time stamps are rounded
     if (frame.time_s > options.max_duration_s) {
       loop.Stop();
       return std::nullopt;
     }
-    if (selected_s && frame.time_s - *selected_s < kNearly * kMinPairInterval_s) return std::nullopt;
+    if (selected_s && frame.time_s - *selected_s < kRoundingAllowance * kMinPairInterval_s) return std::nullopt;
     selected_s = frame.time_s;
     return CleanFrame{.frame = std::move(frame), .clean = {}};
   };

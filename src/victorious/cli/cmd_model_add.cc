@@ -127,17 +127,17 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
 // remedy unless they promise much. The limits are rounded from `model show --findable` on photos of few and of many
 // features (docs/results/recognition.md).
 std::string DescribePromise(const ObjectModel& model) {
-  constexpr double kHardly = 40;
-  constexpr double kWell = 120;
+  constexpr double kMinFeatures = 40;
+  constexpr double kManyFeatures = 120;
   std::vector<double> counts;
   for (const ModelView& view : model.views) counts.push_back(static_cast<double>(view.feature_count));
   const bool cad = model.kind == ModelKind::kCad;
   const double typical = cad ? Median(counts) : std::ranges::max(counts);
-  if (typical >= kWell) return "well recognisable";
+  if (typical >= kManyFeatures) return "well recognisable";
   const std::string what = fmt::format("{:.0f} features in {}", typical, cad ? "its median view" : "its best photo");
   const std::string measure =
       fmt::format("`victorious model show {} --findable` measures from which size it is found", OneLine(model.name));
-  if (typical < kHardly) {
+  if (typical < kMinFeatures) {
     spdlog::warn("{}: {}: hardly recognisable: use {}; {}", OneLine(model.name), what,
                  cad ? "a model with more texture, or more pixels_per_m (--params)"
                      : "a larger and sharper photo of a textured side",

@@ -123,12 +123,12 @@ std::optional<std::string> ExplainConversion(CLI::App& app, std::string_view mes
   const std::string name(message.substr(0, between));
   const CLI::Option* option = ParsedCommands(app).back()->get_option_no_throw(name);
   const bool whole = option != nullptr && option->get_type_name() == "N";
-  // Counts and intervals; frame numbers, seeds and --threads start at 0.
-  constexpr std::array<std::string_view, 6> kFromOne = {"--every",   "--most",       "--columns",
-                                                        "--moments", "--directions", "--frames"};
-  const bool from_one = std::ranges::find(kFromOne, name) != kFromOne.end();
+  // Counts and intervals, from 1; frame numbers, seeds and --threads start at 0.
+  constexpr std::array<std::string_view, 6> kCountOptions = {"--every",   "--most",       "--columns",
+                                                             "--moments", "--directions", "--frames"};
+  const bool is_count = std::ranges::find(kCountOptions, name) != kCountOptions.end();
   return fmt::format("{} {}: give a {}number{}", name, message.substr(between + kBetween.size()), whole ? "whole " : "",
-                     from_one ? " from 1" : "");
+                     is_count ? " from 1" : "");
 }
 
 }  // namespace

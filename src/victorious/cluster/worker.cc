@@ -16,8 +16,8 @@ namespace {
 using postgres::Task;
 using postgres::TaskQueue;
 
-constexpr std::chrono::milliseconds kPatience{200};
-constexpr std::chrono::minutes kOutage{5};  // of the database, that a worker waits out
+constexpr std::chrono::milliseconds kCancelPoll{200};
+constexpr std::chrono::minutes kMaxOutage{5};  // of the database, that a worker waits out
 
 // The positions of the searches of a video, summed over models: a measure of progress.
 Expected<std::int64_t> SumNextFrames(const std::string& video, IndexStore& store) {
@@ -143,7 +143,7 @@ Expected<Step> DoNext(TaskQueue& queue, IndexStore& store, const RunTask& run, c
 void Pause(std::chrono::milliseconds time, const CancelToken& cancel) {
   const auto end = std::chrono::steady_clock::now() + time;
   while (!cancel.IsCancelled() && std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(std::min(time, kPatience));
+    std::this_thread::sleep_for(std::min(time, kCancelPoll));
   }
 }
 
@@ -177,7 +177,7 @@ Expected<std::int64_t> Work(TaskQueue& queue, IndexStore& store, const RunTask& 
   while (!cancel.IsCancelled()) {
     const Expected<Step> step = DoNext(queue, store, run, options, cancel);
     if (!step) {
-      if (std::chrono::steady_clock::now() - answered > kOutage) return std::unexpected(step.error());
+      if (std::chrono::steady_clock::now() - answered > kMaxOutage) return std::unexpected(step.error());
       options.inform(step.error().message);
     } else {
       answered = std::chrono::steady_clock::now();

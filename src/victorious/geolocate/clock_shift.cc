@@ -15,8 +15,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kAlong = 0.01;        // weight along a line, relative to that across it
-constexpr double kGroundWeight = 100;  // of the ground, relative to that of all lines
+constexpr double kAlongLineWeight = 0.01;  // relative to that across the line
+constexpr double kGroundWeight = 100;      // of the ground, relative to that of all lines
 constexpr double kPathWindow_s = 2;
 constexpr double kMinDistance_m = 1;
 
@@ -69,7 +69,8 @@ void AddClockError(std::span<const LineOfSight> lines, const std::vector<bool>& 
     const double distance_m = std::max(kMinDistance_m, (object - plane.EnuFromGeodetic(line.camera)).norm());
     const Vector3d direction = DirectionOf(line);
     const double weight = 1 / (distance_m * distance_m);
-    const Matrix3d across = weight * (Matrix3d::Identity() - (1 - kAlong) * direction * direction.transpose());
+    const Matrix3d across =
+        weight * (Matrix3d::Identity() - (1 - kAlongLineWeight) * direction * direction.transpose());
     normal += across;
     weights += weight;
     if (!line.clock_shift) continue;

@@ -31,8 +31,8 @@
 namespace victorious {
 namespace {
 
-// External text for a one-line message: truncated, control characters replaced by spaces.
-std::string OneLine(std::string_view text) {
+// A name or message from outside: truncated, control characters replaced by spaces.
+std::string ShortText(std::string_view text) {
   constexpr std::size_t kMaxTextLength = 200;
   std::string line(text.substr(0, kMaxTextLength));
   std::ranges::replace_if(line, [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
@@ -94,7 +94,7 @@ class SceneConverter {
 
   void AddMaterial(const aiMaterial& source) {
     Material material;
-    material.name = OneLine(source.GetName().C_Str());
+    material.name = ShortText(source.GetName().C_Str());
     uv_sources_.push_back(AddTexture(source, material));
     material.base_colour = BaseColour(source, material.texture >= 0);
     if (IsGltf()) {
@@ -183,7 +183,7 @@ class SceneConverter {
     if (!is_new) return place->second;
     auto image = ReadTexture(name);
     if (!image) {
-      loaded_.warnings.push_back("texture left out: " + OneLine(image.error().message));
+      loaded_.warnings.push_back("texture left out: " + ShortText(image.error().message));
       return -1;
     }
     mesh().textures.push_back(*std::move(image));
@@ -367,11 +367,11 @@ Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& exception) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("damaged: {}", OneLine(exception.what())));
+    return Fail(ErrorCode::kDataLoss, fmt::format("damaged: {}", ShortText(exception.what())));
   }
   if (scene == nullptr) {
-    return Fail(ErrorCode::kDataLoss,
-                fmt::format("damaged, or not of the format of its extension: {}", OneLine(importer.GetErrorString())));
+    return Fail(ErrorCode::kDataLoss, fmt::format("damaged, or not of the format of its extension: {}",
+                                                  ShortText(importer.GetErrorString())));
   }
   ImportedMesh imported{.up = DefaultUpAxis(format, folder)};
   VICTORIOUS_ASSIGN_OR_RETURN(imported.loaded, SceneConverter(*scene, folder, format).Convert());

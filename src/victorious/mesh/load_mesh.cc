@@ -71,13 +71,13 @@ Status Scale(Mesh& mesh, CadFormat format, const std::optional<double>& length_m
   }
   const float scale = length_m ? static_cast<float>(*length_m / length) : 1.0F;
   for (Eigen::Vector3f& position : mesh.positions) position *= scale;
-  constexpr double kLargest = 1e6;    // m
-  constexpr double kSmallest = 1e-6;  // m
+  constexpr double kMaxLength_m = 1e6;
+  constexpr double kMinLength_m = 1e-6;
   const double largest = size.maxCoeff() * scale;
-  if (!(largest < kLargest) || !(largest > kSmallest) || !(BoundingSphere(mesh).centre.norm() < kLargest)) {
+  if (!(largest < kMaxLength_m) || !(largest > kMinLength_m) || !(BoundingSphere(mesh).centre.norm() < kMaxLength_m)) {
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{:g} m long, or far from the origin: must be {:g} to {:g} m; its length may be given",
-                            largest, kSmallest, kLargest));
+                            largest, kMinLength_m, kMaxLength_m));
   }
   return {};
 }

@@ -286,7 +286,7 @@ class ResultWriter {
   // Tells the expected size of the features, once, if it matters.
   void InformOfSize(const FeatureSet& kept) {
     constexpr double kBytesPerFeature = 80;  // docs/formats/index.md
-    constexpr double kWorthSaying = 100e6;
+    constexpr double kMinReportedBytes = 100e6;
     constexpr double kShortest_s = 0.01;
     const double interval_s = pass_.options.keep.interval_s;
     if (informed_ || !pass_.inform || !pass_.duration_s || kept.size() == 0 || interval_s <= kShortest_s) return;
@@ -294,7 +294,7 @@ class ResultWriter {
     const double until_s = std::min(*pass_.duration_s, pass_.to_s.value_or(*pass_.duration_s));
     const double frames = (until_s - pass_.from_s.value_or(0)) / interval_s;
     const double bytes = frames * static_cast<double>(kept.size()) * kBytesPerFeature;
-    if (bytes < kWorthSaying) return;
+    if (bytes < kMinReportedBytes) return;
     pass_.inform(
         fmt::format("the features kept for `search --image` will take about {:.1f} GB ({} of a frame, one frame "
                     "each {:g} s); --keep-features sets the interval, or none",

@@ -328,9 +328,9 @@ std::string ToCsv(const NavigationResult& result) {
     }
   }
   const bool offset = std::ranges::any_of(frames, [](const NavigatedFrame& frame) { return frame.offset.has_value(); });
-  // Columns that are written even if they are empty.
-  constexpr std::array<std::string_view, 3> kAlways = {"sigma_position_m", "sigma_attitude_deg", "vertical_datum"};
-  if (!offset) return FormatCameraCsv(result.states, columns, kAlways);
+  constexpr std::array<std::string_view, 3> kColumnsEvenIfEmpty = {"sigma_position_m", "sigma_attitude_deg",
+                                                                   "vertical_datum"};
+  if (!offset) return FormatCameraCsv(result.states, columns, kColumnsEvenIfEmpty);
   const auto add_offset = [&](const char* name, const auto& value) {
     add(name, [&](const NavigatedFrame& frame) {
       return frame.offset ? fmt::format("{:.4f}", value(*frame.offset)) : std::string();
@@ -345,7 +345,7 @@ std::string ToCsv(const NavigationResult& result) {
     add_offset(kAngles[i],
                [i](const TelemetryOffset& measured) { return DegreesFromRadians(measured.attitude_rad[i]); });
   }
-  return FormatCameraCsv(result.states, columns, kAlways);
+  return FormatCameraCsv(result.states, columns, kColumnsEvenIfEmpty);
 }
 
 }  // namespace victorious

@@ -15,9 +15,9 @@ struct Limit {
   double tokens;    // when full
   double refill_s;  // for one token
 };
-constexpr Limit kOfClient{.tokens = 20, .refill_s = 10};
-constexpr Limit kOfName{.tokens = 100, .refill_s = 6};
-constexpr Limit kOfBoth{.tokens = 10, .refill_s = 60};
+constexpr Limit kClientLimit{.tokens = 20, .refill_s = 10};
+constexpr Limit kNameLimit{.tokens = 100, .refill_s = 6};
+constexpr Limit kClientAndNameLimit{.tokens = 10, .refill_s = 60};
 
 struct Key {
   std::string key;
@@ -39,11 +39,12 @@ std::array<Key, 3> KeysOf(const std::string& client, const std::string& name) {
   std::ranges::transform(folded, folded.begin(),
                          [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   const std::string network = Network(client);
-  return {Key{"c" + network, kOfClient}, Key{"n" + folded, kOfName}, Key{"b" + network + " " + folded, kOfBoth}};
+  return {Key{"c" + network, kClientLimit}, Key{"n" + folded, kNameLimit},
+          Key{"b" + network + " " + folded, kClientAndNameLimit}};
 }
 
 Limit LimitOf(const std::string& key) {
-  return key.front() == 'c' ? kOfClient : key.front() == 'n' ? kOfName : kOfBoth;
+  return key.front() == 'c' ? kClientLimit : key.front() == 'n' ? kNameLimit : kClientAndNameLimit;
 }
 
 double Refilled(double tokens, const Limit& limit, std::int64_t passed_us) {

@@ -21,7 +21,7 @@ constexpr std::array<string_view, 8> kCars = {"cars/estate_black",    "cars/esta
 constexpr std::array<string_view, 4> kTrees = {"trees/birch", "trees/maple", "trees/oak", "trees/spruce"};
 constexpr std::array<string_view, 3> kHouses = {"buildings/house_brown", "buildings/house_grey", "buildings/house_red"};
 constexpr std::array<string_view, 2> kContainers = {"props/container_blue", "props/container_red"};
-constexpr std::array<string_view, 3> kStuff = {"props/crates", "props/crates", "props/skip"};
+constexpr std::array<string_view, 3> kYardProps = {"props/crates", "props/crates", "props/skip"};
 constexpr std::array<string_view, 1> kCrates = {"props/crates"};
 constexpr std::array<string_view, 1> kHedge = {"props/hedge"};
 constexpr std::array<string_view, 1> kLamp = {"props/lamp_post"};
@@ -53,7 +53,7 @@ void FurnishPark(Parcel& parcel) {
 void FurnishCourt(Parcel& parcel) {
   PutTrees(parcel, 1.2, {{-7.6, 7.6}, {8.4, 7.6}, {-7.6, -8.4}, {8.4, -8.4}});
   for (const double x : {-4.0, 4.6}) parcel.PutWithProbability(0.9, kLamp, x, 0.5, x < 0 ? 90 : 270);
-  for (const double y : {-3.0, 3.0}) parcel.PutWithProbability(0.5, kStuff, 10, y, 20, 0.8);
+  for (const double y : {-3.0, 3.0}) parcel.PutWithProbability(0.5, kYardProps, 10, y, 20, 0.8);
 }
 
 void FurnishSports(Parcel& parcel) {
@@ -67,14 +67,14 @@ void FurnishYard(Parcel& parcel) {
   for (const double x : {-9.0, -6.0, -3.0, 0.0}) parcel.PutWithProbability(0.8, kContainers, x, -7.5, 0, 0.3);
   parcel.PutWithProbability(0.7, kContainers, 8.5, 7, 90, 0.6);
   for (const Vector2d& place : {Vector2d(4, 9), {9, 3}, {6, 0}, {10, -4}, {-10, 0}, {-2, 2}, {3, -9}}) {
-    parcel.PutWithProbability(0.6, kStuff, place.x(), place.y(), parcel.random().Uniform(0, 360), 1.5);
+    parcel.PutWithProbability(0.6, kYardProps, place.x(), place.y(), parcel.random().Uniform(0, 360), 1.5);
   }
 }
 
 void FurnishSite(Parcel& parcel) {
   for (const double x : {-9.0, -3.0, 3.0, 9.0}) parcel.Put("props/fence", x, -11.6, 90);
   for (const Vector2d& place : {Vector2d(-9, 8), {-5, 3}, {0, 9}, {9, -4}, {4, -7}, {-1, -6}, {7, 2}, {-10, -3}}) {
-    parcel.PutWithProbability(0.6, kStuff, place.x(), place.y(), parcel.random().Uniform(0, 360), 1.5);
+    parcel.PutWithProbability(0.6, kYardProps, place.x(), place.y(), parcel.random().Uniform(0, 360), 1.5);
   }
   parcel.PutWithProbability(0.8, kContainers, -7, -3, 75, 0.5);
 }
@@ -85,7 +85,7 @@ void FurnishHomes(Parcel& parcel) {
   for (const double x : {-7.8, 7.8}) parcel.PutWithProbability(0.9, kHedge, x, kBorderM, 90);
   parcel.PutWithProbability(0.9, kCars, 0.3, 8.5, 0, 0.4);
   PutTrees(parcel, 0.8, {{-10.5, -10.5}, {0, -10.5}, {10.5, -10.5}, {-3.8, 8.5}, {10.5, 8}, {-10.8, 8}});
-  parcel.PutWithProbability(0.3, kStuff, 3, 8.8, 30, 0.5);
+  parcel.PutWithProbability(0.3, kYardProps, 3, 8.8, 30, 0.5);
 }
 
 // A row of cars in front of the building, and trees beside them.
@@ -111,7 +111,7 @@ void FurnishOffices(Parcel& parcel) {
 void FurnishShop(Parcel& parcel) {
   parcel.LayMaterial("asphalt");
   parcel.Put("buildings/shop", 0, -3.5, 0);
-  for (const double y : {-8.0, 0.0}) parcel.PutWithProbability(0.6, kStuff, 10, y, 0, 0.5);
+  for (const double y : {-8.0, 0.0}) parcel.PutWithProbability(0.6, kYardProps, 10, y, 0, 0.5);
   FurnishForecourt(parcel);
 }
 
@@ -119,7 +119,7 @@ void FurnishShop(Parcel& parcel) {
 void FurnishWarehouse(Parcel& parcel) {
   parcel.LayMaterial("concrete");
   parcel.Put("buildings/warehouse", 0, 2, 0);
-  for (const double y : {-7.0, 0.0, 7.0}) parcel.PutWithProbability(0.6, kStuff, 10.8, y, 0, 0.2);
+  for (const double y : {-7.0, 0.0, 7.0}) parcel.PutWithProbability(0.6, kYardProps, 10.8, y, 0, 0.2);
   for (const double y : {-8.0, 3.0}) parcel.PutWithProbability(0.6, kContainers, -10.8, y, 0, 0.1);
 }
 

@@ -20,8 +20,8 @@ constexpr int kOldestServer = 150000;
 // Of the advisory lock of Exclusion: "VICT" in ASCII.
 constexpr std::int64_t kLockKey = 0x56494354;
 
-// libpq and the server write several lines; a message has one.
-std::string OneLine(std::string_view text) {
+// Runs of blanks and line ends become one space: libpq and the server write several lines, a message has one.
+std::string CollapseBlanks(std::string_view text) {
   std::string line;
   for (const char c : text) {
     const bool is_space = c == '\n' || c == '\r' || c == '\t' || c == ' ';
@@ -32,7 +32,7 @@ std::string OneLine(std::string_view text) {
   return line;
 }
 
-std::string FirstLine(std::string_view text) { return OneLine(text.substr(0, text.find('\n'))); }
+std::string FirstLine(std::string_view text) { return CollapseBlanks(text.substr(0, text.find('\n'))); }
 
 struct FreeOptions {
   void operator()(PQconninfoOption* options) const { PQconninfoFree(options); }
@@ -94,7 +94,7 @@ Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, b
   char* fault = nullptr;
   const OptionsPtr options(PQconninfoParse(url.c_str(), &fault));
   if (!options) {
-    const std::string reason = fault == nullptr ? "out of memory" : OneLine(fault);
+    const std::string reason = fault == nullptr ? "out of memory" : CollapseBlanks(fault);
     PQfreemem(fault);
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("not the URL of a database ({}): postgresql://user@host:port/database is", reason));
@@ -272,7 +272,7 @@ Status Connection::Visit(std::string_view sql, const BoundValues& parameters, in
 Error Connection::ErrorFromResult(const pg_result* result) const {
   const char* const text = result == nullptr ? PQerrorMessage(handle_) : PQresultErrorMessage(result);
   const char* const primary = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_MESSAGE_PRIMARY);
-  const std::string reason = primary == nullptr ? FirstLine(text) : OneLine(primary);
+  const std::string reason = primary == nullptr ? FirstLine(text) : CollapseBlanks(primary);
   const char* const field = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_SQLSTATE);
   const std::string state = field == nullptr ? "" : field;
   // PostgreSQL's manual, appendix A. The first two characters are the class.
