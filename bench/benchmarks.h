@@ -36,8 +36,8 @@ std::vector<Result> BenchMlesac(const Settings& settings);
 /// Feature extraction and recognition of a frame on one core: against 2 photos, and against 4 models x 253 views.
 std::vector<Result> BenchFrame(const Settings& settings);
 
-/// One frame, one core: 1 to 400 models of 253 views, and 5 models in frames of 320 x 240 to 1920 x 1440 px. Peer, up to
-/// 25 models: cv::SIFT, cv::BFMatcher, the ratio test and a similarity by RANSAC, view by view.
+/// One frame, one core: 1 to 400 models of 253 views, and 5 models in frames of 320 x 240 to 1920 x 1440 px. Peer, up
+/// to 25 models: cv::SIFT, cv::BFMatcher, the ratio test and a similarity by RANSAC, view by view.
 std::vector<Result> BenchGrowth(const Settings& settings);
 
 /// Whole frames of movies, searched and tracked as `victorious index` does it, for 4 and 25 CAD models (with the

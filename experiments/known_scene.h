@@ -50,7 +50,8 @@ struct AnnotatedImage {
 /// Renders single frames of a scene file, also with a changed camera, sun or video.
 class SceneRenderer {
  public:
-  /// Loads the scene and its meshes. `renderer` must outlive the result. Errors: those of ReadScene and PlacedScene::Build.
+  /// Loads the scene and its meshes. `renderer` must outlive the result. Errors: those of ReadScene and
+  /// PlacedScene::Build.
   [[nodiscard]] static Expected<SceneRenderer> Load(const std::filesystem::path& scene_file, Renderer& renderer,
                                                     const CancelToken& cancel);
 

@@ -79,7 +79,8 @@ inline Similarity2 Paste(const cv::Mat& object, double scale, double rotation_ra
 inline constexpr double kOffNadir_rad = 40 * kPi / 180;
 inline constexpr std::size_t kAround = 12;
 
-/// A CAD model that has one texture from everywhere under diffuse light; SunDependentTemplates gives it another under each sun.
+/// A CAD model that has one texture from everywhere under diffuse light; SunDependentTemplates gives it another under
+/// each sun.
 inline ObjectModel ModelFromAround() {
   ObjectModel model = ModelOf("crate", Texture(120, 90, 99));
   model.kind = ModelKind::kCad;

@@ -1,5 +1,5 @@
-// Fuzzes the parser of the events of a child process: a line is an event that the writer writes again as it was read, or a
-// one-line error.
+// Fuzzes the parser of the events of a child process: a line is an event that the writer writes again as it was read,
+// or a one-line error.
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
-// Fuzzes the readers of work from a database: the first line of an input is the kind, the rest the JSON. A task or a job
-// becomes arguments that a process can have, or a one-line error; a task comes back as it was read.
+// Fuzzes the readers of work from a database: the first line of an input is the kind, the rest the JSON. A task or a
+// job becomes arguments that a process can have, or a one-line error; a task comes back as it was read.
 #include <algorithm>
 #include <cstdint>
 #include <string>

@@ -27,8 +27,8 @@ struct AgreedError {
   int objects = 0;  ///< tracklets that agree on it
 };
 
-/// The median of the largest set of agreeing samples; std::nullopt if they are of one object, if at least as many show no
-/// error, or if the median is out of range.
+/// The median of the largest set of agreeing samples; std::nullopt if they are of one object, if at least as many show
+/// no error, or if the median is out of range.
 [[nodiscard]] std::optional<AgreedError> FindAgreedError(std::span<const ErrorSample> samples,
                                                          const AgreementOptions& options);
 

@@ -27,8 +27,8 @@ struct FlightErrors {
 /// The errors of the videos of one index, remembered between data associations with the same options. Thread-safe.
 class FlightErrorCache {
  public:
-  /// Corrects all tracklets, and returns the errors by video. Estimates only those of videos whose tracklets differ from
-  /// the ones given last.
+  /// Corrects all tracklets, and returns the errors by video. Estimates only those of videos whose tracklets differ
+  /// from the ones given last.
   std::map<std::int64_t, FlightErrors> Correct(std::span<ObservedTracklet> tracklets, const ObjectOptions& options);
 
   /// Number of videos estimated so far, repetitions included.

@@ -37,7 +37,8 @@ constexpr double kSigmaSpeed_m_s = 30;
 // Errors of neighbouring lines are correlated, of about ten of them.
 constexpr double kCorrelated = 10;
 
-// A steady level motion explains the lines as well as an angle does if its cost is no more than this above, in units of chi^2.
+// A steady level motion explains the lines as well as an angle does if its cost is no more than this above, in units of
+// chi^2.
 constexpr double kAmbiguous = 10;
 
 struct Line {

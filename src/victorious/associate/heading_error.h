@@ -4,9 +4,9 @@
 //
 //   d = argmin_d min_o sum_i rho(|distance of o from line i turned by -d about the vertical|^2 / s_i^2)
 //
-// per object, with Huber's rho. If several different objects agree on one angle, and more than agree with none, the common
-// cause is the yaw. Vehicles that drive steadily in one direction agree on an angle, too, past a camera that flies
-// straight: an object whose lines a steady motion explains as well as an angle determines none.
+// per object, with Huber's rho. If several different objects agree on one angle, and more than agree with none, the
+// common cause is the yaw. Vehicles that drive steadily in one direction agree on an angle, too, past a camera that
+// flies straight: an object whose lines a steady motion explains as well as an angle determines none.
 #pragma once
 
 #include <optional>

@@ -37,8 +37,8 @@ class MappedFile {
 
   [[nodiscard]] std::span<const std::byte> bytes() const { return {data_, size_}; }
 
-  /// Gives back the memory of the bytes read so far; they are read again when next needed. For after a pass over a file of
-  /// which little is needed again. Without effect on the bytes.
+  /// Gives back the memory of the bytes read so far; they are read again when next needed. For after a pass over a file
+  /// of which little is needed again. Without effect on the bytes.
   void ReleasePages() const;
 
  private:

@@ -6,8 +6,8 @@
 
 namespace victorious {
 
-/// Gives back the pages of `bytes`, and those around them that the system mapped with them. They are read again when next
-/// needed. No effect on bytes outside of every MappedFile. Thread-safe.
+/// Gives back the pages of `bytes`, and those around them that the system mapped with them. They are read again when
+/// next needed. No effect on bytes outside of every MappedFile. Thread-safe.
 void ReleaseMappedPages(std::span<const std::byte> bytes);
 
 }  // namespace victorious

@@ -1,6 +1,6 @@
 // What this program tells the process that started it: one JSON object a line on the descriptor of `--events`
-// (docs/formats/events.md). The writer and the only parser of these lines are here: a parent (child_task.h) reads values,
-// never messages for people.
+// (docs/formats/events.md). The writer and the only parser of these lines are here: a parent (child_task.h) reads
+// values, never messages for people.
 #pragma once
 
 #include <cstddef>

@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::array<EnumText<SunSearch>, 2> kSunSearchTexts = {{{SunSearch::kAuto, "auto"}, {SunSearch::kOff, "off"}}};
 
-// Number of sampled frames: one in kFramesPerSample, within these bounds. Most videos agree on a direction after three to
-// nine frames; 200 frames cost about a minute.
+// Number of sampled frames: one in kFramesPerSample, within these bounds. Most videos agree on a direction after three
+// to nine frames; 200 frames cost about a minute.
 constexpr std::int64_t kFramesPerSample = 100;
 constexpr std::int64_t kMinSamples = 24;
 constexpr std::int64_t kMaxSamples = 200;
@@ -31,8 +31,8 @@ constexpr std::int64_t kUnknownLengthStep = 25;  // frames between samples if th
 // Frames estimated in parallel, and between two tests for a consensus; independent of the number of threads, so that
 // the result is.
 constexpr std::size_t kBatchSize = 2;
-// The sampling ends when this many estimates agree, with this much evidence, which is this many times that of all others
-// together. Neighbouring samples may show the same object and err alike, by chance poses of a few decades.
+// The sampling ends when this many estimates agree, with this much evidence, which is this many times that of all
+// others together. Neighbouring samples may show the same object and err alike, by chance poses of a few decades.
 constexpr int kMinConsensus = 3;
 constexpr double kMinEvidence_decades = 30;
 constexpr double kMinEvidenceRatio = 2;

@@ -45,10 +45,10 @@ struct SunDirectionInput {
 };
 
 /// The sun's direction (azimuth from north). Taken from the ephemeris if telemetry has a clock. Otherwise frames are
-/// sampled over the whole video (Recognizer::EstimateSun) until three estimates agree within 30 degrees and have 30 decades
-/// of evidence, twice that of all others; at the end two agreeing estimates of most evidence suffice, or one if it is the only one. The
-/// evidence is the gain over diffuse light. std::nullopt at night, under overcast, or if no frame
-/// determines it. Deterministic.
+/// sampled over the whole video (Recognizer::EstimateSun) until three estimates agree within 30 degrees and have 30
+/// decades of evidence, twice that of all others; at the end two agreeing estimates of most evidence suffice, or one if
+/// it is the only one. The evidence is the gain over diffuse light. std::nullopt at night, under overcast, or if no
+/// frame determines it. Deterministic.
 /// @param reader  at its first frame; reads as far as needed
 /// @param warn    receives read errors, which end the sampling, and errors of feature extraction, which skip a frame
 /// Errors: kCancelled.

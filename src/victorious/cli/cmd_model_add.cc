@@ -123,8 +123,8 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
   return model;
 }
 
-// What the features of a model promise: in a few words, which stand behind their number, and as a message that gives the
-// remedy unless they promise much. The limits are rounded from `model show --findable` on photos of few and of many
+// What the features of a model promise: in a few words, which stand behind their number, and as a message that gives
+// the remedy unless they promise much. The limits are rounded from `model show --findable` on photos of few and of many
 // features (docs/results/recognition.md).
 std::string DescribePromise(const ObjectModel& model) {
   constexpr double kMinFeatures = 40;

@@ -1,4 +1,5 @@
-// victorious navigate VIDEO --landmarks DB --models DIR --out FILE.csv [--json]: estimates the camera pose from landmarks
+// victorious navigate VIDEO --landmarks DB --models DIR --out FILE.csv [--json]: estimates the camera pose from
+// landmarks
 #include <algorithm>
 #include <cmath>
 #include <memory>

@@ -23,8 +23,8 @@
 namespace victorious::cli {
 namespace {
 
-// Of a command that computes in parallel and leaves the number of threads to the library. `index` and `work` have a flag
-// of their own, which also applies to decoding.
+// Of a command that computes in parallel and leaves the number of threads to the library. `index` and `work` have a
+// flag of their own, which also applies to decoding.
 constexpr bool kHasThreads = true;
 
 constexpr std::array kCommands = {
@@ -60,8 +60,8 @@ constexpr std::array kCommands = {
             "victorious-bench"},
 };
 
-// Adds --events to the program. It takes effect before the rest of the command line is parsed: an error there is an event
-// as well.
+// Adds --events to the program. It takes effect before the rest of the command line is parsed: an error there is an
+// event as well.
 void AddEvents(CLI::App& app) {
   app.add_option_function<int>(
          "--events",

@@ -25,7 +25,8 @@ struct IndexTask {
 [[nodiscard]] Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& content,
                                                   postgres::TaskPriority priority);
 
-/// Safe for any bytes. Error: kInvalidArgument, in one line, for a task of another kind, or a payload that is not valid.
+/// Safe for any bytes. Error: kInvalidArgument, in one line, for a task of another kind, or a payload that is not
+/// valid.
 [[nodiscard]] Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload);
 
 }  // namespace victorious

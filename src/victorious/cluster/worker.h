@@ -1,5 +1,5 @@
-// A worker: claims tasks of the queue, one at a time, and does each by `victorious index` as a child process. A video that
-// crashes a decoder ends its attempt, not the worker.
+// A worker: claims tasks of the queue, one at a time, and does each by `victorious index` as a child process. A video
+// that crashes a decoder ends its attempt, not the worker.
 #pragma once
 
 #include <chrono>
@@ -30,8 +30,8 @@ struct WorkerOptions {
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
 };
 
-/// Runs a task's process. Calls `keep_lease` at least every second; ends the process once that has returned false. Error: the
-/// process cannot be started.
+/// Runs a task's process. Calls `keep_lease` at least every second; ends the process once that has returned false.
+/// Error: the process cannot be started.
 using RunTask = std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<bool()>& keep_lease)>;
 
 /// Runs `victorious index` of this executable with `more` after the task's options. Its warnings go to `inform`.
@@ -39,8 +39,8 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
 
 /// Does tasks until `cancel` is set, or until there are none left. A task
 /// - whose process ends well is done, unless another process indexes the same video: then it is released;
-/// - whose process fails or crashes is queued again; after kMaxAttempts attempts without progress it has failed, with the
-///   reason;
+/// - whose process fails or crashes is queued again; after kMaxAttempts attempts without progress it has failed, with
+///   the reason;
 /// - that runs when `cancel` is set is released, and resumed by the next worker.
 /// Renews the lease while a task runs; once it is lost (this worker stood still too long), ends the task's process.
 /// Waits up to 5 minutes for a database that does not answer.

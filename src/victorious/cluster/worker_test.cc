@@ -1,5 +1,5 @@
-// What a worker does with a task, by how the task's process ends. The process is a function here; tests/e2e/test_cluster.py
-// has the real one.
+// What a worker does with a task, by how the task's process ends. The process is a function here;
+// tests/e2e/test_cluster.py has the real one.
 #include "victorious/cluster/worker.h"
 
 #include <gmock/gmock.h>

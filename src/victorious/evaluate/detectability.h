@@ -88,8 +88,8 @@ struct DetectabilityCallbacks {
   std::function<void(const cv::Mat& bgr)> image;
 };
 
-/// Measures the detectability. The attitude matters to CAD models only. Deterministic by `options.seed`. Cost: about five searches of a 640 x 480 px image per
-/// direction, on all cores.
+/// Measures the detectability. The attitude matters to CAD models only. Deterministic by `options.seed`. Cost: about
+/// five searches of a 640 x 480 px image per direction, on all cores.
 /// @param features  for the test images, by the engine of the model
 /// Errors: kInvalidArgument for options out of range, for a sun and a model of photos, or for a CAD model without
 /// renderings (of an early version); kCancelled; kDataLoss for a damaged model.

@@ -1,9 +1,10 @@
-// Novel view synthesis for the detectability test (detectability.h): the appearance of a CAD model from a direction between
-// its views, or of a photo that is turned. The test must not use the images that the model was built from, and it needs
-// neither the CAD file nor the photos.
+// Novel view synthesis for the detectability test (detectability.h): the appearance of a CAD model from a direction
+// between its views, or of a photo that is turned. The test must not use the images that the model was built from, and
+// it needs neither the CAD file nor the photos.
 //
-// Method for CAD models: depth-image-based rendering. The nearest view's stored rendering (grey image and depth) is relit if a sun is
-// given, then forward-warped by 3 x 3 splats per pixel with a depth test; small gaps take the mean of their neighbours.
+// Method for CAD models: depth-image-based rendering. The nearest view's stored rendering (grey image and depth) is
+// relit if a sun is given, then forward-warped by 3 x 3 splats per pixel with a depth test; small gaps take the mean of
+// their neighbours.
 #pragma once
 
 #include <cstddef>
@@ -30,8 +31,8 @@ struct WarpedView {
 [[nodiscard]] Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& direction,
                                             const std::optional<ViewDirection>& sun);
 
-/// Renders a photo of the object as a plane seen from afar, turned out of the image by `turned_rad` about an axis in the
-/// image at `axis_rad` from +x towards +y. The photo is the thumbnail that the model stores, of at most 160 px.
+/// Renders a photo of the object as a plane seen from afar, turned out of the image by `turned_rad` about an axis in
+/// the image at `axis_rad` from +x towards +y. The photo is the thumbnail that the model stores, of at most 160 px.
 /// @param photo  index of the view
 /// Error: kDataLoss for a damaged thumbnail or outline.
 [[nodiscard]] Expected<WarpedView> WarpPhoto(const ObjectModel& model, std::size_t photo, double turned_rad,

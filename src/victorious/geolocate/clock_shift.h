@@ -2,10 +2,10 @@
 //
 //   d = argmin_d sum_i |W_i^(1/2) (d - s_i)|^2,   W_i = (I - (1 - w) f_i f_i') / distance_i^2
 //
-// is the shift of the place if every line shifts by s_i at the object; f_i is the line's direction, and w = 0.01 stands for
-// what fixes the distance where lines are parallel. An object on given ground stays on it. d is added to the covariance as
-// d d', one term for each flight. The place itself does not change: lines of sight hardly contradict a wrong clock, or its
-// offset would be known by the motion of the image.
+// is the shift of the place if every line shifts by s_i at the object; f_i is the line's direction, and w = 0.01 stands
+// for what fixes the distance where lines are parallel. An object on given ground stays on it. d is added to the
+// covariance as d d', one term for each flight. The place itself does not change: lines of sight hardly contradict a
+// wrong clock, or its offset would be known by the motion of the image.
 #pragma once
 
 #include <span>

@@ -5,7 +5,8 @@
 // along the unit vector s_i:
 //   o + v t_i = r_i + a_i s_i,   a_i > 0
 // The estimators (LocateMethod), by name:
-//   - least-squares: the point nearest to all lines; eliminating the a_i leaves a system of 3 x 3, or 6 x 6 with velocity.
+//   - least-squares: the point nearest to all lines; eliminating the a_i leaves a system of 3 x 3, or 6 x 6 with
+//     velocity.
 //   - prior: the same with ranges from apparent size; rejects a line if the solution would leave its conic frustum.
 //   - ransac: the place in the frusta of the largest number of lines, then as `prior` over these inliers.
 //   - ground: the mean of the intersections of the lines with the ground; a baseline for comparison.

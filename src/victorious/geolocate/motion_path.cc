@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kMinLines = 3;
 constexpr std::size_t kMaxLines = 1000;  // of longer tracks every n-th line is used
-// A shorter way is within the size of an object (locate.cc), or within the error of a range, which changes with the view.
+// A shorter way is within the size of an object (locate.cc), or within the error of a range, which changes with the
+// view.
 constexpr double kMinTravel_m = 1;
 constexpr double kMinTravelFraction = 0.015;
 constexpr double kSpeedSigma_m_s = 20;
@@ -136,8 +137,8 @@ Geolocation MakePlace(const PathVector& mean, const PathMatrix& covariance, doub
   return place;
 }
 
-// True if the ray passes the path within the gate or the identity radius, at its range. Lines that scatter by more than three times
-// their sigmas have no path.
+// True if the ray passes the path within the gate or the identity radius, at its range. Lines that scatter by more than
+// three times their sigmas have no path.
 bool IsNear(const Ray& ray, const PathFit& fit, std::size_t i, const LocateOptions& options) {
   constexpr double kMaxFactor = 3;
   const double distance_m = (fit.means[i].head<3>() - ray.camera).norm();

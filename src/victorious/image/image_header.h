@@ -34,8 +34,8 @@ struct ImageHeader {
 /// Identifies the format by the first bytes (32 suffice); std::nullopt if it is none of these.
 [[nodiscard]] std::optional<ImageFormat> DetectImageFormat(std::span<const std::byte> bytes);
 
-/// Parses the header; of a JPEG the bytes before the image data suffice. Returns std::nullopt for an unknown format or a
-/// header without a size. The values are those of the file, unchecked.
+/// Parses the header; of a JPEG the bytes before the image data suffice. Returns std::nullopt for an unknown format or
+/// a header without a size. The values are those of the file, unchecked.
 [[nodiscard]] std::optional<ImageHeader> ReadImageHeader(std::span<const std::byte> bytes);
 
 }  // namespace victorious

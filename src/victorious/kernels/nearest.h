@@ -102,8 +102,8 @@ inline constexpr std::uint32_t kNoNeighbour = 0xFFFFFFFF;
 /// out[k i] to out[k i + k - 1]: nearest first, of equal distances the lower index first, kNoNeighbour if there are
 /// fewer. Of each lane (index modulo 16) of each segment of a range only the two nearest are considered, so that the
 /// loop has no branches; of the nearest four of a hundred random ones 99 % are among them.
-/// 1 <= k <= kMaxNeighbours; ranges.size() >= queries.count / kRangeQueries, rounded up; each range lies inside the set;
-/// queries.squared is not used.
+/// 1 <= k <= kMaxNeighbours; ranges.size() >= queries.count / kRangeQueries, rounded up; each range lies inside the
+/// set; queries.squared is not used.
 /// Cost: that of FindNearestTwo, times the fraction of the set that the ranges cover, times kShortBytes / 128.
 void FindShortNearest(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
                       std::span<const BlockRange> ranges, std::span<std::uint32_t> out);

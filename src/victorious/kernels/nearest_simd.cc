@@ -1,5 +1,5 @@
-// FindNearestTwo, FindNearestK and FindShortNearest on any vector width, through Highway: compiled once for each instruction set,
-// chosen at run time.
+// FindNearestTwo, FindNearestK and FindShortNearest on any vector width, through Highway: compiled once for each
+// instruction set, chosen at run time.
 #include <algorithm>
 #include <vector>
 

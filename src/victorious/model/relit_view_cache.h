@@ -47,9 +47,9 @@ class RelitViewCache {
     return std::static_pointer_cast<Item>(entry.item);
   }
 
-  /// Tells the size of an item. If all are too large together, evicts the least recently used renderings, as long as they
-  /// exceed their fraction, and then the least recently used items. An item whose size is unknown stays; users of an
-  /// evicted item keep it.
+  /// Tells the size of an item. If all are too large together, evicts the least recently used renderings, as long as
+  /// they exceed their fraction, and then the least recently used items. An item whose size is unknown stays; users of
+  /// an evicted item keep it.
   void SetSize(const Key& key, std::size_t bytes);
 
   /// Bytes of all items.

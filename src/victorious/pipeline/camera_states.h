@@ -49,7 +49,8 @@ class CameraStates {
   /// The standard deviation of the clock's offset that the states are to have, s; 0: it is exact. At() then gives what
   /// this means for the camera, by its motion over 2 s.
   void SetClockSigma(double sigma_s) { clock_sigma_s_ = sigma_s; }
-  /// That of a clock of which nothing is known but that telemetry belongs to the video (TelemetryOptions::clock_sigma_s).
+  /// That of a clock of which nothing is known but that telemetry belongs to the video
+  /// (TelemetryOptions::clock_sigma_s).
   [[nodiscard]] double unknown_clock_sigma_s() const { return unknown_clock_sigma_s_; }
 
   /// The state at a time of the video; std::nullopt if there is none and no fallback field of view.
@@ -63,8 +64,8 @@ class CameraStates {
   [[nodiscard]] bool is_of_photos() const { return is_of_photos_; }
   /// The first field of view that telemetry gives, rad.
   [[nodiscard]] std::optional<double> first_hfov_rad() const { return first_hfov_rad_; }
-  /// UTC time of the video's first frame, from the first state with a clock. None for photos: the times between them are
-  /// not those of their frames.
+  /// UTC time of the video's first frame, from the first state with a clock. None for photos: the times between them
+  /// are not those of their frames.
   [[nodiscard]] std::optional<std::int64_t> start_utc_us() const { return start_utc_us_; }
 
   /// To be given to the FrameLoop of a live source; null if no telemetry arrives with its frames.

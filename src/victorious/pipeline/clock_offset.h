@@ -23,16 +23,17 @@ namespace victorious {
 /// `unknown_s` without an estimate.
 [[nodiscard]] double ClockSigma(const TimeOffset& offset, double unknown_s);
 
-/// What an offset that stays unknown means for places, in one line: why it does, and by how many metres each second shifts
-/// them, which no line of sight contradicts. std::nullopt if it is known, or the camera hovers, and for telemetry that gives
-/// no places.
+/// What an offset that stays unknown means for places, in one line: why it does, and by how many metres each second
+/// shifts them, which no line of sight contradicts. std::nullopt if it is known, or the camera hovers, and for
+/// telemetry that gives no places.
 /// @param sigma_s  standard deviation that the errors of places contain instead; 0: the clock is exact, nothing is said
 [[nodiscard]] std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset,
                                                               std::span<const CameraState> states, double sigma_s);
 
-/// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is significant;
-/// `warn` receives one line with the offset and its standard error, or DescribeUnknownClock. The states get the standard
-/// deviation of the clock (CameraStates::SetClockSigma). No effect without states of the whole video, and on photos. A video whose frames cannot be read again gives a warning.
+/// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is
+/// significant; `warn` receives one line with the offset and its standard error, or DescribeUnknownClock. The states
+/// get the standard deviation of the clock (CameraStates::SetClockSigma). No effect without states of the whole video,
+/// and on photos. A video whose frames cannot be read again gives a warning.
 /// @param impulse_fraction  as MeasureMotions
 /// Errors: kCancelled. Cost: up to 200 frames are read and their motion is measured, some 15 ms each at 640 x 480.
 [[nodiscard]] Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,

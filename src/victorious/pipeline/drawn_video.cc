@@ -126,8 +126,8 @@ Expected<VideoSpan> DrawVideo(const std::string& video, std::span<const DrawnSig
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: a live source is over once it was read: record it, then draw the recording", video));
   }
-  // A reader that has sought knows the times of its frames, but not their numbers. If it cannot, the frames are read from
-  // the beginning.
+  // A reader that has sought knows the times of its frames, but not their numbers. If it cannot, the frames are read
+  // from the beginning.
   const bool has_sought = options.clip && reader->SeekTo(options.clip->from_s);
   std::multimap<double, const DrawnSighting*> by_place;
   for (const DrawnSighting& sighting : sightings) {

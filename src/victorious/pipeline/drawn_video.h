@@ -1,6 +1,6 @@
-// A copy of a video, or a clip of it, with the sightings drawn into it, to judge results by eye: outlines, names, scores,
-// places and tracks. Input: the video, and sightings of an index or of user boxes. Every frame of a copy keeps its
-// presentation time; a clip begins at 0.
+// A copy of a video, or a clip of it, with the sightings drawn into it, to judge results by eye: outlines, names,
+// scores, places and tracks. Input: the video, and sightings of an index or of user boxes. Every frame of a copy keeps
+// its presentation time; a clip begins at 0.
 #pragma once
 
 #include <cstdint>

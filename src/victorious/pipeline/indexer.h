@@ -41,8 +41,8 @@ class Indexer {
   /// The video is stored by its name as given, with the current folder if that is relative.
   /// Errors: those of VideoReader, IndexStore, and of a telemetry file that was given; kInvalidArgument if the video
   /// was indexed with other parameters and `redo` is false; kConflict if another process is indexing the same video;
-  /// kCancelled, after what was done is stored. A cancelled live source, which cannot be resumed, ends normally, without
-  /// an error. One indexer serves one index.
+  /// kCancelled, after what was done is stored. A cancelled live source, which cannot be resumed, ends normally,
+  /// without an error. One indexer serves one index.
   [[nodiscard]] Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                             const WarningSink& warn = {}) const;
 

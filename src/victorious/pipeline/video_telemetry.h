@@ -19,13 +19,13 @@ namespace victorious {
 /// True if the file is a telemetry file and not a video: by its extension or its first bytes.
 [[nodiscard]] bool IsTelemetryFile(const std::string& path);
 
-/// Reads a telemetry file (KLV, DJI subtitles, a table), a video's embedded telemetry, or that of photos: a folder or one
-/// image.
+/// Reads a telemetry file (KLV, DJI subtitles, a table), a video's embedded telemetry, or that of photos: a folder or
+/// one image.
 /// Errors: those of reading; kInvalidArgument if the source holds no telemetry.
 [[nodiscard]] Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options);
 
-/// Finds a video's telemetry. Order: embedded KLV, a file beside it, embedded subtitles or the tags of a folder's photos.
-/// std::nullopt if there is none.
+/// Finds a video's telemetry. Order: embedded KLV, a file beside it, embedded subtitles or the tags of a folder's
+/// photos. std::nullopt if there is none.
 /// @param warn  receives warnings about telemetry that cannot be read
 /// Errors: those of the options.
 [[nodiscard]] Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video,

@@ -1,5 +1,5 @@
-// recognize/, for ShortlistSearch: the shortened descriptors of a model's views under diffuse light. Relit templates bring
-// their own.
+// recognize/, for ShortlistSearch: the shortened descriptors of a model's views under diffuse light. Relit templates
+// bring their own.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The routes of `victorious serve`: from a request to its response. api/openapi.json describes them, api_routes.cc has the
-// one table of them. No network here: http_server.h calls Handle from several threads.
+// The routes of `victorious serve`: from a request to its response. api/openapi.json describes them, api_routes.cc has
+// the one table of them. No network here: http_server.h calls Handle from several threads.
 #pragma once
 
 #include <cstdint>
@@ -65,8 +65,8 @@ class Api {
   [[nodiscard]] static std::span<const Route> Routes();
 
   /// @param cancel  ends long reading of videos; must outlive the Api
-  /// Errors: those of IndexView::Open and AccessControl::Open; kInvalidArgument for telemetry with several videos; kNotFound for a models
-  /// folder that is not there.
+  /// Errors: those of IndexView::Open and AccessControl::Open; kInvalidArgument for telemetry with several videos;
+  /// kNotFound for a models folder that is not there.
   [[nodiscard]] static Expected<std::unique_ptr<Api>> Open(ApiOptions options, const CancelToken& cancel);
 
   /// @param port  of the server: the Host header must name it

@@ -9,8 +9,8 @@
 
 namespace victorious {
 
-/// Whom connections are counted for: an IPv4 address, or of an IPv6 address its network of 64 bits, which a client has for
-/// itself. A text that is no address is returned as it is.
+/// Whom connections are counted for: an IPv4 address, or of an IPv6 address its network of 64 bits, which a client has
+/// for itself. A text that is no address is returned as it is.
 [[nodiscard]] std::string ClientNetwork(const std::string& address);
 
 /// Not thread-safe.

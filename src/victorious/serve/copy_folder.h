@@ -1,6 +1,6 @@
-// The folder of the videos that the server makes: copies that browsers play, and clips. It is a cache: what was not used
-// for the longest time is removed where the files take more than a limit, and is made again when somebody asks for it.
-// Thread-safe; several servers may share a folder.
+// The folder of the videos that the server makes: copies that browsers play, and clips. It is a cache: what was not
+// used for the longest time is removed where the files take more than a limit, and is made again when somebody asks for
+// it. Thread-safe; several servers may share a folder.
 #pragma once
 
 #include <chrono>
@@ -42,9 +42,9 @@ class CopyFolder {
   /// Marks a file as used now, also for other servers; std::nullopt: it is not there.
   [[nodiscard]] std::optional<Use> Take(const std::string& name);
 
-  /// Removes the files that were not used for the longest time, until the others take no more than the limit. Files that
-  /// are in use, being made (FILE.tmp-…), and the one that was used last stay, even if they take more. The telemetry of
-  /// a clip goes with it.
+  /// Removes the files that were not used for the longest time, until the others take no more than the limit. Files
+  /// that are in use, being made (FILE.tmp-…), and the one that was used last stay, even if they take more. The
+  /// telemetry of a clip goes with it.
   void Trim();
 
  private:

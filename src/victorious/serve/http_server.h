@@ -1,4 +1,5 @@
-// An HTTP/1.1 server (Boost.Beast): limits, time-outs, keep-alive, TLS (OpenSSL), files in parts. The handler makes the responses.
+// An HTTP/1.1 server (Boost.Beast): limits, time-outs, keep-alive, TLS (OpenSSL), files in parts. The handler makes the
+// responses.
 //
 // One thread (that of Run) does all input and output; a pool of threads runs the handler, so that a request that
 // decodes a frame holds up no other. Boost does not leave http_server.cc.

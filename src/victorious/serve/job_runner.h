@@ -27,8 +27,8 @@ struct JobFolders {
   std::filesystem::path uploads;  ///< one folder an upload
 };
 
-/// The arguments of `victorious` that do a job. Error: kInvalidArgument for an input that is not valid, with the member that
-/// is wrong.
+/// The arguments of `victorious` that do a job. Error: kInvalidArgument for an input that is not valid, with the member
+/// that is wrong.
 ///   index  {"video": path, "telemetry": path or null}
 ///   copy   {"video": path, "copy": path}
 ///   clip   {"video": name in the index, "object": id, "from_s", "to_s": numbers or null, "telemetry": path or null,

@@ -27,8 +27,9 @@ inline constexpr int kMaxTileObjects = 300;
 inline constexpr int kMaxLastTileObjects = 2000;
 
 /// Layers: `objects` (points: id, model, score, verdict, matches, heading), `ellipses` (polygons: the same without
-/// heading), `clusters` (points: count, label: the count in two digits, matches, best: the score of the best). `matches`: whether the object matches the
-/// query; of a cluster, how many do. Cost: proportional to the objects in the tile.
+/// heading), `clusters` (points: count, label: the count in two digits, matches, best: the score of the best).
+/// `matches`: whether the object matches the query; of a cluster, how many do. Cost: proportional to the objects in the
+/// tile.
 [[nodiscard]] Expected<std::string> MakeObjectTile(TriageStore& store, const TileAddress& tile,
                                                    const ObjectQuery& query);
 

@@ -17,8 +17,8 @@ struct ServerIdentity {
 
 /// Returns the refusal of a request, or std::nullopt. Host must be 127.0.0.1, localhost or [::1] with this port (421);
 /// Origin, if sent, the same server, and a request for the API must not come from another site (403); a request with a
-/// body must be JSON (415). A server that other machines reach has any name: there, an account is needed, and its cookie
-/// goes to its own name only.
+/// body must be JSON (415). A server that other machines reach has any name: there, an account is needed, and its
+/// cookie goes to its own name only.
 /// @param is_of_api  the decoded target is one of the API, or cannot be decoded
 [[nodiscard]] std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, bool is_of_api,
                                                         const ServerIdentity& server, int port);

@@ -14,8 +14,8 @@ namespace victorious {
 /// Prepares the context of a server.
 /// @param certificate  PEM: the server's, then those that issued it
 /// @param key          PEM, not encrypted
-/// Errors: kNotFound, kPermissionDenied; kInvalidArgument for a file that is not of this kind, and for a certificate and
-/// key that do not belong together.
+/// Errors: kNotFound, kPermissionDenied; kInvalidArgument for a file that is not of this kind, and for a certificate
+/// and key that do not belong together.
 [[nodiscard]] Status LoadCertificate(const std::filesystem::path& certificate, const std::filesystem::path& key,
                                      boost::asio::ssl::context& context);
 

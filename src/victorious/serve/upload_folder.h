@@ -14,9 +14,9 @@ class UploadFolder {
   /// @param folder  created with the first upload
   explicit UploadFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Makes the folder of a new upload. Returns the path of its file, which is not there yet. Errors: kInvalidArgument for
-  /// a name that is not a plain file name (a hidden one, one with a slash or a control character, or longer than 200
-  /// bytes); those of creating folders.
+  /// Makes the folder of a new upload. Returns the path of its file, which is not there yet. Errors: kInvalidArgument
+  /// for a name that is not a plain file name (a hidden one, one with a slash or a control character, or longer than
+  /// 200 bytes); those of creating folders.
   [[nodiscard]] Expected<std::filesystem::path> Create(std::string_view name) const;
 
   /// The id of the upload that a path made by Create belongs to.

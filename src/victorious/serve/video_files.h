@@ -48,8 +48,8 @@ class VideoFiles {
   std::unordered_map<std::string, std::shared_ptr<const std::vector<double>>> times_;  ///< by content id
 };
 
-/// The file name of the copy of a video that browsers play (video/playable_copy.h). It belongs to the video's content, not
-/// to its name.
+/// The file name of the copy of a video that browsers play (video/playable_copy.h). It belongs to the video's content,
+/// not to its name.
 [[nodiscard]] std::string CopyName(const VideoRecord& video);
 
 /// The region of a frame that a crop shows: the box with a margin, at least 48 px, of the aspect 4:3, moved into the

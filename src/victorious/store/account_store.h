@@ -1,9 +1,9 @@
-// Who may use the server of an index, and who did what there. Input: accounts with hashed passwords, digests of sessions
-// and tokens, entries of the log (from serve/). Output: the same. No secret is stored in clear, and none is computed
-// here: serve/secret.h does that.
+// Who may use the server of an index, and who did what there. Input: accounts with hashed passwords, digests of
+// sessions and tokens, entries of the log (from serve/). Output: the same. No secret is stored in clear, and none is
+// computed here: serve/secret.h does that.
 //
-// Accounts belong to the index that `victorious serve` shows, which is a SQLite file. A PostgreSQL index has the accounts
-// of its own server.
+// Accounts belong to the index that `victorious serve` shows, which is a SQLite file. A PostgreSQL index has the
+// accounts of its own server.
 #pragma once
 
 #include <array>
@@ -88,8 +88,8 @@ struct ProvedAccount {
 /// Errors: kInvalidArgument unless it is 1 to 64 letters, digits and ". _ - @", and begins with a letter or digit.
 [[nodiscard]] Status CheckAccountName(std::string_view name);
 
-/// Not thread-safe: use from one thread at a time. Any number of processes may use the same accounts. Names are compared
-/// without regard to the case of ASCII letters.
+/// Not thread-safe: use from one thread at a time. Any number of processes may use the same accounts. Names are
+/// compared without regard to the case of ASCII letters.
 class AccountStore {
  public:
   virtual ~AccountStore() = default;

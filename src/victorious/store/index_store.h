@@ -222,8 +222,8 @@ class IndexStore {
 
   /// Adds the video. If its content is known, updates the name, and the start if given. Returns the stored record.
   [[nodiscard]] virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
-  /// Deletes the videos of this name and folder with other content (the file was changed). An unknown folder equals any.
-  /// Returns their number.
+  /// Deletes the videos of this name and folder with other content (the file was changed). An unknown folder equals
+  /// any. Returns their number.
   [[nodiscard]] virtual Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                                   const std::string& content_id) = 0;
   [[nodiscard]] virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
@@ -242,8 +242,9 @@ class IndexStore {
   [[nodiscard]] virtual Status DeleteKeptFrames(std::int64_t video) = 0;
 
   /// Writes the batch in one transaction. Returns the ids of batch.tracklets, in their order. Does not overwrite kept
-  /// frames, and stores their descriptors with 4 bits an element (docs/formats/index.md). Errors: kConflict if another process changed the progress; kNotFound for a tracklet, video or model that
-  /// was deleted; kInvalidArgument for a sighting that exists already.
+  /// frames, and stores their descriptors with 4 bits an element (docs/formats/index.md). Errors: kConflict if another
+  /// process changed the progress; kNotFound for a tracklet, video or model that was deleted; kInvalidArgument for a
+  /// sighting that exists already.
   [[nodiscard]] virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
 
   /// Returns all tracklets, by id.
@@ -251,9 +252,10 @@ class IndexStore {
   /// In one transaction, assigns the tracklets of these objects to them, and deletes objects without a tracklet. Uses
   /// only id, model, tracklets, place, heading and rejection of ObjectRecord; ignores tracklets that were deleted.
   [[nodiscard]] virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
-  /// Stores the objects that `make` computes from the content of the store, as PutObjects does. Of processes that do so at
-  /// once, the last one to store has seen what the others had stored before: `make` may be called again. Errors: those of
-  /// `make`; kCancelled, or kInternal that names who holds it, if another process does not let go of the objects.
+  /// Stores the objects that `make` computes from the content of the store, as PutObjects does. Of processes that do so
+  /// at once, the last one to store has seen what the others had stored before: `make` may be called again. Errors:
+  /// those of `make`; kCancelled, or kInternal that names who holds it, if another process does not let go of the
+  /// objects.
   /// @param cancel  does not stop `make` or the storing, only long waiting for another process
   [[nodiscard]] virtual Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
                                              const CancelToken& cancel) = 0;

@@ -1,8 +1,8 @@
-// A queue of jobs that survives a kill of everyone who works on it, in the words of work_state.h. Input: jobs of users (from
-// serve/). Output: the jobs, one at a time, to whoever claims them. sqlite/ keeps it in the file of an index.
+// A queue of jobs that survives a kill of everyone who works on it, in the words of work_state.h. Input: jobs of users
+// (from serve/). Output: the jobs, one at a time, to whoever claims them. sqlite/ keeps it in the file of an index.
 //
-// A queued job that is cancelled ends at once; a running one when its worker, told by Renew, has stopped it. A lost lease is
-// another attempt, the third a failure. All times are given by the caller, microseconds since 1970.
+// A queued job that is cancelled ends at once; a running one when its worker, told by Renew, has stopped it. A lost
+// lease is another attempt, the third a failure. All times are given by the caller, microseconds since 1970.
 #pragma once
 
 #include <array>
@@ -69,22 +69,23 @@ struct SubmittedJob {
   bool is_new = true;  ///< false: it was asked for before
 };
 
-/// Not thread-safe: use from one thread at a time. Any number of processes may use the same queue. What a user asks for is
-/// in the log of who did what (audit_record.h). Each function that returns jobs fails with kUnsupported for one of a kind
-/// that this program does not know.
+/// Not thread-safe: use from one thread at a time. Any number of processes may use the same queue. What a user asks for
+/// is in the log of who did what (audit_record.h). Each function that returns jobs fails with kUnsupported for one of a
+/// kind that this program does not know.
 class JobQueue {
  public:
   virtual ~JobQueue() = default;
 
   [[nodiscard]] virtual Expected<JobRecord> Submit(const NewJob& job) = 0;
-  /// As Submit, unless a job of this kind and input is open: then returns that one. Of two callers at once, one submits it.
+  /// As Submit, unless a job of this kind and input is open: then returns that one. Of two callers at once, one submits
+  /// it.
   [[nodiscard]] virtual Expected<SubmittedJob> SubmitOnce(const NewJob& job) = 0;
   /// Takes the oldest job that is queued or whose lease has run out; std::nullopt: there is none. A job whose lease has
   /// run out in its last attempt (kMaxAttempts) fails instead, and one that was to be cancelled is cancelled.
   [[nodiscard]] virtual Expected<std::optional<JobRecord>> Claim(const std::string& worker, std::int64_t now_us,
                                                                  std::int64_t lease_us) = 0;
-  /// Prolongs the lease and stores the progress. Returns false if the job is to be cancelled. Error: kConflict if the job
-  /// is not this worker's (any more): stop working on it.
+  /// Prolongs the lease and stores the progress. Returns false if the job is to be cancelled. Error: kConflict if the
+  /// job is not this worker's (any more): stop working on it.
   [[nodiscard]] virtual Expected<bool> Renew(std::int64_t job, const std::string& worker, std::int64_t now_us,
                                              std::int64_t lease_us, const JobProgress& progress) = 0;
   /// Ends a job that is done. Error: as for Renew.

@@ -158,7 +158,9 @@ TEST_F(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {
   std::vector<std::int64_t> ids;
   for (int i = 0; i < 5; ++i) {
     ids.push_back(queue_->Submit({JobKind::kIndex, "{}", i})->id);
-    if (i < 3) ASSERT_TRUE(queue_->Cancel(ids.back(), 10, "ann"));
+    if (i < 3) {
+      ASSERT_TRUE(queue_->Cancel(ids.back(), 10, "ann"));
+    }
   }
   const auto jobs = other_->List(2);
   ASSERT_THAT(*jobs, SizeIs(4));

@@ -1,4 +1,5 @@
-// Reviews in an index, tested for every implementation: bound to places in a video, resolved to the objects that are there.
+// Reviews in an index, tested for every implementation: bound to places in a video, resolved to the objects that are
+// there.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -16,9 +16,9 @@
 // Work that is queued or running is open. Renewing or ending an attempt whose lease another worker has is a kConflict.
 //
 // They are two classes, not one interface with two stores, because they differ in what they promise:
-//   - a job belongs to a person who sees its progress, may cancel it, and decides after a failure what is to be done: its
-//     process failing is final, and only a lost worker gets it another attempt. A task belongs to nobody who watches: it
-//     is tried again after growing delays, and forgets failures once it makes progress.
+//   - a job belongs to a person who sees its progress, may cancel it, and decides after a failure what is to be done:
+//     its process failing is final, and only a lost worker gets it another attempt. A task belongs to nobody who
+//     watches: it is tried again after growing delays, and forgets failures once it makes progress.
 //   - jobs are claimed on one machine, whose caller gives the time; tasks on many, so only the clock of the database
 //     counts.
 //   - tasks have a priority, a key and a build of the program that may do them; jobs have none of these.

@@ -1,5 +1,5 @@
-// telemetry/: the cameras of common aircraft, whose telemetry gives no field of view, or only the focal length in the 35
-// mm equivalent. The latter is by the diagonal of the sensor, whose aspect ratio differs from that of the video:
+// telemetry/: the cameras of common aircraft, whose telemetry gives no field of view, or only the focal length in the
+// 35 mm equivalent. The latter is by the diagonal of the sensor, whose aspect ratio differs from that of the video:
 //
 //   hfov = 2 atan(w tan(fov / 2)),   fov = 2 atan(43.267 mm / (2 f)),   w = width / diagonal of the sensor
 //

@@ -13,7 +13,8 @@
 
 namespace victorious {
 
-/// The attitude of a camera with these gimbal angles, degrees: the yaw clockwise from north, the pitch above the horizon.
+/// The attitude of a camera with these gimbal angles, degrees: the yaw clockwise from north, the pitch above the
+/// horizon.
 /// @return std::nullopt if one of them is missing, or the pitch beyond 180
 [[nodiscard]] std::optional<Attitude> AttitudeFromGimbal(std::optional<double> yaw_deg, std::optional<double> pitch_deg,
                                                          std::optional<double> roll_deg);

@@ -80,8 +80,8 @@ class Exif {
   std::unique_ptr<ExifData, void (*)(ExifData*)> data_;
 };
 
-// The text of a property of an XMP packet, as an attribute (name="text") or an element (<name>text</name>). Properties of
-// cameras have simple texts without entities.
+// The text of a property of an XMP packet, as an attribute (name="text") or an element (<name>text</name>). Properties
+// of cameras have simple texts without entities.
 std::string_view XmpText(std::string_view xmp, std::string_view name) {
   for (std::size_t at = xmp.find(name); at != std::string_view::npos; at = xmp.find(name, at + 1)) {
     std::string_view rest = xmp.substr(at + name.size());

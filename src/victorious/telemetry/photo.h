@@ -1,5 +1,5 @@
-// telemetry/: what a drone's photo says about its camera. EXIF gives position, height and focal length, XMP in the words
-// of DJI aircraft ("drone-dji:GimbalYawDegree") the gimbal's angles and the height above the take-off.
+// telemetry/: what a drone's photo says about its camera. EXIF gives position, height and focal length, XMP in the
+// words of DJI aircraft ("drone-dji:GimbalYawDegree") the gimbal's angles and the height above the take-off.
 // Source: Exif 2.32 (CIPA DC-008); XMP part 3; DJI's drone-dji namespace as its photos have it.
 #pragma once
 
@@ -41,9 +41,9 @@ struct PhotoMetadata {
 /// @return std::nullopt if it is no JPEG, or has neither EXIF nor XMP
 [[nodiscard]] std::optional<PhotoMetadata> ReadPhotoMetadata(std::span<const std::byte> head);
 
-/// The camera of a photo; std::nullopt for one without a position, or one that is not upright. The field of view is that
-/// of the given camera, else of the one that EXIF names (camera_models.h), else that of the focal length for an uncropped
-/// photo.
+/// The camera of a photo; std::nullopt for one without a position, or one that is not upright. The field of view is
+/// that of the given camera, else of the one that EXIF names (camera_models.h), else that of the focal length for an
+/// uncropped photo.
 /// @param camera_model  as TelemetryOptions
 [[nodiscard]] std::optional<CameraState> CameraFromPhoto(const PhotoMetadata& photo, DjiHeight height,
                                                          std::string_view camera_model);

@@ -45,8 +45,8 @@ constexpr double kMinJump_m = 10;
 // m in a few basins only.
 constexpr double kLowestTakeoff_m = -30;
 
-// Heights above the take-off are used where its height is known: the aircraft's own heights above the sea are often wrong
-// by tens of metres.
+// Heights above the take-off are used where its height is known: the aircraft's own heights above the sea are often
+// wrong by tens of metres.
 DjiHeight HeightOf(const TelemetryOptions& options) {
   return options.takeoff_altitude_m ? DjiHeight::kAboveTakeoff : DjiHeight::kAboveSea;
 }

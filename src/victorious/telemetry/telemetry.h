@@ -1,6 +1,6 @@
 // telemetry/: entry point. In: KLV (MISB ST 0601, EG 0104), DJI subtitles, a table, as bytes or as a video's data
-// packets, or photos with EXIF and XMP. Out: camera states on the video's clock, with heights above the ellipsoid if the
-// datum can be converted.
+// packets, or photos with EXIF and XMP. Out: camera states on the video's clock, with heights above the ellipsoid if
+// the datum can be converted.
 //
 //   bytes -> packets, cues or rows -> CameraState, each with its own datum -> order, clock, datum -> Telemetry
 #pragma once
@@ -71,8 +71,8 @@ struct Telemetry {
 [[nodiscard]] Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets,
                                                        const TelemetryOptions& options);
 
-/// The camera states of photos (photo.h), by increasing time. They hold at their own times only: the times of photos in a
-/// folder are invented, so nothing between them is known.
+/// The camera states of photos (photo.h), by increasing time. They hold at their own times only: the times of photos in
+/// a folder are invented, so nothing between them is known.
 /// Errors: kInvalidArgument for invalid options.
 [[nodiscard]] Expected<Telemetry> TelemetryFromPhotos(std::span<const PhotoMetadata> photos,
                                                       const TelemetryOptions& options);

@@ -45,9 +45,9 @@ constexpr int kMaxCandidates = 4;
 
 // Reach of a lost object, in units of its size (square root of the box's area): how far from its predicted or its last
 // position it may be by its own motion and the errors of the camera's. Beyond the reach, only its appearance speaks for
-// it, and other objects look similar: the templates must fit almost as well as they usually do, and better than they fit
-// any other object that was in view together with the target. The sharpness of the response does not tell two objects
-// apart, since it depends on the surroundings.
+// it, and other objects look similar: the templates must fit almost as well as they usually do, and better than they
+// fit any other object that was in view together with the target. The sharpness of the response does not tell two
+// objects apart, since it depends on the surroundings.
 constexpr double kReach = 3;
 constexpr double kReachPerFrame = 0.15;
 constexpr double kFarNcc = 0.8;       // of its running mean

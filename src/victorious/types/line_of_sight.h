@@ -10,8 +10,8 @@
 
 namespace victorious {
 
-/// The change of a line of sight by one standard deviation of an error of telemetry's clock: fully correlated between the
-/// lines of one flight.
+/// The change of a line of sight by one standard deviation of an error of telemetry's clock: fully correlated between
+/// the lines of one flight.
 struct ClockShift {
   Eigen::Vector3d camera_enu_m = Eigen::Vector3d::Zero();
   double azimuth_rad = 0;

@@ -8,8 +8,8 @@
 
 namespace victorious {
 
-/// The images by natural order of their names ("9.png" before "10.png"), which is the order of the frames; other files are
-/// left out. Frame times count from the first image that can be read.
+/// The images by natural order of their names ("9.png" before "10.png"), which is the order of the frames; other files
+/// are left out. Frame times count from the first image that can be read.
 /// Errors: those of the file system; kInvalidArgument for a folder without images.
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> ListImages(const std::filesystem::path& folder);
 

@@ -1,5 +1,5 @@
-// A copy of a video that browsers play: MP4 with H.264, whose frames are those of the source at the same times. Input: a
-// source as for VideoReader. Output: a file for a viewer, which looks frames up by the table of the source
+// A copy of a video that browsers play: MP4 with H.264, whose frames are those of the source at the same times. Input:
+// a source as for VideoReader. Output: a file for a viewer, which looks frames up by the table of the source
 // (frame_times.h).
 //
 // H.264 of 8 bits in another container (MPEG-TS, MKV, …) is remuxed: its packets are copied, with their time stamps.

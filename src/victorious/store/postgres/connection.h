@@ -24,8 +24,8 @@ inline constexpr std::string_view kSchemaName = "victorious";
 
 /// An open database. Use from one thread at a time.
 ///
-/// A connection that the server or the network ended is opened again by the next statement outside a transaction; inside
-/// one, the statement is an error, because what the transaction did is gone.
+/// A connection that the server or the network ended is opened again by the next statement outside a transaction;
+/// inside one, the statement is an error, because what the transaction did is gone.
 class Connection {
  public:
   /// @param url  "postgresql://user@host:port/database?parameter=value", as libpq reads it (TLS: sslmode and others);
@@ -39,8 +39,8 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Runs one statement. `sql` contains one "?" for each parameter. Outside a transaction it must only read, because it is
-  /// run again if the connection was lost.
+  /// Runs one statement. `sql` contains one "?" for each parameter. Outside a transaction it must only read, because it
+  /// is run again if the connection was lost.
   [[nodiscard]] Expected<Result> Query(std::string_view sql, const BoundValues& parameters);
   template <typename... Values>
   [[nodiscard]] Expected<Result> Query(std::string_view sql, const Values&... values) {
@@ -93,8 +93,8 @@ enum class Exclusion {
   kAll,      ///< all other writes of the index: for what changes rows that others write, too
 };
 
-/// An RAII transaction that writes: the destructor rolls back unless Commit was called. The server ends it if the process
-/// stands still for a minute, so that others do not wait for it.
+/// An RAII transaction that writes: the destructor rolls back unless Commit was called. The server ends it if the
+/// process stands still for a minute, so that others do not wait for it.
 class Transaction {
  public:
   [[nodiscard]] static Expected<Transaction> Begin(Connection& connection, Exclusion exclusion);

@@ -1,5 +1,5 @@
-// Schema versions and migrations of an index in PostgreSQL. The schema `victorious` of a database is the index; its table
-// `version` has the version.
+// Schema versions and migrations of an index in PostgreSQL. The schema `victorious` of a database is the index; its
+// table `version` has the version.
 #pragma once
 
 #include <span>

@@ -315,7 +315,8 @@ Status PostgresStore::PutObjects(std::span<const ObjectRecord> objects) {
                   columns)));
   VICTORIOUS_RETURN_IF_ERROR(connection_->Copy(fmt::format("new_objects ({})", columns), object_rows));
   VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_members (object_id, tracklet_id)", member_rows));
-  // All columns but the key and the model are replaced if the object exists. Rows that stay as they are are not written.
+  // All columns but the key and the model are replaced if the object exists. Rows that stay as they are are not
+  // written.
   VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(fmt::format(
       "ANALYZE new_objects, new_members; "
       "INSERT INTO objects ({0}) SELECT {0} FROM new_objects n WHERE EXISTS (SELECT 1 FROM models m WHERE m.id = "

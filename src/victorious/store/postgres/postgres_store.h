@@ -23,7 +23,8 @@ struct ObjectsPatience {
   std::chrono::milliseconds cancelled = std::chrono::seconds(10);  ///< in all, once cancelled
 };
 
-/// Visits return false or end before the store writes: VisitSightings and VisitKeptFrames hold a transaction that reads.
+/// Visits return false or end before the store writes: VisitSightings and VisitKeptFrames hold a transaction that
+/// reads.
 class PostgresStore final : public IndexStore {
  public:
   explicit PostgresStore(std::unique_ptr<Connection> connection, ObjectsPatience patience = {})
@@ -73,8 +74,8 @@ class PostgresStore final : public IndexStore {
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
   /// The number of the server's process for this connection.
   [[nodiscard]] Expected<std::int64_t> Session();
-  /// Waits for the lock of UpdateObjects. Returns the session that holds it. Errors: kCancelled, kInternal: another process
-  /// has held it for too long.
+  /// Waits for the lock of UpdateObjects. Returns the session that holds it. Errors: kCancelled, kInternal: another
+  /// process has held it for too long.
   [[nodiscard]] Expected<std::int64_t> LockObjects(const CancelToken& cancel);
   /// Says who holds the lock of UpdateObjects, as far as the server tells this role.
   [[nodiscard]] Expected<std::string> DescribeHolder();

@@ -12,9 +12,9 @@ namespace {
 constexpr std::string_view kKey =
     "video_content_id, model_name, frame, box_x_px, box_y_px, box_width_px, box_height_px";
 
-// Each review r with the sighting s, of the tracklet t, that it belongs to. Two boxes in one frame show the same object if
-// their intersection over union is at least a half, which is 3 intersections >= the sum of both areas: another search of
-// the same video moves an outline by some pixels.
+// Each review r with the sighting s, of the tracklet t, that it belongs to. Two boxes in one frame show the same object
+// if their intersection over union is at least a half, which is 3 intersections >= the sum of both areas: another
+// search of the same video moves an outline by some pixels.
 constexpr std::string_view kFromReviews =
     "reviews r JOIN videos v ON v.content_id = r.video_content_id JOIN models m ON m.name = r.model_name "
     "JOIN sightings s ON s.video_id = v.id AND s.frame = r.frame "

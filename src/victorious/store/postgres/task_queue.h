@@ -1,9 +1,10 @@
 // A queue of tasks for workers, in the words of work_state.h, in the database of the index that they write.
 //
-// Claims do not wait for each other (SELECT … FOR UPDATE SKIP LOCKED). Only the attempt that runs can be renewed or ended. An
-// attempt that fails, or loses its lease, is followed by another one, after growing delays; after kMaxAttempts of them
-// without progress the task has failed. Submitted again, it is queued again. Results are stored with the progress by compare-and-swap (IndexStore::Commit), so that each task takes effect
-// once. No transaction is open while a worker computes.
+// Claims do not wait for each other (SELECT … FOR UPDATE SKIP LOCKED). Only the attempt that runs can be renewed or
+// ended. An attempt that fails, or loses its lease, is followed by another one, after growing delays; after
+// kMaxAttempts of them without progress the task has failed. Submitted again, it is queued again. Results are stored
+// with the progress by compare-and-swap (IndexStore::Commit), so that each task takes effect once. No transaction is
+// open while a worker computes.
 #pragma once
 
 #include <chrono>

@@ -82,7 +82,9 @@ TEST_F(PostgresTaskQueueTest, ClaimsByPriorityThenByAge) {
   for (int i = 0; i < 5; ++i) {
     const Task task = ClaimOrDie(*queue_);
     order.push_back(task.kind + " " + task.key);
-    if (task.key == "b") EXPECT_EQ(task.payload, R"({"frame":1})");
+    if (task.key == "b") {
+      EXPECT_EQ(task.payload, R"({"frame":1})");
+    }
     EXPECT_EQ(task.attempt, 1);
   }
   EXPECT_THAT(order, ElementsAre("index c", "index b", "index d", "index a", "stitch a"));

@@ -6,9 +6,9 @@
 
 namespace victorious::postgres {
 
-/// Returns valid UTF-8 without NUL that stands for `bytes`: the same text, in which each byte that PostgreSQL refuses is
-/// the character U+10FF00 + byte. Different texts stay different. Characters from U+10FF00 to U+10FFFF, which no standard
-/// assigns, are written as four such bytes.
+/// Returns valid UTF-8 without NUL that stands for `bytes`: the same text, in which each byte that PostgreSQL refuses
+/// is the character U+10FF00 + byte. Different texts stay different. Characters from U+10FF00 to U+10FFFF, which no
+/// standard assigns, are written as four such bytes.
 [[nodiscard]] std::string EncodeText(std::string_view bytes);
 
 /// The inverse of EncodeText.

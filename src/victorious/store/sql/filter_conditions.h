@@ -14,8 +14,8 @@ namespace victorious::sql {
 /// The ids of the objects within SightingFilter::near; std::nullopt if the filter has none.
 using NearIds = std::optional<std::vector<std::int64_t>>;
 
-/// The conditions of SelectObjects(). `store` lists the videos, if the filter names one: names are compared here, because
-/// SQL does not know path components.
+/// The conditions of SelectObjects(). `store` lists the videos, if the filter names one: names are compared here,
+/// because SQL does not know path components.
 [[nodiscard]] Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& filter,
                                                     const NearIds& near);
 /// The conditions of SelectSightings().

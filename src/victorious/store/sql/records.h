@@ -96,7 +96,8 @@ TrackletRecord ReadTracklet(const Row& row);
 /// Columns: ObjectResultColumns(), then the ids of its videos and of its tracklets, each as a text "3,1,3".
 /// Error: kDataLoss if a binary column has the wrong size. `name`: the index's, for the message.
 [[nodiscard]] Expected<ObjectRecord> ReadObject(const Row& row, std::string_view name);
-/// Columns from `first` on: verdict, note, reviewer, time; all NULL: no review. Error: kDataLoss for an unknown verdict.
+/// Columns from `first` on: verdict, note, reviewer, time; all NULL: no review. Error: kDataLoss for an unknown
+/// verdict.
 [[nodiscard]] Expected<Review> ReadReview(const Row& row, int first, std::string_view name);
 /// Columns: ObjectResultColumns(). Returns the object without its videos and tracklets.
 [[nodiscard]] Expected<ObjectRecord> ReadObjectRow(const Row& row, std::string_view name);
