@@ -399,7 +399,13 @@ function useMap() {
 
 // Connects the map's layers with the state, both ways.
 function connect(map: MapLibre): (() => void)[] {
-  const setData = (source: string, data: FeatureCollection) => map.getSource<GeoJSONSource>(source)?.setData(data);
+  const shown = new Map<string, FeatureCollection>();
+  const setData = (source: string, data: FeatureCollection) => {
+    // Each change draws the whole map again: not for a source that stays empty while a video plays.
+    if (data === EMPTY && (shown.get(source) ?? EMPTY) === EMPTY) return;
+    shown.set(source, data);
+    map.getSource<GeoJSONSource>(source)?.setData(data);
+  };
   const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 150;
   let fittedVideo: number | null = null;
   let shownTiles = tileAddress();
