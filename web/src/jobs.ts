@@ -6,6 +6,8 @@ import type { FoundObject, Job, NewJob } from "./api/types";
 import { onEvent } from "./events";
 import { type Plan, planFiles, withoutUploadFolder } from "./logic/uploads";
 import { account } from "./session";
+import * as load from "./load";
+import * as notices from "./notices";
 import * as state from "./state";
 
 export interface Upload {
@@ -29,8 +31,6 @@ export const active = computed(() => jobs.value.filter((one) => one.state === "q
 
 let nextUpload = 0;
 
-const messageOf = (error: unknown) => (error instanceof Error ? error.message : String(error));
-
 export const canAdd = computed(() => state.project.value.state === "ready" && state.project.value.value.has_jobs);
 
 const READY = {
@@ -44,10 +44,10 @@ function take(list: readonly Job[]) {
   for (const job of list) {
     const was = before.get(job.id);
     if (was === undefined || was === job.state) continue;
-    if (job.state === "done" && job.kind in READY) state.notify(READY[job.kind as keyof typeof READY](job.title));
+    if (job.state === "done" && job.kind in READY) notices.notify(READY[job.kind as keyof typeof READY](job.title));
     if (job.state === "done" && searchAfter.delete(job.id)) void searchAll();
-    if (job.state === "failed") state.notify(withoutUploadFolder(job.message), "error");
-    if (job.state === "done") void state.refresh();
+    if (job.state === "failed") notices.notify(withoutUploadFolder(job.message), "error");
+    if (job.state === "done") void load.refresh();
   }
   jobs.value = list;
 }
@@ -56,7 +56,7 @@ export function startJobs() {
   onEvent("jobs", (data) => take((data as { jobs: Job[] }).jobs));
   listJobs()
     .then(take)
-    .catch((error: unknown) => state.notify(messageOf(error), "error"));
+    .catch(notices.notifyError);
 }
 
 async function send(file: File): Promise<string> {
@@ -95,14 +95,14 @@ export async function addModel(name: string, source: ModelSource, length: number
     const job = await postJob(model);
     if (isSearched) searchAfter.add(job.id);
   } catch (error) {
-    if (!(error instanceof DOMException && error.name === "AbortError")) state.notify(messageOf(error), "error");
+    if (!(error instanceof DOMException && error.name === "AbortError")) notices.notifyError(error);
   }
 }
 
 /** Takes files that were dropped or chosen. */
 export function addFiles(files: readonly File[]) {
   if (!canAdd.value) {
-    state.notify(
+    notices.notify(
       account.value?.role === "viewer"
         ? "You may look, but not add files: that needs the role analyst."
         : "This server takes no files: start it with --models DIR on an index that can be written.",
@@ -111,11 +111,11 @@ export function addFiles(files: readonly File[]) {
     return;
   }
   const plan = planFiles(files);
-  for (const problem of plan.problems) state.notify(problem, "error");
+  for (const problem of plan.problems) notices.notify(problem, "error");
   if (plan.videos.length > 0) isOpen.value = true;
   for (const video of plan.videos) {
     addVideo(video).catch((error: unknown) => {
-      if (!(error instanceof DOMException && error.name === "AbortError")) state.notify(messageOf(error), "error");
+      if (!(error instanceof DOMException && error.name === "AbortError")) notices.notifyError(error);
     });
   }
   if (plan.model.length > 0) askedModel.value = { files: plan.model };
@@ -129,8 +129,8 @@ export async function askForCopy(video: number): Promise<boolean> {
     return true;
   } catch (error) {
     // Made meanwhile, by another viewer.
-    if (error instanceof ApiFailure && error.status === 409) void state.refresh();
-    else state.notify(messageOf(error), "error");
+    if (error instanceof ApiFailure && error.status === 409) void load.refresh();
+    else notices.notifyError(error);
     return error instanceof ApiFailure && error.status === 409;
   }
 }
@@ -151,7 +151,7 @@ export async function askForClip(object: FoundObject) {
   try {
     await postJob(clip);
   } catch (error) {
-    state.notify(messageOf(error), "error");
+    notices.notifyError(error);
   }
 }
 
@@ -160,10 +160,10 @@ export async function searchAll() {
   try {
     for (const video of state.videos.value) if (video.missing === null) await postJob({ kind: "index", video_id: video.id });
   } catch (error) {
-    state.notify(messageOf(error), "error");
+    notices.notifyError(error);
   }
 }
 
 export function cancel(job: Job) {
-  cancelJob(job.id).catch((error: unknown) => state.notify(messageOf(error), "error"));
+  cancelJob(job.id).catch(notices.notifyError);
 }

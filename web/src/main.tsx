@@ -3,7 +3,7 @@ import { render } from "preact";
 import { App } from "./views/app";
 import { startJobs } from "./jobs";
 import { startSession } from "./session";
-import { load } from "./state";
+import { load } from "./load";
 
 import "./styles/tokens.css";
 import "./styles/app.css";

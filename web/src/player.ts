@@ -7,6 +7,7 @@ import { batch, effect, signal } from "@preact/signals";
 import { frameUrl, videoCopyUrl, videoFileUrl } from "./api/client";
 import { askForCopy } from "./jobs";
 import type { FrameTable } from "./logic/frame_table";
+import * as notices from "./notices";
 import * as state from "./state";
 
 /** Why the browser does not play the video; null: it does. */
@@ -179,7 +180,7 @@ class Player {
       if (state.isPlaying.value) void this.playImages();
       return;
     }
-    if (element.paused) void element.play().catch((error: unknown) => state.notify(String(error), "error"));
+    if (element.paused) void element.play().catch((error: unknown) => notices.notify(String(error), "error"));
     else element.pause();
   }
 

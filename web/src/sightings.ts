@@ -4,6 +4,7 @@ import { effect, signal } from "@preact/signals";
 import { listSightings } from "./api/client";
 import type { Sighting } from "./api/types";
 import { needObjects } from "./objects";
+import * as notices from "./notices";
 import * as state from "./state";
 
 const CHUNK_S = 10;
@@ -46,7 +47,7 @@ async function loadChunk(video: number, chunk: number) {
   } catch (error) {
     if (loadedVideo !== video) return;
     chunks.delete(chunk);
-    state.notify(error instanceof Error ? error.message : String(error), "error");
+    notices.notifyError(error);
   }
 }
 

@@ -3,6 +3,8 @@ import { useEffect } from "preact/hooks";
 
 import { type Action, actionOf } from "../logic/keys";
 import { needsLogIn, session } from "../session";
+import * as reviews from "../reviews";
+import * as selection from "../selection";
 import * as state from "../state";
 import { Header } from "./header";
 import { Help } from "./help";
@@ -28,36 +30,36 @@ function focus(id: string) {
 function run(action: Action, shift: boolean) {
   switch (action) {
     case "next":
-      return state.step(1);
+      return selection.step(1);
     case "previous":
-      return state.step(-1);
+      return selection.step(-1);
     case "nextMoment":
-      return state.stepMoment(1);
+      return selection.stepMoment(1);
     case "previousMoment":
-      return state.stepMoment(-1);
+      return selection.stepMoment(-1);
     case "nextSighting":
-      return void state.stepSighting(1);
+      return void selection.stepSighting(1);
     case "previousSighting":
-      return void state.stepSighting(-1);
+      return void selection.stepSighting(-1);
     case "mark":
-      return state.toggleMark(state.selectedId.value);
+      return reviews.toggleMark(state.selectedId.value);
     case "unmark":
-      state.marked.value = new Set();
+      reviews.marked.value = new Set();
       return;
     case "accept":
-      return state.decide("accepted");
+      return reviews.decide("accepted");
     case "reject":
-      return state.decide("rejected");
+      return reviews.decide("rejected");
     case "note":
       return focus("note");
     case "undo":
-      return state.undo();
+      return reviews.undo();
     case "play":
       return togglePlay();
     case "frameBack":
-      return state.stepFrame(shift ? -10 : -1);
+      return selection.stepFrame(shift ? -10 : -1);
     case "frameOn":
-      return state.stepFrame(shift ? 10 : 1);
+      return selection.stepFrame(shift ? 10 : 1);
     case "box":
       return toggleBoxing();
     case "hide":

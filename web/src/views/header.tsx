@@ -1,5 +1,6 @@
 import { counts } from "../objects";
 import { account, logOut } from "../session";
+import * as notices from "../notices";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { JobsButton } from "./jobs";
@@ -28,7 +29,7 @@ function Progress() {
 function Reviewer() {
   const user = account.value;
   if (user) {
-    const leave = () => logOut().catch((error: unknown) => state.notify(String(error), "error"));
+    const leave = () => logOut().catch((error: unknown) => notices.notify(String(error), "error"));
     return (
       <div class="user">
         <span title={`Logged in as ${user.role}`}>

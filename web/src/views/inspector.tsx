@@ -5,6 +5,9 @@ import { thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail } from "../api/types";
 import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatSpan, formatTime, plural } from "../logic/format";
 import { askForClip, canAdd } from "../jobs";
+import * as notices from "../notices";
+import * as reviews from "../reviews";
+import * as selection from "../selection";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { VerdictMark } from "./list";
@@ -20,7 +23,7 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
         </div>
         <figcaption>
           {best ? (
-            <button class="link" onClick={() => state.showTime(best.video_id, best.time_s)}>
+            <button class="link" onClick={() => selection.showTime(best.video_id, best.time_s)}>
               best sighting, {formatTime(best.time_s)}
             </button>
           ) : (
@@ -45,9 +48,9 @@ const STYLE_NAMES: Record<CoordinateStyle, string> = { decimal: "decimal", dms: 
 async function copy(text: string) {
   try {
     await navigator.clipboard.writeText(text);
-    state.notify(`Copied ${text}`);
+    notices.notify(`Copied ${text}`);
   } catch {
-    state.notify("The browser does not allow copying; select the text instead.", "error");
+    notices.notify("The browser does not allow copying; select the text instead.", "error");
   }
 }
 
@@ -164,10 +167,10 @@ function Review({ object }: { object: FoundObject }) {
   const stored = object.review?.note ?? "";
   const [note, setNote] = useState(stored);
   useEffect(() => setNote(stored), [object.id, stored]);
-  const isPending = state.pendingReviews.value.has(object.id);
+  const isPending = reviews.pendingReviews.value.has(object.id);
   const canReview = state.project.value.state === "ready" && state.project.value.value.can_review;
   const save = () => {
-    if (note !== stored) state.review(object.id, verdict, note);
+    if (note !== stored) reviews.review(object.id, verdict, note);
   };
   const status = isPending
     ? "Saving"
@@ -175,7 +178,7 @@ function Review({ object }: { object: FoundObject }) {
       ? `Saved ${new Date(object.review.updated_utc_us / 1000).toLocaleString()}${object.review.reviewer ? ` by ${object.review.reviewer}` : ""}`
       : canReview
         ? "Not reviewed"
-        : state.whyNoReview.value;
+        : reviews.whyNoReview.value;
   return (
     <div class="review">
       <div class="buttons">
@@ -183,7 +186,7 @@ function Review({ object }: { object: FoundObject }) {
           class="button accept"
           aria-pressed={verdict === "accepted"}
           disabled={!canReview}
-          onClick={() => state.review(object.id, verdict === "accepted" ? null : "accepted", note)}
+          onClick={() => reviews.review(object.id, verdict === "accepted" ? null : "accepted", note)}
         >
           <Icon name="accept" /> Accept <kbd>A</kbd>
         </button>
@@ -191,7 +194,7 @@ function Review({ object }: { object: FoundObject }) {
           class="button reject"
           aria-pressed={verdict === "rejected"}
           disabled={!canReview}
-          onClick={() => state.review(object.id, verdict === "rejected" ? null : "rejected", note)}
+          onClick={() => reviews.review(object.id, verdict === "rejected" ? null : "rejected", note)}
         >
           <Icon name="reject" /> Reject <kbd>X</kbd>
         </button>

@@ -9,7 +9,12 @@ import { NO_FILTERS, isFiltered, searchedHours, thresholdCost } from "../logic/f
 import { explainScore, formatExpected, formatMetres, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
 import { canAdd } from "../jobs";
+import * as load from "../load";
+import * as notices from "../notices";
 import * as objects from "../objects";
+import * as reviews from "../reviews";
+import * as save from "../save";
+import * as selection from "../selection";
 import * as state from "../state";
 import { Icon } from "./icons";
 
@@ -41,7 +46,7 @@ function useVirtualizer(count: number) {
 export function VerdictMark({ object }: { object: FoundObject }) {
   const verdict = object.review?.verdict;
   if (!verdict) return null;
-  const isPending = state.pendingReviews.value.has(object.id);
+  const isPending = reviews.pendingReviews.value.has(object.id);
   return (
     <span
       class={`verdict ${verdict} ${isPending ? "pending" : ""}`}
@@ -55,7 +60,7 @@ export function VerdictMark({ object }: { object: FoundObject }) {
 
 function Row({ object, index, top, total }: { object: FoundObject; index: number; top: number; total: number }) {
   const isSelected = state.selectedId.value === object.id;
-  const isMarked = state.marked.value.has(object.id);
+  const isMarked = reviews.marked.value.has(object.id);
   const place = object.place;
   return (
     <div
@@ -68,9 +73,9 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
       style={{ transform: `translateY(${top}px)` }}
       onClick={(event) => {
         const from = state.selectedId.value;
-        if (event.shiftKey && from !== null) state.markRange(from, object.id);
-        else if (event.ctrlKey || event.metaKey) state.toggleMark(object.id);
-        else state.select(object.id, { push: true });
+        if (event.shiftKey && from !== null) reviews.markRange(from, object.id);
+        else if (event.ctrlKey || event.metaKey) reviews.toggleMark(object.id);
+        else selection.select(object.id, { push: true });
       }}
     >
       <div class="thumb">
@@ -170,8 +175,6 @@ function Threshold() {
   );
 }
 
-const fail = (error: unknown) => state.notify(error instanceof Error ? error.message : String(error), "error");
-
 function Rows({ list }: { list: PagedList }) {
   const { scroller, virtualizer } = useVirtualizer(list.total);
   void objects.listVersion.value;
@@ -179,13 +182,13 @@ function Rows({ list }: { list: PagedList }) {
   const position = selected === null ? undefined : list.positionOf(selected);
   useEffect(() => {
     if (position !== undefined) virtualizer.scrollToIndex(position, { align: "auto" });
-    else if (selected !== null) objects.locate(selected).catch(fail);
+    else if (selected !== null) objects.locate(selected).catch(notices.notifyError);
   }, [selected, virtualizer, list, position !== undefined]);
   const items = virtualizer.getVirtualItems();
   const [first, last] = [items[0]?.index ?? 0, items.at(-1)?.index ?? 0];
   useEffect(() => {
     // Not the pages that a fast scroll only passes.
-    const timer = setTimeout(() => objects.need(first, last, fail), 60);
+    const timer = setTimeout(() => objects.need(first, last, notices.notifyError), 60);
     return () => clearTimeout(timer);
   }, [list, first, last]);
   return (
@@ -199,7 +202,7 @@ function Rows({ list }: { list: PagedList }) {
       onKeyDown={(event) => {
         if (event.key !== "ArrowDown" && event.key !== "ArrowUp") return;
         event.preventDefault();
-        state.step(event.key === "ArrowDown" ? 1 : -1);
+        selection.step(event.key === "ArrowDown" ? 1 : -1);
       }}
     >
       <div role="presentation" style={{ height: virtualizer.getTotalSize(), position: "relative" }}>
@@ -265,7 +268,7 @@ function Save() {
       onChange={(event) => {
         const kind = event.currentTarget.value;
         event.currentTarget.value = "";
-        if (kind === "csv" || kind === "geojson") void state.saveList(kind);
+        if (kind === "csv" || kind === "geojson") void save.saveList(kind);
       }}
     >
       <option value="" disabled hidden>
@@ -317,14 +320,14 @@ function Loading() {
 function Marked() {
   return (
     <div class="marked-bar" role="group" aria-label="Marked objects">
-      <strong>{state.marked.value.size.toLocaleString("en")} marked</strong>
-      <button class="button" onClick={() => state.decide("accepted")}>
+      <strong>{reviews.marked.value.size.toLocaleString("en")} marked</strong>
+      <button class="button" onClick={() => reviews.decide("accepted")}>
         <Icon name="accept" /> Accept
       </button>
-      <button class="button" onClick={() => state.decide("rejected")}>
+      <button class="button" onClick={() => reviews.decide("rejected")}>
         <Icon name="reject" /> Reject
       </button>
-      <button class="link" onClick={() => (state.marked.value = new Set())}>
+      <button class="link" onClick={() => (reviews.marked.value = new Set())}>
         Clear
       </button>
     </div>
@@ -361,9 +364,9 @@ export function ObjectList() {
           )}
           {all > 0 && <Save />}
         </div>
-        {state.marked.value.size > 0 && <Marked />}
+        {reviews.marked.value.size > 0 && <Marked />}
         {isNew && (
-          <button class="button new" onClick={() => void state.showNew()}>
+          <button class="button new" onClick={() => void load.showNew()}>
             {plural(all - (objects.listedAll.value ?? all), "new object")}: show
           </button>
         )}

@@ -1,6 +1,7 @@
 // The form to log in, above everything.
 import { useEffect, useRef, useState } from "preact/hooks";
 
+import { messageOf } from "../logic/errors";
 import { logIn, needsLogIn } from "../session";
 
 export function LogIn() {
@@ -21,7 +22,7 @@ export function LogIn() {
     try {
       await logIn(name, password);
     } catch (error) {
-      setProblem(error instanceof Error ? error.message : String(error));
+      setProblem(messageOf(error));
     }
     setPassword("");
     setSending(false);

@@ -13,11 +13,14 @@ import atlasUrl from "world-atlas/countries-50m.json?url";
 
 import { tilesUrl } from "../api/client";
 import type { CameraPath, FoundObject } from "../api/types";
+import { messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
 import { formatMetres, formatPosition } from "../logic/format";
 import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing, whenSeen } from "../logic/geo";
 import { lastReview } from "../objects";
 import { frameCanvas, pictureVersion } from "../player";
+import * as notices from "../notices";
+import * as selection from "../selection";
 import * as state from "../state";
 import { Icon } from "./icons";
 
@@ -382,11 +385,11 @@ function useMap() {
         addImages(shown);
         stops.push(...connect(shown));
         isReady.value = true;
-        addLand(shown).catch(() => state.notify("The base map could not be loaded.", "error"));
+        addLand(shown).catch(() => notices.notify("The base map could not be loaded.", "error"));
       });
     };
     start().catch((error: unknown) => {
-      failure.value = `The map needs WebGL, which this browser does not offer (${error instanceof Error ? error.message : String(error)}).`;
+      failure.value = `The map needs WebGL, which this browser does not offer (${messageOf(error)}).`;
     });
     return () => {
       isGone = true;
@@ -439,12 +442,12 @@ function connect(map: MapLibre): (() => void)[] {
       return map.easeTo({ center: found.geometry.coordinates as Position, zoom: map.getZoom() + 2, duration: calm });
     }
     const id = Number(found?.properties["id"]);
-    if (found && Number.isInteger(id)) return state.select(id, { push: true });
+    if (found && Number.isInteger(id)) return selection.select(id, { push: true });
     const path = state.cameraPath.value;
     const video = state.videoId.value;
     const time = path && whenSeen(path, [event.lngLat.lng, event.lngLat.lat]);
-    if (video !== null && time !== null) return state.showTime(video, time);
-    if (path?.points.some((point) => point.footprint)) state.notify("The camera did not show this place.");
+    if (video !== null && time !== null) return selection.showTime(video, time);
+    if (path?.points.some((point) => point.footprint)) notices.notify("The camera did not show this place.");
   });
 
   return [

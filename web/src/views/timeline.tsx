@@ -4,6 +4,7 @@ import { useRef } from "preact/hooks";
 
 import { formatTime, plural } from "../logic/format";
 import { objectOf, videoObjects } from "../objects";
+import * as selection from "../selection";
 import * as state from "../state";
 
 const TICK_STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 120, 300, 600, 1800, 3600];
@@ -67,7 +68,7 @@ export function Timeline() {
     if (event.type === "pointerdown") track.current.setPointerCapture(event.pointerId);
     const { left, width } = track.current.getBoundingClientRect();
     const part = Math.min(Math.max((event.clientX - left) / Math.max(width, 1), 0), 1);
-    state.showTime(video, part * length.value);
+    selection.showTime(video, part * length.value);
   };
   const time = state.shownTime.value ?? 0;
   return (
@@ -99,7 +100,7 @@ export function Timeline() {
           key={object.id}
           class={`lane ${object.id === state.selectedId.value ? "selected" : ""} ${state.matcher.value(object) ? "" : "greyed"}`}
         >
-          <button tabIndex={-1} title={`${object.model} ${object.id}`} onClick={() => state.select(object.id, { push: true })}>
+          <button tabIndex={-1} title={`${object.model} ${object.id}`} onClick={() => selection.select(object.id, { push: true })}>
             <span class="swatch" style={{ background: state.colourOf(object.model), display: "inline-block" }} /> {object.model}
           </button>
           <div class="track">
@@ -118,8 +119,8 @@ export function Timeline() {
                   title={`${object.model}: ${formatTime(one.first_time_s)} to ${formatTime(one.last_time_s)}, ${plural(one.frames, "frame")}`}
                   aria-label={`${object.model} at ${formatTime(one.first_time_s)}`}
                   onClick={() => {
-                    state.select(object.id, { seek: false, push: true });
-                    state.showTime(one.video_id, one.first_time_s);
+                    selection.select(object.id, { seek: false, push: true });
+                    selection.showTime(one.video_id, one.first_time_s);
                   }}
                 />
               ))}

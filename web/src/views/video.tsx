@@ -8,6 +8,8 @@ import * as jobs from "../jobs";
 import { objectOf } from "../objects";
 import { frameCanvas, pictureVersion, playbackRate, player, unplayable } from "../player";
 import { sightingsAt, sightingsVersion, trailOf } from "../sightings";
+import * as notices from "../notices";
+import * as selection from "../selection";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { Timeline } from "./timeline";
@@ -19,7 +21,7 @@ export const togglePlay = () => player.togglePlay();
 /** Lets the next drag box an object in the frame, or not. */
 export function toggleBoxing() {
   if (!state.isBoxing.value && !jobs.canAdd.value) {
-    state.notify("Searching for a boxed object needs a server with --models, and the role analyst.", "error");
+    notices.notify("Searching for a boxed object needs a server with --models, and the role analyst.", "error");
     return;
   }
   if (state.isPlaying.value) togglePlay();
@@ -107,7 +109,7 @@ function Stage() {
     const at = fit(size.width, size.height, target.clientWidth, target.clientHeight);
     const box = boxBetween(drag.from, [event.offsetX, event.offsetY], size, at);
     if (box === null) {
-      state.notify("The box is too small: draw it around the whole object.", "error");
+      notices.notify("The box is too small: draw it around the whole object.", "error");
       return;
     }
     state.isBoxing.value = false;
@@ -121,7 +123,7 @@ function Stage() {
     if (frame !== null && video && target) {
       const at = fit(video.width_px, video.height_px, target.clientWidth, target.clientHeight);
       const found = hit(sightingsAt(frame), (event.offsetX - at.x) / at.scale, (event.offsetY - at.y) / at.scale);
-      if (found) return state.select(found.object_id, { seek: false, push: true });
+      if (found) return selection.select(found.object_id, { seek: false, push: true });
     }
     togglePlay();
   };
@@ -183,8 +185,8 @@ function Controls() {
   );
   return (
     <div class="controls">
-      {button("Previous moment (H)", "previous", () => state.stepMoment(-1))}
-      {button("One frame back (,)", "back", () => state.stepFrame(-1))}
+      {button("Previous moment (H)", "previous", () => selection.stepMoment(-1))}
+      {button("One frame back (,)", "back", () => selection.stepFrame(-1))}
       <button
         class="button icon"
         title={state.isPlaying.value ? "Pause (Space)" : "Play (Space)"}
@@ -193,8 +195,8 @@ function Controls() {
       >
         <Icon name={state.isPlaying.value ? "pause" : "play"} />
       </button>
-      {button("One frame on (.)", "on", () => state.stepFrame(1))}
-      {button("Next moment (L)", "next", () => state.stepMoment(1))}
+      {button("One frame on (.)", "on", () => selection.stepFrame(1))}
+      {button("Next moment (L)", "next", () => selection.stepMoment(1))}
       {jobs.canAdd.value && (
         <button
           class="button icon plain"
@@ -222,7 +224,7 @@ function Controls() {
             class="field"
             style={{ maxWidth: "11rem" }}
             value={String(state.videoId.value ?? "")}
-            onChange={(event) => state.showTime(Number(event.currentTarget.value), 0)}
+            onChange={(event) => selection.showTime(Number(event.currentTarget.value), 0)}
           >
             {state.videos.value.map((one) => (
               <option key={one.id} value={String(one.id)}>

@@ -1,0 +1,144 @@
+// What the page loads: at its beginning, when the server tells of something new, and when the user chose something else.
+import { batch, effect, untracked } from "@preact/signals";
+
+import { ApiFailure, getCameraPath, getProject, getTimes, listVideos } from "./api/client";
+import { onEvent, startEvents } from "./events";
+import { messageOf } from "./logic/errors";
+import { FrameTable } from "./logic/frame_table";
+import { parseUrl } from "./logic/url_state";
+import { notify, notifyError } from "./notices";
+import * as objects from "./objects";
+import { select, showTime, step } from "./selection";
+import { account } from "./session";
+import {
+  cameraPath, filters, frameTable, indexVersion, isConnected, isOnlyMatching, project, selectedId, shownFrame, sort, videoId, videos,
+} from "./state";
+
+const RETRY_MS = 3000;
+
+/** Loads what the page begins with; tries again by itself while the server does not answer. */
+export async function load() {
+  try {
+    const [summary, found] = await Promise.all([getProject(), listVideos()]);
+    objects.setQueueTime(summary.now_utc_us);
+    await objects.loadList(sort.value, filters.value, isOnlyMatching.value);
+    batch(() => {
+      project.value = { state: "ready", value: summary };
+      videos.value = found;
+      isConnected.value = true;
+    });
+    await openFromUrl();
+    startLive();
+  } catch (error) {
+    isConnected.value = !(error instanceof ApiFailure && error.status === 0);
+    const isLoggedOut = error instanceof ApiFailure && error.status === 401;
+    if (project.value.state !== "ready" && !isLoggedOut) project.value = { state: "failed", message: messageOf(error) };
+    setTimeout(() => void load(), RETRY_MS);
+  }
+}
+
+/** What has changed on the server: numbers, videos, tiles. The list keeps its order until the user asks for another. */
+export async function refresh() {
+  try {
+    const [summary, found] = await Promise.all([getProject(), listVideos()]);
+    const isFirst = objects.list.peek()?.total === 0 && summary.objects > 0;
+    if (isFirst) objects.setQueueTime(summary.now_utc_us);
+    await objects.refreshCounts();
+    if (isFirst) await showNew();
+    batch(() => {
+      project.value = { state: "ready", value: summary };
+      videos.value = found;
+      indexVersion.value++;
+    });
+    if (videoId.peek() === null && found[0]) showTime(found[0].id, 0);
+    if (selectedId.peek() === null && isFirst) step(1);
+  } catch (error) {
+    isConnected.value = !(error instanceof ApiFailure && error.status === 0);
+  }
+}
+
+/** Makes the list anew, with what was found since it was made. */
+export async function showNew() {
+  await objects.loadList(sort.peek(), filters.peek(), isOnlyMatching.peek());
+}
+
+let isLive = false;
+
+/** Follows what the server tells from now on. */
+function startLive() {
+  if (isLive) return;
+  isLive = true;
+  let known: number | null = null;
+  onEvent("index", (data) => {
+    const { version } = data as { version: number };
+    // The first one says what was loaded just now.
+    if (known !== null && version !== known) void refresh();
+    known = version;
+  });
+  startEvents();
+}
+
+async function openFromUrl() {
+  const wanted = parseUrl(location.search);
+  if (wanted.object !== null && !objects.objectOf(wanted.object)) await objects.locate(wanted.object).catch(() => undefined);
+  const target = wanted.object === null ? undefined : objects.objectOf(wanted.object);
+  if (target) {
+    select(target.id, { seek: wanted.time === null });
+  } else if (wanted.object !== null) {
+    notify(`Object ${wanted.object} is not in this index (a new search may have joined or removed it).`, "error");
+  }
+  const first = wanted.video ?? target?.moments[0]?.video_id ?? videos.value[0]?.id ?? null;
+  if (first !== null && wanted.time !== null) return showTime(first, wanted.time);
+  const best = objects.list.value?.at(0);
+  if (!target && wanted.object === null && best !== undefined) return select(best);
+  if (first !== null && videoId.value === null && !target) showTime(first, 0);
+}
+
+window.addEventListener("popstate", () => void openFromUrl());
+
+// The list and the counts follow what the user chose.
+effect(() => {
+  const [order, chosen, isOnly] = [sort.value, filters.value, isOnlyMatching.value];
+  if (project.value.state !== "ready") return;
+  untracked(() => objects.follow(order, chosen, isOnly, notifyError));
+});
+
+// What could not be loaded because the session had ended.
+effect(() => {
+  if (account.value !== null && project.peek().state === "ready") untracked(() => void refresh());
+});
+
+// What the time line shows of the video.
+effect(() => {
+  const id = videoId.value;
+  void indexVersion.value;
+  if (id === null) return;
+  const abort = new AbortController();
+  objects.loadVideoObjects(id, abort.signal).catch((error: unknown) => {
+    if (!abort.signal.aborted) notifyError(error);
+  });
+  return () => abort.abort();
+});
+
+// Times and camera of the video that is shown.
+effect(() => {
+  const id = videoId.value;
+  if (id === null) return;
+  const abort = new AbortController();
+  batch(() => {
+    frameTable.value = { state: "loading" };
+    cameraPath.value = null;
+    shownFrame.value = null;
+  });
+  getTimes(id, abort.signal)
+    .then((times) => (frameTable.value = { state: "ready", value: new FrameTable(times) }))
+    .catch((error: unknown) => {
+      if (!abort.signal.aborted) frameTable.value = { state: "failed", message: messageOf(error) };
+    });
+  getCameraPath(id, abort.signal)
+    .then((path) => (cameraPath.value = path))
+    .catch((error: unknown) => {
+      if (!abort.signal.aborted) notifyError(error);
+    });
+  return () => abort.abort();
+});

@@ -1,0 +1,145 @@
+// What is selected and shown, and how to move: between objects, moments, sightings and frames.
+import { batch, effect } from "@preact/signals";
+
+import { getObject, listObjectSightings } from "./api/client";
+import type { FoundObject } from "./api/types";
+import { writeUrl } from "./address";
+import { messageOf } from "./logic/errors";
+import { type Filters, makeMatcher } from "./logic/filters";
+import { notify, notifyError } from "./notices";
+import * as objects from "./objects";
+import { detail, filters, frameTable, seekRequest, selected, selectedId, shownFrame, shownTime, sort, videoId } from "./state";
+
+/** The object whose best sighting is to be shown once it is known. */
+let seekToBest: number | null = null;
+
+// The selection's details.
+effect(() => {
+  const id = selectedId.value;
+  if (id === null) {
+    detail.value = null;
+    return;
+  }
+  const abort = new AbortController();
+  detail.value = { state: "loading" };
+  getObject(id, abort.signal)
+    .then((value) => {
+      batch(() => {
+        detail.value = { state: "ready", value };
+        if (seekToBest === id && value.best) showTime(value.best.video_id, value.best.time_s);
+        if (seekToBest === id) seekToBest = null;
+      });
+    })
+    .catch((error: unknown) => {
+      if (!abort.signal.aborted) detail.value = { state: "failed", message: messageOf(error) };
+    });
+  return () => abort.abort();
+});
+
+export function showTime(target: number, time: number) {
+  batch(() => {
+    videoId.value = target;
+    seekRequest.value = { video: target, time };
+  });
+}
+
+function isShown(object: FoundObject) {
+  const time = shownTime.value;
+  return object.moments.some(
+    (one) => one.video_id === videoId.value && time !== null && one.first_time_s <= time && time <= one.last_time_s,
+  );
+}
+
+/** Selects an object; the video goes to its best sighting unless it shows the object already. */
+export function select(id: number, { seek = true, push = false } = {}) {
+  const object = objects.objectOf(id);
+  if (!object) {
+    // Not loaded yet: a find on the map, say.
+    objects
+      .locate(id)
+      .then(() => objects.objectOf(id) && select(id, { seek, push }))
+      .catch(notifyError);
+    return;
+  }
+  if (push && selectedId.value !== null && selectedId.value !== id) writeUrl(true);
+  seekToBest = seek && !isShown(object) ? id : null;
+  const known = detail.value;
+  if (seekToBest !== null && selectedId.value === id && known?.state === "ready" && known.value.best) {
+    showTime(known.value.best.video_id, known.value.best.time_s);
+  }
+  selectedId.value = id;
+}
+
+/** The nearest object of the list before or after the selected one that passes a test; the server knows what is not loaded. */
+export async function neighbour(by: 1 | -1, wanted: Filters): Promise<number | null> {
+  const matches = makeMatcher(wanted);
+  const id = selectedId.value;
+  const found = objects.findNeighbour(id, by, matches);
+  if (found === "end") return null;
+  if (found !== "unknown") return found;
+  return objects.askNeighbour(id, by, sort.value, wanted);
+}
+
+/** The next or previous object of the list that passes the filters. */
+export function step(by: 1 | -1) {
+  const from = selectedId.value;
+  neighbour(by, filters.value)
+    .then((id) => {
+      if (id !== null && selectedId.value === from) select(id, { push: true });
+    })
+    .catch(notifyError);
+}
+
+/** The next or previous moment of the selected object. */
+export function stepMoment(by: 1 | -1) {
+  const object = selected.value;
+  if (!object) return;
+  const time = shownTime.value ?? 0;
+  const order = object.moments;
+  const position = (one: (typeof order)[number]) =>
+    one.video_id === videoId.value ? one.first_time_s - time : one.video_id < (videoId.value ?? 0) ? -Infinity : Infinity;
+  const next =
+    by > 0
+      ? order.find((one) => position(one) > 1e-3)
+      : [...order].reverse().find((one) => position(one) < -1e-3);
+  if (next) showTime(next.video_id, next.first_time_s);
+  else notify(by > 0 ? "This is the last moment of the object." : "This is the first moment of the object.");
+}
+
+/** The next or previous frame in which the selected object was sighted, in any of its videos. */
+export async function stepSighting(by: 1 | -1) {
+  const object = selected.value;
+  const video = videoId.value;
+  if (!object || video === null) return;
+  try {
+    const all = await sightingTimes(object.id);
+    const time = shownTime.value ?? 0;
+    const isBeyond = (one: { video: number; time: number }) =>
+      one.video === video ? by * (one.time - time) > 5e-4 : by * (one.video - video) > 0;
+    const next = by > 0 ? all.find(isBeyond) : [...all].reverse().find(isBeyond);
+    if (next && selectedId.value === object.id) showTime(next.video, next.time);
+    else if (!next) notify(by > 0 ? "This is the last sighting of the object." : "This is the first sighting of the object.");
+  } catch (error) {
+    notifyError(error);
+  }
+}
+
+let sightingsOf: { id: number; times: Promise<{ video: number; time: number }[]> } | null = null;
+
+/** Of one object, by video and time; kept for the last one that was asked for. */
+function sightingTimes(id: number) {
+  if (sightingsOf?.id !== id) {
+    const times = listObjectSightings(id).then((all) => all.map((one) => ({ video: one.video_id, time: one.time_s })));
+    times.catch(() => (sightingsOf = null));
+    sightingsOf = { id, times };
+  }
+  return sightingsOf.times;
+}
+
+export function stepFrame(by: number) {
+  const table = frameTable.value;
+  const id = videoId.value;
+  if (table.state !== "ready" || id === null) return;
+  const frame = table.value.clamp((shownFrame.value ?? 0) + by);
+  seekRequest.value = { video: id, time: table.value.timeOf(frame) };
+}
