@@ -112,7 +112,7 @@ export async function stepSighting(by: 1 | -1) {
   const video = videoId.value;
   if (!object || video === null) return;
   try {
-    const all = await sightingTimes(object.id);
+    const all = await sightingTimes(object);
     const time = shownTime.value ?? 0;
     const isBeyond = (one: { video: number; time: number }) =>
       one.video === video ? by * (one.time - time) > 5e-4 : by * (one.video - video) > 0;
@@ -127,11 +127,14 @@ export async function stepSighting(by: 1 | -1) {
 let sightingsOf: { id: number; times: Promise<{ video: number; time: number }[]> } | null = null;
 
 /** Of one object, by video and time; kept for the last one that was asked for. */
-function sightingTimes(id: number) {
-  if (sightingsOf?.id !== id) {
-    const times = listObjectSightings(id).then((all) => all.map((one) => ({ video: one.video_id, time: one.time_s })));
+function sightingTimes(object: FoundObject) {
+  if (sightingsOf?.id !== object.id) {
+    const times = listObjectSightings(object.id, object.first_time_s, object.last_time_s).then(({ sightings, truncated }) => {
+      if (truncated) notify("The object has more sightings at one time than can be loaded: some are left out.", "error");
+      return sightings.map((one) => ({ video: one.video_id, time: one.time_s }));
+    });
     times.catch(() => (sightingsOf = null));
-    sightingsOf = { id, times };
+    sightingsOf = { id: object.id, times };
   }
   return sightingsOf.times;
 }

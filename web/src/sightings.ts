@@ -34,8 +34,9 @@ async function loadChunk(video: number, chunk: number) {
   if (chunk < 0 || chunks.has(chunk)) return;
   chunks.add(chunk);
   try {
-    const found = await listSightings(video, chunk * CHUNK_S, (chunk + 1) * CHUNK_S);
+    const { sightings: found, truncated } = await listSightings(video, chunk * CHUNK_S, (chunk + 1) * CHUNK_S);
     if (loadedVideo !== video) return;
+    if (truncated) notices.notify("A frame has more than 10,000 sightings: only some of them are shown.", "error");
     for (const sighting of found) {
       const others = byFrame.get(sighting.frame) ?? [];
       // The border of two pieces belongs to both.

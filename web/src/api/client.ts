@@ -1,6 +1,7 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Session, Sighting, Verdict } from "./types";
+import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Session, Verdict } from "./types";
+import { type SightingPages, inHalves } from "../logic/halves";
 
 const ROOT = "/api/v1";
 
@@ -60,20 +61,17 @@ export const getObject = (id: number, signal: AbortSignal) => request<ObjectDeta
 export const getTimes = async (video: number, signal: AbortSignal) =>
   (await request<components["schemas"]["FrameTimes"]>(`/videos/${video}/times`, { signal })).times_s;
 
-export const listSightings = async (video: number, from: number, to: number): Promise<Sighting[]> => {
-  const found = await request<components["schemas"]["SightingList"]>(
-    `/videos/${video}/sightings?from=${from}&to=${to}&limit=10000`,
-  );
-  if (!found.truncated) return found.sightings;
-  // More than fit in one answer: in two halves, which share no sighting once one is dropped.
-  const middle = (from + to) / 2;
-  const [first, second] = await Promise.all([listSightings(video, from, middle), listSightings(video, middle, to)]);
-  return [...first, ...second.filter((one) => one.time_s > middle)];
-};
+const getSightings = (path: string) => (from: number, to: number) =>
+  request<components["schemas"]["SightingList"]>(`${path}/sightings?from=${from}&to=${to}&limit=10000`);
 
-/** At most 10,000, by video and frame. */
-export const listObjectSightings = async (object: number) =>
-  (await request<components["schemas"]["SightingList"]>(`/objects/${object}/sightings?limit=10000`)).sightings;
+/** By time, at most 10,000 in each request. */
+export const listSightings = (video: number, from: number, to: number) => inHalves(getSightings(`/videos/${video}`), from, to);
+
+/** Of one object, seen from `from` to `to`, by video and frame. */
+export const listObjectSightings = async (object: number, from: number, to: number): Promise<SightingPages> => {
+  const { sightings, truncated } = await inHalves(getSightings(`/objects/${object}`), from, to);
+  return { sightings: sightings.sort((a, b) => a.video_id - b.video_id || a.frame - b.frame), truncated };
+};
 
 export const getCameraPath = (video: number, signal: AbortSignal) =>
   request<CameraPath>(`/videos/${video}/camera`, { signal });
