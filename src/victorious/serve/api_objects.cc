@@ -85,6 +85,7 @@ ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query) {
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.from_s, query.Number("from", 0, 1e9));
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.to_s, query.Number("to", 0, 1e9));
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.near, query.Circle("near"));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.area, query.Area("area"));
   return wanted;
 }
 

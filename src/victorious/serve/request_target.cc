@@ -144,6 +144,35 @@ ApiExpected<std::optional<GeoCircle>> QueryReader::Circle(std::string_view name)
                                name, *text));
 }
 
+ApiExpected<std::optional<GeoPolygon>> QueryReader::Area(std::string_view name) {
+  constexpr std::size_t kMaxCorners = 100;
+  const auto text = Text(name);
+  if (!text) return std::nullopt;
+  std::vector<double> numbers;
+  bool is_valid = true;
+  for (std::string_view rest = *text; is_valid && !rest.empty();) {
+    const auto value = ParseNumber<double>(rest.substr(0, rest.find(',')));
+    is_valid = value && std::isfinite(*value) && numbers.size() < 2 * kMaxCorners;
+    if (is_valid) numbers.push_back(*value);
+    const auto comma = rest.find(',');
+    is_valid = is_valid && comma != rest.size() - 1;
+    rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
+  }
+  is_valid = is_valid && numbers.size() >= 6 && numbers.size() % 2 == 0;
+  GeoPolygon area;
+  for (std::size_t i = 0; is_valid && i < numbers.size(); i += 2) {
+    // Farther than a quarter of a turn from the first corner, which way round an edge goes would be a guess.
+    is_valid = std::abs(numbers[i]) <= 90 && std::abs(numbers[i + 1]) <= 360 &&
+               std::abs(std::remainder(numbers[i + 1] - numbers[1], 360)) <= 90;
+    area.corners.push_back({RadiansFromDegrees(numbers[i]), RadiansFromDegrees(numbers[i + 1]), 0});
+  }
+  if (is_valid) return area;
+  return FailField(std::string(name),
+                   fmt::format("{} \"{}\": must be latitude and longitude in degrees of 3 to {} corners, as in "
+                               "52.5,13.4,52.6,13.4,52.6,13.5",
+                               name, *text, kMaxCorners));
+}
+
 ApiStatus QueryReader::CheckAllUsed() const {
   for (std::size_t i = 0; i < query_.size(); ++i) {
     if (used_[i]) continue;

@@ -11,7 +11,7 @@
 
 #include "victorious/geometry/geodesy.h"
 #include "victorious/serve/api_error.h"
-#include "victorious/store/index_store.h"
+#include "victorious/store/triage_store.h"
 
 namespace victorious {
 
@@ -39,6 +39,8 @@ class QueryReader {
   ApiExpected<std::optional<std::int64_t>> Integer(std::string_view name, std::int64_t min, std::int64_t max);
   /// "latitude,longitude,metres", angles in degrees.
   ApiExpected<std::optional<GeoCircle>> Circle(std::string_view name);
+  /// "latitude,longitude,latitude,longitude,…", degrees: 3 to 100 corners, of one half of the globe.
+  ApiExpected<std::optional<GeoPolygon>> Area(std::string_view name);
   /// Error: kInvalidArgument for a parameter that was never read.
   [[nodiscard]] ApiStatus CheckAllUsed() const;
 

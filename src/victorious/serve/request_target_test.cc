@@ -53,5 +53,24 @@ TEST(QueryReader, ReadsTypesAndNamesTheField) {
   EXPECT_TRUE(query.CheckAllUsed());
 }
 
+TEST(QueryReader, ReadsAreas) {
+  const auto area_of = [](const std::string& text) {
+    const auto target = ParseRequestTarget("/?area=" + text);
+    EXPECT_TRUE(target) << text;
+    return QueryReader(*target).Area("area");
+  };
+  const auto triangle = area_of("52.5,13.4,52.6,13.4,52.6,13.5");
+  ASSERT_TRUE(triangle && *triangle);
+  ASSERT_EQ((**triangle).corners.size(), 3);
+  EXPECT_NEAR((**triangle).corners[2].longitude_rad, RadiansFromDegrees(13.5), 1e-12);
+  EXPECT_TRUE(area_of("1,179,1,-179,2,-179")) << "across the antimeridian";
+  for (const char* wrong : {"", "1,2", "1,2,3,4", "1,2,3,4,5", "1,2,3,4,5,6,", "1,2,3,4,5,x", "1,2,3,4,5,nan",
+                            "91,2,3,4,5,6", "0,0,0,100,1,0"}) {
+    const auto area = area_of(wrong);
+    ASSERT_FALSE(area) << wrong;
+    EXPECT_EQ(area.error().field, "area");
+  }
+}
+
 }  // namespace
 }  // namespace victorious

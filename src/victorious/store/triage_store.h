@@ -18,6 +18,12 @@
 
 namespace victorious {
 
+/// A region of the ground: a simple polygon whose edges are straight in latitude and longitude, at most half the globe
+/// wide; it may cross the antimeridian.
+struct GeoPolygon {
+  std::vector<GeodeticPoint> corners;  ///< at least 3; heights are not read
+};
+
 /// Selects objects. All conditions that are set must hold. Rejected objects (ObjectRecord::rejected) never match.
 struct ObjectQuery {
   enum class ReviewState { kAny, kNone, kAccepted, kRejected };
@@ -28,6 +34,7 @@ struct ObjectQuery {
   std::optional<double> from_s;       ///< seen at or after this time
   std::optional<double> to_s;         ///< seen at or before this time
   std::optional<GeoCircle> near;      ///< only objects of known place
+  std::optional<GeoPolygon> area;     ///< only objects of known place
   std::vector<std::string> words;  ///< each is part of the model's name, of the id or of the note; ASCII ignores case
   ReviewState review = ReviewState::kAny;
 

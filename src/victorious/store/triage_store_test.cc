@@ -198,6 +198,38 @@ TEST_F(TriageStoreTest, FiltersSelect) {
   EXPECT_EQ(counts->scores[95], 1);
 }
 
+TEST_F(TriageStoreTest, AreasSelect) {
+  PutPlace(ids_[0], 52, 13);
+  PutPlace(ids_[1], 52, 13.002);
+  PutPlace(ids_[4], 52, 13.001);
+  PutPlace(ids_[2], -10, 179.9999);
+  PutPlace(ids_[3], -10, -179.9999);
+  const auto in = [&](std::initializer_list<std::pair<double, double>> corners) {
+    GeoPolygon area;
+    for (const auto& [latitude, longitude] : corners) {
+      area.corners.push_back({RadiansFromDegrees(latitude), RadiansFromDegrees(longitude), 0});
+    }
+    return List({.area = area});
+  };
+  EXPECT_THAT(in({{51.999, 12.999}, {52.001, 12.999}, {52.001, 13.001}, {51.999, 13.001}}), ElementsAre(ids_[0]));
+  EXPECT_THAT(in({{51.999, 12.999}, {51.999, 13.003}, {52.001, 13.003}, {52.001, 12.999}}),
+              ElementsAre(ids_[0], ids_[1], ids_[4]))
+      << "either orientation";
+  EXPECT_THAT(in({{51.999, 12.999},
+                  {52.001, 12.999},
+                  {52.001, 13.0005},
+                  {51.9995, 13.001},
+                  {52.001, 13.0015},
+                  {52.001, 13.003},
+                  {51.999, 13.003}}),
+              ElementsAre(ids_[0], ids_[1]))
+      << "the notch leaves one out";
+  EXPECT_THAT(in({{52.0005, 12.999}, {52.001, 12.999}, {52.001, 13.001}}), IsEmpty());
+  EXPECT_THAT(in({{-11, 179.999}, {-9, 179.999}, {-9, -179.999}, {-11, -179.999}}), ElementsAre(ids_[2], ids_[3]))
+      << "across the antimeridian";
+  EXPECT_EQ(*store_->CountObjects({.area = GeoPolygon{{{0.9, 0.22, 0}, {0.92, 0.22, 0}, {0.91, 0.24, 0}}}}), 3);
+}
+
 TEST_F(TriageStoreTest, CirclesCrossTheAntimeridianAndThePole) {
   PutPlace(ids_[0], 10, 179.9995);
   PutPlace(ids_[1], 89.9999, -90);

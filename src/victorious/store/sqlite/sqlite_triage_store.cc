@@ -32,6 +32,29 @@ using ReviewState = ObjectQuery::ReviewState;
 constexpr int kObjectRow = kObjectColumns.Size();  // the columns after those of the table
 constexpr int kReviewColumns = kObjectRow + 4;
 
+// Whether a place lies in a polygon, by the number of its edges that lie east of the place. Longitudes are compared
+// relative to the first corner's, because an area may cross the antimeridian.
+bool IsInside(const GeoPolygon& area, double latitude_rad, double longitude_rad) {
+  const double origin = area.corners.front().longitude_rad;
+  const auto east_of_origin = [&](double longitude) {
+    return std::remainder(longitude - origin, 2 * std::numbers::pi);
+  };
+  const double x = east_of_origin(longitude_rad);
+  bool is_inside = false;
+  const GeodeticPoint* before = &area.corners.back();
+  for (const GeodeticPoint& corner : area.corners) {
+    const double y1 = before->latitude_rad;
+    const double y2 = corner.latitude_rad;
+    if ((y1 > latitude_rad) != (y2 > latitude_rad)) {
+      const double x1 = east_of_origin(before->longitude_rad);
+      const double x2 = east_of_origin(corner.longitude_rad);
+      if (x < x1 + (latitude_rad - y1) / (y2 - y1) * (x2 - x1)) is_inside = !is_inside;
+    }
+    before = &corner;
+  }
+  return is_inside;
+}
+
 std::string SelectListed() {
   return "SELECT " + kObjectColumns.Names("o") +
          ", o.score, o.frames, o.first_time_s, o.last_time_s, o.verdict, o.note, o.reviewer, o.reviewed_utc_us "
@@ -274,6 +297,21 @@ class SqliteTriageStore final : public TriageStore {
     }
   }
 
+  Expected<std::vector<std::int64_t>> ReadInside(const GeoPolygon& area) {
+    const auto [south, north] = std::ranges::minmax(area.corners, {}, &GeodeticPoint::latitude_rad);
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement select,
+        connection_->Prepare("SELECT id, latitude_rad, longitude_rad FROM objects INDEXED BY objects_by_place "
+                             "WHERE latitude_rad BETWEEN ? AND ?"));
+    select.Bind(south.latitude_rad, north.latitude_rad);
+    std::vector<std::int64_t> ids;
+    while (true) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+      if (!has_row) return ids;
+      if (IsInside(area, select.Real(1), select.Real(2))) ids.push_back(select.Integer(0));
+    }
+  }
+
   Expected<Conditions> MakeConditions(const ObjectQuery& query) {
     constexpr std::string_view kInList = "o.id IN (SELECT value FROM json_each(?))";
     Conditions conditions;
@@ -296,6 +334,10 @@ class SqliteTriageStore final : public TriageStore {
     }
     if (query.near) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> ids, ReadNear(*query.near));
+      conditions.Add(kInList, IdList(ids));
+    }
+    if (query.area) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> ids, ReadInside(*query.area));
       conditions.Add(kInList, IdList(ids));
     }
     switch (query.review) {
@@ -448,7 +490,7 @@ class SqliteTriageStore final : public TriageStore {
 namespace victorious {
 
 bool ObjectQuery::IsEmpty() const {
-  return models.empty() && !video && !min_score && !from_s && !to_s && !near && words.empty() &&
+  return models.empty() && !video && !min_score && !from_s && !to_s && !near && !area && words.empty() &&
          review == ReviewState::kAny;
 }
 
