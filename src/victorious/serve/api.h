@@ -145,6 +145,9 @@ class Api {
   ApiExpected<Json> ModelInput(const nlohmann::json& body);
   ApiExpected<Json> CopyInput(const nlohmann::json& body);
   ApiExpected<Json> ClipInput(const nlohmann::json& body);
+  // In api_follow.cc.
+  ApiExpected<Json> LiveInput(const nlohmann::json& body);
+  ApiExpected<Json> TrackInput(const nlohmann::json& body);
   /// Writes a frame of a video as an image among the uploads.
   ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body);
   ApiExpected<HttpResponse> SendMade(const HttpRequest& request, const std::string& name);

@@ -93,6 +93,10 @@ ApiExpected<Json> Api::JobInput(JobKind kind, const Body& body) {
       return ModelInput(body);
     case JobKind::kCopy:
       return CopyInput(body);
+    case JobKind::kLive:
+      return LiveInput(body);
+    case JobKind::kTrack:
+      return TrackInput(body);
     case JobKind::kClip:
       break;
   }
@@ -245,10 +249,18 @@ ApiExpected<HttpResponse> Api::JobFile(const Call& call) {
   const std::string& name = call.parameters[1];
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> job, live_->Find(id));
-  const auto made =
-      job && job->kind == JobKind::kClip && job->state == WorkState::kDone ? MadeFileOf(*job) : std::nullopt;
+  const bool is_track = job && job->kind == JobKind::kTrack;
+  const bool is_fetched = is_track || (job && job->kind == JobKind::kClip);
+  const auto made = is_fetched && job->state == WorkState::kDone ? MadeFileOf(*job) : std::nullopt;
   const bool is_table = name == "telemetry";
-  if (!made || (!is_table && name != "clip")) return NotFound(fmt::format("job {} has no file {}", number, name));
+  const bool is_made = is_track ? name == "track" : is_table || name == "clip";
+  if (!made || !is_made) return NotFound(fmt::format("job {} has no file {}", number, name));
+  if (is_track) {
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(*made, error);
+    if (error) return NotFound("the track was removed to make room for others: box the object again");
+    return FileResponse(call.request, *made, static_cast<std::int64_t>(bytes), "application/x-ndjson", FileEtag(*made));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendMade(call.request, made->filename().string()));
   if (is_table) {
     const std::filesystem::path table = ClipTelemetryPath(*made);
@@ -271,7 +283,9 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
   if (!body->is_object()) return FailField("", "the body must be an object");
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(*body, "kind"));
   const std::optional<JobKind> kind = FromText(kJobKindTexts, name);
-  if (!kind) return FailField("kind", fmt::format("kind \"{}\": must be index, model, copy or clip", name));
+  if (!kind) {
+    return FailField("kind", fmt::format("kind \"{}\": must be index, live, model, copy, clip or track", name));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body));
   const NewJob asked{
       .kind = *kind, .input_json = Dump(input), .now_us = NowUtcMicroseconds(), .actor = call.caller.name()};

@@ -13,6 +13,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/drawn_video.h"
 #include "victorious/serve/job_runner.h"
+#include "victorious/serve/live_address.h"
 #include "victorious/store/listed_object.h"
 
 namespace victorious {
@@ -39,13 +40,21 @@ Json PointToJson(const GeodeticPoint& point) {
 // What a user may fetch. A file may have been removed since it was made.
 Json FilesOf(const JobRecord& job) {
   Json files = Json::array();
-  if (job.kind != JobKind::kClip || job.state != WorkState::kDone) return files;
+  if ((job.kind != JobKind::kClip && job.kind != JobKind::kTrack) || job.state != WorkState::kDone) return files;
   const auto made = MadeFileOf(job);
   std::error_code error;
   if (!made || !std::filesystem::exists(*made, error)) return files;
-  files.push_back("clip");
+  files.push_back(ToText(job.kind));
+  if (job.kind == JobKind::kTrack) return files;
   if (std::filesystem::exists(ClipTelemetryPath(*made), error)) files.push_back("telemetry");
   return files;
+}
+
+// The video that a track belongs to.
+Json VideoIdOf(const JobRecord& job) {
+  if (job.kind != JobKind::kTrack) return nullptr;
+  const auto input = ParseJson(job.input_json);
+  return input && input->is_object() ? Json(input->value("video_id", nlohmann::json())) : Json();
 }
 
 }  // namespace
@@ -150,7 +159,7 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
   }
   const auto objects = lists.objects_of_video.find(video.id);
   Json json = {{"id", video.id},
-               {"name", video.name},
+               {"name", WithoutCredentials(video.name)},
                {"width_px", video.width},
                {"height_px", video.height},
                {"frame_count", video.frame_count ? Json(*video.frame_count) : Json()},
@@ -203,7 +212,7 @@ std::string JobTitle(const JobRecord& job) {
     return found != input->end() && found->is_string() ? found->get<std::string>() : std::string();
   };
   if (job.kind == JobKind::kModel) return text("name");
-  if (job.kind == JobKind::kClip) return text("title");
+  if (job.kind == JobKind::kClip || job.kind == JobKind::kTrack || job.kind == JobKind::kLive) return text("title");
   return std::filesystem::path(text("video")).filename().string();
 }
 
@@ -224,10 +233,11 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
           {"done", progress.done},
           {"total", progress.total ? Json(*progress.total) : Json()},
           {"unit", progress.unit},
-          {"message", progress.message},
+          {"message", WithoutCredentials(progress.message)},
           {"left_s", std::move(left)},
           {"cancel_asked", job.cancel_asked},
           {"files", FilesOf(job)},
+          {"video_id", VideoIdOf(job)},
           {"created_utc_us", job.created_utc_us},
           {"ended_utc_us", job.ended_utc_us ? Json(*job.ended_utc_us) : Json()}};
 }

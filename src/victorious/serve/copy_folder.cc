@@ -31,7 +31,8 @@ std::vector<MadeFile> List(const fs::path& folder) {
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     std::string name = at->path().filename().string();
     struct stat status{};
-    if (!name.ends_with(".mp4") || ::stat(at->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    const bool is_made = name.ends_with(".mp4") || name.ends_with(".jsonl");
+    if (!is_made || ::stat(at->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
     files.push_back({.used_ns = std::max(Nanoseconds(status.st_atim), Nanoseconds(status.st_mtim)),
                      .bytes = static_cast<std::uint64_t>(status.st_size),
                      .name = std::move(name)});

@@ -42,6 +42,16 @@ Status AddNumber(const Json& input, const char* name, const char* flag, std::vec
   return {};
 }
 
+// The flag of the box that the input has.
+Expected<std::string> BoxFlag(const Json& input) {
+  const auto box = input.find("box");
+  const bool is_box = box != input.end() && box->is_array() && box->size() == 4 &&
+                      std::ranges::all_of(*box, [](const Json& one) { return one.is_number(); });
+  if (!is_box) return Fail(ErrorCode::kInvalidArgument, "box: must be four numbers");
+  return fmt::format("--box={},{},{},{}", (*box)[0].get<double>(), (*box)[1].get<double>(), (*box)[2].get<double>(),
+                     (*box)[3].get<double>());
+}
+
 // Appends --telemetry=FILE, if the input has one.
 Status AddTelemetry(const Json& input, std::vector<std::string>& arguments) {
   const auto found = input.find("telemetry");
@@ -90,11 +100,8 @@ Expected<std::vector<std::string>> ModelArguments(const Json& input, const JobFo
   std::vector<std::string> arguments = {"model", "add", "--models", folders.models.string()};
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "length_m", "--length", arguments));
   if (const auto box = input.find("box"); box != input.end() && !box->is_null()) {
-    const bool is_box = box->is_array() && box->size() == 4 &&
-                        std::ranges::all_of(*box, [](const Json& one) { return one.is_number(); });
-    if (!is_box) return Fail(ErrorCode::kInvalidArgument, "box: must be four numbers");
-    arguments.push_back(fmt::format("--box={},{},{},{}", (*box)[0].get<double>(), (*box)[1].get<double>(),
-                                    (*box)[2].get<double>(), (*box)[3].get<double>()));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::string flag, BoxFlag(input));
+    arguments.push_back(std::move(flag));
   }
   arguments.insert(arguments.end(), {"--", name});
   const auto files = input.find("files");
@@ -114,6 +121,23 @@ Expected<std::vector<std::string>> CopyArguments(const Json& input) {
   return std::vector<std::string>{"copy", "--force", "--out", copy, "--", video};
 }
 
+Expected<std::vector<std::string>> TrackArguments(const Json& input) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string track, TextMember(input, "track"));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::string box, BoxFlag(input));
+  std::vector<std::string> arguments = {"track", std::move(box)};
+  const auto at = input.find("at_s");
+  if (at == input.end() || !at->is_number()) return Fail(ErrorCode::kInvalidArgument, "at_s: must be a number");
+  arguments.insert(arguments.end(), {fmt::format("--at={:.6f}", at->get<double>()), "--force", "--out=" + track});
+  if (const auto type = input.find("type"); type != input.end() && !type->is_null()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string word, TextMember(input, "type"));
+    arguments.push_back("--type=" + word);
+  }
+  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
+  arguments.insert(arguments.end(), {"--", video});
+  return arguments;
+}
+
 }  // namespace
 
 Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders) {
@@ -121,11 +145,14 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
   if (!input.is_object()) return Fail(ErrorCode::kInvalidArgument, "the input must be an object");
   switch (job.kind) {
     case JobKind::kIndex:
+    case JobKind::kLive:
       return IndexArguments(input, folders);
     case JobKind::kModel:
       return ModelArguments(input, folders);
     case JobKind::kCopy:
       return CopyArguments(input);
+    case JobKind::kTrack:
+      return TrackArguments(input);
     case JobKind::kClip:
       break;
   }

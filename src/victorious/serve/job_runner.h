@@ -30,6 +30,9 @@ struct JobFolders {
 /// The arguments of `victorious` that do a job. Error: kInvalidArgument for an input that is not valid, with the member
 /// that is wrong.
 ///   index  {"video": path, "telemetry": path or null}
+///   live   {"video": URL, "telemetry": path or null}
+///   track  {"video": path, "at_s": number, "box": [x, y, w, h], "type": text or null, "telemetry": path or null,
+///          "track": path}
 ///   copy   {"video": path, "copy": path}
 ///   clip   {"video": name in the index, "object": id, "from_s", "to_s": numbers or null, "telemetry": path or null,
 ///          "clip": path}
@@ -37,7 +40,9 @@ struct JobFolders {
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
 
 /// Whether a job of this kind makes a file for users. Its input names that file by the text of the kind.
-[[nodiscard]] constexpr bool MakesFile(JobKind kind) { return kind == JobKind::kCopy || kind == JobKind::kClip; }
+[[nodiscard]] constexpr bool MakesFile(JobKind kind) {
+  return kind == JobKind::kCopy || kind == JobKind::kClip || kind == JobKind::kTrack;
+}
 
 /// The file that a job makes for users; std::nullopt: none, or an input that is not valid.
 [[nodiscard]] std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job);

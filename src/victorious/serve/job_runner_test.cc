@@ -50,6 +50,29 @@ TEST(JobArguments, OfClipsAndOfModelsFromAFrame) {
               ElementsAre("model", "add", "--models", "/d/models", "--box=1,2.5,30,40", "--", "van", "f.jpg"));
 }
 
+TEST(JobArguments, OfLiveSourcesAndFollowedBoxes) {
+  EXPECT_THAT(*JobArguments({.kind = JobKind::kLive, .input_json = R"({"video": "rtsp://host/one"})"}, kFolders),
+              ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--", "rtsp://host/one"));
+  const JobRecord track{
+      .kind = JobKind::kTrack,
+      .input_json =
+          R"({"video": "-v.mp4", "at_s": 1.5, "box": [1, 2.5, 30, 40], "type": "-van", "track": "/d/t.jsonl"})"};
+  EXPECT_THAT(*JobArguments(track, kFolders), ElementsAre("track", "--box=1,2.5,30,40", "--at=1.500000", "--force",
+                                                          "--out=/d/t.jsonl", "--type=-van", "--", "-v.mp4"));
+  EXPECT_EQ(MadeFileOf(track), "/d/t.jsonl");
+}
+
+TEST(JobArguments, OfTracksSayWhatIsWrong) {
+  const auto message = [](const char* input) {
+    return JobArguments({.kind = JobKind::kTrack, .input_json = input}, kFolders).error().message;
+  };
+  EXPECT_THAT(message(R"({"track": "t"})"), HasSubstr("video"));
+  EXPECT_THAT(message(R"({"video": "v", "box": [1, 2, 3, 4], "at_s": 0})"), HasSubstr("track"));
+  EXPECT_THAT(message(R"({"video": "v", "track": "t", "box": [1, 2, 3, 4]})"), HasSubstr("at_s"));
+  EXPECT_THAT(message(R"({"video": "v", "track": "t", "at_s": 0, "box": [1, 2, 3]})"), HasSubstr("box"));
+  EXPECT_THAT(message(R"({"video": "v", "track": "t", "at_s": 0, "box": [1, 2, 3, 4], "type": 5})"), HasSubstr("type"));
+}
+
 TEST(JobArguments, InvalidInputsAreErrors) {
   for (const auto& [kind, input] : std::initializer_list<std::pair<JobKind, const char*>>{
            {JobKind::kIndex, "{}"},

@@ -11,6 +11,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/image/image_file.h"
+#include "victorious/serve/live_address.h"
 #include "victorious/video/frame_times.h"
 #include "victorious/video/video_reader.h"
 
@@ -76,7 +77,7 @@ VideoFiles::VideoFiles(const std::filesystem::path& index, const CancelToken& ca
 
 Expected<std::filesystem::path> VideoFiles::Find(const VideoRecord& video) const {
   if (video.name.find("://") != std::string::npos) {
-    return Fail(ErrorCode::kUnsupported, video.name + ": a live source: its frames are not kept");
+    return Fail(ErrorCode::kUnsupported, WithoutCredentials(video.name) + ": a live source: its frames are not kept");
   }
   std::error_code error;
   const std::filesystem::path path = FindVideoFile(video);

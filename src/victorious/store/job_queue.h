@@ -26,11 +26,17 @@ enum class JobKind {
   kModel,  ///< makes a model
   kCopy,   ///< copies a video for browsers
   kClip,   ///< cuts and draws the moments of an object
+  kLive,   ///< searches a live source as it comes
+  kTrack,  ///< follows a box of a frame
 };
 
 /// The texts in the index and in the API.
-inline constexpr auto kJobKindTexts = std::to_array<EnumText<JobKind>>(
-    {{JobKind::kIndex, "index"}, {JobKind::kModel, "model"}, {JobKind::kCopy, "copy"}, {JobKind::kClip, "clip"}});
+inline constexpr auto kJobKindTexts = std::to_array<EnumText<JobKind>>({{JobKind::kIndex, "index"},
+                                                                        {JobKind::kModel, "model"},
+                                                                        {JobKind::kCopy, "copy"},
+                                                                        {JobKind::kClip, "clip"},
+                                                                        {JobKind::kLive, "live"},
+                                                                        {JobKind::kTrack, "track"}});
 
 constexpr std::string_view ToText(JobKind kind) { return ToText(kJobKindTexts, kind); }
 

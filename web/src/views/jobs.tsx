@@ -9,8 +9,8 @@ import * as jobs from "../jobs";
 import * as state from "../state";
 import { Icon } from "./icons";
 
-const WHAT = { index: "search", model: "make the model", copy: "copy for browsers", clip: "clip" } as const;
-const FILES = { clip: "Save the clip", telemetry: "Save its telemetry" } as const;
+const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip" } as const;
+const FILES = { track: "Save the track", clip: "Save the clip", telemetry: "Save its telemetry" } as const;
 
 function Bar({ part }: { part: number | null }) {
   return (

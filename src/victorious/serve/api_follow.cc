@@ -1,0 +1,92 @@
+// The jobs that follow something: a live source, and an object that a user boxed in a frame.
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/file.h"
+#include "victorious/base/json.h"
+#include "victorious/serve/api.h"
+#include "victorious/serve/api_response.h"
+#include "victorious/serve/live_address.h"
+
+namespace victorious {
+namespace {
+
+using Body = nlohmann::json;
+
+// Sources that send by themselves. Not http or file: a page must not make the server read what only the server reaches.
+constexpr std::array<std::string_view, 5> kLiveSchemes = {"rtsp://", "rtsps://", "udp://", "srt://", "rtp://"};
+
+ApiStatus CheckOnly(const Body& body, std::initializer_list<std::string_view> names) {
+  for (const auto& [name, value] : body.items()) {
+    if (std::ranges::find(names, name) == names.end()) return FailField(name, name + ": not a member of such a job");
+  }
+  return {};
+}
+
+}  // namespace
+
+ApiExpected<Json> Api::LiveInput(const Body& body) {
+  constexpr std::size_t kMaxBytes = 1000;
+  VICTORIOUS_RETURN_IF_ERROR(CheckOnly(body, {"kind", "url"}));
+  const auto found = body.find("url");
+  const std::string url = found != body.end() && found->is_string() ? found->get<std::string>() : "";
+  const auto is_plain = [](unsigned char c) { return c > ' ' && c < 0x7f; };
+  const bool is_live = std::ranges::any_of(
+      kLiveSchemes, [&](std::string_view scheme) { return url.starts_with(scheme) && url.size() > scheme.size(); });
+  if (!is_live || url.size() > kMaxBytes || !std::ranges::all_of(url, is_plain)) {
+    return FailField("url", "url: must be the address of a live source: rtsp://, rtsps://, udp://, srt:// or rtp://");
+  }
+  return Json{{"video", url}, {"title", WithoutCredentials(url)}};
+}
+
+ApiExpected<Json> Api::TrackInput(const Body& body) {
+  constexpr std::size_t kMaxTypeBytes = 40;
+  VICTORIOUS_RETURN_IF_ERROR(CheckOnly(body, {"kind", "video_id", "frame", "box", "type"}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  const auto number_of = [&](const char* name) {
+    const auto found = body.find(name);
+    return found != body.end() && found->is_number_integer() ? found->get<std::int64_t>() : -1;
+  };
+  const VideoRecord* video = lists->Video(number_of("video_id"));
+  if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video));
+  const std::int64_t frame = number_of("frame");
+  if (frame < 0 || frame >= std::ssize(*times_s)) {
+    return FailField("frame", fmt::format("frame: must be a number from 0 to {}", std::ssize(*times_s) - 1));
+  }
+  const auto box = body.find("box");
+  const bool is_box = box != body.end() && box->is_array() && box->size() == 4 &&
+                      std::ranges::all_of(*box, [](const Body& one) { return one.is_number(); }) &&
+                      (*box)[2].get<double>() > 0 && (*box)[3].get<double>() > 0;
+  if (!is_box) return FailField("box", "box: must be x, y, width and height in pixels");
+  // The command takes the first frame at a time or later, and the table's times are rounded.
+  constexpr double kRounding_s = 1e-4;
+  const double at_s = std::max(0.0, (*times_s)[static_cast<std::size_t>(frame)] - kRounding_s);
+  Json input = {{"video", path.string()}, {"video_id", video->id}, {"at_s", at_s}, {"box", *box}};
+  std::string title = "box";
+  if (const auto type = body.find("type"); type != body.end() && !type->is_null()) {
+    const std::string word = type->is_string() ? type->get<std::string>() : "";
+    const auto is_letter = [](unsigned char c) { return c >= ' ' && c != 0x7f; };
+    if (word.empty() || word.size() > kMaxTypeBytes || !std::ranges::all_of(word, is_letter)) {
+      return FailField("type", fmt::format("type: must be a word of at most {} bytes", kMaxTypeBytes));
+    }
+    input["type"] = word;
+    title = word;
+  }
+  if (options_.telemetry) input["telemetry"] = *options_.telemetry;
+  input["title"] = fmt::format("{} in {}", title, std::filesystem::path(video->name).filename().string());
+  Json content = input;
+  content["content"] = video->content_id;
+  const std::string text = Dump(content);
+  VICTORIOUS_RETURN_IF_ERROR(copies_.Create());
+  input["track"] =
+      copies_.PathOf(fmt::format("track-{:016x}.jsonl", Checksum(std::as_bytes(std::span(text))))).string();
+  return input;
+}
+
+}  // namespace victorious
