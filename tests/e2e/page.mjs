@@ -77,6 +77,57 @@ async function findOnMap(page, [red, green, blue], below = 0) {
   return found && { x: box.x + found.x, y: box.y + found.y };
 }
 
+/** Where hovering over the map shows a text: looked for in rows from the south: the camera of this test flies north. */
+async function findTip(page, pattern) {
+  const box = await page.locator(".map").boundingBox();
+  const places = [0.8, 0.7, 0.6, 0.5, 0.4].flatMap((part) =>
+    Array.from({ length: 40 }, (_, i) => [Math.round(box.x + box.width / 2 + 5 * (i - 20)), Math.round(box.y + part * box.height)]),
+  );
+  for (const [x, y] of places) {
+    await page.mouse.move(x, y);
+    await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+    const tip = page.locator(".map .tip");
+    const found = (await tip.count()) > 0 ? pattern.exec(await tip.innerText()) : null;
+    if (found) return { x, y, found };
+  }
+  return assert.fail(`no line on the map shows ${pattern}`);
+}
+
+/** An area filters the list and the address, drawn by coordinates and by mouse. */
+async function checkArea(page, objects, only, marker) {
+  const countText = () => page.locator(".list h2").innerText();
+  const waitForCount = (count) =>
+    page.waitForFunction((text) => document.querySelector(".list h2")?.textContent?.startsWith(text), `${count} of`);
+  const { latitude_deg: latitude, longitude_deg: longitude } = only.place;
+  const half = 1e-5;
+  await page.keyboard.press("d");
+  await page.fill("#area-corners", "52.5");
+  assert.equal(await page.locator("#area-corners").getAttribute("aria-invalid"), "true");
+  await page.fill("#area-corners", `${latitude - half},${longitude - half} ${latitude + half},${longitude + half}`);
+  await page.keyboard.press("Enter");
+  await waitForCount(1);
+  assert.equal(await page.locator("[role=option].greyed").count(), objects.length - 1);
+  await page.waitForFunction(() => location.search.includes("area="));
+  await open(page, page.url());
+  await waitForCount(1);
+  await page.getByRole("button", { name: "in the area" }).click();
+  await page.waitForFunction(() => !location.search.includes("area="));
+  assert.equal(await countText(), `${objects.length} objects`);
+
+  await page.waitForSelector(".map .canvas[data-ready=true]");
+  await page.click(`#object-${only.id}`);
+  const [from, to] = [-12, 12].map((by) => ({ x: marker.x + by, y: marker.y + by }));
+  await page.keyboard.press("d");
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(marker.x, marker.y);
+  await page.mouse.move(to.x, to.y);
+  await page.mouse.up();
+  await page.waitForSelector(".map form.area", { state: "detached" });
+  await page.waitForFunction(() => location.search.includes("area="));
+  await page.getByText("Clear filters").click();
+}
+
 async function triage(page) {
   await open(page, "/");
   const { objects } = await api(page, "/objects");
@@ -111,6 +162,18 @@ async function triage(page) {
   await page.mouse.click(marker.x, marker.y);
   await page.waitForSelector(`#object-${only.id}[aria-selected=true]`);
   assert.equal(await selectedId(page), only.id);
+  await checkArea(page, objects, only, marker);
+
+  // Hovering over the camera's path or an object's track shows the time, a click goes there.
+  const { times_s: times } = await api(page, "/videos/1/times");
+  await page.getByRole("button", { name: "All", exact: true }).click();
+  await findStillOnMap(page, ORANGE);
+  for (const line of [/^camera at 0:([\d.]+)$/, new RegExp(`^${only.model} at 0:([\\d.]+)$`)]) {
+    const tip = await findTip(page, line);
+    await page.mouse.click(tip.x, tip.y);
+    const time = Number(tip.found[1]);
+    await waitForFrame(page, times.reduce((best, one, i) => (Math.abs(one - time) < Math.abs(times[best] - time) ? i : best), 0));
+  }
   await page.click(`#object-${objects[0].id}`);
 
   // One key decides and goes on; the server has it; U takes it back.

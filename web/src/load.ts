@@ -3,6 +3,7 @@ import { batch, effect, untracked } from "@preact/signals";
 
 import { ApiFailure, getCameraPath, getProject, getTimes, listVideos } from "./api/client";
 import { onEvent, startEvents } from "./events";
+import { formatArea } from "./logic/area";
 import { messageOf } from "./logic/errors";
 import { FrameTable } from "./logic/frame_table";
 import { parseUrl } from "./logic/url_state";
@@ -11,7 +12,7 @@ import * as objects from "./objects";
 import { select, showTime, step } from "./selection";
 import { account } from "./session";
 import {
-  cameraPath, filters, frameTable, indexVersion, isConnected, isOnlyMatching, project, selectedId, shownFrame, sort, videoId, videos,
+  cameraPath, filters, frameTable, indexVersion, isConnected, isOnlyMatching, project, selectedId, setFilters, shownFrame, sort, videoId, videos,
 } from "./state";
 
 const RETRY_MS = 3000;
@@ -80,6 +81,7 @@ function startLive() {
 
 async function openFromUrl() {
   const wanted = parseUrl(location.search);
+  if (formatArea(wanted.area ?? []) !== formatArea(filters.peek().area ?? [])) setFilters({ area: wanted.area });
   if (wanted.object !== null && !objects.objectOf(wanted.object)) await objects.locate(wanted.object).catch(() => undefined);
   const target = wanted.object === null ? undefined : objects.objectOf(wanted.object);
   if (target) {

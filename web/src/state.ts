@@ -34,6 +34,8 @@ export const isPlaying = signal(false);
 export const isOverlayHidden = signal(false);
 /** The next drag over the frame boxes an object. */
 export const isBoxing = signal(false);
+/** An area of the map is being drawn. */
+export const isDrawingArea = signal(false);
 export const isHelpOpen = signal(false);
 export const coordinateStyle = signal<CoordinateStyle>(
   COORDINATE_STYLES.find((one) => one === localStorage.getItem("coordinates")) ?? "decimal",

@@ -1,5 +1,6 @@
 // Filters of the list: they grey objects out, and say what a threshold costs.
 import type { FoundObject, Verdict, Video } from "../api/types";
+import { type Area, formatArea, isInArea } from "./area";
 
 export interface Circle {
   latitude: number;
@@ -16,9 +17,11 @@ export interface Filters {
   video: number | null;
   review: "all" | "none" | Exclude<Verdict, null>;
   minScore: number;
+  /** Drawn on the map; null: everywhere. */
+  area: Area | null;
 }
 
-export const NO_FILTERS: Filters = { text: "", models: [], video: null, review: "all", minScore: 0 };
+export const NO_FILTERS: Filters = { text: "", models: [], video: null, review: "all", minScore: 0, area: null };
 
 const NEAR = /\bnear\s+(-?\d+(?:\.\d+)?)\s*,\s*(-?\d+(?:\.\d+)?)\s*,?\s+(\d+(?:\.\d+)?)\s*(km|m)?\b/i;
 
@@ -61,10 +64,11 @@ export function makeMatcher(filters: Filters): (object: FoundObject) => boolean 
     if (filters.review !== "all" && (object.review?.verdict ?? "none") !== filters.review) return false;
     const name = `${object.model} ${object.id} ${object.review?.note ?? ""}`.toLowerCase();
     if (!words.every((word) => name.includes(word))) return false;
-    if (near === null) return true;
+    if (near === null && filters.area === null) return true;
     if (object.place === null) return false;
     const { latitude_deg: latitude, longitude_deg: longitude } = object.place;
-    return metresBetween({ latitude, longitude }, near) <= near.metres;
+    if (filters.area !== null && !isInArea(filters.area, [longitude, latitude])) return false;
+    return near === null || metresBetween({ latitude, longitude }, near) <= near.metres;
   };
 }
 
@@ -74,7 +78,8 @@ export function isFiltered(filters: Filters): boolean {
     filters.models.length > 0 ||
     filters.video !== null ||
     filters.review !== "all" ||
-    filters.minScore > 0
+    filters.minScore > 0 ||
+    filters.area !== null
   );
 }
 
@@ -87,6 +92,7 @@ export function filterParams(filters: Filters): URLSearchParams {
   if (filters.review !== "all") params.set("review", filters.review);
   if (filters.minScore > 0) params.set("min_score", String(filters.minScore));
   if (near !== null) params.set("near", `${near.latitude},${near.longitude},${near.metres}`);
+  if (filters.area !== null) params.set("area", formatArea(filters.area));
   if (words.length > 0) params.set("q", words.slice(0, 16).join(" "));
   return params;
 }

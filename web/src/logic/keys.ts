@@ -26,6 +26,7 @@ export const BINDINGS = {
   frameOn: { keys: [".", "ArrowRight"], label: ". or →", what: "One frame on (Shift: ten)", group: "Video" },
   box: { keys: ["b"], label: "B", what: "Box an object in the frame, to search for it", group: "Video" },
   hide: { keys: ["o"], label: "O held", what: "Hide boxes and names", group: "Video" },
+  area: { keys: ["d"], label: "D", what: "Draw an area on the map, to filter by it", group: "Page" },
   search: { keys: ["/"], label: "/", what: "Search and filter", group: "Page" },
   help: { keys: ["?"], label: "?", what: "Show these keys", group: "Page" },
   close: { keys: ["Escape"], label: "Esc", what: "Close, or leave a field", group: "Page" },

@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { CameraPath, FoundObject, Place } from "../api/types";
+import { rectangle } from "./area";
 import { toCsv, toGeoJson } from "./export";
 import { NO_FILTERS, filterParams, isFiltered, makeMatcher, metresBetween, parseQuery, searchedHours, thresholdCost } from "./filters";
 import { formatAngle, formatExpected, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
@@ -79,6 +80,9 @@ describe("filters", () => {
     expect(matches({ models: ["tank", "jeep"] }, found(1))).toBe(true);
     expect(matches({ video: 2 }, found(1))).toBe(false);
     expect(matches({ review: "none" }, found(1))).toBe(true);
+    expect(matches({ area: rectangle([13, 52], [14, 53]) }, found(1, { place: place(52.5, 13.5) }))).toBe(true);
+    expect(matches({ area: rectangle([13, 52], [14, 53]) }, found(1, { place: place(52.5, 14.5) }))).toBe(false);
+    expect(matches({ area: rectangle([13, 52], [14, 53]) }, found(1))).toBe(false);
     expect(matches({ review: "accepted" }, found(1))).toBe(false);
     expect(matches({ review: "accepted" }, found(1, { review: accepted }))).toBe(true);
   });
@@ -121,13 +125,14 @@ describe("filters", () => {
 
   it("are sent to the server", () => {
     expect(filterParams(NO_FILTERS).toString()).toBe("");
-    const all = { text: "Jeep near 52,13 2 km", models: ["a", "b"], video: 3, review: "none" as const, minScore: 0.5 };
+    const all = { text: "Jeep near 52,13 2 km", models: ["a", "b"], video: 3, review: "none" as const, minScore: 0.5, area: rectangle([13, 52], [14, 53]) };
     expect(Object.fromEntries(filterParams(all))).toEqual({
       model: "a,b",
       video: "3",
       review: "none",
       min_score: "0.5",
       near: "52,13,2000",
+      area: "52,13,53,13,53,14,52,14",
       q: "jeep",
     });
   });
@@ -316,14 +321,19 @@ describe("uploads", () => {
 
 describe("address", () => {
   it("survives a round trip", () => {
-    const state = { object: 3, video: 1, time: 4.9 };
+    const state = { object: 3, video: 1, time: 4.9, area: null };
     expect(formatUrl(state)).toBe("?object=3&video=1&t=4.9");
     expect(parseUrl(formatUrl(state))).toEqual(state);
-    expect(formatUrl({ object: null, video: null, time: null })).toBe("");
+    const there = { ...state, area: rectangle([13.4, 52.5], [13.5, 52.6]) };
+    expect(formatUrl(there)).toBe("?object=3&video=1&t=4.9&area=52.5,13.4,52.6,13.4,52.6,13.5,52.5,13.5");
+    expect(parseUrl(formatUrl(there))).toEqual(there);
+    expect(parseUrl(formatUrl({ object: null, video: null, time: null, area: there.area })).area).toEqual(there.area);
+    expect(parseUrl("?area=1,2,x").area).toBeNull();
+    expect(formatUrl({ object: null, video: null, time: null, area: null })).toBe("");
   });
 
   it("ignores what is no number", () => {
-    expect(parseUrl("?object=x&t=-3&video=1.5")).toEqual({ object: null, video: null, time: null });
+    expect(parseUrl("?object=x&t=-3&video=1.5")).toEqual({ object: null, video: null, time: null, area: null });
   });
 });
 

@@ -1,10 +1,13 @@
-// The selection in the address bar, so that a find can be sent to a colleague and Back works.
+// The selection and the area of the map in the address bar, so that a find can be sent to a colleague and Back works.
+
+import { type Area, formatArea, parseArea } from "./area";
 
 export interface UrlState {
   object: number | null;
   video: number | null;
   /** s */
   time: number | null;
+  area: Area | null;
 }
 
 function number(text: string | null): number | null {
@@ -19,7 +22,7 @@ export function parseUrl(search: string): UrlState {
     const value = number(query.get(name));
     return value !== null && Number.isInteger(value) ? value : null;
   };
-  return { object: whole("object"), video: whole("video"), time: number(query.get("t")) };
+  return { object: whole("object"), video: whole("video"), time: number(query.get("t")), area: parseArea(query.get("area") ?? "") };
 }
 
 export function formatUrl(state: UrlState): string {
@@ -27,6 +30,8 @@ export function formatUrl(state: UrlState): string {
   if (state.object !== null) query.set("object", String(state.object));
   if (state.video !== null) query.set("video", String(state.video));
   if (state.time !== null) query.set("t", state.time.toFixed(3).replace(/\.?0+$/, ""));
-  const text = query.toString();
+  // Commas need no escape, and an area has many.
+  const area = state.area === null ? "" : `${query.size > 0 ? "&" : ""}area=${formatArea(state.area)}`;
+  const text = query.toString() + area;
   return text === "" ? "" : `?${text}`;
 }

@@ -13,6 +13,7 @@ import { DropTarget, JobsPanel, ModelDialog } from "./jobs";
 import { ObjectList } from "./list";
 import { LogIn } from "./log_in";
 import { MapPane } from "./map";
+import { toggleDrawing } from "./map_area";
 import { Notices } from "./notices";
 import { VideoPane, toggleBoxing, togglePlay } from "./video";
 
@@ -65,6 +66,8 @@ function run(action: Action, shift: boolean) {
     case "hide":
       state.isOverlayHidden.value = true;
       return;
+    case "area":
+      return toggleDrawing();
     case "search":
       return focus("search");
     case "help":
@@ -72,6 +75,7 @@ function run(action: Action, shift: boolean) {
       return;
     case "close":
       state.isBoxing.value = false;
+      state.isDrawingArea.value = false;
       return;
   }
 }

@@ -112,7 +112,7 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
 }
 
 function Chips() {
-  const { models, review, video } = state.filters.value;
+  const { models, review, video, area } = state.filters.value;
   const toggle = (name: string) =>
     state.setFilters({ models: models.includes(name) ? models.filter((one) => one !== name) : [...models, name] });
   return (
@@ -134,6 +134,11 @@ function Chips() {
           {one === "none" ? "to review" : one}
         </button>
       ))}
+      {area !== null && (
+        <button class="chip" aria-pressed title="Drawn on the map. Click: everywhere again" onClick={() => state.setFilters({ area: null })}>
+          in the area <Icon name="close" />
+        </button>
+      )}
       {state.videos.value.length > 1 && (
         <button
           class="chip"

@@ -21,6 +21,8 @@ import * as notices from "../notices";
 import * as selection from "../selection";
 import * as state from "../state";
 import { Icon } from "./icons";
+import { AreaPanel, connectArea, toggleDrawing } from "./map_area";
+import { type LineMoment, lineAt, nowFeatures, trackFeatures } from "./map_lines";
 import { EMPTY, OBJECT_LAYERS, addImages, collection, countImage, feature, makeStyle, nameImage, polygon } from "./map_style";
 
 const isDraped = signal(true);
@@ -28,6 +30,8 @@ const isFollowing = signal(false);
 const isReady = signal(false);
 const pointer = signal<Position | null>(null);
 const spacing = signal<number | null>(null);
+/** What lies under the pointer of the lines that have a time. */
+const hover = signal<(LineMoment & { x: number; y: number }) | null>(null);
 const failure = signal<string | null>(null);
 
 // The picture that is laid on the ground; small, because the map only hints at it.
@@ -181,12 +185,19 @@ function connect(map: MapLibre): (() => void)[] {
     requestAnimationFrame(() => {
       isHoverDue = false;
       if (map.isMoving()) return;
+      const { x, y } = event.point;
       const isOver = map.queryRenderedFeatures(event.point, { layers: OBJECT_LAYERS }).length > 0;
-      map.getCanvas().style.cursor = isOver ? "pointer" : "crosshair";
+      const moment = isOver || state.isDrawingArea.value ? null : lineAt(map, x, y);
+      hover.value = moment && { ...moment, x, y };
+      map.getCanvas().style.cursor = isOver || moment ? "pointer" : "crosshair";
     });
   });
-  map.on("mouseout", () => (pointer.value = null));
+  map.on("mouseout", () => (pointer.value = hover.value = null));
+  // Before the click below: the click that ends an area selects nothing.
+  let isForArea = false;
+  map.on("mousedown", () => (isForArea = state.isDrawingArea.value));
   map.on("click", (event) => {
+    if (isForArea) return;
     const { x, y } = event.point;
     const near: [[number, number], [number, number]] = [[x - 4, y - 4], [x + 4, y + 4]];
     const found = map.queryRenderedFeatures(near, { layers: OBJECT_LAYERS })[0];
@@ -195,14 +206,28 @@ function connect(map: MapLibre): (() => void)[] {
     }
     const id = Number(found?.properties["id"]);
     if (found && Number.isInteger(id)) return selection.select(id, { push: true });
-    const path = state.cameraPath.value;
     const video = state.videoId.value;
+    const moment = lineAt(map, x, y);
+    if (moment && video !== null) {
+      if (moment.object !== null) selection.select(moment.object, { seek: false, push: true });
+      return selection.showTime(video, moment.time);
+    }
+    const path = state.cameraPath.value;
     const time = path && whenSeen(path, [event.lngLat.lng, event.lngLat.lat]);
     if (video !== null && time !== null) return selection.showTime(video, time);
     if (path?.points.some((point) => point.footprint)) notices.notify("The camera did not show this place.");
   });
 
   return [
+    ...connectArea(map, setData),
+    effect(() => {
+      const lines = trackFeatures();
+      setData("tracks", lines.length > 0 ? collection(lines) : EMPTY);
+    }),
+    effect(() => {
+      const points = nowFeatures();
+      setData("tracks-now", points.length > 0 ? collection(points) : EMPTY);
+    }),
     effect(() => {
       setData("chosen", chosenFeatures(state.selected.value));
     }),
@@ -315,8 +340,17 @@ export function MapPane() {
         <button class="button" title="Show the whole flight" onClick={() => fitRequest.value++}>
           All
         </button>
+        <button class="button" aria-pressed={state.isDrawingArea.value} title="Draw an area to filter by it (D)" onClick={toggleDrawing}>
+          Area
+        </button>
       </div>
-      <div class="panel">
+      {hover.value && (
+        <div class="tip" style={{ left: `${hover.value.x}px`, top: `${hover.value.y}px` }}>
+          {hover.value.text}
+        </div>
+      )}
+      <AreaPanel />
+      <div class="panel" hidden={state.isDrawingArea.value}>
         {path?.reason && path.source !== null && (
           <div class="readout" title={path.reason}>
             <Icon name="help" /> {path.source === "sightings" ? "camera path from sightings only" : "ground shown is unknown"}

@@ -1,0 +1,59 @@
+// An area drawn on the map: a polygon whose edges are straight in latitude and longitude.
+import type { Position } from "./geo";
+
+/** Corners in order, without the first one again. */
+export type Area = readonly Position[];
+
+export const MAX_CORNERS = 100;
+
+const turn = (degrees: number) => degrees - 360 * Math.round(degrees / 360);
+
+/** The rectangle between two opposite corners. */
+export function rectangle([x1, y1]: Position, [x2, y2]: Position): Area {
+  return [[x1, y1], [x1, y2], [x2, y2], [x2, y1]];
+}
+
+/** The same rule as the server's, also across the antimeridian. */
+export function isInArea(area: Area, [longitude, latitude]: Position): boolean {
+  const origin = area[0]?.[0] ?? 0;
+  const x = turn(longitude - origin);
+  let before = area.at(-1);
+  let inside = false;
+  for (const corner of area) {
+    if (before && before[1] > latitude !== corner[1] > latitude) {
+      const [x1, x2] = [turn(before[0] - origin), turn(corner[0] - origin)];
+      const part = (latitude - before[1]) / (corner[1] - before[1]);
+      if (x < x1 + part * (x2 - x1)) inside = !inside;
+    }
+    before = corner;
+  }
+  return inside;
+}
+
+/** "latitude,longitude,latitude,longitude,…", to a decimetre: as in the address bar and for the server. */
+export const formatArea = (area: Area): string =>
+  area.map(([longitude, latitude]) => `${Number(latitude.toFixed(6))},${Number(longitude.toFixed(6))}`).join(",");
+
+/**
+ * Reads latitudes and longitudes in decimal degrees, with commas, semicolons or spaces between. Two corners are opposite
+ * ones of a rectangle. Null: it is no area.
+ */
+export function parseArea(text: string): Area | null {
+  const numbers = text.split(/[\s,;]+/).filter((part) => part !== "").map(Number);
+  if (numbers.length < 4 || numbers.length % 2 !== 0 || numbers.length > 2 * MAX_CORNERS) return null;
+  const corners: Position[] = [];
+  for (let i = 0; i < numbers.length; i += 2) corners.push([numbers[i + 1] ?? NaN, numbers[i] ?? NaN]);
+  const [first, second] = corners as [Position, Position];
+  const isValid = corners.every(
+    ([x, y]) => Number.isFinite(x) && Number.isFinite(y) && Math.abs(x) <= 360 && Math.abs(y) <= 90 && Math.abs(turn(x - first[0])) <= 90,
+  );
+  if (!isValid) return null;
+  if (corners.length > 2) return corners;
+  return first[0] === second[0] || first[1] === second[1] ? null : rectangle(first, second);
+}
+
+/** An area without size is none. */
+export function isArea(area: Area): boolean {
+  const [xs, ys] = [area.map((one) => one[0]), area.map((one) => one[1])];
+  return area.length >= 3 && Math.min(...xs) < Math.max(...xs) && Math.min(...ys) < Math.max(...ys);
+}

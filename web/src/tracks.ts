@@ -1,0 +1,80 @@
+// Tracks on the ground, in the video that is shown: of what moves, and of the selected object.
+import { computed, effect, signal, untracked } from "@preact/signals";
+
+import { listObjectSightings } from "./api/client";
+import type { FoundObject, Sighting } from "./api/types";
+import { type TrackPoint, groundTrack } from "./logic/ground_track";
+import { notifyError } from "./notices";
+import { objectOf, videoObjects } from "./objects";
+import { cameraPath, colourOf, indexVersion, selected, video, videoId } from "./state";
+
+/** Objects whose tracks are drawn at once, the best ones. */
+const MAX_TRACKS = 20;
+
+export interface Track {
+  key: string;
+  /** Null: it belongs to no object. */
+  object: number | null;
+  name: string;
+  colour: string;
+  pieces: TrackPoint[][];
+}
+
+const sightings = signal<ReadonlyMap<number, readonly Sighting[]>>(new Map());
+const asked = new Set<number>();
+
+/** What moves, and the selected object unless it is known to stand. */
+const wanted = computed(() => {
+  const here = videoId.value;
+  const hasGround = cameraPath.value?.points.some((one) => one.footprint) === true;
+  if (here === null || !hasGround || videoObjects.value?.video !== here) return [];
+  const moving = videoObjects.value.ids.flatMap((id) => objectOf(id) ?? []).filter((one) => (one.speed_m_s ?? 0) > 0);
+  const chosen = selected.value;
+  const isHere = chosen?.moments.some((one) => one.video_id === here) === true;
+  const isOther = chosen !== null && isHere && chosen.speed_m_s !== 0 && !moving.some((one) => one.id === chosen.id);
+  return [...(isOther ? [chosen] : []), ...moving.slice(0, MAX_TRACKS)];
+});
+
+async function load(object: FoundObject, target: number) {
+  asked.add(object.id);
+  const moments = object.moments.filter((one) => one.video_id === target);
+  const from = Math.min(...moments.map((one) => one.first_time_s));
+  const to = Math.max(...moments.map((one) => one.last_time_s));
+  try {
+    const found = await listObjectSightings(object.id, from, to);
+    if (videoId.peek() !== target) return;
+    sightings.value = new Map(sightings.peek()).set(object.id, found.sightings.filter((one) => one.video_id === target));
+  } catch (error) {
+    asked.delete(object.id);
+    notifyError(error);
+  }
+}
+
+// What a search has added since is read again.
+effect(() => {
+  void videoId.value;
+  void indexVersion.value;
+  asked.clear();
+  sightings.value = new Map();
+});
+
+effect(() => {
+  void indexVersion.value;
+  const [objects, target] = [wanted.value, videoId.value];
+  if (target === null) return;
+  untracked(() => {
+    for (const one of objects) if (!asked.has(one.id)) void load(one, target);
+  });
+});
+
+export const tracks = computed((): readonly Track[] => {
+  const [path, shown] = [cameraPath.value, video.value];
+  if (!path || !shown) return [];
+  const frame = { width: shown.width_px, height: shown.height_px };
+  return wanted.value.flatMap((object) => {
+    const found = sightings.value.get(object.id);
+    if (!found) return [];
+    const pieces = groundTrack(found, path, frame);
+    return [{ key: `object-${object.id}`, object: object.id, name: object.model, colour: colourOf(object.model), pieces }];
+  });
+});
