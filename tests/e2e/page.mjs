@@ -401,6 +401,27 @@ async function images(page) {
   await waitForFrame(page, 1);
 }
 
+/** Draws a box around a sighting, in its frame. */
+async function boxInFrame(page, sighting) {
+  const video = await api(page, `/videos/${sighting.video_id}`);
+  const { scale, x, y } = await page.evaluate((video) => {
+    const area = document.querySelector(".stage canvas").getBoundingClientRect();
+    const scale = Math.min(area.width / video.width_px, area.height / video.height_px);
+    return { scale, x: area.x + (area.width - video.width_px * scale) / 2, y: area.y + (area.height - video.height_px * scale) / 2 };
+  }, video);
+  await waitForFrame(page, sighting.frame);
+  const [left, top, width, height] = sighting.box;
+  const at = (right, down) => [x + right * scale, y + down * scale];
+  await page.keyboard.press("b");
+  await page.mouse.move(...at(left, top));
+  await page.mouse.down();
+  await page.mouse.move(...at(left + width / 2, top + height / 2));
+  await page.waitForSelector(".drawn-box");
+  await page.mouse.move(...at(left + width, top + height));
+  await page.mouse.up();
+  await page.waitForSelector("dialog.model[open]");
+}
+
 /** From nothing to finds: photos are dropped, then a video; the results come without a reload, to every tab. */
 async function jobs(page, [photos, video]) {
   await page.goto("/");
@@ -452,26 +473,19 @@ async function jobs(page, [photos, video]) {
   const lines = readFileSync(await table.path(), "utf8").trim().split("\r\n");
   assert.equal(lines.length, 1 + (await page.locator("[role=option]").count()));
 
-  // What is boxed in a frame is searched for in all videos.
-  const id = await selectedId(page);
-  const { best } = await api(page, `/objects/${id}`);
-  const frame = await page.evaluate((video) => {
-    const area = document.querySelector(".stage canvas").getBoundingClientRect();
-    const scale = Math.min(area.width / video.width_px, area.height / video.height_px);
-    return { scale, x: area.x + (area.width - video.width_px * scale) / 2, y: area.y + (area.height - video.height_px * scale) / 2 };
-  }, await api(page, `/videos/${best.video_id}`));
-  await waitForFrame(page, best.frame);
+  // What is boxed in a frame is followed through the video, or searched for in all videos.
+  const { best } = await api(page, `/objects/${await selectedId(page)}`);
   await page.getByRole("button", { name: "Close" }).click();
-  const [left, top, width, height] = best.box;
-  const at = (x, y) => [frame.x + x * frame.scale, frame.y + y * frame.scale];
-  await page.keyboard.press("b");
-  await page.mouse.move(...at(left, top));
-  await page.mouse.down();
-  await page.mouse.move(...at(left + width / 2, top + height / 2));
-  await page.waitForSelector(".drawn-box");
-  await page.mouse.move(...at(left + width, top + height));
-  await page.mouse.up();
-  await page.waitForSelector("dialog.model[open]");
+  await boxInFrame(page, best);
+  await page.getByRole("button", { name: "Follow it in this video" }).click();
+  await page.fill("#track-type", "truck");
+  await page.getByRole("button", { name: "Follow it", exact: true }).click();
+  await page.waitForSelector(".timeline .moment.followed");
+  assert.match(await page.locator(".timeline .moment.followed").first().getAttribute("title"), /^truck: .* frames$/);
+  const [track] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: "Save the track" }).click()]);
+  assert.ok(readFileSync(await track.path(), "utf8").split("\n").some((line) => line.includes(`"frame":${best.frame},`)));
+  await page.getByRole("button", { name: "Close" }).click();
+  await boxInFrame(page, best);
   assert.equal(await page.inputValue("#model-name"), "");
   await page.fill("#model-name", "boxed");
   await page.getByRole("button", { name: "Make the model" }).click();
@@ -479,6 +493,15 @@ async function jobs(page, [photos, video]) {
     const { objects } = await (await fetch("/api/v1/objects?model=boxed")).json();
     return objects.length > 0;
   }, null, { timeout: 60_000 });
+
+  // A live source that is no address, and one that does not answer.
+  await page.fill("#live-url", "http://127.0.0.1/");
+  await page.getByRole("button", { name: "Start" }).click();
+  await page.waitForSelector(".live .problem:has-text('rtsp://')");
+  await page.fill("#live-url", "rtsp://ann:secret@127.0.0.1:1/camera");
+  await page.keyboard.press("Enter");
+  await page.waitForSelector(".job.failed:has(strong:text-is('rtsp://127.0.0.1:1/camera'))");
+  assert.equal(await page.locator("aside.jobs").getByText("secret").count(), 0, "passwords are shown to nobody");
 
   // What cannot be read says why.
   await page.setInputFiles("input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });

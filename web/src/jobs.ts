@@ -36,6 +36,8 @@ export const canAdd = computed(() => state.project.value.state === "ready" && st
 const READY = {
   model: (title: string) => `The model ${title} is ready.`,
   index: (title: string) => `${title} is searched.`,
+  live: (title: string) => `${title} has ended.`,
+  track: (title: string) => `${title} was followed: its track is on the video, the time line and the map.`,
   clip: (title: string) => `The clip ${title} is ready: it is under Add.`,
 };
 
@@ -77,6 +79,23 @@ async function addVideo({ file, telemetry }: Plan<File>["videos"][number]) {
   const job: NewJob = { kind: "index", upload };
   if (telemetry) job.telemetry = await send(telemetry);
   await postJob(job);
+}
+
+/** Follows an object that was boxed in a frame through its video. */
+export async function follow(source: Extract<ModelSource, { video: number }>, type: string) {
+  isOpen.value = true;
+  try {
+    const job: NewJob = { kind: "track", video_id: source.video, frame: source.frame, box: source.box };
+    if (type.trim() !== "") job.type = type.trim();
+    await postJob(job);
+  } catch (error) {
+    notices.notifyError(error);
+  }
+}
+
+/** Searches a live source until it ends or is stopped. Throws ApiFailure with a message for the user. */
+export async function watch(url: string) {
+  await postJob({ kind: "live", url: url.trim() });
 }
 
 /** @param isSearched  all videos are searched for it then, as long as this page is open */

@@ -75,6 +75,8 @@ export const shownTime = computed(() =>
 // Okabe and Ito's colours, which people with any colour vision tell apart; a name stands beside each.
 // Their sky blue is the accent of the page, and left out.
 const COLOURS = ["#e69f00", "#00b98a", "#cc79a7", "#f0e442", "#d55e00", "#9f8cff", "#c2a878"];
+/** Of what was boxed and followed, which is of no model. */
+export const FOLLOWED_COLOUR = "#ffffff";
 export function colourOf(model: string): string {
   const at = modelNames.value.indexOf(model);
   return COLOURS[Math.max(at, 0) % COLOURS.length] ?? "#e69f00";

@@ -1,6 +1,7 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
 import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Session, Verdict } from "./types";
+import { readTrack } from "../logic/followed";
 import { type SightingPages, inHalves } from "../logic/halves";
 
 const ROOT = "/api/v1";
@@ -22,7 +23,7 @@ export function onUnauthenticated(handler: () => void) {
   tellUnauthenticated = handler;
 }
 
-async function request<T>(path: string, init?: RequestInit): Promise<T> {
+async function ask(path: string, init?: RequestInit): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(ROOT + path, init);
@@ -35,8 +36,11 @@ async function request<T>(path: string, init?: RequestInit): Promise<T> {
     if (response.status === 401 && path !== "/session") tellUnauthenticated();
     throw new ApiFailure(body?.message ?? `The server answers ${response.status}.`, response.status);
   }
-  return (await response.json()) as T;
+  return response;
 }
+
+const request = async <T>(path: string, init?: RequestInit) => (await (await ask(path, init)).json()) as T;
+const requestText = async (path: string) => (await ask(path)).text();
 
 const send = <T>(path: string, method: "POST" | "PUT", body: unknown) =>
   request<T>(path, { method, headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
@@ -89,6 +93,7 @@ export const listJobs = async () => (await request<components["schemas"]["JobLis
 
 export const postJob = (job: NewJob) => send<Job>("/jobs", "POST", job);
 export const jobFileUrl = (job: number, name: string) => `${ROOT}/jobs/${job}/files/${name}`;
+export const getTrack = async (job: number) => readTrack(await requestText(`/jobs/${job}/files/track`));
 export const cancelJob = (job: number) => send<Job>(`/jobs/${job}/cancel`, "POST", {});
 
 /** Sends a file. Not by fetch, which does not say how far it is. */

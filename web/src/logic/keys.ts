@@ -24,7 +24,7 @@ export const BINDINGS = {
   play: { keys: [" "], label: "Space", what: "Play or pause", group: "Video" },
   frameBack: { keys: [",", "ArrowLeft"], label: ", or ←", what: "One frame back (Shift: ten)", group: "Video" },
   frameOn: { keys: [".", "ArrowRight"], label: ". or →", what: "One frame on (Shift: ten)", group: "Video" },
-  box: { keys: ["b"], label: "B", what: "Box an object in the frame, to search for it", group: "Video" },
+  box: { keys: ["b"], label: "B", what: "Box an object in the frame, to search for it or to follow it", group: "Video" },
   hide: { keys: ["o"], label: "O held", what: "Hide boxes and names", group: "Video" },
   area: { keys: ["d"], label: "D", what: "Draw an area on the map, to filter by it", group: "Page" },
   search: { keys: ["/"], label: "/", what: "Search and filter", group: "Page" },

@@ -14,8 +14,8 @@ export function fit(width: number, height: number, areaWidth: number, areaHeight
 }
 
 export interface DrawnSighting {
-  sighting: Sighting;
-  name: string;
+  sighting: Pick<Sighting, "box" | "outline" | "source">;
+  label: string;
   colour: string;
   isSelected: boolean;
   isGreyed: boolean;
@@ -62,7 +62,7 @@ function tracePath(context: CanvasRenderingContext2D, points: readonly (readonly
   if (close) context.closePath();
 }
 
-function cornersOf(sighting: Sighting): number[][] {
+function cornersOf(sighting: DrawnSighting["sighting"]): number[][] {
   if (sighting.outline.length > 2) return sighting.outline;
   const [x = 0, y = 0, width = 0, height = 0] = sighting.box;
   return [[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
@@ -94,7 +94,7 @@ export function drawSighting(
   context.stroke();
   context.restore();
   const [x = 0, y = 0, , height = 0] = sighting.box;
-  const text = `${one.name} ${sighting.score.toFixed(2)}`;
+  const text = one.label;
   context.font = `${one.isSelected ? 600 : 400} 12px system-ui, sans-serif`;
   const width = context.measureText(text).width + 10;
   const left = Math.min(Math.max(at.x + x * at.scale, 2), areaWidth - width - 2);

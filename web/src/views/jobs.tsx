@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { jobFileUrl } from "../api/client";
 import type { Job } from "../api/types";
+import { messageOf } from "../logic/errors";
 import { plural } from "../logic/format";
 import { formatLeft, modelNameOf, withoutUploadFolder } from "../logic/uploads";
 import * as jobs from "../jobs";
@@ -27,7 +28,7 @@ function Bar({ part }: { part: number | null }) {
 }
 
 function describe(job: Job): string {
-  if (job.state === "queued") return "waits";
+  if (job.state === "queued") return jobs.jobs.value.some((one) => one.kind === "live" && one.state === "running") ? "waits for the live source" : "waits";
   if (job.state === "done") return withoutUploadFolder(job.message) || "done";
   if (job.state === "failed") return withoutUploadFolder(job.message);
   if (job.state === "cancelled") return "cancelled";
@@ -46,7 +47,7 @@ function Row({ job }: { job: Job }) {
         <span class="muted">{WHAT[job.kind]}</span>
         {isActive && (
           <button class="link" disabled={job.cancel_asked} onClick={() => jobs.cancel(job)}>
-            Cancel
+            {job.kind === "live" ? "Stop" : "Cancel"}
           </button>
         )}
       </div>
@@ -80,6 +81,48 @@ export function JobsButton() {
   );
 }
 
+/** Types whose usual length `victorious track` knows. */
+const TYPES = ["vehicle", "car", "van", "truck", "bus", "tank", "motorcycle", "person", "helicopter", "airplane", "boat", "ship", "animal", "building", "tree"];
+
+function LiveSource() {
+  const [url, setUrl] = useState("");
+  const [problem, setProblem] = useState("");
+  const start = async (event: Event) => {
+    event.preventDefault();
+    setProblem("");
+    try {
+      await jobs.watch(url);
+      setUrl("");
+    } catch (error) {
+      setProblem(messageOf(error));
+    }
+  };
+  return (
+    <form class="live" onSubmit={(event) => void start(event)}>
+      <label for="live-url">Or the address of a live source</label>
+      <div class="corners">
+        <input
+          id="live-url"
+          class="field"
+          autocomplete="off"
+          spellcheck={false}
+          placeholder="rtsp://camera/stream, udp://, srt://"
+          value={url}
+          onInput={(event) => setUrl(event.currentTarget.value)}
+        />
+        <button class="button" disabled={url.trim() === ""}>
+          Start
+        </button>
+      </div>
+      {problem !== "" && (
+        <p class="problem" role="alert">
+          {problem}
+        </p>
+      )}
+    </form>
+  );
+}
+
 export function JobsPanel() {
   const input = useRef<HTMLInputElement>(null);
   if (!jobs.isOpen.value) return null;
@@ -108,6 +151,7 @@ export function JobsPanel() {
           event.currentTarget.value = "";
         }}
       />
+      <LiveSource />
       <ul>
         {jobs.uploads.value.map((one) => (
           <li key={`upload-${one.id}`} class="job">
@@ -138,11 +182,16 @@ export function ModelDialog() {
   const [name, setName] = useState("");
   const [length, setLength] = useState("");
   const [isSearched, setIsSearched] = useState(true);
+  const [isFollowed, setIsFollowed] = useState(false);
+  const [type, setType] = useState("");
+  const boxed = source && !("files" in source) ? source : null;
   useEffect(() => {
     if (source) {
       setName(first === "" ? "" : modelNameOf(first));
       setLength("");
       setIsSearched(true);
+      setIsFollowed(false);
+      setType("");
       dialog.current?.showModal();
     } else dialog.current?.close();
   }, [source, first]);
@@ -152,52 +201,88 @@ export function ModelDialog() {
       <form
         method="dialog"
         onSubmit={() => {
-          if (source) void jobs.addModel(name, source, length.trim() === "" ? null : Number(length), isSearched);
+          if (boxed && isFollowed) void jobs.follow(boxed, type);
+          else if (source) void jobs.addModel(name, source, length.trim() === "" ? null : Number(length), isSearched);
         }}
       >
         <header>
-          <h2 id="model-title">New model</h2>
+          <h2 id="model-title">{boxed ? "What you boxed" : "New model"}</h2>
         </header>
-        <p class="muted">
-          {source && !("files" in source)
-            ? `From what you boxed in frame ${source.frame.toLocaleString("en")}: it is found where it looks much as there.`
-            : files.length > 1
-              ? `From ${files.length} photos.`
-              : `From ${first}.`}
-        </p>
-        <label for="model-name">Name</label>
-        <input
-          id="model-name"
-          class="field"
-          value={name}
-          autocomplete="off"
-          aria-invalid={!isValid}
-          onInput={(event) => setName(event.currentTarget.value)}
-        />
-        {!isValid && name !== "" && <p class="muted">Letters, digits, dots and dashes.</p>}
-        <label for="model-length">Length, if it is known (m)</label>
-        <input
-          id="model-length"
-          class="field"
-          type="number"
-          min="0.01"
-          step="any"
-          value={length}
-          onInput={(event) => setLength(event.currentTarget.value)}
-        />
-        <p class="muted">It gives distances, and with telemetry places.</p>
-        {state.videos.value.length > 0 && (
-          <label class="check">
-            <input type="checkbox" checked={isSearched} onChange={(event) => setIsSearched(event.currentTarget.checked)} />
-            Search all videos for it
-          </label>
+        {boxed && (
+          <div class="choice" role="group" aria-label="What to do">
+            <button type="button" class="chip" aria-pressed={!isFollowed} onClick={() => setIsFollowed(false)}>
+              Search for it everywhere
+            </button>
+            <button type="button" class="chip" aria-pressed={isFollowed} onClick={() => setIsFollowed(true)}>
+              Follow it in this video
+            </button>
+          </div>
+        )}
+        {boxed && isFollowed ? (
+          <div key="follow" class="fields">
+            <p class="muted">It is followed from frame {boxed.frame.toLocaleString("en")} on, and back, as long as it can be seen.</p>
+            <label for="track-type">What it is, if you know</label>
+            <input
+              id="track-type"
+              class="field"
+              list="track-types"
+              maxLength={40}
+              autocomplete="off"
+              placeholder="car, truck, person, …"
+              value={type}
+              onInput={(event) => setType(event.currentTarget.value)}
+            />
+            <datalist id="track-types">
+              {TYPES.map((one) => (
+                <option key={one} value={one} />
+              ))}
+            </datalist>
+            <p class="muted">The usual size of such a thing gives its distance.</p>
+          </div>
+        ) : (
+          <div key="model" class="fields">
+            <p class="muted">
+              {source && !("files" in source)
+                ? `From what you boxed in frame ${source.frame.toLocaleString("en")}: it is found where it looks much as there.`
+                : files.length > 1
+                  ? `From ${files.length} photos.`
+                  : `From ${first}.`}
+            </p>
+            <label for="model-name">Name</label>
+            <input
+              id="model-name"
+              class="field"
+              value={name}
+              autocomplete="off"
+              aria-invalid={!isValid}
+              onInput={(event) => setName(event.currentTarget.value)}
+            />
+            {!isValid && name !== "" && <p class="muted">Letters, digits, dots and dashes.</p>}
+            <label for="model-length">Length, if it is known (m)</label>
+            <input
+              id="model-length"
+              class="field"
+              type="number"
+              min="0.01"
+              step="any"
+              value={length}
+              onInput={(event) => setLength(event.currentTarget.value)}
+            />
+            <p class="muted">It gives distances, and with telemetry places.</p>
+            {state.videos.value.length > 0 && (
+              <label class="check">
+                <input type="checkbox" checked={isSearched} onChange={(event) => setIsSearched(event.currentTarget.checked)} />
+                Search all videos for it
+              </label>
+            )}
+          </div>
         )}
         <div class="actions">
           <button class="button" type="button" onClick={() => (jobs.askedModel.value = null)}>
             Cancel
           </button>
-          <button class="button primary" type="submit" disabled={!isValid}>
-            Make the model
+          <button class="button primary" type="submit" disabled={!isValid && !(boxed && isFollowed)}>
+            {boxed && isFollowed ? "Follow it" : "Make the model"}
           </button>
         </div>
       </form>

@@ -2,6 +2,7 @@
 import { computed } from "@preact/signals";
 import { useRef } from "preact/hooks";
 
+import { followed, hide } from "../followed";
 import { formatTime, plural } from "../logic/format";
 import { objectOf, videoObjects } from "../objects";
 import * as selection from "../selection";
@@ -73,7 +74,7 @@ export function Timeline() {
   const time = state.shownTime.value ?? 0;
   return (
     <div class="timeline" aria-label="Time line" role="group">
-      <div class="over" style={{ height: `${24 + 22 * lanes.value.length}px` }}>
+      <div class="over" style={{ height: `${24 + 22 * (lanes.value.length + followed.value.length)}px` }}>
         <div class="playhead" style={{ left: percent(time) }} />
       </div>
       <div class="ruler">
@@ -95,6 +96,26 @@ export function Timeline() {
           <Ticks />
         </div>
       </div>
+      {followed.value.map((one) => (
+        <div key={`job-${one.job}`} class="lane">
+          <button title={`${one.name}: boxed and followed. Click: leave it out`} onClick={() => hide(one.job)}>
+            <span class="swatch followed" style={{ display: "inline-block" }} /> {one.name}
+          </button>
+          <div class="track">
+            {one.moments.map(({ first, last, frames }) => (
+              <button
+                key={first}
+                class="moment followed"
+                tabIndex={-1}
+                style={{ left: percent(first), width: percent(last - first) }}
+                title={`${one.name}: ${formatTime(first)} to ${formatTime(last)}, ${plural(frames, "frame")}`}
+                aria-label={`${one.name} at ${formatTime(first)}`}
+                onClick={() => video !== null && selection.showTime(video, first)}
+              />
+            ))}
+          </div>
+        </div>
+      ))}
       {lanes.value.map((object) => (
         <div
           key={object.id}

@@ -2,8 +2,10 @@
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
+import { followed } from "../followed";
 import { baseName, formatTime } from "../logic/format";
-import { boxBetween, drawSighting, drawTrail, fit, hit } from "../logic/overlay";
+import type { FollowedRow } from "../logic/followed";
+import { type Fit, boxBetween, drawSighting, drawTrail, fit, hit } from "../logic/overlay";
 import * as jobs from "../jobs";
 import { objectOf } from "../objects";
 import { frameCanvas, pictureVersion, playbackRate, player, unplayable } from "../player";
@@ -59,8 +61,23 @@ function draw(canvas: HTMLCanvasElement) {
     if (isSelected) drawTrail(context, trailOf(sighting.object_id, frame, TRAIL_FRAMES), colour, at);
     const isRejected = object?.review?.verdict === "rejected";
     const isGreyed = object !== undefined && !matches(object);
-    const drawn = { sighting, name, colour, isSelected, isGreyed, isRejected };
+    const drawn = { sighting, label: `${name} ${sighting.score.toFixed(2)}`, colour, isSelected, isGreyed, isRejected };
     drawSighting(context, drawn, { width: videoWidth, height: videoHeight }, at, width);
+  }
+  drawFollowed(context, frame, { width: videoWidth, height: videoHeight }, at, width);
+}
+
+/** What a user boxed and had followed. */
+function drawFollowed(context: CanvasRenderingContext2D, frame: number, size: { width: number; height: number }, at: Fit, areaWidth: number) {
+  for (const one of followed.value) {
+    const row = one.byFrame.get(frame);
+    if (!row) continue;
+    const middle = ({ box: [x, y, width, height] }: FollowedRow): [number, number] => [x + width / 2, y + height / 2];
+    const trail = one.rows.filter((before) => before.frame <= frame && before.frame >= frame - TRAIL_FRAMES).map(middle);
+    drawTrail(context, trail, state.FOLLOWED_COLOUR, at);
+    const sighting = { box: [...row.box], outline: [], source: "recognised" as const };
+    const drawn = { sighting, label: one.name, colour: state.FOLLOWED_COLOUR, isSelected: false, isGreyed: false, isRejected: false };
+    drawSighting(context, drawn, size, at, areaWidth);
   }
 }
 
@@ -82,6 +99,7 @@ function Stage() {
       // Draws at once: in the callback of the frame, and with the overlay of that frame.
       void pictureVersion.value;
       void sightingsVersion.value;
+      void followed.value;
       draw(shown);
     });
     const observer = new ResizeObserver(redraw);
@@ -155,7 +173,7 @@ function Stage() {
           }}
         />
       )}
-      {isBoxing && !drag && <div class="message">Draw a box around the object to search for. B or Esc leaves.</div>}
+      {isBoxing && !drag && <div class="message">Draw a box around the object. B or Esc leaves.</div>}
       {video && !problem && (
         <div class="corner" title={video.name}>
           {baseName(video.name)}
@@ -200,8 +218,8 @@ function Controls() {
       {jobs.canAdd.value && (
         <button
           class="button icon plain"
-          title="Box an object to search for (B)"
-          aria-label="Box an object to search for"
+          title="Box an object, to search for it or to follow it (B)"
+          aria-label="Box an object"
           aria-pressed={state.isBoxing.value}
           onClick={toggleBoxing}
         >
