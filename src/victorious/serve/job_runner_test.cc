@@ -13,6 +13,7 @@ namespace victorious {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 const JobFolders kFolders{.index = "/d/index.db", .models = "/d/models", .uploads = "/d/uploads"};
 
