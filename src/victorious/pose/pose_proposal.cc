@@ -1,6 +1,7 @@
 #include "victorious/pose/pose_proposal.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -11,6 +12,7 @@
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/robust/similarity_estimator.h"
 #include "victorious/geometry/similarity.h"
+#include "victorious/kernels/vote_agreement.h"
 #include "victorious/pose/match_pairs.h"
 #include "victorious/pose/rank_nfa.h"
 #include "victorious/pose/vote_poses.h"
@@ -39,27 +41,31 @@ constexpr double kTestedWindows[] = {1.0, 0.5, 0.25};
 constexpr int kRefits = 2;
 constexpr auto kSeparationScales = static_cast<float>(kVoteOptions.min_separation_scales);
 
+constexpr std::uint32_t kSignBit = 1U << 31;
 constexpr auto kCircle_rad = static_cast<float>(2 * kPi);
 constexpr auto kTurn_rad = static_cast<float>(kVoteOptions.turn_rad);
 
-// A match as a vote: its keypoints, and the centre that it votes for.
-struct Vote {
-  float log_scale;
-  float turn_rad;
-  float centre_x;
-  float centre_y;
-  float template_x;
-  float template_y;
-  float scene_x;
-  float scene_y;
-  std::uint32_t match;
-};
-
-// As a structure of arrays, for the quadratic count.
-struct VoteArrays {
+// The matches as votes, by rising log_scale: their keypoints, and the centres that they vote for. Padded for kernels.
+struct Votes {
+  std::vector<float> log_scale;
   std::vector<float> turn_rad;
-  std::vector<float> x;
-  std::vector<float> y;
+  std::vector<float> centre_x;
+  std::vector<float> centre_y;
+  std::vector<float> template_x;
+  std::vector<float> template_y;
+  std::vector<float> scene_x;
+  std::vector<float> scene_y;
+  std::vector<std::uint32_t> match;
+
+  explicit Votes(std::size_t count) : match(count) {
+    for (std::vector<float>* const values :
+         {&log_scale, &turn_rad, &centre_x, &centre_y, &template_x, &template_y, &scene_x, &scene_y}) {
+      values->resize(count + kernels::kVotePadding);
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return match.size(); }
+  [[nodiscard]] std::span<const float> log_scales() const { return std::span(log_scale).first(size()); }
 };
 
 struct Seed {
@@ -82,7 +88,7 @@ class Proposer {
   Proposer(const FeatureSet& scene, const KeypointDensity& density, std::span<const Keypoint> model,
            std::span<const RankedMatch> matches, const Polygon& outline, double max_turn_rad,
            const std::optional<UprightPrior>& upright)
-      : scene_(scene), density_(density), model_(model), matches_(matches), upright_(upright) {
+      : scene_(scene), density_(density), model_(model), matches_(matches), upright_(upright), votes_(matches.size()) {
     const Box bounds = BoundingBox(outline);
     centre_ = {bounds.x + bounds.width / 2, bounds.y + bounds.height / 2};
     length_px_ = static_cast<float>(std::hypot(bounds.width, bounds.height));
@@ -90,31 +96,43 @@ class Proposer {
     area_px2_ = std::max(1.0, scene.SearchedBox().Area());
     turn_chance_ = std::min(1.0, kTurn_rad / std::max(0.3, max_turn_rad));
     CollectVotes();
+    near_.resize(votes_.size() + kernels::kVotePadding);
+    near_error2_px2_.resize(near_.size());
   }
 
   std::optional<PoseProposal> Propose() {
     std::optional<PoseProposal> best;
-    std::vector<bool> used(votes_.size());
+    std::vector<std::uint8_t> used(votes_.size());
     int seeds_left = kMaxProposalSeeds;
     for (const Seed& seed : SortedSeeds()) {
-      const Vote& vote = votes_[seed.vote];
-      if (used[seed.vote] || !IsAllowed(vote)) continue;
+      if (used[seed.vote] != 0 || !IsAllowed(seed.vote)) continue;
       if (seeds_left-- == 0) break;
-      MarkNear(vote, used);
-      std::optional<PoseProposal> proposal = ProposeFrom(vote);
+      MarkNear(seed.vote, used);
+      std::optional<PoseProposal> proposal = ProposeFrom(seed.vote);
       if (proposal && (!best || proposal->neg_log10_nfa > best->neg_log10_nfa)) best = std::move(proposal);
     }
     return best;
   }
 
  private:
-  [[nodiscard]] bool IsAllowed(const Vote& vote) const {
-    return !upright_ || upright_->IsAllowed({vote.centre_x, vote.centre_y}, vote.turn_rad);
+  [[nodiscard]] bool IsAllowed(std::size_t vote) const {
+    return !upright_ || upright_->IsAllowed({votes_.centre_x[vote], votes_.centre_y[vote]}, votes_.turn_rad[vote]);
   }
 
   void CollectVotes() {
-    votes_.reserve(matches_.size());
+    // By rising log scale, of equal ones by match: the bits of a float, made to rise with its value, then the match.
+    std::vector<std::uint64_t> order;
+    order.reserve(matches_.size());
     for (std::uint32_t i = 0; i < matches_.size(); ++i) {
+      const float scale =
+          scene_.keypoints[matches_[i].scene_keypoint].scale_px / model_[matches_[i].template_keypoint].scale_px;
+      const auto bits = std::bit_cast<std::uint32_t>(std::log(scale));
+      const std::uint32_t rising = bits ^ ((bits & kSignBit) != 0 ? ~0U : kSignBit);
+      order.push_back(static_cast<std::uint64_t>(rising) << 32 | i);
+    }
+    std::ranges::sort(order);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      const auto i = static_cast<std::uint32_t>(order[k]);
       const Keypoint& s = scene_.keypoints[matches_[i].scene_keypoint];
       const Keypoint& m = model_[matches_[i].template_keypoint];
       const float scale = s.scale_px / m.scale_px;
@@ -125,39 +143,41 @@ class Proposer {
       const float d = scale * std::sin(turn_rad);
       const float x = static_cast<float>(centre_.x()) - m.x;
       const float y = static_cast<float>(centre_.y()) - m.y;
-      votes_.push_back({std::log(scale), turn_rad, s.x + c * x - d * y, s.y + d * x + c * y, m.x, m.y, s.x, s.y, i});
+      const auto rising = static_cast<std::uint32_t>(order[k] >> 32);
+      votes_.log_scale[k] = std::bit_cast<float>(rising ^ ((rising & kSignBit) != 0 ? kSignBit : ~0U));
+      votes_.turn_rad[k] = turn_rad;
+      votes_.centre_x[k] = s.x + c * x - d * y;
+      votes_.centre_y[k] = s.y + d * x + c * y;
+      votes_.template_x[k] = m.x;
+      votes_.template_y[k] = m.y;
+      votes_.scene_x[k] = s.x;
+      votes_.scene_y[k] = s.y;
+      votes_.match[k] = i;
     }
-    std::ranges::stable_sort(votes_, {}, &Vote::log_scale);
   }
 
   // Votes that at least kVoteOptions.min_votes support, by falling log-likelihood ratio.
   [[nodiscard]] std::vector<Seed> SortedSeeds() const {
-    VoteArrays arrays;
-    for (const Vote& vote : votes_) {
-      arrays.turn_rad.push_back(vote.turn_rad);
-      arrays.x.push_back(vote.centre_x);
-      arrays.y.push_back(vote.centre_y);
-    }
     const auto max_log = static_cast<float>(std::log(kVoteScaleFactor));
-    std::vector<Seed> seeds;
-    std::size_t begin = 0;
-    std::size_t end = 0;
+    std::vector<kernels::VoteWindow> windows(votes_.size());
+    const std::span<const float> log_scale = votes_.log_scales();
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
     for (std::size_t i = 0; i < votes_.size(); ++i) {
-      while (votes_[begin].log_scale < votes_[i].log_scale - max_log) ++begin;
-      while (end < votes_.size() && votes_[end].log_scale <= votes_[i].log_scale + max_log) ++end;
-      const float reach = static_cast<float>(kCentreFraction) * length_px_ * std::exp(votes_[i].log_scale);
-      const float reach2 = reach * reach;
-      int count = 0;
-      for (std::size_t j = begin; j < end; ++j) {  // branch-free, so that the compiler vectorises it
-        const float dx = arrays.x[j] - arrays.x[i];
-        const float dy = arrays.y[j] - arrays.y[i];
-        const float difference = std::abs(arrays.turn_rad[j] - arrays.turn_rad[i]);
-        const float turn = std::min(difference, kCircle_rad - difference);
-        count += static_cast<int>(dx * dx + dy * dy < reach2) & static_cast<int>(turn < kTurn_rad);
-      }
+      while (log_scale[begin] < log_scale[i] - max_log) ++begin;
+      while (end < votes_.size() && log_scale[end] <= log_scale[i] + max_log) ++end;
+      const float reach = static_cast<float>(kCentreFraction) * length_px_ * std::exp(log_scale[i]);
+      windows[i] = {begin, end, reach * reach};
+    }
+    std::vector<std::int32_t> counts(votes_.size());
+    kernels::CountAgreeingVotes({votes_.centre_x.data(), votes_.centre_y.data(), votes_.turn_rad.data()}, windows,
+                                kTurn_rad, counts);
+    std::vector<Seed> seeds;
+    for (std::size_t i = 0; i < votes_.size(); ++i) {
+      const int count = counts[i];
       if (count < kVoteOptions.min_votes) continue;
-      const double chance = std::min(1.0, kPi * reach2 / area_px2_) * turn_chance_;
-      const double expected = std::max(kMinExpectedVotes, static_cast<double>(end - begin) * chance);
+      const double chance = std::min(1.0, kPi * windows[i].reach2_px2 / area_px2_) * turn_chance_;
+      const double expected = std::max(kMinExpectedVotes, (windows[i].end - windows[i].begin) * chance);
       if (count <= expected) continue;
       seeds.push_back({count * std::log(count / expected) - (count - expected), i});
     }
@@ -165,20 +185,25 @@ class Proposer {
     return seeds;
   }
 
-  void MarkNear(const Vote& seed, std::vector<bool>& used) const {
-    const float reach = kSeedDistance * length_px_ * std::exp(seed.log_scale);
+  void MarkNear(std::size_t seed, std::vector<std::uint8_t>& used) const {
+    const float seed_x = votes_.centre_x[seed];
+    const float seed_y = votes_.centre_y[seed];
+    const float seed_log_scale = votes_.log_scale[seed];
+    const float reach = kSeedDistance * length_px_ * std::exp(seed_log_scale);
     for (std::size_t j = 0; j < votes_.size(); ++j) {
-      const float dx = votes_[j].centre_x - seed.centre_x;
-      const float dy = votes_[j].centre_y - seed.centre_y;
-      if (dx * dx + dy * dy < reach * reach && std::abs(votes_[j].log_scale - seed.log_scale) < kSeedLogScale)
-        used[j] = true;
+      const float dx = votes_.centre_x[j] - seed_x;
+      const float dy = votes_.centre_y[j] - seed_y;
+      const float difference = std::abs(votes_.log_scale[j] - seed_log_scale);
+      used[j] |= static_cast<std::uint8_t>(static_cast<int>(dx * dx + dy * dy < reach * reach) &
+                                           static_cast<int>(difference < kSeedLogScale));  // no branches: vectorised
     }
   }
 
-  [[nodiscard]] std::optional<PoseProposal> ProposeFrom(const Vote& seed) const {
-    Similarity2 map{std::exp(static_cast<double>(seed.log_scale)), seed.turn_rad, Eigen::Vector2d::Zero()};
-    map.translation =
-        Eigen::Vector2d(seed.scene_x, seed.scene_y) - map.Linear() * Eigen::Vector2d(seed.template_x, seed.template_y);
+  [[nodiscard]] std::optional<PoseProposal> ProposeFrom(std::size_t seed) {
+    Similarity2 map{std::exp(static_cast<double>(votes_.log_scale[seed])), votes_.turn_rad[seed],
+                    Eigen::Vector2d::Zero()};
+    map.translation = Eigen::Vector2d(votes_.scene_x[seed], votes_.scene_y[seed]) -
+                      map.Linear() * Eigen::Vector2d(votes_.template_x[seed], votes_.template_y[seed]);
     for (const double factor : kWideWindows) {
       if (!Refit(factor, map)) return std::nullopt;
     }
@@ -197,13 +222,14 @@ class Proposer {
   }
 
   // Refits to the inliers of a window; false if there are too few.
-  [[nodiscard]] bool Refit(double factor, Similarity2& map) const {
+  [[nodiscard]] bool Refit(double factor, Similarity2& map) {
     const std::vector<Inlier> inliers = GatherInliers(map, factor * RadiusPx(map));
     if (inliers.size() < kMinFitted) return false;
     std::vector<PointPair> pairs;
     for (const Inlier& inlier : inliers) {
-      const Vote& vote = votes_[inlier.vote];
-      pairs.push_back({{vote.template_x, vote.template_y}, {vote.scene_x, vote.scene_y}});
+      const std::size_t vote = inlier.vote;
+      pairs.push_back(
+          {{votes_.template_x[vote], votes_.template_y[vote]}, {votes_.scene_x[vote], votes_.scene_y[vote]}});
     }
     const std::optional<Similarity2> fitted = SolveSimilarity(pairs);
     if (!fitted || fitted->scale <= 0) return false;
@@ -217,24 +243,25 @@ class Proposer {
   }
 
   // The votes that agree in position, scale and rotation, one-to-one by rising error.
-  [[nodiscard]] std::vector<Inlier> GatherInliers(const Similarity2& map, double radius_px) const {
-    const auto a = static_cast<float>(map.scale * std::cos(map.rotation_rad));
-    const auto b = static_cast<float>(map.scale * std::sin(map.rotation_rad));
-    const auto x = static_cast<float>(map.translation.x());
-    const auto y = static_cast<float>(map.translation.y());
+  [[nodiscard]] std::vector<Inlier> GatherInliers(const Similarity2& map, double radius_px) {
     const auto log_scale = static_cast<float>(std::log(map.scale));
     const auto turn_rad = static_cast<float>(map.rotation_rad);
     const auto max_log = static_cast<float>(std::log(kVoteScaleFactor));
-    const auto radius2 = static_cast<float>(radius_px * radius_px);
-    const auto begin = std::ranges::lower_bound(votes_, log_scale - max_log, {}, &Vote::log_scale);
-    const auto end = std::ranges::upper_bound(votes_, log_scale + max_log, {}, &Vote::log_scale);
+    const std::span<const float> sorted = votes_.log_scales();
+    const auto begin = std::ranges::lower_bound(sorted, log_scale - max_log) - sorted.begin();
+    const auto end = std::ranges::upper_bound(sorted, log_scale + max_log) - sorted.begin();
+    const std::size_t count = kernels::FindAgreeingPairs(
+        {votes_.template_x.data(), votes_.template_y.data(), votes_.scene_x.data(), votes_.scene_y.data()},
+        static_cast<std::size_t>(begin), static_cast<std::size_t>(end),
+        {.a = static_cast<float>(map.scale * std::cos(map.rotation_rad)),
+         .b = static_cast<float>(map.scale * std::sin(map.rotation_rad)),
+         .shift_x = static_cast<float>(map.translation.x()),
+         .shift_y = static_cast<float>(map.translation.y())},
+        static_cast<float>(radius_px * radius_px), near_.data(), near_error2_px2_.data());
     std::vector<Inlier> near;
-    for (auto vote = begin; vote < end; ++vote) {
-      const float dx = a * vote->template_x - b * vote->template_y + x - vote->scene_x;
-      const float dy = b * vote->template_x + a * vote->template_y + y - vote->scene_y;
-      const float error2 = dx * dx + dy * dy;
-      if (error2 > radius2 || TurnBetween(vote->turn_rad, turn_rad) > kTurn_rad) continue;
-      near.push_back({error2, static_cast<std::size_t>(vote - votes_.begin())});
+    for (std::size_t k = 0; k < count; ++k) {
+      if (TurnBetween(votes_.turn_rad[near_[k]], turn_rad) > kTurn_rad) continue;
+      near.push_back({near_error2_px2_[k], near_[k]});
     }
     std::ranges::stable_sort(near, {}, &Inlier::error2_px2);
     std::vector<Inlier> kept;
@@ -249,7 +276,7 @@ class Proposer {
     return kept;
   }
 
-  [[nodiscard]] const RankedMatch& MatchOf(const Inlier& inlier) const { return matches_[votes_[inlier.vote].match]; }
+  [[nodiscard]] const RankedMatch& MatchOf(const Inlier& inlier) const { return matches_[votes_.match[inlier.vote]]; }
 
   [[nodiscard]] double NegLog10Nfa(const Similarity2& map, std::vector<Inlier> inliers, double radius_px) const {
     const Eigen::Vector2d centre = map.Apply(centre_);
@@ -284,8 +311,10 @@ class Proposer {
   float length_px_ = 0;
   double size_px_ = 0;
   double area_px2_ = 1;
-  double turn_chance_ = 1;   // of two allowed rotations to agree
-  std::vector<Vote> votes_;  // by rising log_scale
+  double turn_chance_ = 1;  // of two allowed rotations to agree
+  Votes votes_;
+  std::vector<std::uint32_t> near_;  // of FindAgreeingPairs
+  std::vector<float> near_error2_px2_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "victorious/base/binomial.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/kernels/vote_agreement.h"
 
 namespace victorious {
 namespace {
@@ -50,50 +52,91 @@ class Visibility {
   double min_scale_px_;
 };
 
-// The scene keypoints within reach_px of the projections of inliers, and some around them: all that AgreeingFraction
-// can count, which is a small part of a scene.
-std::vector<Keypoint> KeypointsAround(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
-                                      double reach_px, const FeatureSet& scene, std::span<const Keypoint> model) {
-  std::vector<Keypoint> around;
-  if (inliers.empty()) return around;
-  Eigen::AlignedBox2d box;
-  for (const RankedMatch& match : inliers) {
-    box.extend(scene_from_template.Apply(PositionOf(model[match.template_keypoint])));
-  }
-  // Wider by one pixel than the windows, so that rounding excludes none of their keypoints.
-  const auto left = static_cast<float>(box.min().x() - reach_px - 1);
-  const auto top = static_cast<float>(box.min().y() - reach_px - 1);
-  const auto right = static_cast<float>(box.max().x() + reach_px + 1);
-  const auto bottom = static_cast<float>(box.max().y() + reach_px + 1);
-  for (const Keypoint& keypoint : scene.keypoints) {
-    if (keypoint.x < left || keypoint.x > right || keypoint.y < top || keypoint.y > bottom) continue;
-    around.push_back(keypoint);
-  }
-  return around;
-}
-
 // The fraction of scene keypoints that agree with the projection of a template keypoint in position, scale and
 // orientation: p for rank 1. Counted over windows twice as wide, since narrow windows hold few keypoints or none, and
-// then reduced by the ratio of the windows. @param around  of KeypointsAround, for the reach of the wider window
-double AgreeingFraction(const Keypoint& keypoint, const Similarity2& scene_from_template, const PoseWindow& window,
-                        std::span<const Keypoint> around, std::size_t scene_size, const VoteOptions& options) {
-  const double turn_window_rad = std::min(kPi, options.turn_rad);
-  const double wide_turn_rad = std::min(kPi, kCountingFactor * turn_window_rad);
-  const Eigen::Vector2d place = scene_from_template.Apply(PositionOf(keypoint));
-  const double reach_px = kCountingFactor * window.widest_px;
-  const double scale_px = keypoint.scale_px * scene_from_template.scale;
-  const double turn_rad = keypoint.orientation_rad + scene_from_template.rotation_rad;
-  int count = 0;
-  for (const Keypoint& other : around) {
-    if ((PositionOf(other) - place).squaredNorm() > reach_px * reach_px) continue;
-    if (other.scale_px > kVoteScaleFactor * scale_px || other.scale_px * kVoteScaleFactor < scale_px) continue;
-    if (std::abs(WrapAngle(other.orientation_rad - turn_rad)) > wide_turn_rad) continue;
-    ++count;
+// then reduced by the ratio of the windows.
+class AgreeingFraction {
+ public:
+  /// @param inliers  of the pose: the template keypoints that are asked for
+  AgreeingFraction(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
+                   const PoseWindow& window, const FeatureSet& scene, std::span<const Keypoint> model,
+                   const VoteOptions& options)
+      : scene_from_template_(scene_from_template),
+        linear_(scene_from_template.Linear()),
+        reach_px_(kCountingFactor * window.widest_px),
+        turn_window_rad_(std::min(kPi, options.turn_rad)),
+        wide_turn_rad_(std::min(kPi, kCountingFactor * turn_window_rad_)),
+        wider_(reach_px_ / window.radius_px * (reach_px_ / window.radius_px) * wide_turn_rad_ / turn_window_rad_),
+        scene_size_(scene.size()) {
+    CollectAround(inliers, scene, model);
   }
-  const double narrower = reach_px / window.radius_px;
-  const double wider = narrower * narrower * wide_turn_rad / turn_window_rad;
-  return std::max(kMinAgreeingCount, count / wider) / static_cast<double>(scene_size);
-}
+
+  double operator()(const Keypoint& keypoint) {
+    const Eigen::Vector2d place = linear_ * PositionOf(keypoint) + scene_from_template_.translation;
+    const double scale_px = keypoint.scale_px * scene_from_template_.scale;
+    const double turn_rad = keypoint.orientation_rad + scene_from_template_.rotation_rad;
+    constexpr double kRounding_px = 0.1;  // of single precision, for coordinates up to 10^5 px
+    const double reach_px = reach_px_ + kRounding_px;
+    const std::size_t near =
+        kernels::FindAgreeingPairs({x_.data(), y_.data(), x_.data(), y_.data()}, 0, around_.size(),
+                                   {.shift_x = static_cast<float>(place.x()), .shift_y = static_cast<float>(place.y())},
+                                   static_cast<float>(reach_px * reach_px), near_.data(), error2_px2_.data());
+    int count = 0;
+    for (const std::uint32_t i : std::span(near_).first(near)) {
+      const Keypoint& other = around_[i];
+      if ((PositionOf(other) - place).squaredNorm() > reach_px_ * reach_px_) continue;
+      if (other.scale_px > kVoteScaleFactor * scale_px || other.scale_px * kVoteScaleFactor < scale_px) continue;
+      const double difference_rad = other.orientation_rad - turn_rad;
+      const double turn_between_rad =
+          std::abs(std::abs(difference_rad) <= kPi ? difference_rad : WrapAngle(difference_rad));
+      if (turn_between_rad > wide_turn_rad_) continue;
+      ++count;
+    }
+    return std::max(kMinAgreeingCount, count / wider_) / static_cast<double>(scene_size_);
+  }
+
+ private:
+  // The scene keypoints within reach of the projections of inliers, and some around them: a small part of a scene.
+  void CollectAround(std::span<const RankedMatch> inliers, const FeatureSet& scene, std::span<const Keypoint> model) {
+    if (!inliers.empty()) {
+      Eigen::AlignedBox2d box;
+      for (const RankedMatch& match : inliers) {
+        box.extend(linear_ * PositionOf(model[match.template_keypoint]) + scene_from_template_.translation);
+      }
+      // Wider by one pixel than the windows, so that rounding excludes none of their keypoints.
+      const auto left = static_cast<float>(box.min().x() - reach_px_ - 1);
+      const auto top = static_cast<float>(box.min().y() - reach_px_ - 1);
+      const auto right = static_cast<float>(box.max().x() + reach_px_ + 1);
+      const auto bottom = static_cast<float>(box.max().y() + reach_px_ + 1);
+      for (const Keypoint& keypoint : scene.keypoints) {
+        if (keypoint.x < left || keypoint.x > right || keypoint.y < top || keypoint.y > bottom) continue;
+        around_.push_back(keypoint);
+      }
+    }
+    const std::size_t padded = around_.size() + kernels::kVotePadding;
+    x_.resize(padded);
+    y_.resize(padded);
+    for (std::size_t i = 0; i < around_.size(); ++i) {
+      x_[i] = around_[i].x;
+      y_[i] = around_[i].y;
+    }
+    near_.resize(padded);
+    error2_px2_.resize(padded);
+  }
+
+  const Similarity2& scene_from_template_;
+  Eigen::Matrix2d linear_;
+  double reach_px_;  // of the wider window
+  double turn_window_rad_;
+  double wide_turn_rad_;
+  double wider_;  // the counted window over that of an inlier
+  std::size_t scene_size_;
+  std::vector<Keypoint> around_;
+  std::vector<float> x_;  // of around_, padded for kernels
+  std::vector<float> y_;
+  std::vector<std::uint32_t> near_;  // of FindAgreeingPairs
+  std::vector<float> error2_px2_;
+};
 
 // True if two scene descriptors belong to a repeated texture.
 bool HaveSimilarDescriptors(const FeatureSet& scene, std::size_t a, std::size_t b) {
@@ -112,8 +155,7 @@ std::vector<double> InlierChances(const Similarity2& scene_from_template, std::s
                                   const VoteOptions& options) {
   std::vector<RankedMatch> by_rank(inliers.begin(), inliers.end());
   std::ranges::stable_sort(by_rank, {}, &RankedMatch::rank);
-  const std::vector<Keypoint> around =
-      KeypointsAround(scene_from_template, inliers, kCountingFactor * window.widest_px, scene, model);
+  AgreeingFraction agreeing_fraction(scene_from_template, inliers, window, scene, model, options);
   std::vector<std::size_t> taken;
   std::vector<double> chances;
   for (const RankedMatch& match : by_rank) {
@@ -126,8 +168,7 @@ std::vector<double> InlierChances(const Similarity2& scene_from_template, std::s
     });
     if (is_dependent) continue;
     taken.push_back(match.scene_keypoint);
-    chances.push_back(std::min(1.0, match.rank * AgreeingFraction(model[match.template_keypoint], scene_from_template,
-                                                                  window, around, scene.size(), options)));
+    chances.push_back(std::min(1.0, match.rank * agreeing_fraction(model[match.template_keypoint])));
   }
   std::ranges::sort(chances);
   return chances;

@@ -1,6 +1,7 @@
 #include "victorious/pose/vote_poses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/robust/mlesac.h"
 #include "victorious/geometry/robust/similarity_estimator.h"
+#include "victorious/kernels/vote_agreement.h"
 #include "victorious/pose/match_pairs.h"
 #include "victorious/pose/plane_refinement.h"
 #include "victorious/pose/rank_nfa.h"
@@ -28,7 +30,7 @@ constexpr double kMinExpectedVotes = 1e-6;
 // The votes as a structure of arrays, sorted by log_scale.
 struct Votes {
   std::vector<float> log_scale;
-  std::vector<float> turn_rad;
+  std::vector<float> turn_rad;       // padded for kernels, as the next two
   std::vector<float> x;              // object centre in the scene, px
   std::vector<float> y;              // px
   std::vector<std::uint32_t> match;  // index into the matches
@@ -71,6 +73,9 @@ Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> mo
     votes.y.push_back(vote.y);
     votes.match.push_back(vote.match);
   }
+  for (std::vector<float>* const values : {&votes.turn_rad, &votes.x, &votes.y}) {
+    values->resize(values->size() + kernels::kVotePadding);
+  }
   return votes;
 }
 
@@ -81,17 +86,11 @@ struct Windows {
   float place_px;  // distance of the centres at scale 1
 };
 
-// For one vote: the range [begin, end) of votes that agree in scale, and the squared radius for the centre.
-struct Window {
-  std::size_t begin;
-  std::size_t end;
-  float reach2_px2;
-};
-
-std::vector<Window> ComputeWindows(const Votes& votes, const Windows& windows) {
-  std::vector<Window> all(votes.size());
-  std::size_t begin = 0;
-  std::size_t end = 0;
+// For each vote: the range of votes that agree in scale, and the squared radius for the centre.
+std::vector<kernels::VoteWindow> ComputeWindows(const Votes& votes, const Windows& windows) {
+  std::vector<kernels::VoteWindow> all(votes.size());
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     while (votes.log_scale[begin] < votes.log_scale[i] - windows.log_scale) ++begin;
     while (end < votes.size() && votes.log_scale[end] <= votes.log_scale[i] + windows.log_scale) ++end;
@@ -101,7 +100,7 @@ std::vector<Window> ComputeWindows(const Votes& votes, const Windows& windows) {
   return all;
 }
 
-// 1 if two votes agree, else 0. Branch-free, so that the compiler vectorises it: the hot loop of a vote search.
+// 1 if two votes agree, else 0: as CountAgreeingVotes.
 inline int Agree(const Votes& votes, std::size_t a, std::size_t b, float reach2_px2, float turn_rad) {
   const float dx = votes.x[a] - votes.x[b];
   const float dy = votes.y[a] - votes.y[b];
@@ -115,13 +114,14 @@ struct Support {
   double log_likelihood = 0;  ///< Poisson log-likelihood ratio of the count over chance; 0 if chance explains it
 };
 
-std::vector<Support> ComputeSupport(const Votes& votes, const std::vector<Window>& windows, float turn_rad,
+std::vector<Support> ComputeSupport(const Votes& votes, const std::vector<kernels::VoteWindow>& windows, float turn_rad,
                                     double scene_area_px2) {
+  std::vector<std::int32_t> counts(votes.size());
+  kernels::CountAgreeingVotes({votes.x.data(), votes.y.data(), votes.turn_rad.data()}, windows, turn_rad, counts);
   std::vector<Support> all(votes.size());
   for (std::size_t i = 0; i < votes.size(); ++i) {
-    const Window& window = windows[i];
-    int count = 0;
-    for (std::size_t j = window.begin; j < window.end; ++j) count += Agree(votes, i, j, window.reach2_px2, turn_rad);
+    const kernels::VoteWindow& window = windows[i];
+    const int count = counts[i];
     const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * std::min(1.0, turn_rad / kPi);
     const double expected = std::max(kMinExpectedVotes, static_cast<double>(window.end - window.begin) * chance);
     all[i] = {count, count > expected ? count * std::log(count / expected) - (count - expected) : 0};
@@ -129,15 +129,55 @@ std::vector<Support> ComputeSupport(const Votes& votes, const std::vector<Window
   return all;
 }
 
+// The positions of the keypoints of all matches as padded arrays, for a first test in single precision.
+class MatchPositions {
+ public:
+  MatchPositions(std::span<const Keypoint> scene, std::span<const Keypoint> model, std::span<const RankedMatch> matches)
+      : count_(matches.size()), found_(count_ + kernels::kVotePadding), error2_px2_(found_.size()) {
+    for (std::vector<float>& values : values_) values.resize(found_.size());
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Keypoint& s = scene[matches[i].scene_keypoint];
+      const Keypoint& m = model[matches[i].template_keypoint];
+      values_[0][i] = m.x;
+      values_[1][i] = m.y;
+      values_[2][i] = s.x;
+      values_[3][i] = s.y;
+    }
+  }
+
+  // Indices of matches, ascending: all that the map takes to within radius_px of the scene keypoint, and some more.
+  std::span<const std::uint32_t> Near(const Similarity2& scene_from_template, double radius_px) {
+    constexpr double kRounding_px = 0.1;  // of single precision, for coordinates up to 10^5 px
+    const Eigen::Matrix2d linear = scene_from_template.Linear();
+    const std::size_t count = kernels::FindAgreeingPairs(
+        {values_[0].data(), values_[1].data(), values_[2].data(), values_[3].data()}, 0, count_,
+        {.a = static_cast<float>(linear(0, 0)),
+         .b = static_cast<float>(linear(1, 0)),
+         .shift_x = static_cast<float>(scene_from_template.translation.x()),
+         .shift_y = static_cast<float>(scene_from_template.translation.y())},
+        static_cast<float>((radius_px + kRounding_px) * (radius_px + kRounding_px)), found_.data(), error2_px2_.data());
+    return std::span(found_).first(count);
+  }
+
+ private:
+  std::size_t count_;
+  std::array<std::vector<float>, 4> values_;  // x and y in the template, x and y in the scene, px
+  std::vector<std::uint32_t> found_;
+  std::vector<float> error2_px2_;
+};
+
 // The matches that agree with the pose in position, scale and rotation, one-to-one: each scene and each template
 // keypoint only in its match of the smallest residual. By rising residual.
+// @param positions  of the matches
 std::vector<RankedMatch> GatherInliers(const Similarity2& scene_from_template, double radius_px,
                                        std::span<const Keypoint> scene, std::span<const Keypoint> model,
-                                       std::span<const RankedMatch> matches, const VoteOptions& options) {
+                                       std::span<const RankedMatch> matches, MatchPositions& positions,
+                                       const VoteOptions& options) {
   std::vector<std::pair<double, RankedMatch>> near;
   const double max_log = std::log(kVoteScaleFactor);
   const Eigen::Matrix2d linear = scene_from_template.Linear();
-  for (const RankedMatch& match : matches) {
+  for (const std::uint32_t i : positions.Near(scene_from_template, radius_px)) {
+    const RankedMatch& match = matches[i];
     const Keypoint& s = scene[match.scene_keypoint];
     const Keypoint& m = model[match.template_keypoint];
     const Eigen::Vector2d error =
@@ -174,15 +214,16 @@ class PoseFinder {
         options_(options),
         upright_(upright),
         points_in_model_(points_in_model),
+        positions_(scene.keypoints, model, matches),
         size_px_(std::sqrt(std::abs(SignedArea(outline)))),
         scene_area_px2_(std::max(1.0, scene.SearchedBox().Area())) {}
 
-  std::vector<PlanarFit> Find() const {
+  std::vector<PlanarFit> Find() {
     const Box bounds = BoundingBox(outline_);
     const Eigen::Vector2d centre(bounds.x + bounds.width / 2, bounds.y + bounds.height / 2);
     const Votes votes = CollectVotes(scene_.keypoints, model_, matches_, centre, upright_);
     const float turn_rad = static_cast<float>(votes_.turn_rad);
-    const std::vector<Window> windows =
+    const std::vector<kernels::VoteWindow> windows =
         ComputeWindows(votes, {static_cast<float>(std::log(kVoteScaleFactor)), turn_rad,
                                static_cast<float>(kCentreFraction * std::hypot(bounds.width, bounds.height))});
     const std::vector<Support> support = ComputeSupport(votes, windows, turn_rad, scene_area_px2_);
@@ -194,7 +235,7 @@ class PoseFinder {
     while (seeds_left > 0) {
       const std::optional<std::size_t> seed = BestSeed(support, used);
       if (!seed) break;
-      const Window& window = windows[*seed];
+      const kernels::VoteWindow& window = windows[*seed];
       std::vector<std::uint32_t> members;
       for (std::size_t j = window.begin; j < window.end; ++j) {
         if (Agree(votes, *seed, j, window.reach2_px2, turn_rad) == 0) continue;
@@ -224,7 +265,7 @@ class PoseFinder {
 
   // Fits a similarity to the voters of a seed by MLESAC and refines it. std::nullopt if there are too few distinct
   // template keypoints or inliers.
-  std::optional<PlanarFit> FitPose(std::vector<std::uint32_t> members, double reach2_px2) const {
+  std::optional<PlanarFit> FitPose(std::vector<std::uint32_t> members, double reach2_px2) {
     std::ranges::sort(members);
     std::vector<RankedMatch> voters;
     for (const std::uint32_t member : members) voters.push_back(matches_[member]);
@@ -240,7 +281,7 @@ class PoseFinder {
 
   // Refits with windows of 1, 1/2 and 1/4 of the inlier radius and returns the pose of the highest -log10 NFA: the
   // smaller the viewpoint difference, the smaller the best window.
-  std::optional<PlanarFit> BestOverWindows(Similarity2 map) const {
+  std::optional<PlanarFit> BestOverWindows(Similarity2 map) {
     std::optional<PlanarFit> best;
     for (const double window_factor : kWindowFactors) {
       std::vector<RankedMatch> inliers = InliersOf(map, window_factor);
@@ -287,8 +328,8 @@ class PoseFinder {
 
   double RadiusPx(const Similarity2& map) const { return kAgreementSigmas * SigmaPx(map); }
 
-  std::vector<RankedMatch> InliersOf(const Similarity2& map, double window_factor) const {
-    return GatherInliers(map, window_factor * RadiusPx(map), scene_.keypoints, model_, matches_, votes_);
+  std::vector<RankedMatch> InliersOf(const Similarity2& map, double window_factor) {
+    return GatherInliers(map, window_factor * RadiusPx(map), scene_.keypoints, model_, matches_, positions_, votes_);
   }
 
   const FeatureSet& scene_;
@@ -299,6 +340,7 @@ class PoseFinder {
   const PoseOptions& options_;
   const std::optional<UprightPrior>& upright_;
   std::span<const Point3> points_in_model_;
+  MatchPositions positions_;
   double size_px_;
   double scene_area_px2_;
 };
