@@ -71,6 +71,19 @@ TEST(ImpulseNoise, KeepsCleanImagesWithThinStructures) {
   EXPECT_GT(cv::norm(RemoveImpulses(noisy, 0.015), noisy, cv::NORM_INF), 0) << "this one is noisy";
 }
 
+// The number of impulses over the flat area decides, here 80 of 40,000 pixels.
+TEST(ImpulseNoise, ComparesWithTheFlatArea) {
+  cv::Mat image(200, 200, CV_8UC1, cv::Scalar(100));
+  for (int i = 0; i < 80; ++i) image.at<uchar>(4 + 20 * (i / 8), 4 + 24 * (i % 8)) = i % 2 == 0 ? 255 : 0;
+  for (const double more : {0.0021, 0.003, 0.09, 0.11, 0.9}) {
+    EXPECT_EQ(cv::norm(RemoveImpulses(image, more), image, cv::NORM_INF), 0) << more;
+  }
+  for (const double less : {0.0, 0.0001, 0.0019}) {
+    EXPECT_EQ(cv::norm(RemoveImpulses(image, less), cv::Mat(200, 200, CV_8UC1, cv::Scalar(100)), cv::NORM_INF), 0)
+        << less;
+  }
+}
+
 TEST(ImpulseNoise, AcceptsImagesOfAnySize) {
   for (const int side : {0, 1, 4, 5}) {
     const cv::Mat tiny(side, side, CV_8UC1, cv::Scalar(7));
