@@ -289,6 +289,8 @@ TEST(Recognizer, AutoIsTheShortlistForManyViews) {
   options.shortlist.max_verified = 0;  // the shortlist finds nothing
   EXPECT_TRUE(is_found(few, options));
   EXPECT_FALSE(is_found(many, options));
+  options.shortlist = {.min_verified_neg_log10_nfa = 1000};  // no proposal is worth verification
+  EXPECT_FALSE(is_found(many, options));
 }
 
 // The surface samples of a flat object.

@@ -13,9 +13,9 @@ struct ShortlistOptions {
   /// Of their proposals: chance gives each template one of 0 on average. Refinement makes templates at full resolution,
   /// the most costly part of a search for models that the scene does not show.
   double min_refined_neg_log10_nfa = 0;
-  int max_verified = 12;                   ///< proposals that are matched and fitted in full, in one round
-  int max_verified_per_place = 6;          ///< likewise
-  double min_verified_neg_log10_nfa = -1;  ///< of their proposals
+  int max_verified = 12;                  ///< proposals that are matched and fitted in full, in one round
+  int max_verified_per_place = 6;         ///< likewise
+  double min_verified_neg_log10_nfa = 0;  ///< of their proposals, as for refinement: most others are of absent models
   /// Rounds of verification: another one, with as many more, if all significant poses so far are mostly out of view.
   int max_rounds = 3;
   double min_in_view = 0.5;  ///< fraction of the outline, as DetectOptions::min_in_view
