@@ -39,6 +39,9 @@ class DocumentsTest(unittest.TestCase):
         for document in DOCUMENTS:
             for line in command_lines(document):
                 words = shlex.split(line)
+                if words[:1] == ["--events"]:  # before the command, as flags of the program are
+                    self.assertIn("--events", flags_of())
+                    words = words[2:]
                 # `bench` and `experiment` are programs of their own, with names in place of commands.
                 if not words or not words[0].islower() or words[0] in ("bench", "experiment"):
                     continue
