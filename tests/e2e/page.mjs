@@ -19,6 +19,15 @@ const ORANGE = [230, 159, 0]; // of the first model (state.ts)
 const SELECTED = "[role=option][aria-selected=true]";
 
 const api = async (page, path) => (await page.request.get(`/api/v1${path}`)).json();
+
+/** Waits for what the server says: waitForFunction does not wait for what an async function promises. */
+async function until(page, path, test) {
+  const end = Date.now() + 120_000;
+  while (!test(await api(page, path))) {
+    assert.ok(Date.now() < end, `${path} does not become what is waited for`);
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+}
 const shownFrame = (page) => page.evaluate(() => Number(document.querySelector(".stage canvas").dataset.frame ?? NaN));
 const selectedId = async (page) => Number((await page.locator(SELECTED).getAttribute("id")).replace("object-", ""));
 
@@ -191,10 +200,7 @@ async function triage(page) {
   await page.keyboard.press("n");
   await page.keyboard.type("next to a shed");
   await page.keyboard.press("Escape");
-  await page.waitForFunction(async (id) => {
-    const object = await (await fetch(`/api/v1/objects/${id}`)).json();
-    return object.review?.note === "next to a shed";
-  }, second.id);
+  await until(page, `/objects/${second.id}`, ({ review }) => review?.note === "next to a shed");
 
   // Who reviews is kept with the review.
   await page.fill("#reviewer", "Ann");
@@ -216,7 +222,7 @@ async function triage(page) {
   assert.equal((await api(page, "/objects/counts")).rejected, objects.length);
   await page.keyboard.press("u");
   await page.waitForFunction(() => document.querySelectorAll(".row .verdict.rejected").length === 0);
-  await page.waitForFunction(async () => (await (await fetch("/api/v1/objects/counts")).json()).rejected === 0);
+  await until(page, "/objects/counts", ({ rejected }) => rejected === 0);
   assert.equal((await api(page, `/objects/${second.id}`)).review.verdict, "accepted");
 
   // Coordinates as MGRS.
@@ -295,7 +301,7 @@ async function many(page) {
   // A decision counts at once, and the server has it.
   await page.keyboard.press("a");
   await page.waitForFunction(() => /^1 of/.test(document.querySelector(".progress")?.textContent ?? ""));
-  await page.waitForFunction(async () => (await (await fetch("/api/v1/objects/counts")).json()).accepted === 1);
+  await until(page, "/objects/counts", ({ accepted }) => accepted === 1);
 
   // A cluster on the map opens where it is clicked.
   await page.getByText("Clear filters").click();
@@ -489,10 +495,7 @@ async function jobs(page, [photos, video]) {
   assert.equal(await page.inputValue("#model-name"), "");
   await page.fill("#model-name", "boxed");
   await page.getByRole("button", { name: "Make the model" }).click();
-  await page.waitForFunction(async () => {
-    const { objects } = await (await fetch("/api/v1/objects?model=boxed")).json();
-    return objects.length > 0;
-  }, null, { timeout: 60_000 });
+  await until(page, "/objects?model=boxed", ({ objects }) => objects.length > 0);
 
   // A live source that is no address, and one that does not answer.
   await page.fill("#live-url", "http://127.0.0.1/");
