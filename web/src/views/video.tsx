@@ -76,7 +76,7 @@ function drawFollowed(context: CanvasRenderingContext2D, frame: number, size: { 
     const trail = one.rows.filter((before) => before.frame <= frame && before.frame >= frame - TRAIL_FRAMES).map(middle);
     drawTrail(context, trail, state.FOLLOWED_COLOUR, at);
     const sighting = { box: [...row.box], outline: [], source: "recognised" as const };
-    const drawn = { sighting, label: one.name, colour: state.FOLLOWED_COLOUR, isSelected: false, isGreyed: false, isRejected: false };
+    const drawn = { sighting, label: one.name, isLabelInside: true, colour: state.FOLLOWED_COLOUR, isSelected: false, isGreyed: false, isRejected: false };
     drawSighting(context, drawn, size, at, areaWidth);
   }
 }
