@@ -14,8 +14,9 @@ import type { CameraPath, FoundObject } from "../api/types";
 import { messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
 import { formatMetres, formatPosition } from "../logic/format";
-import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing, whenSeen } from "../logic/geo";
+import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing } from "../logic/geo";
 import { lastReview } from "../objects";
+import { showPlace } from "../places";
 import { frameCanvas, pictureVersion } from "../player";
 import * as notices from "../notices";
 import * as selection from "../selection";
@@ -212,10 +213,7 @@ function connect(map: MapLibre): (() => void)[] {
       if (moment.object !== null) selection.select(moment.object, { seek: false, push: true });
       return selection.showTime(video, moment.time);
     }
-    const path = state.cameraPath.value;
-    const time = path && whenSeen(path, [event.lngLat.lng, event.lngLat.lat]);
-    if (video !== null && time !== null) return selection.showTime(video, time);
-    if (path?.points.some((point) => point.footprint)) notices.notify("The camera did not show this place.");
+    void showPlace([event.lngLat.lng, event.lngLat.lat]);
   });
 
   return [
