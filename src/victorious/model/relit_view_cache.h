@@ -1,6 +1,6 @@
 // The memory of relit views (relit_views.h): one budget for the relit templates, surface samples and decoded renderings
-// of all models of a search. What is evicted is made again on demand. Renderings are evicted first: one is ten times as
-// large as a template, and decoded in a tenth of the time that a template takes.
+// of all models of a search. What is evicted is made again on demand. Renderings at full resolution are evicted first:
+// one is ten times as large as a template, and decoded in a tenth of the time that a template takes.
 #pragma once
 
 #include <compare>
@@ -16,7 +16,7 @@ namespace victorious {
 /// Thread-safe.
 class RelitViewCache {
  public:
-  enum class Kind : std::uint8_t { kRendering, kTemplate, kHalfTemplate, kAppearance };
+  enum class Kind : std::uint8_t { kRendering, kHalfRendering, kTemplate, kHalfTemplate, kAppearance };
 
   struct Key {
     std::uint32_t model;  ///< of AddModel()

@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core/mat.hpp>
 
 #include "victorious/base/mapped_pages.h"
 #include "victorious/base/stage_time.h"
@@ -29,24 +29,6 @@
 namespace victorious {
 namespace {
 
-// Downsamples by 2: the mean of four grey values, but the depth of one pixel, because the mean depth of two surfaces
-// lies on neither. @param surface  of even width and height
-ViewSurface Downsample2(const ViewSurface& surface) {
-  ViewSurface half;
-  const cv::Size size(surface.grey.cols / 2, surface.grey.rows / 2);
-  cv::resize(surface.grey, half.grey, size, 0, 0, cv::INTER_AREA);
-  cv::resize(surface.depth_map.depth_m, half.depth_map.depth_m, size, 0, 0, cv::INTER_NEAREST);
-  half.depth_map.camera = surface.depth_map.camera;
-  PinholeCamera& pinhole = half.depth_map.camera.pinhole;
-  pinhole.fx /= 2;
-  pinhole.fy /= 2;
-  pinhole.cx /= 2;
-  pinhole.cy /= 2;
-  pinhole.width = size.width;
-  pinhole.height = size.height;
-  return half;
-}
-
 // Allocated bytes.
 template <typename T>
 std::size_t Bytes(const std::vector<T>& values) {
@@ -59,6 +41,9 @@ std::size_t Bytes(const RelitTemplate& made) {
 std::size_t Bytes(const ViewAppearance& made) { return sizeof(made) + Bytes(made.points); }
 std::size_t Bytes(const SurfacePart& made) {
   return sizeof(made) + made.surface.grey.total() * (sizeof(std::uint8_t) + sizeof(float));
+}
+std::size_t Bytes(const HalfSurfacePart& made) {
+  return sizeof(made) + made.grey.total() * (sizeof(std::uint8_t) + sizeof(std::uint16_t));
 }
 
 // What the cache holds: an item that one thread makes and others wait for.
@@ -143,11 +128,36 @@ class RelitViews : public RelitTemplateSource {
     });
   }
 
+  // The part of a rendering that a template is made from.
+  struct ShownPart {
+    ViewSurface surface;
+    cv::Point origin;  // px of the surface
+    cv::Size rendering_px;
+  };
+
+  [[nodiscard]] Expected<ShownPart> GetShownPart(const RelitTemplateKey& wanted) const {
+    if (!wanted.half_resolution) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const SurfacePart> part, GetRendering(wanted.view));
+      return ShownPart{part->surface, part->origin, part->rendering_px};
+    }
+    // Each new sun needs new templates of all coarse views: without their renderings, most of the time would go to
+    // decoding.
+    const RelitViewCache::Key key{number_, RelitViewCache::Kind::kHalfRendering, wanted.view, 0};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const HalfSurfacePart> part, Get<HalfSurfacePart>(key, [&] {
+                                  const ModelView& view = model_.views[wanted.view];
+                                  Expected<HalfSurfacePart> half =
+                                      DecodeHalfSurfacePart(view.surface, NameOf(wanted.view));
+                                  ReleaseMappedPages(view.surface);
+                                  return half;
+                                }));
+    return ShownPart{part->Surface(), part->origin, part->rendering_px};
+  }
+
   [[nodiscard]] Expected<RelitTemplate> MakeTemplate(const RelitTemplateKey& wanted) const {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const SurfacePart> part, GetRendering(wanted.view));
+    VICTORIOUS_ASSIGN_OR_RETURN(const ShownPart part, GetShownPart(wanted));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const SurfacePart> from_sun, GetRendering(wanted.sun_view));
     const ViewAngles& sun = *model_.views[wanted.sun_view].angles;
-    const ViewSurface shown = wanted.half_resolution ? Downsample2(part->surface) : part->surface;
+    const ViewSurface& shown = part.surface;
     const int shrink = wanted.half_resolution ? 2 : 1;
     const cv::Mat grey = Relight(shown.grey, shown.depth_map, options_.light,
                                  ClearDayLight({sun.azimuth_rad, sun.off_nadir_rad}), from_sun->surface.depth_map);
@@ -156,11 +166,11 @@ class RelitViews : public RelitTemplateSource {
     for (Eigen::Vector2d& corner : outline) corner /= shrink;
     VICTORIOUS_ASSIGN_OR_RETURN(
         RelitTemplate made,
-        ExtractTemplateFeatures({.grey = grey, .mask = mask, .outline = outline, .origin = part->origin / shrink},
+        ExtractTemplateFeatures({.grey = grey, .mask = mask, .outline = outline, .origin = part.origin},
                                 shown.depth_map, *extractor_, options_));
     FeatureSet& features = made.features;
-    features.image_width = part->rendering_px.width;
-    features.image_height = part->rendering_px.height;
+    features.image_width = part.rendering_px.width;
+    features.image_height = part.rendering_px.height;
     for (Keypoint& keypoint : features.keypoints) {
       keypoint.x *= static_cast<float>(shrink);
       keypoint.y *= static_cast<float>(shrink);

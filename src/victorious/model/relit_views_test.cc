@@ -59,6 +59,29 @@ TEST(ViewSurface, PartHasTheObjectAndABorderOfBackground) {
   EXPECT_EQ(pinhole.cy + part.origin.y, whole.depth_map.camera.pinhole.cy);
 }
 
+TEST(ViewSurface, HalfPartHasMeanGreysAndEverySecondDepth) {
+  const std::span<const std::byte> bytes = SmallCadModel().views[3].surface;
+  const SurfacePart part = DecodeSurfacePart(bytes, "slab").value();
+  const HalfSurfacePart half_part = DecodeHalfSurfacePart(bytes, "slab").value();
+  const ViewSurface half = half_part.Surface();
+  EXPECT_EQ(half_part.rendering_px, part.rendering_px);
+  EXPECT_EQ(2 * half_part.origin, part.origin);
+  ASSERT_EQ(half.grey.size(), part.surface.grey.size() / 2);
+  ASSERT_EQ(half.depth_map.depth_m.size(), half.grey.size());
+  for (int row = 0; row < half.grey.rows; ++row) {
+    for (int column = 0; column < half.grey.cols; ++column) {
+      const cv::Mat four = part.surface.grey(cv::Rect(2 * column, 2 * row, 2, 2));
+      ASSERT_NEAR(half.grey.at<std::uint8_t>(row, column), cv::mean(four)[0], 0.51);
+      const float depth_m = half.depth_map.depth_m.at<float>(row, column);
+      const float expected_m = part.surface.depth_map.depth_m.at<float>(2 * row, 2 * column);
+      ASSERT_TRUE(depth_m == expected_m || (std::isnan(depth_m) && std::isnan(expected_m)));
+    }
+  }
+  EXPECT_EQ(2 * half.depth_map.camera.pinhole.fx, part.surface.depth_map.camera.pinhole.fx);
+  EXPECT_EQ(2 * half.depth_map.camera.pinhole.cx, part.surface.depth_map.camera.pinhole.cx);
+  EXPECT_EQ(half.depth_map.camera.pinhole.width, half.grey.cols);
+}
+
 TEST(ViewSurface, DamagedSurfaceIsAnError) {
   const std::span<const std::byte> sound = SmallCadModel().views[3].surface;
   for (const std::size_t kept : {std::size_t{0}, std::size_t{50}, std::size_t{120}, sound.size() / 2}) {
@@ -66,6 +89,7 @@ TEST(ViewSurface, DamagedSurfaceIsAnError) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::kDataLoss);
     EXPECT_NE(result.error().message.find("model slab"), std::string::npos);
+    EXPECT_FALSE(DecodeHalfSurfacePart(sound.first(kept), "model slab"));
   }
   std::vector<std::byte> elsewhere(sound.begin(), sound.end());
   elsewhere[104] = std::byte{0x7F};  // the left edge of the stored crop, beyond the rendering's width

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -63,38 +64,74 @@ Expected<StoredSurface> ReadStored(std::span<const std::byte> bytes, const std::
   return StoredSurface{header, image->bgr};
 }
 
-// The surface of a part of the rendering that contains the stored image. @param part  px of the rendering
-ViewSurface Unpack(const StoredSurface& stored, const cv::Rect& part) {
-  const Header& header = stored.header;
-  ViewSurface surface;
-  surface.depth_map.camera = {
-      .pinhole = {.fx = header.fx,
-                  .fy = header.fx,
-                  .cx = header.cx - part.x,
-                  .cy = header.cy - part.y,
-                  .width = part.width,
-                  .height = part.height},
-      .camera_from_world = {Eigen::Quaterniond(header.qw, header.qx, header.qy, header.qz).normalized(),
-                            {header.tx, header.ty, header.tz}}};
-  constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
-  surface.grey = cv::Mat(part.size(), CV_8UC1, cv::Scalar(header.background));
-  surface.depth_map.depth_m = cv::Mat(part.size(), CV_32FC1, cv::Scalar(kNoDepth));
-  const double m_per_step = (header.farthest_m - header.nearest_m) / kDepths;
-  const cv::Point at(header.left - part.x, header.top - part.y);
+// A part of the rendering, px of the rendering, before depths are decoded.
+struct StoredPart {
+  cv::Mat grey;         // CV_8UC1
+  cv::Mat depth_codes;  // CV_16UC1; 0: none
+};
+
+// @param part  contains the stored image
+StoredPart CutPart(const StoredSurface& stored, const cv::Rect& part) {
+  StoredPart cut{cv::Mat(part.size(), CV_8UC1, cv::Scalar(stored.header.background)),
+                 cv::Mat(part.size(), CV_16UC1, cv::Scalar(0))};
+  const cv::Point at(stored.header.left - part.x, stored.header.top - part.y);
   for (int row = 0; row < stored.image.rows; ++row) {
     const auto* const pixels = stored.image.ptr<cv::Vec3b>(row);
-    std::uint8_t* const grey = surface.grey.ptr<std::uint8_t>(at.y + row) + at.x;
-    float* const depth_m = surface.depth_map.depth_m.ptr<float>(at.y + row) + at.x;
+    std::uint8_t* const grey = cut.grey.ptr<std::uint8_t>(at.y + row) + at.x;
+    std::uint16_t* const codes = cut.depth_codes.ptr<std::uint16_t>(at.y + row) + at.x;
     for (int column = 0; column < stored.image.cols; ++column) {
-      const int depth = pixels[column][1] << 8 | pixels[column][2];
       grey[column] = pixels[column][0];
-      depth_m[column] = depth == 0 ? kNoDepth : static_cast<float>(header.nearest_m + (depth - 1) * m_per_step);
+      codes[column] = static_cast<std::uint16_t>(pixels[column][1] << 8 | pixels[column][2]);
     }
   }
-  return surface;
+  return cut;
+}
+
+double MetresPerStep(const Header& header) { return (header.farthest_m - header.nearest_m) / kDepths; }
+
+// CV_32FC1, m; NaN for code 0.
+cv::Mat DepthsOf(const cv::Mat& codes, double nearest_m, double m_per_step) {
+  cv::Mat depth_m(codes.size(), CV_32FC1);
+  for (int row = 0; row < codes.rows; ++row) {
+    const auto* const in = codes.ptr<std::uint16_t>(row);
+    auto* const out = depth_m.ptr<float>(row);
+    for (int column = 0; column < codes.cols; ++column) {
+      out[column] = in[column] == 0 ? std::numeric_limits<float>::quiet_NaN()
+                                    : static_cast<float>(nearest_m + (in[column] - 1) * m_per_step);
+    }
+  }
+  return depth_m;
+}
+
+PosedCamera CameraOf(const Header& header, const cv::Rect& part) {
+  return {.pinhole = {.fx = header.fx,
+                      .fy = header.fx,
+                      .cx = header.cx - part.x,
+                      .cy = header.cy - part.y,
+                      .width = part.width,
+                      .height = part.height},
+          .camera_from_world = {Eigen::Quaterniond(header.qw, header.qx, header.qy, header.qz).normalized(),
+                                {header.tx, header.ty, header.tz}}};
+}
+
+// The surface of a part of the rendering that contains the stored image. @param part  px of the rendering
+ViewSurface Unpack(const StoredSurface& stored, const cv::Rect& part) {
+  StoredPart cut = CutPart(stored, part);
+  return {.grey = std::move(cut.grey),
+          .depth_map = {.camera = CameraOf(stored.header, part),
+                        .depth_m = DepthsOf(cut.depth_codes, stored.header.nearest_m, MetresPerStep(stored.header))}};
 }
 
 int RoundDownToEven(int value) { return value & ~1; }
+
+// The stored image with a border of background; even, so that half of it has whole pixels.
+cv::Rect ObjectPart(const StoredSurface& stored) {
+  const Header& header = stored.header;
+  const cv::Point first(RoundDownToEven(header.left - kPartBorderPx), RoundDownToEven(header.top - kPartBorderPx));
+  const cv::Point end(RoundDownToEven(header.left + stored.image.cols + kPartBorderPx + 1),
+                      RoundDownToEven(header.top + stored.image.rows + kPartBorderPx + 1));
+  return {first, end};
+}
 
 }  // namespace
 
@@ -151,14 +188,38 @@ Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std:
 
 Expected<SurfacePart> DecodeSurfacePart(std::span<const std::byte> bytes, const std::string& name) {
   VICTORIOUS_ASSIGN_OR_RETURN(const StoredSurface stored, ReadStored(bytes, name));
-  const Header& header = stored.header;
-  const int left = RoundDownToEven(header.left - kPartBorderPx);
-  const int top = RoundDownToEven(header.top - kPartBorderPx);
-  const int right = RoundDownToEven(header.left + stored.image.cols + kPartBorderPx + 1);
-  const int bottom = RoundDownToEven(header.top + stored.image.rows + kPartBorderPx + 1);
-  return SurfacePart{.surface = Unpack(stored, {left, top, right - left, bottom - top}),
-                     .origin = {left, top},
-                     .rendering_px = {header.width, header.height}};
+  const cv::Rect part = ObjectPart(stored);
+  return SurfacePart{.surface = Unpack(stored, part),
+                     .origin = part.tl(),
+                     .rendering_px = {stored.header.width, stored.header.height}};
+}
+
+Expected<HalfSurfacePart> DecodeHalfSurfacePart(std::span<const std::byte> bytes, const std::string& name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const StoredSurface stored, ReadStored(bytes, name));
+  const cv::Rect part = ObjectPart(stored);
+  const StoredPart cut = CutPart(stored, part);
+  const cv::Size size = part.size() / 2;
+  HalfSurfacePart half{.grey = {},
+                       .depth_codes = {},
+                       .camera = CameraOf(stored.header, part),
+                       .nearest_m = stored.header.nearest_m,
+                       .m_per_step = MetresPerStep(stored.header),
+                       .origin = part.tl() / 2,
+                       .rendering_px = {stored.header.width, stored.header.height}};
+  cv::resize(cut.grey, half.grey, size, 0, 0, cv::INTER_AREA);
+  cv::resize(cut.depth_codes, half.depth_codes, size, 0, 0, cv::INTER_NEAREST);
+  PinholeCamera& pinhole = half.camera.pinhole;
+  pinhole.fx /= 2;
+  pinhole.fy /= 2;
+  pinhole.cx /= 2;
+  pinhole.cy /= 2;
+  pinhole.width = size.width;
+  pinhole.height = size.height;
+  return half;
+}
+
+ViewSurface HalfSurfacePart::Surface() const {
+  return {.grey = grey, .depth_map = {.camera = camera, .depth_m = DepthsOf(depth_codes, nearest_m, m_per_step)}};
 }
 
 }  // namespace victorious

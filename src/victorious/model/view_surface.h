@@ -38,4 +38,22 @@ struct SurfacePart {
 /// As DecodeSurface(), without the background.
 [[nodiscard]] Expected<SurfacePart> DecodeSurfacePart(std::span<const std::byte> bytes, const std::string& name);
 
+/// A SurfacePart at half resolution, kept in three bytes a pixel: a seventh of the memory of the part.
+struct HalfSurfacePart {
+  cv::Mat grey;         ///< CV_8UC1, the mean of four pixels
+  cv::Mat depth_codes;  ///< CV_16UC1, as stored: of one of the four pixels, because the mean depth of two surfaces lies
+                        ///< on neither; 0: none
+  PosedCamera camera;
+  double nearest_m = 0;   ///< depth of code 1
+  double m_per_step = 0;  ///< between two codes
+  cv::Point origin;       ///< of the part in the rendering at half resolution, px; may be negative
+  cv::Size rendering_px;  ///< size of the rendering, at full resolution
+
+  [[nodiscard]] ViewSurface Surface() const;
+};
+
+/// The part of a rendering that shows the object, at half resolution. Error: that of DecodeSurface().
+[[nodiscard]] Expected<HalfSurfacePart> DecodeHalfSurfacePart(std::span<const std::byte> bytes,
+                                                              const std::string& name);
+
 }  // namespace victorious
