@@ -90,7 +90,7 @@ async function findOnMap(page, [red, green, blue], below = 0) {
 async function findTip(page, pattern) {
   const box = await page.locator(".map").boundingBox();
   const places = [0.8, 0.7, 0.6, 0.5, 0.4].flatMap((part) =>
-    Array.from({ length: 40 }, (_, i) => [Math.round(box.x + box.width / 2 + 5 * (i - 20)), Math.round(box.y + part * box.height)]),
+    Array.from({ length: 20 }, (_, i) => [Math.round(box.x + box.width / 2 + 10 * (i - 10)), Math.round(box.y + part * box.height)]),
   );
   for (const [x, y] of places) {
     await page.mouse.move(x, y);
