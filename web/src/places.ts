@@ -18,6 +18,7 @@ function load(video: number): Promise<CameraPath> {
   pathsVersion = indexVersion.peek();
   const known = paths.get(video) ?? getCameraPath(video, new AbortController().signal);
   paths.set(video, known);
+  known.catch(() => paths.delete(video)); // the next click asks again
   return known;
 }
 

@@ -36,7 +36,8 @@ struct ObjectHypothesis {
 const ObjectPlace& AbsolutePlace(ObjectHypothesis& hypothesis, const ObjectOptions& options);
 
 /// Merges the tracklets of one model, nearest pair (Mahalanobis) first, until no pair passes the gates
-/// (associate_objects.h). Cost: for n tracklets n log n, and the pairs within `max_merge_distance_m`.
+/// (associate_objects.h). Cost: two fits a tracklet and one a merge; a distance for each pair of one video and for each
+/// pair of static ones within `max_merge_distance_m`.
 /// @param tracklets  by id; must outlive the result
 /// @return by id
 [[nodiscard]] std::vector<ObjectHypothesis> MergeTracklets(const std::vector<const ObservedTracklet*>& tracklets,

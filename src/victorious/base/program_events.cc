@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <mutex>
 #include <utility>
 
@@ -181,6 +182,7 @@ Status OpenEventOutput(int descriptor) {
   if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a descriptor that is open for writing", descriptor));
   }
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that went away must not end the work
   if (descriptor > STDERR_FILENO) ::fcntl(descriptor, F_SETFD, FD_CLOEXEC);
   const std::scoped_lock lock(Output().mutex);
   Output().descriptor = descriptor;

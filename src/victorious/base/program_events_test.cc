@@ -94,5 +94,16 @@ TEST(ProgramEvents, GoToTheDescriptorAndTheProgressWithThem) {
 $)");
 }
 
+// The death test runs in a process of its own, whose events are its own.
+TEST(ReportEvent, SurvivesAReaderThatWentAway) {
+  const auto report = [] {
+    std::array<int, 2> ends{};
+    if (::pipe(ends.data()) != 0 || ::close(ends[0]) != 0 || !OpenEventOutput(ends[1])) std::_Exit(1);
+    ReportEvent(InfoEvent{"nobody reads this"});
+    std::_Exit(7);
+  };
+  EXPECT_EXIT(report(), ::testing::ExitedWithCode(7), "");
+}
+
 }  // namespace
 }  // namespace victorious

@@ -155,7 +155,7 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
     std::vector<std::string> arguments = {"index"};
     arguments.insert(arguments.end(), task.options.begin(), task.options.end());
     arguments.insert(arguments.end(), more.begin(), more.end());
-    // "--" ends the options: the name of a file that begins with a dash is none.
+    // "--" ends the options, so that the name of a file may begin with a dash.
     arguments.insert(arguments.end(), {"--", task.video});
     TaskEnd end;
     const auto read = [&](const ProgramEvent& event) {

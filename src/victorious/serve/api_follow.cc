@@ -10,6 +10,7 @@
 #include "victorious/base/json.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_response.h"
+#include "victorious/serve/job_body.h"
 #include "victorious/serve/live_address.h"
 
 namespace victorious {
@@ -17,24 +18,19 @@ namespace {
 
 using Body = nlohmann::json;
 
-// Sources that send by themselves. Not http or file: a page must not make the server read what only the server reaches.
+// Sources that send by themselves. Without http and file, an analyst cannot fetch pages and files that only the server
+// reaches; that an rtsp:// address answers can still be seen.
 constexpr std::array<std::string_view, 5> kLiveSchemes = {"rtsp://", "rtsps://", "udp://", "srt://", "rtp://"};
-
-ApiStatus CheckOnly(const Body& body, std::initializer_list<std::string_view> names) {
-  for (const auto& [name, value] : body.items()) {
-    if (std::ranges::find(names, name) == names.end()) return FailField(name, name + ": not a member of such a job");
-  }
-  return {};
-}
 
 }  // namespace
 
 ApiExpected<Json> Api::LiveInput(const Body& body) {
   constexpr std::size_t kMaxBytes = 1000;
-  VICTORIOUS_RETURN_IF_ERROR(CheckOnly(body, {"kind", "url"}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "url"}));
   const auto found = body.find("url");
   const std::string url = found != body.end() && found->is_string() ? found->get<std::string>() : "";
-  const auto is_plain = [](unsigned char c) { return c > ' ' && c < 0x7f; };
+  // Quotes would end the address in a message, and its password would be shown.
+  const auto is_plain = [](unsigned char c) { return c > ' ' && c < 0x7f && c != '"' && c != '\''; };
   const bool is_live = std::ranges::any_of(
       kLiveSchemes, [&](std::string_view scheme) { return url.starts_with(scheme) && url.size() > scheme.size(); });
   if (!is_live || url.size() > kMaxBytes || !std::ranges::all_of(url, is_plain)) {
@@ -45,7 +41,7 @@ ApiExpected<Json> Api::LiveInput(const Body& body) {
 
 ApiExpected<Json> Api::TrackInput(const Body& body) {
   constexpr std::size_t kMaxTypeBytes = 40;
-  VICTORIOUS_RETURN_IF_ERROR(CheckOnly(body, {"kind", "video_id", "frame", "box", "type"}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id", "frame", "box", "type"}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   const auto number_of = [&](const char* name) {
     const auto found = body.find(name);

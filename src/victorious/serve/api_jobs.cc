@@ -17,6 +17,7 @@
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
 #include "victorious/serve/byte_range.h"
+#include "victorious/serve/job_body.h"
 #include "victorious/serve/request_guard.h"
 
 namespace victorious {
@@ -29,13 +30,6 @@ ApiExpected<std::string> ReadText(const Body& body, const std::string& name) {
   const auto found = body.find(name);
   if (found != body.end() && found->is_string()) return found->get<std::string>();
   return FailField(name, name + ": must be a text");
-}
-
-ApiStatus CheckMembers(const Body& body, std::initializer_list<std::string_view> names) {
-  for (const auto& [name, value] : body.items()) {
-    if (std::ranges::find(names, name) == names.end()) return FailField(name, name + ": not a member of such a job");
-  }
-  return {};
 }
 
 }  // namespace
@@ -256,10 +250,15 @@ ApiExpected<HttpResponse> Api::JobFile(const Call& call) {
   const bool is_made = is_track ? name == "track" : is_table || name == "clip";
   if (!made || !is_made) return NotFound(fmt::format("job {} has no file {}", number, name));
   if (is_track) {
+    // Its own lines are read by the page: no download.
+    const auto use = copies_.Take(made->filename().string());
     std::error_code error;
     const auto bytes = std::filesystem::file_size(*made, error);
-    if (error) return NotFound("the track was removed to make room for others: box the object again");
-    return FileResponse(call.request, *made, static_cast<std::int64_t>(bytes), "application/x-ndjson", FileEtag(*made));
+    if (!use || error) return NotFound("the track was removed to make room for others: box the object again");
+    HttpResponse response =
+        FileResponse(call.request, *made, static_cast<std::int64_t>(bytes), "application/x-ndjson", FileEtag(*made));
+    if (response.file) response.file->hold = use->hold;
+    return response;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendMade(call.request, made->filename().string()));
   if (is_table) {
@@ -287,8 +286,11 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
     return FailField("kind", fmt::format("kind \"{}\": must be index, live, model, copy, clip or track", name));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body));
-  const NewJob asked{
-      .kind = *kind, .input_json = Dump(input), .now_us = NowUtcMicroseconds(), .actor = call.caller.name()};
+  const NewJob asked{.kind = *kind,
+                     .input_json = Dump(input),
+                     .now_us = NowUtcMicroseconds(),
+                     .actor = call.caller.name(),
+                     .logged = *kind == JobKind::kLive ? Dump({{"title", input["title"]}}) : ""};
   // Several viewers ask for the same file.
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, MakesFile(*kind) ? live_->SubmitOnce(asked) : live_->Submit(asked));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));

@@ -85,7 +85,7 @@ Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFol
   return arguments;
 }
 
-// In these, "--" ends the options and "=" binds a value to its flag: a name that begins with a dash is none.
+// In these, "--" ends the options and "=" binds a value to its flag, so that a name may begin with a dash.
 
 Expected<std::vector<std::string>> IndexArguments(const Json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
@@ -203,14 +203,18 @@ JobRunner::JobRunner(std::unique_ptr<JobQueue> queue, JobFolders folders, std::f
     : queue_(std::move(queue)),
       folders_(std::move(folders)),
       on_change_(std::move(on_change)),
-      options_(options),
-      worker_name_(fmt::format("{}.{}", ::getpid(), NowUtcMicroseconds())),
+      options_(std::move(options)),
+      worker_name_(fmt::format("{}.{}.{}", ::getpid(), NowUtcMicroseconds(), static_cast<const void*>(this))),
       thread_([this] { Run(); }) {}
 
 JobRunner::~JobRunner() {
+  BeginToEnd();
+  thread_.join();
+}
+
+void JobRunner::BeginToEnd() {
   is_ending_ = true;
   Wake();
-  thread_.join();
 }
 
 void JobRunner::Wake() {
@@ -227,7 +231,7 @@ void JobRunner::WaitForWork() {
 
 void JobRunner::Run() {
   while (!is_ending_) {
-    const auto job = queue_->Claim(worker_name_, NowUtcMicroseconds(), Microseconds(options_.lease));
+    const auto job = queue_->Claim(worker_name_, options_.kinds, NowUtcMicroseconds(), Microseconds(options_.lease));
     if (!job) spdlog::warn("the queue of jobs: {}", job.error().message);
     if (!job || !*job) {
       WaitForWork();
@@ -253,7 +257,7 @@ void JobRunner::Work(const JobRecord& job) {
   if (!arguments) return fail(arguments.error().message);
   if (const auto made = MadeFileOf(job)) {
     std::error_code error;
-    // Two asked for it, the second when the job of the first had just ended.
+    // The file exists where a second user asked for it just after the first one's job ended.
     if (std::filesystem::is_regular_file(*made, error)) return complete("");
     RemoveUnfinishedCopies(*made);
   }
@@ -281,6 +285,8 @@ void JobRunner::Work(const JobRecord& job) {
   const auto end = RunChild({.command = OwnProgram(*arguments), .on_event = read, .control = control});
   if (!end) return fail(end.error().message);
   if (is_lost) return;
+  // An interrupted search of a live source ends well, but goes on with the next server.
+  if (is_released && !is_cancelled && job.kind == JobKind::kLive) return report(queue_->Release(job.id, worker_name_));
   if (end->status == 0) return complete(progress.message);
   if (is_cancelled) return report(queue_->EndCancelled(job.id, worker_name_, NowUtcMicroseconds()));
   if (is_released) return report(queue_->Release(job.id, worker_name_));

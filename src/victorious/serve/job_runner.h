@@ -59,6 +59,7 @@ class JobRunner {
     std::chrono::milliseconds lease{6'000};
     std::chrono::milliseconds renewal{1'000};  ///< interval
     std::chrono::milliseconds poll{1'000};     ///< looks for jobs of other processes
+    std::vector<JobKind> kinds = {};           ///< that it works on
   };
 
   /// @param queue       used by this runner's thread only
@@ -66,6 +67,8 @@ class JobRunner {
   JobRunner(std::unique_ptr<JobQueue> queue, JobFolders folders, std::function<void()> on_change, Options options);
   /// Interrupts the present job, which goes back to the queue, and ends.
   ~JobRunner();
+  /// Begins what the destructor waits for.
+  void BeginToEnd();
 
   /// There may be a new job, or one to be cancelled.
   void Wake();

@@ -12,6 +12,10 @@ std::string WithoutCredentials(std::string text) {
     const std::size_t end = std::min(text.find_first_of("/?# \t\"'", host), text.size());
     const std::size_t at = std::string_view(text).substr(host, end - host).rfind('@');
     if (at != std::string_view::npos) text.erase(host, at + 1);
+    // Some cameras take the password in the query.
+    const std::size_t rest = std::min(text.find_first_of(" \t\"'", host), text.size());
+    const std::size_t query = std::string_view(text).substr(host, rest - host).find('?');
+    if (query != std::string_view::npos) text.replace(host + query, rest - host - query, "?…");
   }
   return text;
 }

@@ -15,6 +15,15 @@ constexpr std::chrono::milliseconds kWatchInterval{200};
 constexpr std::chrono::seconds kTrimInterval{30};
 constexpr std::int64_t kEndedJobs = 20;
 
+// Each runner works on one job at a time: a search takes hours, a live source has no end, and a user waits for a file.
+constexpr int kMaxLiveSources = 4;  // at once; others wait
+std::vector<std::vector<JobKind>> KindsOfRunners() {
+  std::vector<std::vector<JobKind>> kinds = {{JobKind::kIndex, JobKind::kModel},
+                                             {JobKind::kCopy, JobKind::kClip, JobKind::kTrack}};
+  kinds.resize(kinds.size() + kMaxLiveSources, {JobKind::kLive});
+  return kinds;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<LiveService>> LiveService::Start(IndexView& index, CopyFolder& copies,
@@ -26,9 +35,12 @@ Expected<std::unique_ptr<LiveService>> LiveService::Start(IndexView& index, Copy
   }
   std::unique_ptr<LiveService> service(new LiveService(index, copies, std::move(queue)));
   if (can_run) {
-    VICTORIOUS_ASSIGN_OR_RETURN(auto own, OpenSqliteJobQueue(folders.index));
-    service->runner_ = std::make_unique<JobRunner>(
-        std::move(own), folders, [raw = service.get()] { raw->jobs_changed_ = true; }, JobRunner::Options{});
+    for (std::vector<JobKind>& kinds : KindsOfRunners()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(auto own, OpenSqliteJobQueue(folders.index));
+      service->runners_.push_back(std::make_unique<JobRunner>(
+          std::move(own), folders, [raw = service.get()] { raw->jobs_changed_ = true; },
+          JobRunner::Options{.kinds = std::move(kinds)}));
+    }
   }
   service->watcher_ = std::thread([raw = service.get()] { raw->Watch(); });
   return service;
@@ -36,7 +48,8 @@ Expected<std::unique_ptr<LiveService>> LiveService::Start(IndexView& index, Copy
 
 LiveService::~LiveService() {
   is_ending_ = true;
-  runner_.reset();
+  for (const auto& runner : runners_) runner->BeginToEnd();
+  runners_.clear();
   if (watcher_.joinable()) watcher_.join();
 }
 
@@ -51,7 +64,7 @@ Expected<JobRecord> LiveService::Submit(const NewJob& job) {
   const std::scoped_lock lock(queue_mutex_);
   VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Submit(job));
   jobs_changed_ = true;
-  runner_->Wake();
+  WakeRunners();
   return record;
 }
 
@@ -61,7 +74,7 @@ Expected<JobRecord> LiveService::SubmitOnce(const NewJob& job) {
   VICTORIOUS_ASSIGN_OR_RETURN(SubmittedJob submitted, queue_->SubmitOnce(job));
   if (submitted.is_new) {
     jobs_changed_ = true;
-    runner_->Wake();
+    WakeRunners();
   }
   return std::move(submitted.job);
 }
@@ -84,6 +97,10 @@ Expected<std::optional<JobRecord>> LiveService::Find(std::int64_t job) {
   VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
   const std::scoped_lock lock(queue_mutex_);
   return queue_->Find(job);
+}
+
+void LiveService::WakeRunners() {
+  for (const auto& runner : runners_) runner->Wake();
 }
 
 void LiveService::Watch() {

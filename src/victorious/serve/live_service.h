@@ -45,6 +45,7 @@ class LiveService {
       : index_(index), copies_(copies), queue_(std::move(queue)) {}
 
   [[nodiscard]] Status CheckHasJobs() const;
+  void WakeRunners();
   void Watch();
   void TrimCopies();
   void PublishIndex();
@@ -61,7 +62,7 @@ class LiveService {
   std::int64_t published_version_ = 0;
   std::string index_failure_;  ///< the last one, until there is none
   std::optional<std::chrono::steady_clock::time_point> trimmed_;
-  std::unique_ptr<JobRunner> runner_;
+  std::vector<std::unique_ptr<JobRunner>> runners_;
   std::thread watcher_;
 };
 

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,7 +68,8 @@ struct NewJob {
   JobKind kind = JobKind::kIndex;
   std::string input_json;  ///< what the kind needs
   std::int64_t now_us = 0;
-  std::string actor = {};  ///< who asks, for the log; empty: nobody in particular
+  std::string actor = {};   ///< who asks, for the log; empty: nobody in particular
+  std::string logged = {};  ///< JSON for the log instead of the input, if that contains a secret
 };
 
 struct SubmittedJob {
@@ -76,8 +78,8 @@ struct SubmittedJob {
 };
 
 /// Not thread-safe: use from one thread at a time. Any number of processes may use the same queue. What a user asks for
-/// is in the log of who did what (audit_record.h). Each function that returns jobs fails with kUnsupported for one of a
-/// kind that this program does not know.
+/// is in the log of who did what (audit_record.h). A job of a kind that this program does
+/// not know is not listed and not claimed; Find and Cancel fail with kUnsupported.
 class JobQueue {
  public:
   virtual ~JobQueue() = default;
@@ -86,9 +88,11 @@ class JobQueue {
   /// As Submit, unless a job of this kind and input is open: then returns that one. Of two callers at once, one submits
   /// it.
   [[nodiscard]] virtual Expected<SubmittedJob> SubmitOnce(const NewJob& job) = 0;
-  /// Takes the oldest job that is queued or whose lease has run out; std::nullopt: there is none. A job whose lease has
-  /// run out in its last attempt (kMaxAttempts) fails instead, and one that was to be cancelled is cancelled.
-  [[nodiscard]] virtual Expected<std::optional<JobRecord>> Claim(const std::string& worker, std::int64_t now_us,
+  /// Takes the oldest job of these kinds that is queued or whose lease has run out; std::nullopt: there is none. A job
+  /// whose lease has run out in its last attempt (kMaxAttempts) fails instead, and one that was to be cancelled is
+  /// cancelled.
+  [[nodiscard]] virtual Expected<std::optional<JobRecord>> Claim(const std::string& worker,
+                                                                 std::span<const JobKind> kinds, std::int64_t now_us,
                                                                  std::int64_t lease_us) = 0;
   /// Prolongs the lease and stores the progress. Returns false if the job is to be cancelled. Error: kConflict if the
   /// job is not this worker's (any more): stop working on it.

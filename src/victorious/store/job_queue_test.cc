@@ -1,6 +1,8 @@
 // The contract of JobQueue.
 #include "victorious/store/job_queue.h"
 
+#include <array>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +14,8 @@ namespace {
 
 using ::testing::SizeIs;
 
+constexpr std::array kAllKinds = {JobKind::kIndex, JobKind::kModel, JobKind::kCopy,
+                                  JobKind::kClip,  JobKind::kLive,  JobKind::kTrack};
 constexpr std::int64_t kLease = 100;
 
 class JobQueueTest : public ::testing::Test {
@@ -36,14 +40,14 @@ TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
   const auto first = queue_->Submit({JobKind::kIndex, R"({"video": "a"})", 1});
   const auto second = queue_->Submit({JobKind::kModel, "{}", 2});
   ASSERT_TRUE(first && second);
-  const auto a = queue_->Claim("A", 10, kLease);
-  const auto b = other_->Claim("B", 10, kLease);
+  const auto a = queue_->Claim("A", kAllKinds, 10, kLease);
+  const auto b = other_->Claim("B", kAllKinds, 10, kLease);
   ASSERT_TRUE(a && *a && b && *b);
   EXPECT_EQ((*a)->id, first->id);
   EXPECT_EQ((*a)->input_json, R"({"video": "a"})");
   EXPECT_EQ((*a)->state, WorkState::kRunning);
   EXPECT_EQ((*b)->id, second->id);
-  EXPECT_FALSE(*queue_->Claim("C", 10, kLease));
+  EXPECT_FALSE(*queue_->Claim("C", kAllKinds, 10, kLease));
   EXPECT_EQ(*queue_->CountOpen(), 2);
   ASSERT_TRUE(queue_->Complete(first->id, "A", "12 sightings", 20));
   EXPECT_EQ(*queue_->CountOpen(), 1);
@@ -64,7 +68,7 @@ TEST_F(JobQueueTest, AJobIsSubmittedOnceAsLongAsItIsOpen) {
   EXPECT_EQ(same->job.id, first->job.id);
   EXPECT_TRUE(other_->SubmitOnce({.kind = JobKind::kCopy, .input_json = R"({"video": "b"})", .now_us = 1})->is_new);
   EXPECT_TRUE(other_->SubmitOnce({.kind = JobKind::kIndex, .input_json = asked.input_json, .now_us = 1})->is_new);
-  ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
   EXPECT_FALSE(other_->SubmitOnce(asked)->is_new) << "it runs";
   ASSERT_TRUE(queue_->Complete(first->job.id, "A", "", 20));
   EXPECT_TRUE(other_->SubmitOnce(asked)->is_new);
@@ -91,14 +95,14 @@ TEST_F(JobQueueTest, CopiesAreTakenFirst) {
   const auto first = queue_->Submit({JobKind::kCopy, R"({"video": "a"})", 2});
   const auto second = queue_->Submit({JobKind::kCopy, R"({"video": "b"})", 3});
   for (const std::int64_t id : {first->id, second->id, search->id})
-    EXPECT_EQ((*other_->Claim("A", 10, kLease))->id, id);
+    EXPECT_EQ((*other_->Claim("A", kAllKinds, 10, kLease))->id, id);
 }
 
 TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
-  ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
   EXPECT_TRUE(*queue_->Renew(job->id, "A", 100, kLease, {.done = 5, .total = 9, .unit = "frames", .message = "x"}));
-  EXPECT_FALSE(*other_->Claim("B", 150, kLease)) << "the lease was renewed at 100";
+  EXPECT_FALSE(*other_->Claim("B", kAllKinds, 150, kLease)) << "the lease was renewed at 100";
   const auto found = other_->Find(job->id);
   EXPECT_EQ((*found)->progress.done, 5);
   EXPECT_EQ((*found)->progress.total, 9);
@@ -107,9 +111,9 @@ TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
 
 TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
-  ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
-  EXPECT_FALSE(*other_->Claim("B", 110, kLease)) << "the lease runs until 110";
-  const auto again = other_->Claim("B", 111, kLease);
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
+  EXPECT_FALSE(*other_->Claim("B", kAllKinds, 110, kLease)) << "the lease runs until 110";
+  const auto again = other_->Claim("B", kAllKinds, 111, kLease);
   ASSERT_TRUE(again && *again);
   EXPECT_EQ((*again)->id, job->id);
   EXPECT_EQ((*again)->attempts, 2);
@@ -120,9 +124,9 @@ TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
 TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-    ASSERT_TRUE(*queue_->Claim("A", 1000 * (attempt + 1), kLease)) << attempt;
+    ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 1000 * (attempt + 1), kLease)) << attempt;
   }
-  EXPECT_FALSE(*queue_->Claim("A", 9000, kLease));
+  EXPECT_FALSE(*queue_->Claim("A", kAllKinds, 9000, kLease));
   EXPECT_EQ((*queue_->Find(job->id))->state, WorkState::kFailed);
   EXPECT_THAT((*queue_->Find(job->id))->progress.message, ::testing::HasSubstr("was killed 3 times"));
 }
@@ -130,7 +134,7 @@ TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
 TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+    ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
     ASSERT_TRUE(queue_->Release(job->id, "A"));
   }
   EXPECT_EQ((*queue_->Find(job->id))->state, WorkState::kQueued);
@@ -140,7 +144,7 @@ TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
 TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
   const auto running = queue_->Submit({JobKind::kIndex, "{}", 1});
   const auto waiting = queue_->Submit({JobKind::kIndex, "{}", 2});
-  ASSERT_TRUE(*queue_->Claim("A", 10, kLease));
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
   EXPECT_EQ(other_->Cancel(waiting->id, 11, "ann")->state, WorkState::kCancelled);
   EXPECT_EQ(other_->Cancel(running->id, 11, "ann")->state, WorkState::kRunning);
   EXPECT_FALSE(*queue_->Renew(running->id, "A", 12, kLease, {}));
@@ -148,10 +152,20 @@ TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
   EXPECT_EQ(other_->Cancel(running->id, 14, "ann")->ended_utc_us, 13) << "it stays as it ended";
   EXPECT_EQ(queue_->Cancel(99, 1, "ann").error().code, ErrorCode::kNotFound);
   const auto orphan = queue_->Submit({JobKind::kIndex, "{}", 20});
-  ASSERT_TRUE(*queue_->Claim("A", 21, kLease));
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 21, kLease));
   ASSERT_TRUE(queue_->Cancel(orphan->id, 22, "ann"));
-  EXPECT_FALSE(*other_->Claim("B", 500, kLease)) << "not begun again after its worker died";
+  EXPECT_FALSE(*other_->Claim("B", kAllKinds, 500, kLease)) << "not begun again after its worker died";
   EXPECT_EQ((*queue_->Find(orphan->id))->state, WorkState::kCancelled);
+}
+
+TEST_F(JobQueueTest, ClaimsOnlyTheWantedKinds) {
+  const auto live =
+      queue_->Submit({JobKind::kLive, R"({"video":"rtsp://a:b@c"})", 1, "ann", R"({"title":"rtsp://c"})"});
+  const auto clip = queue_->Submit({JobKind::kClip, "{}", 2});
+  ASSERT_TRUE(live && clip);
+  EXPECT_FALSE(*queue_->Claim("A", std::array{JobKind::kIndex}, 10, kLease));
+  EXPECT_EQ((*queue_->Claim("A", std::array{JobKind::kClip, JobKind::kCopy}, 10, kLease))->id, clip->id);
+  EXPECT_EQ((*queue_->Claim("B", std::array{JobKind::kLive}, 10, kLease))->id, live->id);
 }
 
 TEST_F(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {

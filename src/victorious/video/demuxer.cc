@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <ranges>
 #include <string_view>
 #include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "victorious/base/check.h"
 #include "victorious/base/text.h"
 
 extern "C" {
@@ -28,12 +30,38 @@ constexpr const char* kFileFormats =
     "mov,matroska,mpegts,mpeg,mpegvideo,avi,flv,asf,ogg,mxf,gif,apng,ivf,h264,hevc,m4v,mjpeg,yuv4mpegpipe,nut,dv,vc1,"
     "obu,"
     "rm,wtv,mp3,wav,flac,aac";
-constexpr const char* kLiveFormats =
-    "mov,matroska,mpegts,mpeg,mpegvideo,avi,flv,live_flv,asf,ogg,mxf,ivf,h264,hevc,m4v,mjpeg,mpjpeg,nut,rtsp,rtp,sdp,"
-    "hls,"
-    "mp3,wav,flac,aac";
-constexpr const char* kLiveProtocols =
-    "rtsp,rtp,srtp,udp,tcp,tls,http,https,httpproxy,crypto,rtmp,rtmps,rtmpt,srt,mmsh";
+
+// What an address may lead to. Whoever sends to an open port must not make this program fetch other addresses:
+// playlists are read over HTTP only.
+struct RemoteAccess {
+  std::string_view schemes;  // separated by commas
+  const char* protocols;     // as FFmpeg's protocol_whitelist
+  const char* formats;       // as FFmpeg's format_whitelist
+};
+
+#define VICTORIOUS_STREAM_FORMATS                                                                                    \
+  "mov,matroska,mpegts,mpeg,mpegvideo,avi,flv,live_flv,asf,ogg,mxf,ivf,h264,hevc,m4v,mjpeg,mpjpeg,nut,mp3,wav,flac," \
+  "aac"
+constexpr std::array<RemoteAccess, 6> kRemoteAccess = {{
+    {"rtsp,rtsps", "rtsp,rtp,srtp,udp,tcp,tls", "rtsp,rtp,sdp,mpegts"},
+    {"rtp", "rtp,srtp,udp", "rtp,sdp,mpegts"},
+    {"udp", "udp", VICTORIOUS_STREAM_FORMATS},
+    {"srt", "srt", VICTORIOUS_STREAM_FORMATS},
+    {"tcp", "tcp", VICTORIOUS_STREAM_FORMATS},
+    {"http,https,rtmp,rtmps,rtmpt,mmsh", "http,https,httpproxy,crypto,tcp,tls,rtmp,rtmps,rtmpt,mmsh",
+     VICTORIOUS_STREAM_FORMATS ",hls"},
+}};
+#undef VICTORIOUS_STREAM_FORMATS
+
+const RemoteAccess& AccessOf(std::string_view scheme) {
+  const auto has_scheme = [&](const RemoteAccess& access) {
+    return std::ranges::any_of(access.schemes | std::views::split(','),
+                               [&](const auto& one) { return std::string_view(one.begin(), one.end()) == scheme; });
+  };
+  const auto found = std::ranges::find_if(kRemoteAccess, has_scheme);
+  VICTORIOUS_CHECK(found != kRemoteAccess.end());  // Open() has checked it
+  return *found;
+}
 
 class Dictionary {
  public:
@@ -117,8 +145,14 @@ Status Demuxer::OpenContainer() {
   if (context_ == nullptr) return Fail(ErrorCode::kInternal, "no memory for a container");
   context_->interrupt_callback = {[](void* self) { return static_cast<Demuxer*>(self)->IsTimedOut() ? 1 : 0; }, this};
   Dictionary options;
-  options.Set("protocol_whitelist", source_.remote ? kLiveProtocols : "file");
-  options.Set("format_whitelist", source_.remote ? kLiveFormats : kFileFormats);
+  if (source_.remote) {
+    const RemoteAccess& access = AccessOf(UrlScheme(source_.name).value_or(""));
+    options.Set("protocol_whitelist", access.protocols);
+    options.Set("format_whitelist", access.formats);
+  } else {
+    options.Set("protocol_whitelist", "file");
+    options.Set("format_whitelist", kFileFormats);
+  }
   options.Set("rtsp_flags", "prefer_tcp");
   options.Set("overrun_nonfatal", "1");
   const std::string url = source_.remote ? source_.name : "file:" + source_.name;

@@ -28,7 +28,7 @@ function Bar({ part }: { part: number | null }) {
 }
 
 function describe(job: Job): string {
-  if (job.state === "queued") return jobs.jobs.value.some((one) => one.kind === "live" && one.state === "running") ? "waits for the live source" : "waits";
+  if (job.state === "queued") return "waits";
   if (job.state === "done") return withoutUploadFolder(job.message) || "done";
   if (job.state === "failed") return withoutUploadFolder(job.message);
   if (job.state === "cancelled") return "cancelled";

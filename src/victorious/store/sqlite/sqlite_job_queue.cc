@@ -2,6 +2,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "victorious/base/one_line.h"
 #include "victorious/store/job_queue.h"
@@ -68,17 +69,20 @@ class SqliteJobQueue final : public JobQueue {
     return SubmittedJob{.job = std::move(record), .is_new = true};
   }
 
-  Expected<std::optional<JobRecord>> Claim(const std::string& worker, std::int64_t now_us,
-                                           std::int64_t lease_us) override {
+  Expected<std::optional<JobRecord>> Claim(const std::string& worker, std::span<const JobKind> kinds,
+                                           std::int64_t now_us, std::int64_t lease_us) override {
+    auto texts = nlohmann::json::array();
+    for (const JobKind kind : kinds) texts.push_back(ToText(kind));
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
     VICTORIOUS_RETURN_IF_ERROR(EndLostLeases(now_us));
     std::int64_t id = 0;
     {
       // Somebody waits for a copy before the page plays a video, and it takes minutes where a search takes hours.
       VICTORIOUS_ASSIGN_OR_RETURN(
-          Statement select, connection_->Prepare("SELECT id FROM jobs WHERE state = 'queued' OR (state = 'running' AND "
-                                                 "lease_utc_us < ?) ORDER BY kind != ?, id LIMIT 1"));
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(now_us, ToText(JobKind::kCopy)).Step());
+          Statement select,
+          connection_->Prepare("SELECT id FROM jobs WHERE (state = 'queued' OR (state = 'running' AND lease_utc_us < "
+                               "?)) AND kind IN (SELECT value FROM json_each(?)) ORDER BY kind != ?, id LIMIT 1"));
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(now_us, texts.dump(), ToText(JobKind::kCopy)).Step());
       if (found) id = select.Integer(0);
     }
     std::optional<JobRecord> claimed;
@@ -163,6 +167,7 @@ class SqliteJobQueue final : public JobQueue {
       while (true) {
         VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
         if (!has_row) break;
+        if (!FromText(kJobKindTexts, select.Text(1))) continue;
         VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, ReadJob(select, connection_->name()));
         jobs.push_back(std::move(record));
       }
@@ -188,7 +193,7 @@ class SqliteJobQueue final : public JobQueue {
           insert.Bind(ToText(job.kind), job.input_json, ToText(WorkState::kQueued), job.now_us).Run());
     }
     const std::int64_t id = connection_->LastInsertId();
-    VICTORIOUS_RETURN_IF_ERROR(Log("job", id, job.input_json, job.now_us, job.actor));
+    VICTORIOUS_RETURN_IF_ERROR(Log("job", id, job.logged.empty() ? job.input_json : job.logged, job.now_us, job.actor));
     return Get(id);
   }
 

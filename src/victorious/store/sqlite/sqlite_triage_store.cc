@@ -283,7 +283,7 @@ class SqliteTriageStore final : public TriageStore {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Statement select,
         connection_->Prepare("SELECT id, latitude_rad, longitude_rad FROM objects INDEXED BY objects_by_place "
-                             "WHERE latitude_rad BETWEEN ? AND ?"));
+                             "WHERE latitude_rad BETWEEN ? AND ? AND is_listed = 1"));
     select.Bind(bounds.south_rad, bounds.north_rad);
     std::vector<std::int64_t> ids;
     while (true) {
@@ -302,7 +302,7 @@ class SqliteTriageStore final : public TriageStore {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Statement select,
         connection_->Prepare("SELECT id, latitude_rad, longitude_rad FROM objects INDEXED BY objects_by_place "
-                             "WHERE latitude_rad BETWEEN ? AND ?"));
+                             "WHERE latitude_rad BETWEEN ? AND ? AND is_listed = 1"));
     select.Bind(south.latitude_rad, north.latitude_rad);
     std::vector<std::int64_t> ids;
     while (true) {
