@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <poll.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -55,15 +56,19 @@ Expected<std::unique_ptr<AccountStore>> Open(const Arguments& arguments, StoreMo
 // The signal that came while typing was hidden, or 0.
 volatile std::sig_atomic_t g_interrupted_by = 0;
 
-// What is typed is not shown. A signal that ends or stops the program ends the reading of a line and takes effect once
-// the terminal shows what is typed again.
+// What is typed is not shown. A signal that ends or stops the program ends the wait for a line and takes effect once
+// the terminal shows what is typed again. It can only come during that wait: one that came before it would be lost.
 class HiddenInput {
  public:
   HiddenInput() : is_terminal_(::tcgetattr(STDIN_FILENO, &former_) == 0) {
     if (!is_terminal_) return;
     g_interrupted_by = 0;
+    sigset_t signals;
+    ::sigemptyset(&signals);
+    for (const int signal : kSignals) ::sigaddset(&signals, signal);
+    ::pthread_sigmask(SIG_BLOCK, &signals, &former_mask_);
     struct sigaction action{};
-    action.sa_handler = [](int signal) { g_interrupted_by = signal; };  // no SA_RESTART: reading ends
+    action.sa_handler = [](int signal) { g_interrupted_by = signal; };
     for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &action, &former_actions_[i]);
     termios hidden = former_;
     hidden.c_lflag &= ~static_cast<tcflag_t>(ECHO);
@@ -74,35 +79,45 @@ class HiddenInput {
     ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &former_);
     for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &former_actions_[i], nullptr);
     if (g_interrupted_by != 0) std::raise(g_interrupted_by);
+    ::pthread_sigmask(SIG_SETMASK, &former_mask_, nullptr);
   }
   HiddenInput(const HiddenInput&) = delete;
   HiddenInput& operator=(const HiddenInput&) = delete;
+
+  [[nodiscard]] bool is_terminal() const { return is_terminal_; }
+
+  /// Waits for a line on the terminal. Returns false if a signal came first.
+  [[nodiscard]] bool WaitForLine() const {
+    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    return ::ppoll(&input, 1, nullptr, &former_mask_) > 0;
+  }
 
  private:
   static constexpr std::array<int, 5> kSignals = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP};
 
   termios former_{};
+  sigset_t former_mask_{};
   std::array<struct sigaction, kSignals.size()> former_actions_{};
   bool is_terminal_;
 };
 
-Expected<std::string> ReadLine(std::string_view prompt, bool is_terminal) {
-  if (is_terminal) std::cerr << prompt << std::flush;
+Expected<std::string> ReadLine(std::string_view prompt, const HiddenInput& hidden) {
+  if (hidden.is_terminal()) std::cerr << prompt << std::flush;
   std::string line;
-  const bool has_line = static_cast<bool>(std::getline(std::cin, line));
-  if (is_terminal) std::cerr << '\n';
+  const bool may_read = !hidden.is_terminal() || hidden.WaitForLine();
+  const bool has_line = may_read && static_cast<bool>(std::getline(std::cin, line));
+  if (hidden.is_terminal()) std::cerr << '\n';
   if (has_line) return line;
   return Fail(ErrorCode::kInvalidArgument, "no password on standard input: give it there as one line");
 }
 
 // From the terminal twice, else one line of standard input. Never an argument, which every user of the machine sees.
 Expected<std::string> ReadPassword() {
-  const bool is_terminal = ::isatty(STDIN_FILENO) != 0;
   const HiddenInput hidden;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadLine("Password: ", is_terminal));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadLine("Password: ", hidden));
   VICTORIOUS_RETURN_IF_ERROR(CheckPassword(password));
-  if (is_terminal) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string again, ReadLine("Once more: ", is_terminal));
+  if (hidden.is_terminal()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string again, ReadLine("Once more: ", hidden));
     if (again != password) return Fail(ErrorCode::kInvalidArgument, "the two passwords differ: give the same twice");
   }
   return password;
