@@ -3,6 +3,7 @@ import { effect, signal } from "@preact/signals";
 
 import { listSightings } from "./api/client";
 import type { Sighting } from "./api/types";
+import { boxCentres } from "./logic/overlay";
 import { needObjects } from "./objects";
 import * as notices from "./notices";
 import * as state from "./state";
@@ -20,14 +21,7 @@ export const sightingsAt = (frame: number): readonly Sighting[] => byFrame.get(f
 
 /** Centres of an object's boxes in the frames up to this one, oldest first. */
 export function trailOf(object: number, frame: number, frames: number): [number, number][] {
-  const trail: [number, number][] = [];
-  for (let at = Math.max(0, frame - frames); at <= frame; at++) {
-    const sighting = byFrame.get(at)?.find((one) => one.object_id === object);
-    if (!sighting) continue;
-    const [x = 0, y = 0, width = 0, height = 0] = sighting.box;
-    trail.push([x + width / 2, y + height / 2]);
-  }
-  return trail;
+  return boxCentres(frame, frames, (at) => byFrame.get(at)?.find((one) => one.object_id === object)?.box);
 }
 
 async function loadChunk(video: number, chunk: number) {

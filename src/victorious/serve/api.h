@@ -105,6 +105,8 @@ class Api {
   };
   /// Error: kNotFound.
   ApiExpected<ListedVideo> FindVideo(std::string_view id);
+  /// The video of the member "video_id". Error: kInvalidArgument.
+  ApiExpected<ListedVideo> ReadVideo(const nlohmann::json& body);
   /// Error: kNotFound.
   ApiExpected<TriageObject> FindObject(std::string_view id);
 

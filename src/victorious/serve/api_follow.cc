@@ -42,28 +42,16 @@ ApiExpected<Json> Api::LiveInput(const Body& body) {
 ApiExpected<Json> Api::TrackInput(const Body& body) {
   constexpr std::size_t kMaxTypeBytes = 40;
   VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id", "frame", "box", "type"}));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  const auto number_of = [&](const char* name) {
-    const auto found = body.find(name);
-    return found != body.end() && found->is_number_integer() ? found->get<std::int64_t>() : -1;
-  };
-  const VideoRecord* video = lists->Video(number_of("video_id"));
-  if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo listed, ReadVideo(body));
+  const VideoRecord* video = listed.record;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video));
-  const std::int64_t frame = number_of("frame");
-  if (frame < 0 || frame >= std::ssize(*times_s)) {
-    return FailField("frame", fmt::format("frame: must be a number from 0 to {}", std::ssize(*times_s) - 1));
-  }
-  const auto box = body.find("box");
-  const bool is_box = box != body.end() && box->is_array() && box->size() == 4 &&
-                      std::ranges::all_of(*box, [](const Body& one) { return one.is_number(); }) &&
-                      (*box)[2].get<double>() > 0 && (*box)[3].get<double>() > 0;
-  if (!is_box) return FailField("box", "box: must be x, y, width and height in pixels");
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frame, ReadFrame(body, std::ssize(*times_s)));
+  VICTORIOUS_RETURN_IF_ERROR(CheckBox(body));
   // The command takes the first frame at a time or later, and the table's times are rounded.
   constexpr double kRounding_s = 1e-4;
   const double at_s = std::max(0.0, (*times_s)[static_cast<std::size_t>(frame)] - kRounding_s);
-  Json input = {{"video", path.string()}, {"video_id", video->id}, {"at_s", at_s}, {"box", *box}};
+  Json input = {{"video", path.string()}, {"video_id", video->id}, {"at_s", at_s}, {"box", body.at("box")}};
   std::string title = "box";
   if (const auto type = body.find("type"); type != body.end() && !type->is_null()) {
     const std::string word = type->is_string() ? type->get<std::string>() : "";

@@ -79,6 +79,13 @@ ApiExpected<HttpResponse> Api::Jobs(const Call& /*call*/) {
   return JsonResponse(JobsToJson(jobs, NowUtcMicroseconds()));
 }
 
+ApiExpected<Api::ListedVideo> Api::ReadVideo(const Body& body) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto lists, index_->Lists());
+  const VideoRecord* video = lists->Video(ReadNumber(body, "video_id"));
+  if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+  return ListedVideo{.lists = std::move(lists), .record = video};
+}
+
 ApiExpected<Json> Api::JobInput(JobKind kind, const Body& body) {
   switch (kind) {
     case JobKind::kIndex:
@@ -104,11 +111,8 @@ ApiExpected<Json> Api::IndexInput(const Body& body) {
     return FailField("upload", "give a video_id of the index or an upload");
   }
   if (body.contains("video_id")) {
-    const Body& id = body["video_id"];
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-    const VideoRecord* video = id.is_number_integer() ? lists->Video(id.get<std::int64_t>()) : nullptr;
-    if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video));
+    VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, ReadVideo(body));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video.record));
     input["video"] = path.string();
   } else {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string upload, ReadText(body, "upload"));
@@ -127,33 +131,23 @@ ApiExpected<Json> Api::IndexInput(const Body& body) {
 
 ApiExpected<Json> Api::CopyInput(const Body& body) {
   VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id"}));
-  const auto id = body.find("video_id");
-  const std::int64_t video = id != body.end() && id->is_number_integer() ? id->get<std::int64_t>() : -1;
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  const VideoRecord* record = lists->Video(video);
-  if (record == nullptr) return FailField("video_id", "video_id: not a video of the index");
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*record));
-  if (copies_.Has(CopyName(*record))) {
-    return std::unexpected(
-        ApiError(Error{ErrorCode::kAlreadyExists, fmt::format("video {} has a copy already", video)}, "video_id"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, ReadVideo(body));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video.record));
+  const std::string copy = CopyName(*video.record);
+  if (copies_.Has(copy)) {
+    return std::unexpected(ApiError(
+        Error{ErrorCode::kAlreadyExists, fmt::format("video {} has a copy already", video.record->id)}, "video_id"));
   }
   VICTORIOUS_RETURN_IF_ERROR(copies_.Create());
-  return Json{{"video", path.string()}, {"copy", copies_.PathOf(CopyName(*record)).string()}};
+  return Json{{"video", path.string()}, {"copy", copies_.PathOf(copy).string()}};
 }
 
 ApiExpected<std::filesystem::path> Api::SaveFrame(const Body& body) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  const Body& id = body.at("video_id");
-  const VideoRecord* video = id.is_number_integer() ? lists->Video(id.get<std::int64_t>()) : nullptr;
-  if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video));
-  const auto frame = body.find("frame");
-  const bool is_number = frame != body.end() && frame->is_number_integer();
-  const std::int64_t number = is_number ? frame->get<std::int64_t>() : -1;
-  if (number < 0 || number >= std::ssize(*times_s)) {
-    return FailField("frame", fmt::format("frame: must be a number from 0 to {}", std::ssize(*times_s) - 1));
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto image, videos_.Frame(*video, (*times_s)[static_cast<std::size_t>(number)]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, ReadVideo(body));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ReadFrame(body, std::ssize(*times_s)));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto image,
+                              videos_.Frame(*video.record, (*times_s)[static_cast<std::size_t>(number)]));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto path, uploads_.Create(fmt::format("frame-{}.jpg", number)));
   VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(path, std::string_view(*image)));
   return path;
@@ -176,14 +170,10 @@ ApiExpected<Json> Api::ModelInput(const Body& body) {
     return FailField("uploads", "give uploads, or the video_id, frame and box of an object");
   }
   if (body.contains("video_id")) {
-    const auto box = body.find("box");
-    const bool is_box = box != body.end() && box->is_array() && box->size() == 4 &&
-                        std::ranges::all_of(*box, [](const Body& one) { return one.is_number(); }) &&
-                        (*box)[2].get<double>() > 0 && (*box)[3].get<double>() > 0;
-    if (!is_box) return FailField("box", "box: must be x, y, width and height in pixels");
+    VICTORIOUS_RETURN_IF_ERROR(CheckBox(body));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path frame, SaveFrame(body));
     input["files"].push_back(frame.string());
-    input["box"] = *box;
+    input["box"] = body.at("box");
     return input;
   }
   const Body& uploads = body.at("uploads");
@@ -200,15 +190,10 @@ ApiExpected<Json> Api::ModelInput(const Body& body) {
 
 ApiExpected<Json> Api::ClipInput(const Body& body) {
   VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "object_id", "video_id", "from_s", "to_s"}));
-  const auto number_of = [&](const char* name) {
-    const auto found = body.find(name);
-    return found != body.end() && found->is_number_integer() ? found->get<std::int64_t>() : -1;
-  };
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  const VideoRecord* video = lists->Video(number_of("video_id"));
-  if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+  VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo listed, ReadVideo(body));
+  const VideoRecord* video = listed.record;
   VICTORIOUS_RETURN_IF_ERROR(videos_.Find(*video));
-  const std::int64_t id = number_of("object_id");
+  const std::int64_t id = ReadNumber(body, "object_id");
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TriageObject> found, reader->objects->ObjectsById({&id, 1}));
   const bool is_seen = !found.empty() && std::ranges::any_of(found.front().moments, [&](const TrackletRecord& moment) {
@@ -223,7 +208,7 @@ ApiExpected<Json> Api::ClipInput(const Body& body) {
     input[name] = given->get<double>();
   }
   if (options_.telemetry) input["telemetry"] = *options_.telemetry;
-  const ModelRecord* model = lists->Model(found.front().object.model);
+  const ModelRecord* model = listed.lists->Model(found.front().object.model);
   input["title"] = fmt::format("{}-{}-{}", model == nullptr ? "object" : model->name, id,
                                std::filesystem::path(video->name).stem().string());
   // Another search may give the number to another object, or find more of this one: then it is another clip.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace victorious {
@@ -11,6 +12,26 @@ ApiStatus CheckMembers(const nlohmann::json& body, std::initializer_list<std::st
     if (std::ranges::find(names, name) == names.end()) return FailField(name, name + ": not a member of such a job");
   }
   return {};
+}
+
+std::int64_t ReadNumber(const nlohmann::json& body, std::string_view name) {
+  const auto found = body.find(name);
+  return found != body.end() && found->is_number_integer() ? found->get<std::int64_t>() : -1;
+}
+
+ApiExpected<std::int64_t> ReadFrame(const nlohmann::json& body, std::int64_t frames) {
+  const std::int64_t frame = ReadNumber(body, "frame");
+  if (frame >= 0 && frame < frames) return frame;
+  return FailField("frame", fmt::format("frame: must be a number from 0 to {}", frames - 1));
+}
+
+ApiStatus CheckBox(const nlohmann::json& body) {
+  const auto box = body.find("box");
+  const bool is_box = box != body.end() && box->is_array() && box->size() == 4 &&
+                      std::ranges::all_of(*box, [](const nlohmann::json& one) { return one.is_number(); }) &&
+                      (*box)[2].get<double>() > 0 && (*box)[3].get<double>() > 0;
+  if (is_box) return {};
+  return FailField("box", "box: must be x, y, width and height in pixels");
 }
 
 }  // namespace victorious

@@ -1,6 +1,7 @@
 // What the bodies of all requests for jobs have in common.
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <string_view>
 
@@ -12,5 +13,14 @@ namespace victorious {
 
 /// Checks that a body has no members but these. Error: kInvalidArgument with the member's name as its field.
 [[nodiscard]] ApiStatus CheckMembers(const nlohmann::json& body, std::initializer_list<std::string_view> names);
+
+/// The whole number under a name; -1 if there is none.
+[[nodiscard]] std::int64_t ReadNumber(const nlohmann::json& body, std::string_view name);
+
+/// The member "frame". Error: kInvalidArgument unless it is a whole number from 0 to `frames` - 1.
+[[nodiscard]] ApiExpected<std::int64_t> ReadFrame(const nlohmann::json& body, std::int64_t frames);
+
+/// Checks the member "box": x, y, width and height, px, the sizes above 0. Error: kInvalidArgument.
+[[nodiscard]] ApiStatus CheckBox(const nlohmann::json& body);
 
 }  // namespace victorious

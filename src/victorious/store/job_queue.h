@@ -1,8 +1,8 @@
 // A queue of jobs that survives a kill of everyone who works on it, in the words of work_state.h. Input: jobs of users
 // (from serve/). Output: the jobs, one at a time, to whoever claims them. sqlite/ keeps it in the file of an index.
 //
-// A queued job that is cancelled ends at once; a running one when its worker, told by Renew, has stopped it. A lost
-// lease is another attempt, the third a failure. All times are given by the caller, microseconds since 1970.
+// A queued job that is cancelled ends at once; a running one once its worker, which learns it from Renew, has stopped
+// it. A lost lease is another attempt, the third a failure. All times are given by the caller, microseconds since 1970.
 #pragma once
 
 #include <array>

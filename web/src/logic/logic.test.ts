@@ -9,7 +9,7 @@ import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
 import { BINDINGS, actionOf } from "./keys";
 import { formatMgrs, utmOf } from "./mgrs";
-import { boxBetween, fit } from "./overlay";
+import { boxBetween, boxCentres, fit } from "./overlay";
 import { PagedList } from "./paged_list";
 import { formatLeft, modelNameOf, planFiles, withoutUploadFolder } from "./uploads";
 import { formatUrl, parseUrl } from "./url_state";
@@ -399,5 +399,18 @@ describe("searchedHours", () => {
     const video = { duration_s: 7200, frame_count: 1000, searched_frames: null, is_searched: true };
     expect(searchedHours([video, { ...video, searched_frames: 250 }])).toBeCloseTo(2.5);
     expect(searchedHours([{ ...video, is_searched: false }, { ...video, duration_s: null, frame_count: null }])).toBe(0);
+  });
+});
+
+describe("boxCentres", () => {
+  it("leaves out frames without a box", () => {
+    const boxes = new Map([
+      [1, [0, 0, 10, 20]],
+      [3, [4, 4, 2, 2]],
+      [9, [0, 0, 2, 2]],
+    ]);
+    const boxAt = (frame: number) => boxes.get(frame);
+    expect(boxCentres(3, 60, boxAt)).toEqual([[5, 10], [5, 5]]);
+    expect(boxCentres(4, 2, boxAt)).toEqual([[5, 5]]);
   });
 });

@@ -112,6 +112,18 @@ export function drawSighting(
   context.restore();
 }
 
+/** The centres of an object's boxes in this frame and those before it, oldest first; frames without a box are left out. */
+export function boxCentres(frame: number, frames: number, boxAt: (frame: number) => readonly number[] | undefined) {
+  const centres: [number, number][] = [];
+  for (let at = Math.max(0, frame - frames); at <= frame; at++) {
+    const box = boxAt(at);
+    if (!box) continue;
+    const [x = 0, y = 0, width = 0, height = 0] = box;
+    centres.push([x + width / 2, y + height / 2]);
+  }
+  return centres;
+}
+
 export function drawTrail(context: CanvasRenderingContext2D, trail: readonly [number, number][], colour: string, at: Fit) {
   if (trail.length < 2) return;
   context.save();

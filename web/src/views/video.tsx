@@ -4,8 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { followed } from "../followed";
 import { baseName, formatTime } from "../logic/format";
-import type { FollowedRow } from "../logic/followed";
-import { type Fit, boxBetween, drawSighting, drawTrail, fit, hit } from "../logic/overlay";
+import { type Fit, boxBetween, boxCentres, drawSighting, drawTrail, fit, hit } from "../logic/overlay";
 import * as jobs from "../jobs";
 import { objectOf } from "../objects";
 import { frameCanvas, pictureVersion, playbackRate, player, unplayable } from "../player";
@@ -72,8 +71,7 @@ function drawFollowed(context: CanvasRenderingContext2D, frame: number, size: { 
   for (const one of followed.value) {
     const row = one.byFrame.get(frame);
     if (!row) continue;
-    const middle = ({ box: [x, y, width, height] }: FollowedRow): [number, number] => [x + width / 2, y + height / 2];
-    const trail = one.rows.filter((before) => before.frame <= frame && before.frame >= frame - TRAIL_FRAMES).map(middle);
+    const trail = boxCentres(frame, TRAIL_FRAMES, (before) => one.byFrame.get(before)?.box);
     drawTrail(context, trail, state.FOLLOWED_COLOUR, at);
     const sighting = { box: [...row.box], outline: [], source: "recognised" as const };
     const drawn = { sighting, label: one.name, isLabelInside: true, colour: state.FOLLOWED_COLOUR, isSelected: false, isGreyed: false, isRejected: false };

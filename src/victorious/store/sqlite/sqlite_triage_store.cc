@@ -1,6 +1,7 @@
 // TriageStore in the SQLite file of an index.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -276,40 +277,38 @@ class SqliteTriageStore final : public TriageStore {
     }
   }
 
-  // The objects within a circle. Distances are computed here, because SQL has no geodesy.
-  Expected<std::vector<std::int64_t>> ReadNear(const GeoCircle& circle) {
-    const TangentPlane plane(circle.centre);
-    const GeoBox bounds = BoundsOf(circle);
+  // The listed objects between two latitudes whose place passes a test, which SQL cannot make: it has no geodesy.
+  Expected<std::vector<std::int64_t>> ReadPlaced(double south_rad, double north_rad,
+                                                 const std::function<bool(double, double)>& is_wanted) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Statement select,
         connection_->Prepare("SELECT id, latitude_rad, longitude_rad FROM objects INDEXED BY objects_by_place "
                              "WHERE latitude_rad BETWEEN ? AND ? AND is_listed = 1"));
-    select.Bind(bounds.south_rad, bounds.north_rad);
+    select.Bind(south_rad, north_rad);
     std::vector<std::int64_t> ids;
     while (true) {
       VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
       if (!has_row) return ids;
-      // The longitude is compared here, because a circle may cross the antimeridian.
-      const double east = std::remainder(select.Real(2) - circle.centre.longitude_rad, 2 * std::numbers::pi);
-      if (std::abs(east) > bounds.east_rad - circle.centre.longitude_rad) continue;
-      const GeodeticPoint point{select.Real(1), select.Real(2), circle.centre.altitude_m};
-      if (plane.EnuFromGeodetic(point).norm() <= circle.radius_m) ids.push_back(select.Integer(0));
+      if (is_wanted(select.Real(1), select.Real(2))) ids.push_back(select.Integer(0));
     }
+  }
+
+  Expected<std::vector<std::int64_t>> ReadNear(const GeoCircle& circle) {
+    const TangentPlane plane(circle.centre);
+    const GeoBox bounds = BoundsOf(circle);
+    return ReadPlaced(bounds.south_rad, bounds.north_rad, [&](double latitude_rad, double longitude_rad) {
+      // A circle may cross the antimeridian.
+      const double east = std::remainder(longitude_rad - circle.centre.longitude_rad, 2 * std::numbers::pi);
+      if (std::abs(east) > bounds.east_rad - circle.centre.longitude_rad) return false;
+      return plane.EnuFromGeodetic({latitude_rad, longitude_rad, circle.centre.altitude_m}).norm() <= circle.radius_m;
+    });
   }
 
   Expected<std::vector<std::int64_t>> ReadInside(const GeoPolygon& area) {
     const auto [south, north] = std::ranges::minmax(area.corners, {}, &GeodeticPoint::latitude_rad);
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select,
-        connection_->Prepare("SELECT id, latitude_rad, longitude_rad FROM objects INDEXED BY objects_by_place "
-                             "WHERE latitude_rad BETWEEN ? AND ? AND is_listed = 1"));
-    select.Bind(south.latitude_rad, north.latitude_rad);
-    std::vector<std::int64_t> ids;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return ids;
-      if (IsInside(area, select.Real(1), select.Real(2))) ids.push_back(select.Integer(0));
-    }
+    return ReadPlaced(south.latitude_rad, north.latitude_rad, [&](double latitude_rad, double longitude_rad) {
+      return IsInside(area, latitude_rad, longitude_rad);
+    });
   }
 
   Expected<Conditions> MakeConditions(const ObjectQuery& query) {
