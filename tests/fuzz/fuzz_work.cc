@@ -65,6 +65,9 @@ std::vector<std::string> FuzzSeeds() {
       "stitch\n{}",
       "index\n{\"video\": \"/v/a.mp4\", \"telemetry\": \"/t.csv\"}",
       "model\n{\"name\": \"jeep\", \"files\": [\"a.jpg\"], \"length_m\": 4.5, \"box\": [1, 2.5, 30, 40]}",
+      "live\n{\"video\": \"udp://127.0.0.1:5000\", \"telemetry\": null}",
+      "track\n{\"video\": \"/v/a.mp4\", \"at_s\": 1.5, \"box\": [1, 2.5, 30, 40], \"type\": \"van\", \"telemetry\": "
+      "null, \"track\": \"/d/t.jsonl\"}",
       "copy\n{\"video\": \"-x.ts\", \"copy\": \"/d/c.mp4\"}",
       "clip\n{\"video\": \"v\", \"object\": 3, \"clip\": \"/d/c.mp4\", \"from_s\": 1.5, \"to_s\": 2, \"telemetry\": "
       "null}"};

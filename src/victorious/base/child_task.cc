@@ -1,9 +1,11 @@
 #include "victorious/base/child_task.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <variant>
 
@@ -18,6 +20,7 @@ namespace victorious {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{200};
+constexpr std::chrono::milliseconds kEndPoll{2};  // between the end of its events and of the process
 
 class ChildProcess {
  public:
@@ -34,13 +37,10 @@ class ChildProcess {
   /// Waits for lines of events, for at most `patience`. Returns the complete lines that came.
   [[nodiscard]] std::vector<std::string> ReadLines(std::chrono::milliseconds patience);
 
-  /// True once the pipe is closed, which is when the process ends.
-  [[nodiscard]] bool has_ended() const { return descriptor_ < 0; }
+  /// The exit status once it has ended and all its lines were read; 128 + the number of the signal that killed it.
+  [[nodiscard]] std::optional<int> EndStatus();
 
   void Interrupt() const { ::kill(pid_, SIGINT); }
-
-  /// Waits for its end. Returns the exit status; 128 + the number of the signal that killed it.
-  [[nodiscard]] int Wait();
 
  private:
   ChildProcess(int pid, int descriptor) : pid_(pid), descriptor_(descriptor) {}
@@ -86,15 +86,20 @@ Expected<ChildProcess> ChildProcess::Start(const ChildCommand& command) {
 ChildProcess::~ChildProcess() {
   if (pid_ > 0) {
     ::kill(pid_, SIGKILL);
-    [[maybe_unused]] const int status = Wait();
+    while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+    }
   }
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 std::vector<std::string> ChildProcess::ReadLines(std::chrono::milliseconds patience) {
   std::vector<std::string> lines;
+  if (descriptor_ < 0) {  // a child may close its events before it ends
+    std::this_thread::sleep_for(std::min(patience, kEndPoll));
+    return lines;
+  }
   pollfd wanted{.fd = descriptor_, .events = POLLIN, .revents = 0};
-  if (descriptor_ < 0 || ::poll(&wanted, 1, static_cast<int>(patience.count())) <= 0) return lines;
+  if (::poll(&wanted, 1, static_cast<int>(patience.count())) <= 0) return lines;
   std::array<char, 4096> bytes;
   const ssize_t got = ::read(descriptor_, bytes.data(), bytes.size());
   if (got < 0 && errno == EINTR) return lines;
@@ -113,10 +118,10 @@ std::vector<std::string> ChildProcess::ReadLines(std::chrono::milliseconds patie
   return lines;
 }
 
-int ChildProcess::Wait() {
+std::optional<int> ChildProcess::EndStatus() {
+  if (descriptor_ >= 0) return std::nullopt;
   int status = 0;
-  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
-  }
+  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
   pid_ = -1;
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
@@ -140,11 +145,15 @@ Expected<ChildEnd> RunChild(const ChildTask& task) {
   VICTORIOUS_ASSIGN_OR_RETURN(ChildProcess child, ChildProcess::Start(task.command));
   ChildEnd end;
   std::optional<std::chrono::steady_clock::time_point> interrupted;
-  while (!child.has_ended()) {
+  while (true) {
     for (const std::string& line : child.ReadLines(kPoll)) {
       const ProgramEvent event = EventOfLine(line);
       if (const auto* const failure = std::get_if<ErrorEvent>(&event)) end.error = failure->error;
       task.on_event(event);
+    }
+    if (const std::optional<int> status = child.EndStatus()) {
+      end.status = *status;
+      return end;
     }
     const ChildControl control = task.control();
     const auto now = std::chrono::steady_clock::now();
@@ -158,8 +167,6 @@ Expected<ChildEnd> RunChild(const ChildTask& task) {
       child.Interrupt();
     }
   }
-  end.status = child.Wait();
-  return end;
 }
 
 std::string DescribeFailure(const ChildEnd& end) {

@@ -80,6 +80,14 @@ TEST(RunChild, ChildThatIgnoresTheInterruptIsKilledAfterTheGracePeriod) {
   EXPECT_THAT(DescribeFailure(outcome.end), HasSubstr("killed"));
 }
 
+TEST(RunChild, ChildThatClosesItsEventsAndGoesOnIsStillInterrupted) {
+  int asked = 0;
+  const Outcome outcome = RunScript("trap 'exit 7' INT; exec 3>&-; while :; do :; done", [&](std::size_t) {
+    return ++asked > 3 ? ChildControl::kInterrupt : ChildControl::kContinue;
+  });
+  EXPECT_EQ(outcome.end.status, 7);
+}
+
 TEST(RunChild, KillsAtOnce) {
   const Outcome outcome = RunScript(std::string(kStarted) + "kill -STOP $$", [](std::size_t events) {
     return events > 0 ? ChildControl::kKill : ChildControl::kContinue;

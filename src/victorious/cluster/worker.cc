@@ -40,8 +40,8 @@ class LeaseKeeper {
               const std::function<void(const std::string&)>& inform, const CancelToken& cancel)
       : queue_(queue), store_(store), task_(task), video_(std::move(video)), inform_(inform), cancel_(cancel) {}
 
-  /// Returns false once the process has to end.
-  bool Keep() {
+  /// How the process goes on.
+  ChildControl Keep() {
     const auto now = std::chrono::steady_clock::now();
     if (!is_lost_ && now - renewed_ >= queue_.lease() / 4) {
       const Expected<std::int64_t> frames = SumNextFrames(video_, store_);
@@ -53,7 +53,8 @@ class LeaseKeeper {
       if (status) renewed_ = now;
       is_lost_ = (!status && status.error().code == ErrorCode::kConflict) || now - renewed_ >= queue_.lease();
     }
-    return !is_lost_ && !cancel_.IsCancelled();
+    if (is_lost_) return ChildControl::kKill;  // another worker has it: two must not write the same results
+    return cancel_.IsCancelled() ? ChildControl::kInterrupt : ChildControl::kContinue;
   }
 
   [[nodiscard]] bool is_lost() const { return is_lost_; }
@@ -151,7 +152,7 @@ void Pause(std::chrono::milliseconds time, const CancelToken& cancel) {
 
 RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform) {
   return [more = std::move(more), inform = std::move(inform)](
-             const IndexTask& task, const std::function<bool()>& keep_lease) -> Expected<TaskEnd> {
+             const IndexTask& task, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
     std::vector<std::string> arguments = {"index"};
     arguments.insert(arguments.end(), task.options.begin(), task.options.end());
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -162,10 +163,9 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
       if (const auto* const warning = std::get_if<WarningEvent>(&event)) inform("warning: " + warning->message);
       end.is_left |= std::holds_alternative<VideoLeftEvent>(event);
     };
-    // Also while the process ends: its lease must not run out meanwhile.
-    const auto control = [&] { return keep_lease() ? ChildControl::kContinue : ChildControl::kInterrupt; };
+    // Renewed also while the process ends: its lease must not run out meanwhile.
     VICTORIOUS_ASSIGN_OR_RETURN(end.child,
-                                RunChild({.command = OwnProgram(arguments), .on_event = read, .control = control}));
+                                RunChild({.command = OwnProgram(arguments), .on_event = read, .control = keep_lease}));
     return end;
   };
 }

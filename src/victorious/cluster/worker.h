@@ -30,9 +30,10 @@ struct WorkerOptions {
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
 };
 
-/// Runs a task's process. Calls `keep_lease` at least every second; ends the process once that has returned false.
-/// Error: the process cannot be started.
-using RunTask = std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<bool()>& keep_lease)>;
+/// Runs a task's process. Calls `keep_lease`, which renews the task's lease and says how the process goes on, at least
+/// every second. Error: the process cannot be started.
+using RunTask =
+    std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<ChildControl()>& keep_lease)>;
 
 /// Runs `victorious index` of this executable with `more` after the task's options. Its warnings go to `inform`.
 RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform);
@@ -42,7 +43,8 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
 /// - whose process fails or crashes is queued again; after kMaxAttempts attempts without progress it has failed, with
 ///   the reason;
 /// - that runs when `cancel` is set is released, and resumed by the next worker.
-/// Renews the lease while a task runs; once it is lost (this worker stood still too long), ends the task's process.
+/// Renews the lease while a task runs; once it is lost (this worker stood still too long), kills the task's process:
+/// another worker has the task, and two must not write the same results.
 /// Waits up to 5 minutes for a database that does not answer.
 /// @param store  the index of the queue, to be read
 /// Returns the number of tasks done. Errors: those of the database.

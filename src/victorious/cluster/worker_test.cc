@@ -46,7 +46,7 @@ class PostgresWorkerTest : public ::testing::Test {
   }
 
   static RunTask EndWith(TaskEnd end) {
-    return [end](const IndexTask&, const std::function<bool()>&) { return end; };
+    return [end](const IndexTask&, const std::function<ChildControl()>&) { return end; };
   }
 
   std::string url_;
@@ -61,8 +61,8 @@ TEST_F(PostgresWorkerTest, DoesWhatIsQueued) {
   Submit("/b.mp4");
   std::vector<std::string> videos;
   const auto done =
-      WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>& keep_lease) -> Expected<TaskEnd> {
-        EXPECT_TRUE(keep_lease());
+      WorkUntilEmpty([&](const IndexTask& task, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
+        EXPECT_EQ(keep_lease(), ChildControl::kContinue);
         videos.push_back(task.video);
         return TaskEnd{};
       });
@@ -75,9 +75,10 @@ TEST_F(PostgresWorkerTest, DoesWhatIsQueued) {
 TEST_F(PostgresWorkerTest, TaskThatKeepsFailingHasFailedAndTheRestGoesOn) {
   Submit("/broken.mp4");
   Submit("/good.mp4");
-  const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<bool()>&) -> Expected<TaskEnd> {
-    return task.video == "/good.mp4" ? TaskEnd{} : TaskEnd{.child = {.status = 128 + 11}};
-  });
+  const auto done =
+      WorkUntilEmpty([&](const IndexTask& task, const std::function<ChildControl()>&) -> Expected<TaskEnd> {
+        return task.video == "/good.mp4" ? TaskEnd{} : TaskEnd{.child = {.status = 128 + 11}};
+      });
   EXPECT_EQ(done.value_or(0), 1);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1, .failed = 1}));
   const auto listed = queue_->List(10);
@@ -88,7 +89,7 @@ TEST_F(PostgresWorkerTest, TaskThatKeepsFailingHasFailedAndTheRestGoesOn) {
 TEST_F(PostgresWorkerTest, VideoOfAnotherProcessWaitsAgain) {
   Submit("/a.mp4");
   int runs = 0;
-  const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>&) -> Expected<TaskEnd> {
+  const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<ChildControl()>&) -> Expected<TaskEnd> {
     return TaskEnd{.child = {}, .is_left = ++runs < 3};
   });
   EXPECT_EQ(done.value_or(0), 1);
@@ -97,34 +98,35 @@ TEST_F(PostgresWorkerTest, VideoOfAnotherProcessWaitsAgain) {
 }
 
 // This worker stood still past its lease, while another one did the task.
-TEST_F(PostgresWorkerTest, LostLeaseEndsTheProcess) {
+TEST_F(PostgresWorkerTest, LostLeaseKillsTheProcess) {
   auto queue = TaskQueue::Open(url_, {.worker = "slow", .program = "this", .lease = std::chrono::seconds(0)});
   auto other = TaskQueue::Open(url_, {.worker = "other", .program = "this"});
   Submit("/a.mp4");
-  bool goes_on = true;
-  const auto run = [&](const IndexTask&, const std::function<bool()>& keep_lease) -> Expected<TaskEnd> {
+  ChildControl control = ChildControl::kContinue;
+  const auto run = [&](const IndexTask&, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
     const auto task = (*other)->Claim();
     EXPECT_TRUE(task && *task);
     EXPECT_TRUE((*other)->Complete(**task));
-    goes_on = keep_lease();
+    control = keep_lease();
     return TaskEnd{};
   };
   WorkerOptions options;
   options.until_empty = true;
   options.poll = std::chrono::milliseconds(1);
   const auto done = Work(**queue, *store_, run, options, cancel_);
-  EXPECT_FALSE(goes_on);
+  EXPECT_EQ(control, ChildControl::kKill);
   EXPECT_EQ(done.value_or(-1), 0) << "done by the other";
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
 }
 
 TEST_F(PostgresWorkerTest, InterruptedTaskIsReleasedForTheNextWorker) {
   Submit("/a.mp4");
-  const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<bool()>& keep_lease) -> Expected<TaskEnd> {
-    cancel_.Cancel();
-    EXPECT_FALSE(keep_lease());
-    return TaskEnd{.child = {.status = 130}};
-  });
+  const auto done =
+      WorkUntilEmpty([&](const IndexTask&, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
+        cancel_.Cancel();
+        EXPECT_EQ(keep_lease(), ChildControl::kInterrupt);
+        return TaskEnd{.child = {.status = 130}};
+      });
   EXPECT_EQ(done.value_or(-1), 0);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
 }

@@ -1,7 +1,6 @@
 #include "victorious/pose/pose_proposal.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -16,6 +15,7 @@
 #include "victorious/pose/match_pairs.h"
 #include "victorious/pose/rank_nfa.h"
 #include "victorious/pose/vote_poses.h"
+#include "victorious/pose/vote_windows.h"
 
 namespace victorious {
 namespace {
@@ -41,7 +41,6 @@ constexpr double kTestedWindows[] = {1.0, 0.5, 0.25};
 constexpr int kRefits = 2;
 constexpr auto kSeparationScales = static_cast<float>(kVoteOptions.min_separation_scales);
 
-constexpr std::uint32_t kSignBit = 1U << 31;
 constexpr auto kCircle_rad = static_cast<float>(2 * kPi);
 constexpr auto kTurn_rad = static_cast<float>(kVoteOptions.turn_rad);
 
@@ -120,19 +119,16 @@ class Proposer {
   }
 
   void CollectVotes() {
-    // By rising log scale, of equal ones by match: the bits of a float, made to rise with its value, then the match.
-    std::vector<std::uint64_t> order;
+    std::vector<std::pair<float, std::uint32_t>> order;  // log scale and match
     order.reserve(matches_.size());
     for (std::uint32_t i = 0; i < matches_.size(); ++i) {
       const float scale =
           scene_.keypoints[matches_[i].scene_keypoint].scale_px / model_[matches_[i].template_keypoint].scale_px;
-      const auto bits = std::bit_cast<std::uint32_t>(std::log(scale));
-      const std::uint32_t rising = bits ^ ((bits & kSignBit) != 0 ? ~0U : kSignBit);
-      order.push_back(static_cast<std::uint64_t>(rising) << 32 | i);
+      order.emplace_back(std::log(scale), i);
     }
     std::ranges::sort(order);
     for (std::size_t k = 0; k < order.size(); ++k) {
-      const auto i = static_cast<std::uint32_t>(order[k]);
+      const auto [log_scale, i] = order[k];
       const Keypoint& s = scene_.keypoints[matches_[i].scene_keypoint];
       const Keypoint& m = model_[matches_[i].template_keypoint];
       const float scale = s.scale_px / m.scale_px;
@@ -143,8 +139,7 @@ class Proposer {
       const float d = scale * std::sin(turn_rad);
       const float x = static_cast<float>(centre_.x()) - m.x;
       const float y = static_cast<float>(centre_.y()) - m.y;
-      const auto rising = static_cast<std::uint32_t>(order[k] >> 32);
-      votes_.log_scale[k] = std::bit_cast<float>(rising ^ ((rising & kSignBit) != 0 ? kSignBit : ~0U));
+      votes_.log_scale[k] = log_scale;
       votes_.turn_rad[k] = turn_rad;
       votes_.centre_x[k] = s.x + c * x - d * y;
       votes_.centre_y[k] = s.y + d * x + c * y;
@@ -158,17 +153,9 @@ class Proposer {
 
   // Votes that at least kVoteOptions.min_votes support, by falling log-likelihood ratio.
   [[nodiscard]] std::vector<Seed> SortedSeeds() const {
-    const auto max_log = static_cast<float>(std::log(kVoteScaleFactor));
-    std::vector<kernels::VoteWindow> windows(votes_.size());
-    const std::span<const float> log_scale = votes_.log_scales();
-    std::uint32_t begin = 0;
-    std::uint32_t end = 0;
-    for (std::size_t i = 0; i < votes_.size(); ++i) {
-      while (log_scale[begin] < log_scale[i] - max_log) ++begin;
-      while (end < votes_.size() && log_scale[end] <= log_scale[i] + max_log) ++end;
-      const float reach = static_cast<float>(kCentreFraction) * length_px_ * std::exp(log_scale[i]);
-      windows[i] = {begin, end, reach * reach};
-    }
+    const std::vector<kernels::VoteWindow> windows =
+        ComputeVoteWindows(votes_.log_scales(), static_cast<float>(std::log(kVoteScaleFactor)),
+                           static_cast<float>(kCentreFraction) * length_px_);
     std::vector<std::int32_t> counts(votes_.size());
     kernels::CountAgreeingVotes({votes_.centre_x.data(), votes_.centre_y.data(), votes_.turn_rad.data()}, windows,
                                 kTurn_rad, counts);

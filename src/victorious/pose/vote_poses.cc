@@ -14,6 +14,7 @@
 #include "victorious/pose/match_pairs.h"
 #include "victorious/pose/plane_refinement.h"
 #include "victorious/pose/rank_nfa.h"
+#include "victorious/pose/vote_windows.h"
 
 namespace victorious {
 
@@ -77,27 +78,6 @@ Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> mo
     values->resize(values->size() + kernels::kVotePadding);
   }
   return votes;
-}
-
-// Tolerances within which votes agree.
-struct Windows {
-  float log_scale;
-  float turn_rad;
-  float place_px;  // distance of the centres at scale 1
-};
-
-// For each vote: the range of votes that agree in scale, and the squared radius for the centre.
-std::vector<kernels::VoteWindow> ComputeWindows(const Votes& votes, const Windows& windows) {
-  std::vector<kernels::VoteWindow> all(votes.size());
-  std::uint32_t begin = 0;
-  std::uint32_t end = 0;
-  for (std::size_t i = 0; i < votes.size(); ++i) {
-    while (votes.log_scale[begin] < votes.log_scale[i] - windows.log_scale) ++begin;
-    while (end < votes.size() && votes.log_scale[end] <= votes.log_scale[i] + windows.log_scale) ++end;
-    const float reach = windows.place_px * std::exp(votes.log_scale[i]);
-    all[i] = {begin, end, reach * reach};
-  }
-  return all;
 }
 
 // 1 if two votes agree, else 0: as CountAgreeingVotes.
@@ -224,8 +204,8 @@ class PoseFinder {
     const Votes votes = CollectVotes(scene_.keypoints, model_, matches_, centre, upright_);
     const float turn_rad = static_cast<float>(votes_.turn_rad);
     const std::vector<kernels::VoteWindow> windows =
-        ComputeWindows(votes, {static_cast<float>(std::log(kVoteScaleFactor)), turn_rad,
-                               static_cast<float>(kCentreFraction * std::hypot(bounds.width, bounds.height))});
+        ComputeVoteWindows(votes.log_scale, static_cast<float>(std::log(kVoteScaleFactor)),
+                           static_cast<float>(kCentreFraction * std::hypot(bounds.width, bounds.height)));
     const std::vector<Support> support = ComputeSupport(votes, windows, turn_rad, scene_area_px2_);
     std::vector<bool> used(votes.size());
     std::vector<PlanarFit> fits;

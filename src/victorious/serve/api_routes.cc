@@ -1,5 +1,4 @@
 // The table of routes, and which of them a request is for.
-#include <algorithm>
 #include <array>
 
 #include "victorious/serve/api.h"
@@ -59,7 +58,6 @@ std::span<const Api::Route> Api::Routes() {
       {HttpMethod::kGet, "/api/v1/models/{id}/views/{view}", Role::kViewer, &Api::ViewImage},
       {HttpMethod::kGet, "/api/v1/audit", Role::kAdmin, &Api::Audit, kHasQuery},
   });
-  static_assert(std::ranges::all_of(kRoutes, [](const Route& route) { return route.handler != nullptr; }));
   return kRoutes;
 }
 

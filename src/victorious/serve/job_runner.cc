@@ -282,7 +282,7 @@ void JobRunner::Work(const JobRecord& job) {
     return is_cancelled || is_released ? ChildControl::kInterrupt : ChildControl::kContinue;
   };
   const auto read = [&](const ProgramEvent& event) { is_new |= ApplyEvent(event, progress); };
-  const auto end = RunChild({.command = OwnProgram(*arguments), .on_event = read, .control = control});
+  const auto end = RunChild({.command = options_.command(*arguments), .on_event = read, .control = control});
   if (!end) return fail(end.error().message);
   if (is_lost) return;
   // An interrupted search of a live source ends well, but goes on with the next server.

@@ -1,6 +1,5 @@
-// Works off the queue of jobs (store/job_queue.h), one at a time, each by the
-// command line program as a child process: a file that crashes a decoder ends
-// its job, not the server, and a job does exactly what the same command does.
+// Works off the queue of jobs (store/job_queue.h), one at a time, each by the command line program as a child process:
+// a file that crashes a decoder ends its job, not the server, and a job does exactly what the same command does.
 #pragma once
 
 #include <atomic>
@@ -60,6 +59,8 @@ class JobRunner {
     std::chrono::milliseconds renewal{1'000};  ///< interval
     std::chrono::milliseconds poll{1'000};     ///< looks for jobs of other processes
     std::vector<JobKind> kinds = {};           ///< that it works on
+    /// The process of a job, by its arguments: this program, but for tests.
+    std::function<ChildCommand(const std::vector<std::string>&)> command = &OwnProgram;
   };
 
   /// @param queue       used by this runner's thread only

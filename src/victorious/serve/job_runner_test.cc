@@ -1,11 +1,22 @@
 #include "victorious/serve/job_runner.h"
 
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <memory>
 #include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/types.h>
 
 #include "testing/data.h"
 
@@ -107,6 +118,104 @@ TEST(RemoveUnfinishedCopies, RemovesTheTemporaryFilesOfTheCopy) {
   std::set<std::string> left;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path())) left.insert(entry.path().filename());
   EXPECT_THAT(left, ElementsAre("c.mp4", "c.mp4.old", "d.mp4.tmp-12"));
+}
+
+// Runners whose jobs are shell scripts, in a folder where the scripts can leave files.
+class JobRunnerTest : public ::testing::Test {
+ protected:
+  JobRunnerTest() {
+    auto queue = OpenSqliteJobQueue(Index());
+    EXPECT_TRUE(queue) << queue.error().message;
+    queue_ = *std::move(queue);
+  }
+
+  [[nodiscard]] std::string Index() const { return folder_ / "index.db"; }
+  [[nodiscard]] std::filesystem::path File(const std::string& name) const { return folder_ / name; }
+
+  std::int64_t Submit() {
+    return queue_->Submit({.kind = JobKind::kIndex, .input_json = R"({"video": "/v/a.mp4"})", .now_us = 1})->id;
+  }
+
+  // @param script  of /bin/sh, in the folder
+  std::unique_ptr<JobRunner> StartRunner(const std::string& script) {
+    JobRunner::Options options{
+        .renewal = std::chrono::milliseconds(1), .poll = std::chrono::milliseconds(1), .kinds = {JobKind::kIndex}};
+    options.command = [script = "cd '" + folder_.path().string() + "'; " + script](const std::vector<std::string>&) {
+      return ChildCommand{.executable = "/bin/sh", .arguments = {"sh", "-c", script}};
+    };
+    return std::make_unique<JobRunner>(*OpenSqliteJobQueue(Index()), kFolders, [] {}, std::move(options));
+  }
+
+  // False if the condition does not come true within a minute.
+  template <typename Condition>
+  bool WaitUntil(Condition condition) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!condition()) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return true;
+  }
+
+  bool WaitForState(std::int64_t job, WorkState state) {
+    return WaitUntil([&] { return (*queue_->Find(job))->state == state; });
+  }
+
+  bool WaitForFile(const std::string& name) {
+    return WaitUntil([&] { return std::filesystem::exists(File(name)); });
+  }
+
+  testing::ScratchFolder folder_;
+  std::unique_ptr<JobQueue> queue_;
+};
+
+constexpr char kRunUntilInterrupted[] = "trap 'exit 130' INT; echo $$ >pid; touch started; while :; do :; done";
+
+TEST_F(JobRunnerTest, JobOfAnEndedRunnerIsDoneByTheNext) {
+  const std::int64_t job = Submit();
+  auto runner = StartRunner(kRunUntilInterrupted);
+  ASSERT_TRUE(WaitForFile("started"));
+  runner.reset();
+  const JobRecord released = **queue_->Find(job);
+  EXPECT_EQ(released.state, WorkState::kQueued);
+  EXPECT_EQ(released.attempts, 0) << "an attempt that was given back does not count";
+  runner = StartRunner("exit 0");
+  EXPECT_TRUE(WaitForState(job, WorkState::kDone));
+}
+
+TEST_F(JobRunnerTest, CancelledJobIsInterrupted) {
+  const std::int64_t job = Submit();
+  const auto runner = StartRunner(kRunUntilInterrupted);
+  ASSERT_TRUE(WaitForFile("started"));
+  ASSERT_TRUE(queue_->Cancel(job, 2, ""));
+  EXPECT_TRUE(WaitForState(job, WorkState::kCancelled));
+}
+
+TEST_F(JobRunnerTest, FailedJobSaysWhyAndTheNextIsDone) {
+  const std::int64_t failing = Submit();
+  const std::int64_t good = Submit();
+  const auto runner = StartRunner(
+      R"([ -e second ] && exit 0; touch second
+         echo '{"event":"error","code":"data_loss","message":"/v/a.mp4: damaged"}' >&3; exit 1)");
+  EXPECT_TRUE(WaitForState(good, WorkState::kDone));
+  const JobRecord failed = **queue_->Find(failing);
+  EXPECT_EQ(failed.state, WorkState::kFailed);
+  EXPECT_EQ(failed.progress.message, "/v/a.mp4: damaged");
+}
+
+TEST_F(JobRunnerTest, ProcessOfALostJobIsKilled) {
+  const std::int64_t job = Submit();
+  const auto runner = StartRunner("trap '' INT; echo $$ >pid; touch started; while :; do :; done");
+  ASSERT_TRUE(WaitForFile("started"));
+  const std::int64_t after_the_lease = std::numeric_limits<std::int64_t>::max() / 2;
+  const auto kinds = std::to_array({JobKind::kIndex});
+  const auto taken = queue_->Claim("other", kinds, after_the_lease, 1'000'000);
+  ASSERT_TRUE(taken && *taken);
+  pid_t pid = 0;
+  std::ifstream(File("pid")) >> pid;
+  ASSERT_GT(pid, 0);
+  EXPECT_TRUE(WaitUntil([&] { return ::kill(pid, 0) != 0; }));
+  EXPECT_EQ((**queue_->Find(job)).worker, "other");
 }
 
 TEST(ApplyEvent, KeepsTheLastCountAndTheLastMessage) {
