@@ -11,7 +11,7 @@ endforeach()
 # victorious_precompile(KIND TARGET...): the targets use the precompiled header of KIND:
 #   common  the standard library, Eigen, OpenCV's core, fmt: what most sources include
 #   tests   common and GoogleTest
-#   cli     common, CLI11 and spdlog
+#   json    common and the JSON library: what the commands and the server include
 # Does nothing without VICTORIOUS_PCH. A source includes what it uses all the same.
 function(victorious_precompile kind)
   if(VICTORIOUS_PCH)
@@ -38,7 +38,7 @@ endfunction()
 if(VICTORIOUS_PCH)
   _victorious_precompiled_header(common)
   _victorious_precompiled_header(tests HEADERS <gmock/gmock.h> <gtest/gtest.h> LINKS GTest::gmock GTest::gtest)
-  _victorious_precompiled_header(cli HEADERS <CLI/CLI.hpp> <spdlog/spdlog.h> LINKS CLI11::CLI11 spdlog::spdlog)
+  _victorious_precompiled_header(json HEADERS <nlohmann/json.hpp> LINKS nlohmann_json::nlohmann_json)
 endif()
 
 # One static library a folder of src/victorious.

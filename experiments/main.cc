@@ -6,12 +6,10 @@
 #include <system_error>
 #include <vector>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <fmt/format.h>
 
 #include "experiments/experiment.h"
+#include "victorious/cli/argument_parser.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/output_files.h"
 #include "victorious/cli/run_program.h"
@@ -50,7 +48,7 @@ std::string Names() {
   return text;
 }
 
-Status Run(const Arguments& arguments, const CLI::App& app) {
+Status Run(const Arguments& arguments, const ArgumentParser& parser) {
   if (arguments.name == "list") return WriteOutput("", Names());
   VICTORIOUS_RETURN_IF_ERROR(FindExperiment(arguments.name));
   if (arguments.out.empty()) {
@@ -63,7 +61,7 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
     const std::filesystem::path path = std::filesystem::path(arguments.out) / (arguments.name + ending);
     outputs.push_back({"--out", path.string(), FileKind::kReport});
   }
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, outputs, {data}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, outputs, {data}));
   const ExperimentSettings settings{
       .data = data,
       .scenes = arguments.scenes,
@@ -86,31 +84,30 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
 
 Expected<int> Main(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Repeats a table or figure of the thesis.", "victorious experiment");
-  app.add_option("NAME", arguments.name, "The experiment; list prints these lines\n" + Names())->required();
-  app.add_option("--out", arguments.out,
-                 "Output folder for NAME.json, NAME.csv and the plot (required, except for list)")
-      ->type_name("DIR");
-  app.add_option("--data", arguments.data, "Folder of external data (default $VICTORIOUS_DATA, or ../shared/data)")
-      ->type_name("DIR");
-  app.add_option("--scenes", arguments.scenes,
-                 "Folder of scene files, for experiments that render images (default scenes)")
-      ->type_name("DIR");
-  app.add_option("--seeds", arguments.seeds, "Random splits to average over (default 20)")
-      ->check(CLI::Range(1, 10000))
-      ->type_name("N");
-  app.add_option("--movies", arguments.movies,
-                 "Chapters 4 and 5: the scene files to simulate, by name (default: each experiment's own choice)")
-      ->delimiter(',')
-      ->type_name("A,B");
-  app.add_option("--frames", arguments.frames,
-                 "Largest number of frames per simulated flight, over the same time (default: as in the scene)")
-      ->check(CLI::Range(2, 1000000))
-      ->type_name("N");
-  AddForce(app);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<int> ended, ParseArguments(app, argc, argv, "victorious experiment"));
+  ProgramParser parser("victorious experiment", "Repeats a table or figure of the thesis.");
+  parser.Add("NAME", arguments.name, "The experiment; list prints these lines\n" + Names()).Required();
+  parser.Add("--out", arguments.out, "Output folder for NAME.json, NAME.csv and the plot (required, except for list)")
+      .TypeName("DIR");
+  parser.Add("--data", arguments.data, "Folder of external data (default $VICTORIOUS_DATA, or ../shared/data)")
+      .TypeName("DIR");
+  parser.Add("--scenes", arguments.scenes, "Folder of scene files, for experiments that render images (default scenes)")
+      .TypeName("DIR");
+  parser.Add("--seeds", arguments.seeds, "Random splits to average over (default 20)").Range(1, 10000).TypeName("N");
+  parser
+      .Add("--movies", arguments.movies,
+           "Chapters 4 and 5: the scene files to simulate, by name (default: each experiment's own choice)")
+      .SplitAt(',')
+      .TypeName("A,B");
+  parser
+      .Add("--frames", arguments.frames,
+           "Largest number of frames per simulated flight, over the same time (default: as in the scene)")
+      .Range(2, 1000000)
+      .TypeName("N");
+  AddForce(parser);
+  AddEvents(parser);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<int> ended, ParseArguments(parser, {argv + 1, argv + argc}));
   if (ended) return *ended;
-  VICTORIOUS_RETURN_IF_ERROR(Run(arguments, app));
+  VICTORIOUS_RETURN_IF_ERROR(Run(arguments, parser));
   return 0;
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
 
 namespace victorious {
 namespace {
@@ -90,7 +91,7 @@ MeanWithError ComputeMean(const std::vector<double>& values) {
 
 Status WriteReport(const Report& report, const std::filesystem::path& folder) {
   VICTORIOUS_RETURN_IF_ERROR(
-      WriteFileAtomically(folder / (report.name + ".json"), ReportToJson(report).dump(2) + "\n"));
+      WriteFileAtomically(folder / (report.name + ".json"), DumpJson(ReportToJson(report), 2) + "\n"));
   VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(folder / (report.name + ".csv"), ReportToCsv(report)));
   if (report.plot.lines.empty()) return {};
   return WriteFileAtomically(folder / (report.name + ".svg"), RenderSvg(report.plot));

@@ -31,6 +31,7 @@ OTHER_PARALLEL = re.compile(
 PARALLEL_FOLDERS = (SOURCES.as_posix(), "experiments", "assets/make", "bench")
 # Files of these folders with a thread of their own, each with the reason.
 MAY_START_THREADS = (
+    "bench/bench_queue.cc",  # workers that wait for the database, many more than cores
     "src/victorious/serve/job_runner.h",  # waits for child processes, which live as long as the thread that started them
     "src/victorious/serve/live_service.h",  # watches the index while no request comes
     "src/victorious/serve/live_service.cc",
@@ -42,7 +43,11 @@ class ThirdParty(NamedTuple):
     header: re.Pattern  # of the included path
     place: re.Pattern  # of the paths, relative to src/victorious, that may include it
     right: str  # the rule, for the message
+    everywhere: bool = False  # also outside src/victorious, where no file may include it
 
+
+CLI11_SOURCES = r"cli/(argument_parser|describe_commands|output_files)\.cc$"
+CLI11_RULE = "CLI11 stays in argument_parser.cc and two sources of cli/: others include victorious/cli/argument_parser.h"
 
 THIRD_PARTY = (
     ThirdParty(re.compile(r"lib(av|sw)[a-z]+/"), re.compile(r"video/"), "FFmpeg stays inside video/"),
@@ -58,7 +63,7 @@ THIRD_PARTY = (
     ThirdParty(re.compile(r"boost/"), re.compile(r"serve/.*\.cc$"), "Boost stays inside serve/"),
     ThirdParty(re.compile(r"openssl/"), re.compile(r"serve/.*\.cc$"), "OpenSSL stays inside serve/"),
     ThirdParty(re.compile(r"sodium(/|\.h$)"), re.compile(r"serve/.*\.cc$"), "libsodium stays inside serve/"),
-    ThirdParty(re.compile(r"CLI/"), re.compile(r"cli/"), "CLI11 stays inside cli/"),
+    ThirdParty(re.compile(r"CLI/"), re.compile(CLI11_SOURCES), CLI11_RULE, everywhere=True),
     ThirdParty(re.compile(r"nlohmann/json\.hpp$"), re.compile(r".*\.cc$"), "headers include nlohmann/json_fwd.hpp"),
     ThirdParty(re.compile(r"(experiments|assets/make|bench)/"), re.compile(r"$^"), "the product includes no research and no tool"),
     ThirdParty(re.compile(r"testing/"), re.compile(r".*_test\.(cc|h)$"), "only tests may include testing/"),
@@ -122,9 +127,10 @@ def check_includes(path: Path, text: str, levels: dict[str, int]) -> Iterator[Fi
             )
         if include.path == "opencv2/opencv.hpp":
             yield Finding(path, include.line, f"includes {include.path}: include the modules that are used")
-        for rule in THIRD_PARTY if in_sources else ():
-            place = path.relative_to(SOURCES).as_posix()
-            if rule.header.match(include.path) and not rule.place.match(place):
+        place = path.relative_to(SOURCES if in_sources else Path()).as_posix()
+        for rule in THIRD_PARTY:
+            here = in_sources and rule.place.match(place)
+            if (in_sources or rule.everywhere) and rule.header.match(include.path) and not here:
                 yield Finding(path, include.line, f"includes {include.path}: {rule.right}")
 
 

@@ -133,7 +133,10 @@ class CheckLayersTest(unittest.TestCase):
             ("<gdal_priv.h>", "terrain/a.cc", "video/a.cc", "GDAL"),
             ("<ogr_api.h>", "terrain/a.cc", "terrain/a.h", "GDAL"),
             ("<ceres/problem.h>", "geolocate/a.cc", "geolocate/a.h", "Ceres"),
-            ("<CLI/CLI.hpp>", "cli/a.cc", "video/a.cc", "CLI11"),
+            ("<CLI/CLI.hpp>", "cli/argument_parser.cc", "video/a.cc", "CLI11"),
+            ("<CLI/App.hpp>", "cli/output_files.cc", "cli/output_files_test.cc", "CLI11"),
+            ("<CLI/App.hpp>", "cli/describe_commands.cc", "cli/argument_parser.h", "CLI11"),
+            ("<CLI/App.hpp>", "cli/argument_parser.cc", "cli/cmd_a.cc", "CLI11"),
             ("<nlohmann/json.hpp>", "base/a.cc", "base/a.h", "json_fwd.hpp"),
             ('"testing/data.h"', "base/a_test.cc", "base/a.cc", "only tests"),
         )
@@ -145,6 +148,10 @@ class CheckLayersTest(unittest.TestCase):
                 self.assertTrue(found[0].startswith(f"src/victorious/{wrong}:1: "))
                 self.assertIn(text, found[0])
                 (self.root / "src/victorious" / wrong).unlink()
+
+    def test_cli11_is_refused_outside_the_product_too(self):
+        self.assertIn("argument_parser.h", self.findings("experiments/main.cc", "#include <CLI/App.hpp>\n")[0])
+        self.assertEqual(self.findings("experiments/main.cc", '#include "victorious/cli/argument_parser.h"\n'), [])
 
     def test_json_declarations_are_allowed_in_headers(self):
         self.assertEqual(self.findings("src/victorious/base/a.h", "#include <nlohmann/json_fwd.hpp>\n"), [])

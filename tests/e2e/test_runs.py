@@ -81,6 +81,24 @@ class RunsTest(program.ProgramTest):
         self.assertEqual((error["event"], error["code"]), ("error", "invalid_argument"))
         self.refuses(2, ["--events", "999"], "--events", 999, *index)
 
+    def test_events_of_other_programs_and_of_no_command(self):
+        for words, arguments in (
+            ("nope", ("experiment", "nope", "--out", self.scratch / "out")),
+            ("mlesac", ("bench", "speed")),
+            ("serach: unknown command: did you mean search?", ("serach", "--db", self.db)),
+            ("A subcommand is required", ()),
+        ):
+            with self.subTest(arguments):
+                [error] = self.events(*arguments, status=2)
+                self.assertEqual((error["event"], error["code"]), ("error", "invalid_argument"))
+                self.assertIn(words, error["message"])
+        names = self.succeeds("experiment", "list").out
+        self.assertEqual(self.succeeds("--events=2", "experiment", "list").out, names)
+        self.assertEqual(self.succeeds("--events", "2", "--version").out, self.succeeds("--version").out)
+        for command in (("experiment", "list"), ("bench",), ("serach",)):
+            self.refuses(2, "--events: 999: not a descriptor", "--events", 999, *command)
+        self.refuses(2, "--events", "--events")
+
     def test_all_videos_are_opened_first(self):
         missing = self.scratch / "missing.mkv"
         done = program.run("index", VIDEO, missing, "--models", MODELS, "--db", self.db)

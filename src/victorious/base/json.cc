@@ -10,6 +10,7 @@
 namespace victorious {
 
 using nlohmann::json;
+using nlohmann::ordered_json;
 
 Expected<json> ParseJson(std::string_view text) {
   std::vector<std::set<std::string>> keys;  // of the open objects, innermost last
@@ -18,7 +19,7 @@ Expected<json> ParseJson(std::string_view text) {
     if (event == json::parse_event_t::object_start) keys.emplace_back();
     if (event == json::parse_event_t::object_end) keys.pop_back();
     if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second && twice.empty()) {
-      twice = parsed.dump(-1, ' ', false, json::error_handler_t::replace);
+      twice = DumpJson(parsed);
     }
     return true;
   };
@@ -27,5 +28,21 @@ Expected<json> ParseJson(std::string_view text) {
   if (!twice.empty()) return Fail(ErrorCode::kInvalidArgument, twice + ": given twice");
   return document;
 }
+
+Expected<json> ParseStrictJson(std::string_view text) {
+  json document = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (document.is_discarded()) return Fail(ErrorCode::kInvalidArgument, "not JSON");
+  return document;
+}
+
+std::string DumpJson(const json& value, int indent) {
+  return value.dump(indent, ' ', false, json::error_handler_t::replace);
+}
+
+std::string DumpJson(const ordered_json& value, int indent) {
+  return value.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+std::string ReplaceInvalidUtf8(std::string_view text) { return json::parse(DumpJson(json(text))).get<std::string>(); }
 
 }  // namespace victorious

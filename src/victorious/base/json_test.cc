@@ -27,11 +27,29 @@ TEST(ParseJson, NamesDuplicateKeys) {
   }
 }
 
+TEST(ParseStrictJson, TakesTheLastOfDuplicateKeysAndNoComments) {
+  const auto parsed = ParseStrictJson("{\"a\": 1, \"a\": 2}");
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EXPECT_EQ((*parsed)["a"], 2);
+  EXPECT_FALSE(ParseStrictJson("{} // why"));
+}
+
+TEST(DumpJson, KeepsTheOrderAndReplacesWhatIsNotUtf8) {
+  EXPECT_EQ(DumpJson(nlohmann::ordered_json{{"b", 1}, {"a", "\xff"}}), "{\"b\":1,\"a\":\"\uFFFD\"}");
+  EXPECT_EQ(DumpJson(nlohmann::json{{"a", {1}}}, 1), "{\n \"a\": [\n  1\n ]\n}");
+}
+
+TEST(ReplaceInvalidUtf8, KeepsValidText) {
+  EXPECT_EQ(ReplaceInvalidUtf8("\"\u00e4\"\n"), "\"\u00e4\"\n");
+  EXPECT_EQ(ReplaceInvalidUtf8("a\xff"), "a\uFFFD");
+}
+
 TEST(ParseJson, ArbitraryBytesAreSafe) {
   for (const std::string bad : {"", "{", "{\"a\":", "{\"a\": 1, \"a\"", "}", "\xff{", "nul", "{\"\xff\": 1}"}) {
     const auto parsed = ParseJson(bad);
     ASSERT_FALSE(parsed) << bad;
     EXPECT_THAT(parsed.error().message, HasSubstr("not JSON"));
+    EXPECT_FALSE(ParseStrictJson(bad)) << bad;
   }
 }
 

@@ -9,6 +9,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
+
 namespace victorious {
 namespace {
 
@@ -48,16 +50,13 @@ std::string_view TypeText(const FieldRef& field) {
                     field.value);
 }
 
-// JSON on one line; replaces bytes that are not UTF-8.
-std::string Dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
-
 std::string ValueText(const json& value) {
   if (value.is_structured()) return fmt::format("an {}", value.type_name());
   if (value.is_number_float()) {
     // JSON cannot represent NaN and infinities.
     if (const double number = value.get<double>(); !std::isfinite(number)) return fmt::format("{}", number);
   }
-  return Dump(value);
+  return DumpJson(value);
 }
 
 bool TypeFits(const FieldRef& field, const json& value) {
@@ -121,7 +120,7 @@ std::size_t NameDistance(std::string_view name, std::string_view field_name) {
 std::string UnknownName(const std::string& name, const std::vector<FieldRef>& fields) {
   const auto nearest =
       std::ranges::min_element(fields, {}, [&](const FieldRef& field) { return NameDistance(name, field.name); });
-  const std::string unknown = Dump(name) + ": unknown parameter";
+  const std::string unknown = DumpJson(json(name)) + ": unknown parameter";
   return nearest == fields.end() ? unknown : fmt::format("{}; the nearest is {}", unknown, nearest->name);
 }
 
@@ -174,7 +173,7 @@ nlohmann::json ToJson(const std::vector<FieldRef>& fields) {
   return root;
 }
 
-std::string ToJsonText(const std::vector<FieldRef>& fields) { return Dump(ToJson(fields)); }
+std::string ToJsonText(const std::vector<FieldRef>& fields) { return DumpJson(ToJson(fields)); }
 
 Status SetFromJson(const nlohmann::json& values, const std::vector<FieldRef>& fields) {
   if (!values.is_object()) {
@@ -199,6 +198,11 @@ Status SetFromJson(const nlohmann::json& values, const std::vector<FieldRef>& fi
   return {};
 }
 
+Status SetFromJsonText(std::string_view text, const std::vector<FieldRef>& fields) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const json values, ParseStrictJson(text));
+  return SetFromJson(values, fields);
+}
+
 Status Validate(const std::vector<FieldRef>& fields) {
   std::vector<std::string> violations;
   for (const FieldRef& field : fields) {
@@ -212,8 +216,8 @@ Status Validate(const std::vector<FieldRef>& fields) {
 std::string MarkdownTable(const std::vector<FieldRef>& fields) {
   std::string table = "| parameter | default | range | unit | what it does |\n| --- | --- | --- | --- | --- |\n";
   for (const FieldRef& field : fields) {
-    table += fmt::format("| `{}` | {} | {} | {} | {} |\n", field.name, Dump(ValueToJson(field)), RangeText(field.spec),
-                         field.spec.unit, field.spec.reason);
+    table += fmt::format("| `{}` | {} | {} | {} | {} |\n", field.name, DumpJson(ValueToJson(field)),
+                         RangeText(field.spec), field.spec.unit, field.spec.reason);
   }
   return table;
 }

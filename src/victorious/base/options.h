@@ -115,6 +115,9 @@ nlohmann::json ToJson(const std::vector<FieldRef>& fields);
 /// wrong types and values out of range in one line; then no field is changed.
 [[nodiscard]] Status SetFromJson(const nlohmann::json& json, const std::vector<FieldRef>& fields);
 
+/// As SetFromJson, of stored text. Error: kInvalidArgument with "not JSON" too.
+[[nodiscard]] Status SetFromJsonText(std::string_view text, const std::vector<FieldRef>& fields);
+
 /// Checks all constraints. Error: kInvalidArgument with every violated constraint as "field = value: constraint", in
 /// one line.
 [[nodiscard]] Status Validate(const std::vector<FieldRef>& fields);

@@ -145,9 +145,7 @@ EventOutput& Output() {
 
 }  // namespace
 
-std::string FormatEvent(const ProgramEvent& event) {
-  return std::visit(EventWriter(), event).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string FormatEvent(const ProgramEvent& event) { return DumpJson(std::visit(EventWriter(), event)); }
 
 Expected<ProgramEvent> ParseEvent(std::string_view line) {
   if (line.size() > kMaxEventBytes) {

@@ -10,7 +10,6 @@
 #include <variant>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
 
@@ -248,9 +247,7 @@ std::vector<CategoryNode> GetNodes(Reader& in) {
 
 Expected<CategoryOptions> ParseOptions(const std::string& text) {
   CategoryOptions options;
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded()) return Fail(ErrorCode::kDataLoss, "damaged (options)");
-  if (const Status status = SetFromJson(json, CollectFields(options)); !status)
+  if (const Status status = SetFromJsonText(text, CollectFields(options)); !status)
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged (options: {})", status.error().message));
   return options;
 }

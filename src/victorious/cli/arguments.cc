@@ -109,65 +109,64 @@ Expected<double> ParseTime(std::string_view text) {
               fmt::format("\"{}\": must be a time of at least 0, in seconds or as 1:30 or 1:02:03.5", text));
 }
 
-CLI::Validator VideoTimeTransform() {
-  return CLI::Validator(
-      [](std::string& text) -> std::string {
-        const Expected<double> seconds = ParseTime(text);
-        if (!seconds) return seconds.error().message;
-        text = fmt::format("{}", *seconds);
-        return {};
-      },
-      "");
+Status NormalizeVideoTime(std::string& text) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const double seconds, ParseTime(text));
+  text = fmt::format("{}", seconds);
+  return {};
 }
 
-void AddDb(CLI::App& app, std::string& db, std::string_view description) {
-  app.add_option("--db", db, fmt::format("{}: a file, or postgresql://USER@HOST/DATABASE", description))
-      ->required()
-      ->type_name("DB");
+void AddDb(ArgumentParser& parser, std::string& db, std::string_view description) {
+  parser.Add("--db", db, fmt::format("{}: a file, or postgresql://USER@HOST/DATABASE", description))
+      .Required()
+      .TypeName("DB");
 }
 
-void AddParams(CLI::App& app, std::string& params, std::string_view lists) {
-  app.add_option("--params", params,
-                 fmt::format("Parameters: JSON (`victorious params {}` lists them), or a preset: {}", lists,
-                             fmt::join(PresetNames(), ", ")))
-      ->type_name("FILE");
+void AddParams(ArgumentParser& parser, std::string& params, std::string_view lists) {
+  parser
+      .Add("--params", params,
+           fmt::format("Parameters: JSON (`victorious params {}` lists them), or a preset: {}", lists,
+                       fmt::join(PresetNames(), ", ")))
+      .TypeName("FILE");
 }
 
-void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg) {
-  const auto check = [](std::string& text) -> std::string {
+void AddFieldOfView(ArgumentParser& parser, std::optional<double>& hfov_deg) {
+  const auto check = [](const std::string& text) -> Status {
     const std::optional<double> degrees = ParseNonNegative(text);
     if (degrees && *degrees > 0 && *degrees < 180) return {};
-    return fmt::format("\"{}\": must be above 0 and below 180 degrees", text);
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("\"{}\": must be above 0 and below 180 degrees", text));
   };
-  app.add_option("--hfov", hfov_deg, "The camera's full horizontal field of view in degrees; overrides telemetry")
-      ->check(CLI::Validator(check, ""))
-      ->type_name("DEG");
+  parser.Add("--hfov", hfov_deg, "The camera's full horizontal field of view in degrees; overrides telemetry")
+      .Check(check)
+      .TypeName("DEG");
 }
 
-void AddCamera(CLI::App& app, CameraArguments& camera) {
-  CLI::Option* pitch =
-      app.add_option("--pitch", camera.pitch_deg,
-                     "Elevation of the optical axis in degrees, -90 straight down, if the telemetry has no gimbal "
-                     "angles; without --yaw the camera looks in the direction of flight")
-          ->check(CLI::Range(-90.0, 90.0))
-          ->type_name("DEG");
-  app.add_flag("--nadir", camera.nadir, "The same as --pitch -90")->excludes(pitch);
-  app.add_option("--yaw", camera.yaw_deg, "Direction of the optical axis in degrees clockwise from north")
-      ->check(CLI::Range(-360.0, 360.0))
-      ->type_name("DEG");
-  app.add_option("--takeoff", camera.takeoff_m, "Height of the take-off above the ellipsoid, in metres")
-      ->check(CLI::Range(-1e3, 9e3))
-      ->type_name("METRES");
-  const auto check = [](std::string& text) -> std::string {
+void AddCamera(ArgumentParser& parser, CameraArguments& camera) {
+  const Argument pitch =
+      parser
+          .Add("--pitch", camera.pitch_deg,
+               "Elevation of the optical axis in degrees, -90 straight down, if the telemetry has no gimbal "
+               "angles; without --yaw the camera looks in the direction of flight")
+          .Range(-90.0, 90.0)
+          .TypeName("DEG");
+  parser.AddFlag("--nadir", camera.nadir, "The same as --pitch -90").Excludes(pitch);
+  parser.Add("--yaw", camera.yaw_deg, "Direction of the optical axis in degrees clockwise from north")
+      .Range(-360.0, 360.0)
+      .TypeName("DEG");
+  parser.Add("--takeoff", camera.takeoff_m, "Height of the take-off above the ellipsoid, in metres")
+      .Range(-1e3, 9e3)
+      .TypeName("METRES");
+  const auto check = [](const std::string& text) -> Status {
     if (FindCameraModel(text) != nullptr) return {};
     const auto names = CameraModels() | std::views::transform(&CameraModel::aircraft);
-    return fmt::format("\"{}\": unknown; give --hfov, or one of {}", text, fmt::join(names, ", "));
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("\"{}\": unknown; give --hfov, or one of {}", text, fmt::join(names, ", ")));
   };
-  app.add_option("--camera", camera.camera,
-                 "The aircraft or camera, for its field of view, if the telemetry has none or only a focal length: "
-                 "\"mavic-pro\", or the model that its photos name, \"FC220\"")
-      ->check(CLI::Validator(check, ""))
-      ->type_name("NAME");
+  parser
+      .Add("--camera", camera.camera,
+           "The aircraft or camera, for its field of view, if the telemetry has none or only a focal length: "
+           "\"mavic-pro\", or the model that its photos name, \"FC220\"")
+      .Check(check)
+      .TypeName("NAME");
 }
 
 void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) {
@@ -179,18 +178,17 @@ void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) {
   if (arguments.takeoff_m) options.takeoff_altitude_m = *arguments.takeoff_m;
 }
 
-void AddGround(CLI::App& app, GroundArguments& ground) {
-  app.add_option("--ground", ground.height_m, "Height of flat ground above the ellipsoid, in metres")
-      ->check(CLI::Range(-1e3, 1e5))
-      ->type_name("METRES");
-  app.add_option("--terrain", ground.terrain, "Terrain heights as a GeoTIFF, used instead of flat ground")
-      ->type_name("FILE");
-  app.add_option("--terrain-datum", ground.vertical_datum,
-                 "Vertical datum of the terrain heights; overrides the file's")
-      ->check(CLI::IsMember({"ellipsoid", "egm96", "egm2008"}));
-  app.add_option("--geoid", ground.geoid_grid,
-                 "A .gtx geoid grid to which the terrain heights refer (default: the EGM96 grid of PROJ)")
-      ->type_name("FILE");
+void AddGround(ArgumentParser& parser, GroundArguments& ground) {
+  parser.Add("--ground", ground.height_m, "Height of flat ground above the ellipsoid, in metres")
+      .Range(-1e3, 1e5)
+      .TypeName("METRES");
+  parser.Add("--terrain", ground.terrain, "Terrain heights as a GeoTIFF, used instead of flat ground").TypeName("FILE");
+  parser.Add("--terrain-datum", ground.vertical_datum, "Vertical datum of the terrain heights; overrides the file's")
+      .OneOf({"ellipsoid", "egm96", "egm2008"});
+  parser
+      .Add("--geoid", ground.geoid_grid,
+           "A .gtx geoid grid to which the terrain heights refer (default: the EGM96 grid of PROJ)")
+      .TypeName("FILE");
 }
 
 void ApplyGround(const GroundArguments& arguments, GroundOptions& options) {
@@ -284,19 +282,18 @@ CancelToken& Interrupt() {
   return token;
 }
 
-void FilterArguments::AddTo(CLI::App& app) {
-  app.add_option("--video", video, "Only this video: its indexed name, or the last parts of its path")
-      ->type_name("NAME");
-  app.add_option("--model", model, "Only this model")->type_name("NAME");
-  app.add_option("--category", category, "Only this category and its subcategories")->type_name("NAME");
-  app.add_option("--from", from_s, "Only from this video time on: seconds, or as 1:30 or 1:02:03.5")
-      ->type_name("TIME")
-      ->transform(VideoTimeTransform());
-  app.add_option("--to", to_s, "Only up to this video time")->type_name("TIME")->transform(VideoTimeTransform());
-  app.add_option("--near", near, "Only objects within this distance of a place (degrees, metres)")
-      ->type_name("LAT,LON,METRES");
-  app.add_option("--object", object, "Only the object of this id")->type_name("ID");
-  app.add_flag("--rejected", rejected, "Include rejected objects, with the reason");
+void FilterArguments::AddTo(ArgumentParser& parser) {
+  parser.Add("--video", video, "Only this video: its indexed name, or the last parts of its path").TypeName("NAME");
+  parser.Add("--model", model, "Only this model").TypeName("NAME");
+  parser.Add("--category", category, "Only this category and its subcategories").TypeName("NAME");
+  parser.Add("--from", from_s, "Only from this video time on: seconds, or as 1:30 or 1:02:03.5")
+      .TypeName("TIME")
+      .Transform(&NormalizeVideoTime);
+  parser.Add("--to", to_s, "Only up to this video time").TypeName("TIME").Transform(&NormalizeVideoTime);
+  parser.Add("--near", near, "Only objects within this distance of a place (degrees, metres)")
+      .TypeName("LAT,LON,METRES");
+  parser.Add("--object", object, "Only the object of this id").TypeName("ID");
+  parser.AddFlag("--rejected", rejected, "Include rejected objects, with the reason");
 }
 
 Expected<SightingFilter> FilterArguments::Filter() const {

@@ -7,13 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include <CLI/App.hpp>
-#include <CLI/Validators.hpp>
-
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/one_line.h"
 #include "victorious/base/options.h"
+#include "victorious/cli/argument_parser.h"
 #include "victorious/geometry/box.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/store/index_store.h"
@@ -46,31 +44,32 @@ struct CameraArguments {
 /// Returns seconds, at least 0. Error: kInvalidArgument.
 [[nodiscard]] Expected<double> ParseTime(std::string_view text);
 
-/// A CLI11 transform for options in seconds: accepts the texts of ParseTime.
-CLI::Validator VideoTimeTransform();
+/// Argument::Transform of options in seconds: replaces a text that ParseTime accepts by the number of seconds. Error:
+/// that of ParseTime.
+[[nodiscard]] Status NormalizeVideoTime(std::string& text);
 
 /// Parses "latitude,longitude,metres" (latitude and longitude in degrees). Error: kInvalidArgument.
 [[nodiscard]] Expected<GeoCircle> ParseGeoCircle(std::string_view text);
 
 /// Adds the option --db: a SQLite file or the URL of a PostgreSQL database (store/open_store.h).
-void AddDb(CLI::App& app, std::string& db, std::string_view description = "The index");
+void AddDb(ArgumentParser& parser, std::string& db, std::string_view description = "The index");
 
 /// Adds the option --params. `lists` is the argument with which `victorious params` lists these parameters.
-void AddParams(CLI::App& app, std::string& params, std::string_view lists);
+void AddParams(ArgumentParser& parser, std::string& params, std::string_view lists);
 
 /// Adds the option --hfov.
-void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg);
+void AddFieldOfView(ArgumentParser& parser, std::optional<double>& hfov_deg);
 
 /// Adds the options --pitch, --yaw, --nadir, --takeoff and --camera: what telemetry without gimbal angles, absolute
 /// heights or a field of view lacks.
-void AddCamera(CLI::App& app, CameraArguments& camera);
+void AddCamera(ArgumentParser& parser, CameraArguments& camera);
 
 /// Copies the values that were given to `options`.
 void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options);
 
 /// Adds the options --ground, --terrain, --terrain-datum and --geoid. Options that are not given leave `ground`
 /// unchanged.
-void AddGround(CLI::App& app, GroundArguments& ground);
+void AddGround(ArgumentParser& parser, GroundArguments& ground);
 
 /// Copies the values that were given to `options`.
 void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
@@ -123,7 +122,7 @@ struct FilterArguments {
   std::optional<std::int64_t> object;
   bool rejected = false;
 
-  void AddTo(CLI::App& app);
+  void AddTo(ArgumentParser& parser);
   /// Returns the filter that the flags describe. Errors: kInvalidArgument if --from is after --to, if --near cannot be
   /// parsed, or if both --model and --category are given.
   [[nodiscard]] Expected<SightingFilter> Filter() const;

@@ -4,11 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "victorious/cli/argument_parser.h"
 
 namespace victorious::cli {
 namespace {
@@ -17,27 +16,22 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// The parser's error message for a command line; empty if the line is accepted.
-std::string ParseErrorText(const std::string& line, FilterArguments& filter) {
-  CLI::App app;
-  filter.AddTo(app);
-  try {
-    app.parse(line);
-  } catch (const CLI::ParseError& error) {
-    return error.what();
-  }
-  return "";
+// The parser's error message for these words; empty if they are accepted.
+std::string ParseErrorText(const std::vector<std::string>& words, FilterArguments& filter) {
+  ProgramParser parser("list", "Lists");
+  filter.AddTo(parser);
+  const auto ended = ParseArguments(parser, words);
+  return ended ? "" : ended.error().message;
 }
 
 TEST(FilterArguments, TimesAreNonNegativeSeconds) {
   FilterArguments filter;
-  EXPECT_EQ(ParseErrorText("--from 0 --to 1.5e2", filter), "");
+  EXPECT_EQ(ParseErrorText({"--from", "0", "--to", "1.5e2"}, filter), "");
   EXPECT_EQ(filter.Filter().value().from_s, 0.0);
   EXPECT_EQ(filter.Filter().value().to_s, 150.0);
   for (const std::string flag : {"--from", "--to"}) {
     for (const std::string bad : {"nan", "-nan", "-1", "-0.001", "inf", "1e999", "soon", "1s", "0x10", "1:60", "1:"}) {
-      EXPECT_THAT(ParseErrorText(flag + " " + bad, filter),
-                  AllOf(HasSubstr(flag), HasSubstr(bad), Not(HasSubstr("\n"))))
+      EXPECT_THAT(ParseErrorText({flag, bad}, filter), AllOf(HasSubstr(flag), HasSubstr(bad), Not(HasSubstr("\n"))))
           << flag << ' ' << bad;
     }
   }
@@ -45,7 +39,7 @@ TEST(FilterArguments, TimesAreNonNegativeSeconds) {
 
 TEST(FilterArguments, TimesMayHaveMinutesAndHours) {
   FilterArguments filter;
-  EXPECT_EQ(ParseErrorText("--from 1:30 --to 1:02:03.5", filter), "");
+  EXPECT_EQ(ParseErrorText({"--from", "1:30", "--to", "1:02:03.5"}, filter), "");
   EXPECT_EQ(filter.Filter().value().from_s, 90.0);
   EXPECT_EQ(filter.Filter().value().to_s, 3723.5);
 }

@@ -9,8 +9,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
-#include <spdlog/spdlog.h>
 
+#include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/base/progress.h"
 #include "victorious/category/category_file.h"
 #include "victorious/category/explanation.h"
@@ -44,7 +45,7 @@ Status WarnWithoutBackground(const CategoryModel& model) {
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFinder finder, CategoryFinder::Create(model, defaults));
   const auto labels = static_cast<std::size_t>(std::ranges::count(model.nodes, true, &CategoryNode::can_be_label));
   if (finder.names().size() < labels) return {};
-  spdlog::warn(
+  LogWarning(
       "no background category: every image is labelled as one of the categories, whatever it shows; add images of "
       "other objects, listed as {}, to the training list",
       defaults.background);
@@ -66,21 +67,19 @@ Error WithListContext(Error error, const std::string& list) {
   return std::move(error).WithContext(list);
 }
 
-std::string ToLine(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
+std::string ToLine(const nlohmann::ordered_json& json) { return DumpJson(json) + "\n"; }
 
-Status Train(const Arguments& arguments, const CLI::App& app) {
+Status Train(const Arguments& arguments, const ArgumentParser& parser) {
   CategoryTrainOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.seed) options.category.seed = *arguments.seed;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(
-      CheckOutputs(app, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
+      CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
   std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "images");
   Expected<CategoryModel> model = TrainOnList(
       arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); },
-      [](const std::string& warning) { spdlog::warn("{}", OneLine(warning)); });
+      [](const std::string& warning) { LogWarning(OneLine(warning)); });
   progress.reset();
   if (!model) return std::unexpected(WithListContext(std::move(model).error(), arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(WriteCategoryModel(arguments.out, *model));
@@ -137,11 +136,11 @@ Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel&
                                             ComputeContributions(model, classified.image, result.label), caption));
 }
 
-Status Classify(const Arguments& arguments, const CLI::App& app) {
+Status Classify(const Arguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategoryModel(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
-  const CategoryMethod method = FromText(kCategoryMethodTexts, arguments.method).value();  // checked by CLI11
+  const CategoryMethod method = FromText(kCategoryMethodTexts, arguments.method).value();  // checked by the parser
   if (!arguments.explain.empty() && method == CategoryMethod::kWords)
     return Fail(ErrorCode::kInvalidArgument, "--explain draws phrases: it needs --method phrases");
   if (!arguments.explain.empty()) {
@@ -149,7 +148,7 @@ Status Classify(const Arguments& arguments, const CLI::App& app) {
     for (std::size_t row = 0; row < rows.size(); ++row) {
       drawings.push_back({"--explain", ExplanationPath(arguments.explain, row), FileKind::kImage});
     }
-    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, drawings, ListImages(arguments, rows)));
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, drawings, ListImages(arguments, rows)));
   }
   std::vector<std::string> lines(rows.size());
   const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
@@ -170,7 +169,7 @@ Status Classify(const Arguments& arguments, const CLI::App& app) {
   return WriteOutput("", text);
 }
 
-Status Refine(const Arguments& arguments, const CLI::App& app) {
+Status Refine(const Arguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategoryModel(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   if (featurizer.options().windows.enabled) {
@@ -182,7 +181,7 @@ Status Refine(const Arguments& arguments, const CLI::App& app) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(
-      CheckOutputs(app, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
+      CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
   std::vector<CategoryFeedback> marks(rows.size());
   const auto read_mark = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = rows[row];
@@ -205,48 +204,47 @@ Status Refine(const Arguments& arguments, const CLI::App& app) {
 
 }  // namespace
 
-Action SetUpCategory(CLI::App& app) {
+Action SetUpCategory(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.require_subcommand(1);
-  const auto add_images = [&](CLI::App* command, const char* list) {
-    command->add_option("--images", arguments->images, "Folder to which the paths of the list are relative")
-        ->required()
-        ->type_name("DIR");
-    command->add_option("--list", arguments->list, list)->required()->type_name("CSV");
+  parser.RequireCommand();
+  const auto add_images = [&](ArgumentParser& command, const char* list) {
+    command.Add("--images", arguments->images, "Folder to which the paths of the list are relative")
+        .Required()
+        .TypeName("DIR");
+    command.Add("--list", arguments->list, list).Required().TypeName("CSV");
   };
-  CLI::App* train = app.add_subcommand("train", "Train a category model from images");
+  ArgumentParser train = parser.AddCommand("train", "Train a category model from images");
   add_images(
       train,
       "CSV with a header and lines image,category,x0,y0,x1,y1; the box is in pixels, or empty. An image may be a CAD "
       "file: it is rendered from all directions");
-  train->add_option("--out", arguments->out, "The category model to write")->required()->type_name("FILE");
-  AddParams(*train, arguments->params, "category");
-  train->add_option("--seed", arguments->seed, "Seed of the random numbers (default 1)")->type_name("N");
-  train->add_flag("--json", arguments->json, "Print one JSON object: the model, its categories, words, images");
+  train.Add("--out", arguments->out, "The category model to write").Required().TypeName("FILE");
+  AddParams(train, arguments->params, "category");
+  train.Add("--seed", arguments->seed, "Seed of the random numbers (default 1)").TypeName("N");
+  train.AddFlag("--json", arguments->json, "Print one JSON object: the model, its categories, words, images");
 
-  CLI::App* classify = app.add_subcommand("classify", "Classify images: a label, and a score for each category");
-  classify->add_option("--model", arguments->model, "A category model")->required()->type_name("FILE");
+  ArgumentParser classify = parser.AddCommand("classify", "Classify images: a label, and a score for each category");
+  classify.Add("--model", arguments->model, "A category model").Required().TypeName("FILE");
   add_images(classify, "CSV with a header and one image per line: the column image; other columns are ignored");
-  classify->add_option("--method", arguments->method, "phrases, or words (bag-of-words baseline)")
-      ->check(CLI::IsMember({"phrases", "words"}));
+  classify.Add("--method", arguments->method, "phrases, or words (bag-of-words baseline)").OneOf({"phrases", "words"});
   classify
-      ->add_option("--explain", arguments->explain,
-                   "Draw the phrases that support the label, and their box, into this PNG; for further images into "
-                   "FILE-2.png, ...")
-      ->type_name("FILE");
-  classify->add_flag("--json", arguments->json, "One JSON line per image, with the score of every category");
+      .Add("--explain", arguments->explain,
+           "Draw the phrases that support the label, and their box, into this PNG; for further images into "
+           "FILE-2.png, ...")
+      .TypeName("FILE");
+  classify.AddFlag("--json", arguments->json, "One JSON line per image, with the score of every category");
 
-  CLI::App* refine = app.add_subcommand("refine", "Refine a model by results marked right or wrong");
-  refine->add_option("--model", arguments->model, "The category model to refine; it is not changed")
-      ->required()
-      ->type_name("FILE");
+  ArgumentParser refine = parser.AddCommand("refine", "Refine a model by results marked right or wrong");
+  refine.Add("--model", arguments->model, "The category model to refine; it is not changed")
+      .Required()
+      .TypeName("FILE");
   add_images(refine, "CSV with a header and lines image,category,mark; mark is right or wrong");
-  refine->add_option("--out", arguments->out, "The new category model to write")->required()->type_name("FILE");
-  refine->add_flag("--json", arguments->json, "Print one JSON object: the model, the number of marks");
-  for (CLI::App* command : {train, classify, refine}) AddForce(*command);
+  refine.Add("--out", arguments->out, "The new category model to write").Required().TypeName("FILE");
+  refine.AddFlag("--json", arguments->json, "Print one JSON object: the model, the number of marks");
+  for (ArgumentParser command : {train, classify, refine}) AddForce(command);
   return [=] {
-    if (refine->parsed()) return Refine(*arguments, *refine);
-    return train->parsed() ? Train(*arguments, *train) : Classify(*arguments, *classify);
+    if (refine.IsGiven()) return Refine(*arguments, refine);
+    return train.IsGiven() ? Train(*arguments, train) : Classify(*arguments, classify);
   };
 }
 

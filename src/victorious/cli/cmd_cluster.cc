@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cluster/index_task.h"
@@ -104,7 +105,7 @@ Status Run(const Arguments& arguments) {
         {"queued", counts.queued}, {"running", counts.running},           {"done", counts.done},
         {"failed", counts.failed}, {"seconds_per_video", number(mean_s)}, {"hours_left", number(hours_left)},
         {"tasks", std::move(rows)}};
-    return WriteOutput("", status.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    return WriteOutput("", DumpJson(status, 2) + "\n");
   }
   std::string text = fmt::format("{} queued, {} running, {} done, {} failed", counts.queued, counts.running,
                                  counts.done, counts.failed);
@@ -117,13 +118,13 @@ Status Run(const Arguments& arguments) {
 
 }  // namespace
 
-Action SetUpCluster(CLI::App& app) {
+Action SetUpCluster(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.require_subcommand(1);
-  CLI::App* const status =
-      app.add_subcommand("status", "Videos that are queued, run, are done or have failed; rate and time left");
-  status->add_option("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE")->required()->type_name("URL");
-  status->add_flag("--json", arguments->json, "Print one JSON object");
+  parser.RequireCommand();
+  ArgumentParser status =
+      parser.AddCommand("status", "Videos that are queued, run, are done or have failed; rate and time left");
+  status.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
+  status.AddFlag("--json", arguments->json, "Print one JSON object");
   return [=] { return Run(*arguments); };
 }
 

@@ -16,6 +16,7 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/json.h"
 #include "victorious/base/version.h"
 #include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
@@ -301,24 +302,24 @@ Expected<Report> Describe(const std::string& path) {
 Status Print(const Report& report, bool as_json) {
   constexpr int kIndent = 2;
   if (!as_json) return WriteOutput("", report.text);
-  return WriteOutput("", report.json.dump(kIndent, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+  return WriteOutput("", DumpJson(report.json, kIndent) + "\n");
 }
 
 }  // namespace
 
-Action SetUpDoctor(CLI::App& app) {
+Action SetUpDoctor(ArgumentParser& parser) {
   struct Arguments {
     std::string file;
     bool check = false;
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("FILE", arguments->file,
-                 "A video, a folder of frames, an image, telemetry, a model (.vmodel) or an index (.db, or "
-                 "postgresql://USER@HOST/DATABASE); without it, "
-                 "this machine is described");
-  app.add_flag("--check", arguments->check, "Read all of an index and report damage");
-  app.add_flag("--json", arguments->json, "Print one JSON object");
+  parser.Add("FILE", arguments->file,
+             "A video, a folder of frames, an image, telemetry, a model (.vmodel) or an index (.db, or "
+             "postgresql://USER@HOST/DATABASE); without it, "
+             "this machine is described");
+  parser.AddFlag("--check", arguments->check, "Read all of an index and report damage");
+  parser.AddFlag("--json", arguments->json, "Print one JSON object");
   return [=]() -> Status {
     if (arguments->check) {
       if (arguments->file.empty()) return Fail(ErrorCode::kInvalidArgument, "--check: give the index to check");

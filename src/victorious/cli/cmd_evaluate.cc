@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/evaluate/reported.h"
@@ -39,20 +40,20 @@ Status Run(const Arguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const ReportedContent reported, ReadReported(*store, filter));
   const Score score = ScoreIndex(truth, reported.objects, reported.sightings);
-  return WriteOutput("", arguments.json ? ToJson(score).dump(1) + "\n" : ToText(score));
+  return WriteOutput("", arguments.json ? DumpJson(ToJson(score), 1) + "\n" : ToText(score));
 }
 
 }  // namespace
 
-Action SetUpEvaluate(CLI::App& app) {
+Action SetUpEvaluate(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  AddDb(app, arguments->db);
-  app.add_option("--truth", arguments->truth, "Ground truth (truth.jsonl) of the video")->required()->type_name("FILE");
-  app.add_option("--models", arguments->models, "Models that were searched: truth of other models is ignored")
-      ->delimiter(',')
-      ->type_name("A,B");
-  app.add_option("--video", arguments->video, "The video, if the index contains several")->type_name("NAME");
-  app.add_flag("--json", arguments->json, "Print JSON");
+  AddDb(parser, arguments->db);
+  parser.Add("--truth", arguments->truth, "Ground truth (truth.jsonl) of the video").Required().TypeName("FILE");
+  parser.Add("--models", arguments->models, "Models that were searched: truth of other models is ignored")
+      .SplitAt(',')
+      .TypeName("A,B");
+  parser.Add("--video", arguments->video, "The video, if the index contains several").TypeName("NAME");
+  parser.AddFlag("--json", arguments->json, "Print JSON");
   return [=] { return Run(*arguments); };
 }
 

@@ -6,8 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include <spdlog/spdlog.h>
-
+#include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -28,13 +27,13 @@ struct ClipArguments {
 
 // Draws the sightings into a copy of their video, or into a clip of it.
 Status ExportVideo(const std::string& out, const SightingFilter& filter, const ClipArguments& clip, IndexStore& store,
-                   const CLI::App& app) {
+                   const ArgumentParser& parser) {
   constexpr int kTrackFrames = 60;
   if (out.empty() || out == "-") {
     return Fail(ErrorCode::kInvalidArgument, "--format video: give --out FILE, a name that ends in .mp4 or .mkv");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexedDrawing drawing, ListIndexedDrawing(filter, store));
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", out, FileKind::kVideo}}, {drawing.video}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", out, FileKind::kVideo}}, {drawing.video}));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(out));
   DrawOptions options{.folder_frame_rate = VideoReaderOptions().folder_frame_rate};
   if (!clip.margin_s) {
@@ -46,18 +45,18 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
     return Fail(ErrorCode::kNotFound, "--clip: no sighting to show: " + why);
   }
   const std::string table = ClipTelemetryPath(out).string();
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", table, FileKind::kCameraTable}}, {drawing.video}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", table, FileKind::kCameraTable}}, {drawing.video}));
   const auto [first, last] = std::ranges::minmax_element(drawing.sightings, {}, &DrawnSighting::time_s);
   options.clip = VideoSpan{.from_s = first->time_s - *clip.margin_s, .to_s = last->time_s + *clip.margin_s};
   options.track_frames = kTrackFrames;
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoSpan span,
                               DrawVideo(drawing.video, drawing.sightings, options, out, Interrupt()));
   const auto file = clip.telemetry.empty() ? std::nullopt : std::optional(clip.telemetry);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t states,
-                              WriteClipTelemetry(drawing.video, file, span, out,
-                                                 [](const std::string& line) { spdlog::warn("{}", OneLine(line)); }));
-  spdlog::info("{:.2f} s to {:.2f} s, {}", span.from_s, span.to_s,
-               states > 0 ? "with telemetry in " + OneLine(table) : "without telemetry");
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::size_t states,
+      WriteClipTelemetry(drawing.video, file, span, out, [](const std::string& line) { LogWarning(OneLine(line)); }));
+  LogInfo("{:.2f} s to {:.2f} s, {}", span.from_s, span.to_s,
+          states > 0 ? "with telemetry in " + OneLine(table) : "without telemetry");
   return {};
 }
 
@@ -88,7 +87,7 @@ FileKind KindOf(ExportFormat format) {
 
 }  // namespace
 
-Action SetUpExport(CLI::App& app) {
+Action SetUpExport(ArgumentParser& parser) {
   struct Arguments {
     std::string db;
     std::string format;
@@ -97,45 +96,48 @@ Action SetUpExport(CLI::App& app) {
     ClipArguments clip;
   };
   const auto arguments = std::make_shared<Arguments>();
-  AddDb(app, arguments->db);
-  app.add_option("--format", arguments->format,
-                 "One of " + ExportFormatNames() +
-                     " (docs/formats/export.md), or video: a copy of the video with the sightings drawn into it")
-      ->required()
-      ->type_name("FORMAT");
-  app.add_option("--out", arguments->out, "Output file (default: standard output)")->type_name("FILE");
-  arguments->filter.AddTo(app);
-  CLI::Option* clip =
-      app.add_option("--clip", arguments->clip.margin_s,
-                     "With --format video: only the part with the sightings, so many seconds before and after, with "
-                     "tracks, and its telemetry in a table beside it")
-          ->check(CLI::Range(0.0, 3600.0))
-          ->type_name("SECONDS");
-  app.add_option("--telemetry", arguments->clip.telemetry,
-                 "With --clip: telemetry of the video (default: in the video or beside it)")
-      ->needs(clip)
-      ->type_name("FILE");
-  AddForce(app);
-  return [=, &app]() -> Status {
+  AddDb(parser, arguments->db);
+  parser
+      .Add("--format", arguments->format,
+           "One of " + ExportFormatNames() +
+               " (docs/formats/export.md), or video: a copy of the video with the sightings drawn into it")
+      .Required()
+      .TypeName("FORMAT");
+  parser.Add("--out", arguments->out, "Output file (default: standard output)").TypeName("FILE");
+  arguments->filter.AddTo(parser);
+  Argument clip =
+      parser
+          .Add("--clip", arguments->clip.margin_s,
+               "With --format video: only the part with the sightings, so many seconds before and after, with "
+               "tracks, and its telemetry in a table beside it")
+          .Range(0.0, 3600.0)
+          .TypeName("SECONDS");
+  parser
+      .Add("--telemetry", arguments->clip.telemetry,
+           "With --clip: telemetry of the video (default: in the video or beside it)")
+      .Needs(clip)
+      .TypeName("FILE");
+  AddForce(parser);
+  return [=]() -> Status {
     if (arguments->format == kVideoFormat) {
       VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
       VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
-      return ExportVideo(arguments->out, filter, arguments->clip, *store, app);
+      return ExportVideo(arguments->out, filter, arguments->clip, *store, parser);
     }
     if (arguments->clip.margin_s) {
       return Fail(ErrorCode::kInvalidArgument, "--clip: is for --format video, which writes a video");
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
-    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments->out, KindOf(format)}}));
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, KindOf(format)}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     std::ostringstream text;
     VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
-    if (!nothing.empty()) spdlog::info("nothing to export: {}", OneLine(nothing));
+    if (!nothing.empty()) LogInfo("nothing to export: {}", OneLine(nothing));
     if (IsMap(format)) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, *store));
-      if (!unplaced.empty()) spdlog::info("{}", OneLine(unplaced));
+      if (!unplaced.empty()) LogInfo(OneLine(unplaced));
     }
     return WriteOutput(arguments->out, text.view());
   };

@@ -19,8 +19,8 @@ struct Arguments {
   std::string params;
 };
 
-Status Run(const Arguments& arguments, const CLI::App& app) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, FileKind::kFeatures}}));
+Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, FileKind::kFeatures}}));
   FeatureOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (!arguments.engine.empty()) options.engine = arguments.engine;
@@ -43,18 +43,19 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
 
 }  // namespace
 
-Action SetUpFeatures(CLI::App& app) {
+Action SetUpFeatures(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("IMAGE", arguments->image, "An image (PNG, JPEG)")->required();
-  app.add_option("--out", arguments->out,
-                 "Output file: `N 128`, then one line per feature: x y scale orientation_rad d1 … d128")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--engine", arguments->engine, "The feature engine")->type_name("NAME");
-  app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params features` lists them)")
-      ->type_name("FILE");
-  AddForce(app);
-  return [=, &app] { return Run(*arguments, app); };
+  parser.Add("IMAGE", arguments->image, "An image (PNG, JPEG)").Required();
+  parser
+      .Add("--out", arguments->out,
+           "Output file: `N 128`, then one line per feature: x y scale orientation_rad d1 … d128")
+      .Required()
+      .TypeName("FILE");
+  parser.Add("--engine", arguments->engine, "The feature engine").TypeName("NAME");
+  parser.Add("--params", arguments->params, "Parameters, JSON (`victorious params features` lists them)")
+      .TypeName("FILE");
+  AddForce(parser);
+  return [=] { return Run(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

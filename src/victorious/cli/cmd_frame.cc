@@ -1,6 +1,5 @@
 // victorious frame VIDEO --at TIME --out PNG: writes one frame as an image, to cut an object out
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -25,8 +24,8 @@ struct Arguments {
   std::string out;
 };
 
-Status Run(const Arguments& arguments, const CLI::App& app) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, FileKind::kImage}}));
+Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, FileKind::kImage}}));
   if (arguments.at_s.has_value() == arguments.number.has_value()) {
     return Fail(ErrorCode::kInvalidArgument, "give either --at or --number");
   }
@@ -50,19 +49,17 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
 
 }  // namespace
 
-Action SetUpFrame(CLI::App& app) {
+Action SetUpFrame(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
-  app.add_option("--at", arguments->at_s, "First frame at this time or later: seconds, or as 1:30 or 1:02:03.5")
-      ->type_name("TIME")
-      ->transform(VideoTimeTransform());
-  app.add_option("--number", arguments->number, "Frame number, from 0")
-      ->type_name("N")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
-  app.add_flag("--grid", arguments->grid, "Draw a grid of pixel coordinates, to read off the X,Y,W,H of a box");
-  app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
-  AddForce(app);
-  return [=, &app] { return Run(*arguments, app); };
+  parser.Add("VIDEO", arguments->video, "A file or a folder of frames").Required();
+  parser.Add("--at", arguments->at_s, "First frame at this time or later: seconds, or as 1:30 or 1:02:03.5")
+      .TypeName("TIME")
+      .Transform(&NormalizeVideoTime);
+  parser.Add("--number", arguments->number, "Frame number, from 0").TypeName("N").AtLeast(0);
+  parser.AddFlag("--grid", arguments->grid, "Draw a grid of pixel coordinates, to read off the X,Y,W,H of a box");
+  parser.Add("--out", arguments->out, "The output image (.png, .jpg)").Required().TypeName("FILE");
+  AddForce(parser);
+  return [=] { return Run(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

@@ -9,9 +9,10 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/base/program_events.h"
 #include "victorious/base/text.h"
 #include "victorious/category/category_file.h"
@@ -137,11 +138,11 @@ std::string SunText(const IndexReport& report) {
 }
 
 void LogReport(const std::string& video, const IndexReport& report) {
-  if (report.stopped_live) spdlog::info("{}: live source, indexed up to the interruption", OneLine(video));
-  if (report.sun) spdlog::info("{}: {}", OneLine(video), SunText(report));
+  if (report.stopped_live) LogInfo("{}: live source, indexed up to the interruption", OneLine(video));
+  if (report.sun) LogInfo("{}: {}", OneLine(video), SunText(report));
   const bool is_indexed = report.frames_searched == 0 && !report.stopped_live;
-  spdlog::info("{}: {} searched, {}{}", OneLine(video), CountText(report.frames_searched, "frame"),
-               CountText(report.sightings, "sighting"), is_indexed ? " (already indexed)" : "");
+  LogInfo("{}: {} searched, {}{}", OneLine(video), CountText(report.frames_searched, "frame"),
+          CountText(report.sightings, "sighting"), is_indexed ? " (already indexed)" : "");
 }
 
 nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& report) {
@@ -164,16 +165,16 @@ Status WarnOfRejectedPlaces(IndexStore& store) {
   const auto rejected = [](const ObjectRecord& object) { return !object.place_rejected.empty(); };
   const auto first = std::ranges::find_if(objects, rejected);
   if (first == objects.end()) return {};
-  spdlog::warn(
+  LogWarning(
       "{} of {} objects in the index have no place, although there is telemetry (the first: {}): it may belong "
       "to another flight or have a wrong clock; `victorious search` lists the reasons",
       std::ranges::count_if(objects, rejected), objects.size(), first->place_rejected);
   return {};
 }
 
-Status Run(const Arguments& arguments, const CLI::App& app) {
+Status Run(const Arguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(
-      CheckOutputs(app, {{"--db", arguments.db, std::nullopt}, {"--draw", arguments.draw, FileKind::kVideo}}));
+      CheckOutputs(parser, {{"--db", arguments.db, std::nullopt}, {"--draw", arguments.draw, FileKind::kVideo}}));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   std::vector<ObjectModel> models;
@@ -191,28 +192,28 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
-                                              [](const std::string& warning) { spdlog::warn("{}", warning); }));
+                                              [](const std::string& warning) { LogWarning(warning); }));
   // A video that cannot be read does not prevent the others from being indexed. Without any, no index is created.
   const std::map<std::string, Error> unreadable = FindUnreadable(arguments.videos);
   std::optional<Error> failure;
   for (const auto& [video, error] : unreadable) failure = CombineErrors(failure, error);
   const auto can_be_read = [&](const std::string& video) { return !unreadable.contains(video); };
   if (std::ranges::none_of(arguments.videos, can_be_read)) return std::unexpected(*std::move(failure));
-  for (const auto& [video, error] : unreadable) spdlog::warn("left out: {}", OneLine(error.message));
+  for (const auto& [video, error] : unreadable) LogWarning("left out: {}", OneLine(error.message));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
   for (const std::string& video : arguments.videos) {
     if (!can_be_read(video)) continue;
-    const auto warn = [&](const std::string& warning) { spdlog::warn("{}: {}", video, warning); };
+    const auto warn = [&](const std::string& warning) { LogWarning("{}: {}", video, warning); };
     const IndexJob job{.video = video,
                        .telemetry = arguments.telemetry,
                        .redo = arguments.redo,
                        .threads = arguments.threads,
                        .from_s = arguments.from_s,
                        .to_s = arguments.to_s,
-                       .inform = [&](const std::string& text) { spdlog::info("{}: {}", OneLine(video), text); }};
+                       .inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); }};
     const Expected<IndexReport> report = indexer.Index(job, Interrupt(), *store, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
-      spdlog::info("{}; the video is left to it", OneLine(report.error().message));
+      LogInfo("{}; the video is left to it", OneLine(report.error().message));
       ReportEvent(VideoLeftEvent{video});
       continue;
     }
@@ -222,9 +223,7 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
       continue;
     }
     LogReport(video, *report);
-    if (arguments.json)
-      VICTORIOUS_RETURN_IF_ERROR(WriteOutput(
-          "", ToJson(video, *report).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"));
+    if (arguments.json) VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", DumpJson(ToJson(video, *report)) + "\n"));
   }
   if (failure) return std::unexpected(*std::move(failure));
   if (!arguments.draw.empty()) {
@@ -239,47 +238,52 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
 
 }  // namespace
 
-Action SetUpIndex(CLI::App& app) {
+Action SetUpIndex(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("VIDEO", arguments->videos, "Files, folders of frames, or live URLs")->required();
-  app.add_option("--models", arguments->models, "Folder of models to search for")->type_name("DIR");
-  app.add_option("--categories", arguments->categories,
-                 "A category model (`victorious category train`), whose categories are searched for as well")
-      ->type_name("FILE");
-  AddDb(app, arguments->db, "The index; created if it does not exist");
-  app.add_option("--telemetry", arguments->telemetry,
-                 "Camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
-      ->type_name("FILE");
-  AddParams(app, arguments->params, "index");
-  app.add_option("--quality", arguments->quality,
-                 "fast: whole frames at every fifth, found objects tracked in between, CAD models by proposals; normal "
-                 "(default); thorough: more candidates of each match (docs/tutorial.md)")
-      ->type_name("NAME");
-  app.add_option("--every", arguments->every,
-                 "Search every N-th frame completely; in between, only regions around tracked objects")
-      ->type_name("N");
-  app.add_option("--from", arguments->from_s, "Search only from this video time on: seconds, or as 1:30 or 1:02:03.5")
-      ->type_name("TIME")
-      ->transform(VideoTimeTransform());
-  app.add_option("--to", arguments->to_s, "Search only up to this video time")
-      ->type_name("TIME")
-      ->transform(VideoTimeTransform());
-  app.add_option("--keep-features", arguments->keep_features,
-                 "Seconds between the frames whose features are kept for `search --image` (default 1), or none")
-      ->type_name("SECONDS");
-  AddFieldOfView(app, arguments->hfov_deg);
-  AddCamera(app, arguments->camera);
-  AddGround(app, arguments->ground);
-  app.add_flag("--redo", arguments->redo,
-               "Delete the results of these models and categories in these videos, and search again");
-  app.add_flag("--json", arguments->json, "Print one JSON object per video: frames searched, sightings, sun");
-  app.add_option("--threads", arguments->threads, "Number of threads; 0: one per processor")
-      ->check(CLI::Range(0, 1024));
-  app.add_option("--draw", arguments->draw,
-                 "Write a copy of the video with the sightings, names and places drawn into it (.mp4, .mkv)")
-      ->type_name("FILE");
-  AddForce(app);
-  return [=, &app] { return Run(*arguments, app); };
+  parser.Add("VIDEO", arguments->videos, "Files, folders of frames, or live URLs").Required();
+  parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
+  parser
+      .Add("--categories", arguments->categories,
+           "A category model (`victorious category train`), whose categories are searched for as well")
+      .TypeName("FILE");
+  AddDb(parser, arguments->db, "The index; created if it does not exist");
+  parser
+      .Add("--telemetry", arguments->telemetry,
+           "Camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
+      .TypeName("FILE");
+  AddParams(parser, arguments->params, "index");
+  parser
+      .Add("--quality", arguments->quality,
+           "fast: whole frames at every fifth, found objects tracked in between, CAD models by proposals; normal "
+           "(default); thorough: more candidates of each match (docs/tutorial.md)")
+      .TypeName("NAME");
+  parser
+      .Add("--every", arguments->every,
+           "Search every N-th frame completely; in between, only regions around tracked objects")
+      .TypeName("N");
+  parser.Add("--from", arguments->from_s, "Search only from this video time on: seconds, or as 1:30 or 1:02:03.5")
+      .TypeName("TIME")
+      .Transform(&NormalizeVideoTime);
+  parser.Add("--to", arguments->to_s, "Search only up to this video time")
+      .TypeName("TIME")
+      .Transform(&NormalizeVideoTime);
+  parser
+      .Add("--keep-features", arguments->keep_features,
+           "Seconds between the frames whose features are kept for `search --image` (default 1), or none")
+      .TypeName("SECONDS");
+  AddFieldOfView(parser, arguments->hfov_deg);
+  AddCamera(parser, arguments->camera);
+  AddGround(parser, arguments->ground);
+  parser.AddFlag("--redo", arguments->redo,
+                 "Delete the results of these models and categories in these videos, and search again");
+  parser.AddFlag("--json", arguments->json, "Print one JSON object per video: frames searched, sightings, sun");
+  parser.Add("--threads", arguments->threads, "Number of threads; 0: one per processor").Range(0, 1024).TypeName("N");
+  parser
+      .Add("--draw", arguments->draw,
+           "Write a copy of the video with the sightings, names and places drawn into it (.mp4, .mkv)")
+      .TypeName("FILE");
+  AddForce(parser);
+  return [=] { return Run(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

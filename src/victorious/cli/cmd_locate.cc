@@ -8,8 +8,9 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
+#include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/base/warning_list.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -98,7 +99,7 @@ std::string ToText(const GeoFix& fix) {
 void WarnAboutRows(const std::vector<std::string>& problems) {
   WarningList ignored;
   for (const std::string& problem : problems) ignored.Add(OneLine(problem) + ": row ignored");
-  for (const std::string& line : ignored.Lines()) spdlog::warn("{}", line);
+  for (const std::string& line : ignored.Lines()) LogWarning(line);
 }
 
 // Expands the inlier flags from the lines that were read to all rows of the file; rows that were not read are outliers.
@@ -116,29 +117,25 @@ Status Run(const Arguments& arguments) {
   if (!arguments.method.empty()) options.method = FromText(kLocateMethodTexts, arguments.method).value();
   GroundOptions ground;
   ApplyGround(arguments.ground, ground);
-  VICTORIOUS_ASSIGN_OR_RETURN(options.ground,
-                              MakeGround(ground, [](const std::string& line) { spdlog::warn("{}", line); }));
+  VICTORIOUS_ASSIGN_OR_RETURN(options.ground, MakeGround(ground, [](const std::string& line) { LogWarning(line); }));
   VICTORIOUS_ASSIGN_OR_RETURN(const LineOfSightTable table, ReadLinesOfSight(arguments.lines));
   VICTORIOUS_ASSIGN_OR_RETURN(GeoFix fix, Locate(table.lines, options));
   WarnAboutRows(table.problems);
   fix.inliers = ExpandToRows(fix.inliers, table.row_is_valid);
-  return WriteOutput("", arguments.json ? ToJson(fix).dump(1) + "\n" : ToText(fix));
+  return WriteOutput("", arguments.json ? DumpJson(ToJson(fix), 1) + "\n" : ToText(fix));
 }
 
 }  // namespace
 
-Action SetUpLocate(CLI::App& app) {
+Action SetUpLocate(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("LINES", arguments->lines, "Lines of sight (CSV, docs/formats/locate.md)")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--motion", arguments->motion, "Motion model of the object (default static)")
-      ->check(CLI::IsMember(Texts(kMotionModelTexts)));
-  app.add_option("--method", arguments->method, "The estimator (default ml)")
-      ->check(CLI::IsMember(Texts(kLocateMethodTexts)));
-  AddGround(app, arguments->ground);
-  app.add_option("--params", arguments->params, "Parameters (`victorious params locate`)")->type_name("FILE");
-  app.add_flag("--json", arguments->json, "Print JSON");
+  parser.Add("LINES", arguments->lines, "Lines of sight (CSV, docs/formats/locate.md)").Required().TypeName("FILE");
+  parser.Add("--motion", arguments->motion, "Motion model of the object (default static)")
+      .OneOf(Texts(kMotionModelTexts));
+  parser.Add("--method", arguments->method, "The estimator (default ml)").OneOf(Texts(kLocateMethodTexts));
+  AddGround(parser, arguments->ground);
+  parser.Add("--params", arguments->params, "Parameters (`victorious params locate`)").TypeName("FILE");
+  parser.AddFlag("--json", arguments->json, "Print JSON");
   return [=] { return Run(*arguments); };
 }
 

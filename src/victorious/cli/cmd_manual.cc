@@ -2,9 +2,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/App.hpp>
-#include <CLI/Validators.hpp>
-
 #include "victorious/base/version.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -12,12 +9,11 @@
 
 namespace victorious::cli {
 
-Action SetUpManual(CLI::App& app) {
+Action SetUpManual(ArgumentParser& parser) {
   const auto format = std::make_shared<std::string>("man");
-  app.add_option("FORMAT", *format, "man: the manual page (roff); bash: the completion for bash")
-      ->check(CLI::IsMember({"man", "bash"}));
-  return [=, &app]() -> Status {
-    const CLI::App& program = *app.get_parent();
+  parser.Add("FORMAT", *format, "man: the manual page (roff); bash: the completion for bash").OneOf({"man", "bash"});
+  return [=]() -> Status {
+    const ArgumentParser program = parser.Program();
     return WriteOutput("", *format == "bash" ? MakeBashCompletion(program) : MakeManualPage(program, kVersion));
   };
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -114,8 +115,8 @@ cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const Featu
   return canvas;
 }
 
-Status Run(const Arguments& arguments, const CLI::App& app) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--draw", arguments.draw, FileKind::kImage}}));
+Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--draw", arguments.draw, FileKind::kImage}}));
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.ratio) options.recognize.match.ratio = *arguments.ratio;
@@ -136,7 +137,7 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
     VICTORIOUS_RETURN_IF_ERROR(
         WriteImage(arguments.draw, Draw(scene_image.bgr, model_image.bgr, scene, features, staged, photo.outline)));
   }
-  if (arguments.json) return WriteOutput("", Report(scene, features, staged, photo.outline).dump() + "\n");
+  if (arguments.json) return WriteOutput("", DumpJson(Report(scene, features, staged, photo.outline)) + "\n");
 
   const MatchSet inliers = BestInliers(staged);
   const PlanarFit* fit = staged.fits.empty() ? nullptr : &staged.fits.front();
@@ -156,17 +157,16 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
 
 }  // namespace
 
-Action SetUpMatch(CLI::App& app) {
+Action SetUpMatch(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("SCENE", arguments->scene, "The image to search")->required();
-  app.add_option("TEMPLATE", arguments->model, "The image of the object; an alpha channel masks the background")
-      ->required();
-  app.add_option("--ratio", arguments->ratio, "Lowe's ratio test (default 0.8)")->type_name("R");
-  AddParams(app, arguments->params, "index");
-  app.add_option("--draw", arguments->draw, "Draw the matches and the outline into this PNG")->type_name("FILE");
-  app.add_flag("--json", arguments->json, "Print the matches of every stage as JSON");
-  AddForce(app);
-  return [=, &app] { return Run(*arguments, app); };
+  parser.Add("SCENE", arguments->scene, "The image to search").Required();
+  parser.Add("TEMPLATE", arguments->model, "The image of the object; an alpha channel masks the background").Required();
+  parser.Add("--ratio", arguments->ratio, "Lowe's ratio test (default 0.8)").TypeName("R");
+  AddParams(parser, arguments->params, "index");
+  parser.Add("--draw", arguments->draw, "Draw the matches and the outline into this PNG").TypeName("FILE");
+  parser.AddFlag("--json", arguments->json, "Print the matches of every stage as JSON");
+  AddForce(parser);
+  return [=] { return Run(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

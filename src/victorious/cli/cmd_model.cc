@@ -8,39 +8,40 @@
 
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/model/model_library.h"
 
 namespace victorious::cli {
 
-void AddModelsFolder(CLI::App& app, std::string& folder) {
-  app.add_option("--models", folder, "Folder of models")->required()->type_name("DIR");
+void AddModelsFolder(ArgumentParser& parser, std::string& folder) {
+  parser.Add("--models", folder, "Folder of models").Required().TypeName("DIR");
 }
 
-Action SetUpModelRemove(CLI::App& app) {
+Action SetUpModelRemove(ArgumentParser& parser) {
   struct Arguments {
     std::string folder;
     std::string name;
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  AddModelsFolder(app, arguments->folder);
-  app.add_option("NAME", arguments->name)->required();
-  app.add_flag("--json", arguments->json, "Print the removed model as JSON");
+  AddModelsFolder(parser, arguments->folder);
+  parser.Add("NAME", arguments->name).Required();
+  parser.AddFlag("--json", arguments->json, "Print the removed model as JSON");
   return [=]() -> Status {
     VICTORIOUS_RETURN_IF_ERROR(ModelLibrary(arguments->folder).Remove(arguments->name));
     if (!arguments->json) return {};
-    return WriteOutput("", nlohmann::json({{"removed", arguments->name}}).dump() + "\n");
+    return WriteOutput("", DumpJson(nlohmann::json({{"removed", arguments->name}})) + "\n");
   };
 }
 
-Action SetUpModel(CLI::App& app) {
-  app.require_subcommand(1);
-  std::vector<std::pair<CLI::App*, Action>> parts;
-  const auto add = [&](const char* name, const char* summary, Action (*set_up)(CLI::App&)) {
-    CLI::App* part = app.add_subcommand(name, summary);
-    parts.emplace_back(part, set_up(*part));
+Action SetUpModel(ArgumentParser& parser) {
+  parser.RequireCommand();
+  std::vector<std::pair<ArgumentParser, Action>> parts;
+  const auto add = [&](const char* name, const char* summary, Action (*set_up)(ArgumentParser&)) {
+    ArgumentParser part = parser.AddCommand(name, summary);
+    parts.emplace_back(part, set_up(part));
   };
   add("add", "Make a searchable model from a CAD file or from photos", &SetUpModelAdd);
   add("list", "List the models of a folder", &SetUpModelList);
@@ -48,7 +49,7 @@ Action SetUpModel(CLI::App& app) {
   add("remove", "Delete a model", &SetUpModelRemove);
   return [parts = std::move(parts)]() -> Status {
     for (const auto& [part, action] : parts) {
-      if (part->parsed()) return action();
+      if (part.IsGiven()) return action();
     }
     return {};  // not reached: one of them is required
   };

@@ -4,9 +4,8 @@
 #include <optional>
 #include <string>
 
-#include <CLI/App.hpp>
-
 #include "victorious/base/error.h"
+#include "victorious/cli/argument_parser.h"
 #include "victorious/cli/command.h"
 #include "victorious/evaluate/detectability.h"
 #include "victorious/types/object_model.h"
@@ -14,16 +13,16 @@
 namespace victorious::cli {
 
 /// Adds the required option --models: the folder of the model library.
-void AddModelsFolder(CLI::App& app, std::string& folder);
+void AddModelsFolder(ArgumentParser& parser, std::string& folder);
 
 /// `model add`: a model from a CAD file or from photos.
-Action SetUpModelAdd(CLI::App& app);
+Action SetUpModelAdd(ArgumentParser& parser);
 /// `model list`: one row per model.
-Action SetUpModelList(CLI::App& app);
+Action SetUpModelList(ArgumentParser& parser);
 /// `model show`: one model in detail.
-Action SetUpModelShow(CLI::App& app);
+Action SetUpModelShow(ArgumentParser& parser);
 /// `model remove`
-Action SetUpModelRemove(CLI::App& app);
+Action SetUpModelRemove(ArgumentParser& parser);
 
 /// A model as one line of JSON, as `model list --json` prints it.
 [[nodiscard]] std::string SummaryJson(const ObjectModel& model);
@@ -38,7 +37,7 @@ struct DetectabilityArguments {
   std::string params;
 };
 
-void AddDetectabilityFlags(CLI::App& app, DetectabilityArguments& arguments);
+void AddDetectabilityFlags(ArgumentParser& parser, DetectabilityArguments& arguments);
 
 /// Measures the recall of the search that `index` runs, and draws the test images if that is wanted. Shows progress on
 /// stderr. Errors: those of MeasureDetectability and of writing the images; kInvalidArgument for the flags.

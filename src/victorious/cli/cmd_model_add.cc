@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
-#include <spdlog/spdlog.h>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/log.h"
 #include "victorious/base/median.h"
 #include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
@@ -61,8 +61,8 @@ cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
 void LogUncroppedPhotos(const std::vector<Photo>& photos) {
   for (const Photo& photo : photos) {
     if (!photo.mask.empty() && cv::countNonZero(photo.mask) < static_cast<int>(photo.mask.total())) continue;
-    spdlog::info("{}: the whole photo is used as the object; cut it out by --box X,Y,W,H or an alpha channel",
-                 OneLine(photo.source));
+    LogInfo("{}: the whole photo is used as the object; cut it out by --box X,Y,W,H or an alpha channel",
+            OneLine(photo.source));
   }
 }
 
@@ -112,7 +112,7 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
     VICTORIOUS_ASSIGN_OR_RETURN(load.front, ParseAxis(arguments.front));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(input, load));
-  for (const std::string& warning : loaded.warnings) spdlog::warn("{}", OneLine(fmt::format("{}: {}", input, warning)));
+  for (const std::string& warning : loaded.warnings) LogWarning(OneLine(fmt::format("{}: {}", input, warning)));
   std::optional<Progress> progress;
   const auto show = [&](int done, int all) {
     if (!progress) progress.emplace(arguments.name, all, "views");
@@ -138,19 +138,19 @@ std::string DescribePromise(const ObjectModel& model) {
   const std::string measure =
       fmt::format("`victorious model show {} --findable` measures from which size it is found", OneLine(model.name));
   if (typical < kMinFeatures) {
-    spdlog::warn("{}: {}: hardly recognisable: use {}; {}", OneLine(model.name), what,
-                 cad ? "a model with more texture, or more pixels_per_m (--params)"
-                     : "a larger and sharper photo of a textured side",
-                 measure);
+    LogWarning("{}: {}: hardly recognisable: use {}; {}", OneLine(model.name), what,
+               cad ? "a model with more texture, or more pixels_per_m (--params)"
+                   : "a larger and sharper photo of a textured side",
+               measure);
     return "hardly recognisable";
   }
-  spdlog::info("{}: {}: recognisable when large and seen as in the {}; {}", OneLine(model.name), what,
-               cad ? "views" : "photo", measure);
+  LogInfo("{}: {}: recognisable when large and seen as in the {}; {}", OneLine(model.name), what,
+          cad ? "views" : "photo", measure);
   return "recognisable when large";
 }
 
-Status Add(const Arguments& arguments, const CLI::App& app) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--draw", arguments.draw, FileKind::kImage}}));
+Status Add(const Arguments& arguments, const ArgumentParser& parser) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--draw", arguments.draw, FileKind::kImage}}));
   const ModelLibrary library(arguments.folder);
   VICTORIOUS_RETURN_IF_ERROR(library.CheckNewName(arguments.name));
   if (arguments.length_m && !(*arguments.length_m > 0 && *arguments.length_m < 1e6)) {
@@ -171,38 +171,38 @@ Status Add(const Arguments& arguments, const CLI::App& app) {
 
 }  // namespace
 
-Action SetUpModelAdd(CLI::App& app) {
+Action SetUpModelAdd(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  AddModelsFolder(app, arguments->folder);
-  app.add_option("NAME", arguments->name, "Name of the object")->required();
-  app.add_option("INPUT", arguments->inputs,
-                 "One CAD file (glTF, GLB, OBJ, AC3D, COLLADA, 3DS, PLY, STL), or photos (PNG, JPEG) with an alpha "
-                 "channel or --box")
-      ->required();
-  app.add_option("--box", arguments->boxes,
-                 "The object in the photo, x,y,w,h in pixels; one for each photo, in their order")
-      ->type_name("X,Y,W,H")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args(false);  // the word after a box is not another box
-  app.add_option("--length", arguments->length_m,
-                 "Length of the object in metres: its longest side; for glTF its extent along the front axis (+Z). "
-                 "Without it, CAD units are metres and photos have no size")
-      ->type_name("M");
-  app.add_option("--step", arguments->step_deg, "CAD: degrees between views (default 10)")->type_name("DEG");
-  app.add_option("--max-off-nadir", arguments->max_off_nadir_deg,
-                 "CAD: largest off-nadir angle of the views, degrees (default 70)")
-      ->type_name("DEG");
-  app.add_option("--up", arguments->up, "CAD: the file's axis that points up, as in +y (default: by format)")
-      ->type_name("AXIS");
-  app.add_option("--front", arguments->front, "CAD: the file's axis that points to the front (default: by format)")
-      ->type_name("AXIS");
-  app.add_option("--draw", arguments->draw, "Draw the photos with the object outlines into this file")
-      ->type_name("FILE");
-  app.add_flag("--json", arguments->json, "Print the model as JSON, as `model list --json` does");
-  AddParams(app, arguments->params, "model|cad");
-  AddForce(app);
-  return [=, &app] { return Add(*arguments, app); };
+  AddModelsFolder(parser, arguments->folder);
+  parser.Add("NAME", arguments->name, "Name of the object").Required();
+  parser
+      .Add("INPUT", arguments->inputs,
+           "One CAD file (glTF, GLB, OBJ, AC3D, COLLADA, 3DS, PLY, STL), or photos (PNG, JPEG) with an alpha "
+           "channel or --box")
+      .Required();
+  parser
+      .Add("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one for each photo, in their order")
+      .TypeName("X,Y,W,H")
+      .OneValueEach();
+  parser
+      .Add("--length", arguments->length_m,
+           "Length of the object in metres: its longest side; for glTF its extent along the front axis (+Z). "
+           "Without it, CAD units are metres and photos have no size")
+      .TypeName("M");
+  parser.Add("--step", arguments->step_deg, "CAD: degrees between views (default 10)").TypeName("DEG");
+  parser
+      .Add("--max-off-nadir", arguments->max_off_nadir_deg,
+           "CAD: largest off-nadir angle of the views, degrees (default 70)")
+      .TypeName("DEG");
+  parser.Add("--up", arguments->up, "CAD: the file's axis that points up, as in +y (default: by format)")
+      .TypeName("AXIS");
+  parser.Add("--front", arguments->front, "CAD: the file's axis that points to the front (default: by format)")
+      .TypeName("AXIS");
+  parser.Add("--draw", arguments->draw, "Draw the photos with the object outlines into this file").TypeName("FILE");
+  parser.AddFlag("--json", arguments->json, "Print the model as JSON, as `model list --json` does");
+  AddParams(parser, arguments->params, "model|cad");
+  AddForce(parser);
+  return [=] { return Add(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

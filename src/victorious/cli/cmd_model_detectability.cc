@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/progress.h"
+#include "victorious/base/text.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/cmd_model.h"
 #include "victorious/image/image_file.h"
@@ -15,30 +16,33 @@
 
 namespace victorious::cli {
 
-void AddDetectabilityFlags(CLI::App& app, DetectabilityArguments& arguments) {
-  CLI::Option* wanted = app.add_flag(
+void AddDetectabilityFlags(ArgumentParser& parser, DetectabilityArguments& arguments) {
+  const Argument wanted = parser.AddFlag(
       "--findable", arguments.wanted,
       "Measure the fraction of test images, rendered or made of the photos, in which the search finds the model");
-  const auto add = [&](CLI::Option* option) {
-    option->needs(wanted);
-    return option;
-  };
-  add(app.add_option("--size-px", arguments.options.size_px, "Longest side of its box in the image (default 64)"))
-      ->type_name("PX");
-  add(app.add_option("--noise", arguments.options.noise, "Fraction of salt-and-pepper pixels (default 0)"))
-      ->type_name("FRACTION");
-  add(app.add_option("--sun", arguments.sun, "Elevation of the sun in degrees, or off: diffuse light (default)"))
-      ->type_name("DEG");
-  add(app.add_flag("--no-attitude", arguments.no_attitude,
-                   "Search without the camera's attitude, as without telemetry"));
-  add(app.add_option("--directions", arguments.options.directions,
-                     "Number of view directions: more take longer and estimate fractions more accurately (default 24)"))
-      ->type_name("N");
-  add(app.add_option("--seed", arguments.options.seed, "Seed of the random numbers (default 1)"))->type_name("N");
-  add(app.add_option("--draw", arguments.draw, "Draw the test images into this file: found green, missed red"))
-      ->type_name("FILE");
-  add(app.add_option("--params", arguments.params, "Parameters of the search, as for `index` (JSON)"))
-      ->type_name("FILE");
+  parser.Add("--size-px", arguments.options.size_px, "Longest side of its box in the image (default 64)")
+      .Needs(wanted)
+      .TypeName("PX");
+  parser.Add("--noise", arguments.options.noise, "Fraction of salt-and-pepper pixels (default 0)")
+      .Needs(wanted)
+      .TypeName("FRACTION");
+  parser.Add("--sun", arguments.sun, "Elevation of the sun in degrees, or off: diffuse light (default)")
+      .Needs(wanted)
+      .TypeName("DEG");
+  parser.AddFlag("--no-attitude", arguments.no_attitude, "Search without the camera's attitude, as without telemetry")
+      .Needs(wanted);
+  parser
+      .Add("--directions", arguments.options.directions,
+           "Number of view directions: more take longer and estimate fractions more accurately (default 24)")
+      .Needs(wanted)
+      .TypeName("N");
+  parser.Add("--seed", arguments.options.seed, "Seed of the random numbers (default 1)").Needs(wanted).TypeName("N");
+  parser.Add("--draw", arguments.draw, "Draw the test images into this file: found green, missed red")
+      .Needs(wanted)
+      .TypeName("FILE");
+  parser.Add("--params", arguments.params, "Parameters of the search, as for `index` (JSON)")
+      .Needs(wanted)
+      .TypeName("FILE");
 }
 
 Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const DetectabilityArguments& arguments) {
@@ -49,12 +53,11 @@ Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const Det
   VICTORIOUS_RETURN_IF_ERROR(CheckFlags(
       CollectFields(options), {{"size_px", "--size-px"}, {"noise", "--noise"}, {"directions", "--directions"}}));
   if (arguments.sun != "off") {
-    double elevation_deg = 0;
-    if (!CLI::detail::lexical_cast(arguments.sun, elevation_deg)) {
+    options.sun_deg = ParseNumber(arguments.sun);
+    if (!options.sun_deg) {
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("--sun {}: must be an elevation of 5 to 90 degrees, or off", OneLine(arguments.sun)));
     }
-    options.sun_deg = elevation_deg;
   }
   std::optional<Progress> progress;
   std::vector<cv::Mat> images;

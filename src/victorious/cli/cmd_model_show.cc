@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/json.h"
 #include "victorious/base/median.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/cmd_model.h"
@@ -75,7 +76,7 @@ Status List(const ListArguments& arguments) {
   if (!arguments.json)
     text = fmt::format("{:<24} {:<7} {:>6} {:>9}  {:<9} {}\n", "name", "kind", "views", "features", "length", "engine");
   for (const ObjectModel& model : models) {
-    text += arguments.json ? Summary(model).dump() + "\n"
+    text += arguments.json ? DumpJson(Summary(model)) + "\n"
                            : fmt::format("{:<24} {:<7} {:>6} {:>9}  {:<9} {}\n", model.name, ToText(model.kind),
                                          model.views.size(), model.features.size(), SizeText(model), model.engine);
   }
@@ -101,9 +102,9 @@ std::string ViewsText(const ObjectModel& model) {
   return text;
 }
 
-Status Show(const ShowArguments& arguments, const CLI::App& app) {
+Status Show(const ShowArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(
-      app, {{"--views", arguments.views, FileKind::kImage}, {"--draw", arguments.findable.draw, FileKind::kImage}}));
+      parser, {{"--views", arguments.views, FileKind::kImage}, {"--draw", arguments.findable.draw, FileKind::kImage}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ModelLibrary(arguments.folder).Load(arguments.name));
   std::optional<Detectability> findable;
   if (arguments.findable.wanted) {
@@ -116,7 +117,7 @@ Status Show(const ShowArguments& arguments, const CLI::App& app) {
   if (arguments.json) {
     nlohmann::ordered_json json = Details(model);
     if (findable) json["findable"] = ToJson(*findable);
-    return WriteOutput("", json.dump() + "\n");
+    return WriteOutput("", DumpJson(json) + "\n");
   }
   if (findable) return WriteOutput("", model.name + "\n" + ToText(*findable));
   std::string text = fmt::format(
@@ -128,24 +129,24 @@ Status Show(const ShowArguments& arguments, const CLI::App& app) {
 
 }  // namespace
 
-std::string SummaryJson(const ObjectModel& model) { return Summary(model).dump() + "\n"; }
+std::string SummaryJson(const ObjectModel& model) { return DumpJson(Summary(model)) + "\n"; }
 
-Action SetUpModelList(CLI::App& app) {
+Action SetUpModelList(ArgumentParser& parser) {
   const auto arguments = std::make_shared<ListArguments>();
-  AddModelsFolder(app, arguments->folder);
-  app.add_flag("--json", arguments->json, "One JSON object per line");
+  AddModelsFolder(parser, arguments->folder);
+  parser.AddFlag("--json", arguments->json, "One JSON object per line");
   return [=] { return List(*arguments); };
 }
 
-Action SetUpModelShow(CLI::App& app) {
+Action SetUpModelShow(ArgumentParser& parser) {
   const auto arguments = std::make_shared<ShowArguments>();
-  AddModelsFolder(app, arguments->folder);
-  app.add_option("NAME", arguments->name)->required();
-  app.add_flag("--json", arguments->json, "Print JSON");
-  app.add_option("--views", arguments->views, "Draw all its views into this file (.png, .jpg)")->type_name("FILE");
-  AddDetectabilityFlags(app, arguments->findable);
-  AddForce(app);
-  return [=, &app] { return Show(*arguments, app); };
+  AddModelsFolder(parser, arguments->folder);
+  parser.Add("NAME", arguments->name).Required();
+  parser.AddFlag("--json", arguments->json, "Print JSON");
+  parser.Add("--views", arguments->views, "Draw all its views into this file (.png, .jpg)").TypeName("FILE");
+  AddDetectabilityFlags(parser, arguments->findable);
+  AddForce(parser);
+  return [=] { return Show(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

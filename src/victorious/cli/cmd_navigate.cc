@@ -9,9 +9,10 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -69,44 +70,44 @@ void LogTelemetryError(const Navigation& navigation, double expected_sigma_m) {
   const NavigatedFrame& frame = *with_landmark[with_landmark.size() / 2];
   const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, frame.offset->covariance(i, i))); };
   const Eigen::Vector3d& place = frame.offset->place_enu_m;
-  spdlog::info("telemetry error at {:.1f} s: {:.2f} +- {:.2f} m east, {:.2f} +- {:.2f} north, {:.2f} +- {:.2f} up",
-               frame.camera.time_s, place.x(), sigma(0), place.y(), sigma(1), place.z(), sigma(2));
+  LogInfo("telemetry error at {:.1f} s: {:.2f} +- {:.2f} m east, {:.2f} +- {:.2f} north, {:.2f} +- {:.2f} up",
+          frame.camera.time_s, place.x(), sigma(0), place.y(), sigma(1), place.z(), sigma(2));
   const auto degrees = [&](int i) { return DegreesFromRadians(frame.offset->attitude_rad[i]); };
   const auto sigma_deg = [&](int i) { return DegreesFromRadians(sigma(3 + i)); };
-  spdlog::info("attitude error: {:.2f} +- {:.2f} deg yaw, {:.2f} +- {:.2f} pitch, {:.2f} +- {:.2f} roll", degrees(0),
-               sigma_deg(0), degrees(1), sigma_deg(1), degrees(2), sigma_deg(2));
+  LogInfo("attitude error: {:.2f} +- {:.2f} deg yaw, {:.2f} +- {:.2f} pitch, {:.2f} +- {:.2f} roll", degrees(0),
+          sigma_deg(0), degrees(1), sigma_deg(1), degrees(2), sigma_deg(2));
   constexpr double kMaxSigmas = 10;
   if (place.norm() < kMaxSigmas * expected_sigma_m) return;
-  spdlog::warn(
+  LogWarning(
       "telemetry is {:.0f} m from the position estimated from landmarks: telemetry or landmarks may be of another "
       "flight",
       place.norm());
 }
 
 void LogSummary(const NavigationResult& result, const NavigateOptions& options) {
-  spdlog::info("{}, {} with a landmark; {} rejected as outliers", CountText(result.frames, "frame"),
-               CountFramesWithLandmark(result), CountText(result.rejected_sightings, "sighting"));
+  LogInfo("{}, {} with a landmark; {} rejected as outliers", CountText(result.frames, "frame"),
+          CountFramesWithLandmark(result), CountText(result.rejected_sightings, "sighting"));
   for (std::size_t i = 0; i < result.landmarks.size(); ++i) {
     if (result.sightings[i] == 0) continue;
     const Landmark& landmark = result.landmarks[i];
-    spdlog::info("landmark {} at {:.6f} {:.6f}: in {}", landmark.model, DegreesFromRadians(landmark.place.latitude_rad),
-                 DegreesFromRadians(landmark.place.longitude_rad), CountText(result.sightings[i], "frame"));
+    LogInfo("landmark {} at {:.6f} {:.6f}: in {}", landmark.model, DegreesFromRadians(landmark.place.latitude_rad),
+            DegreesFromRadians(landmark.place.longitude_rad), CountText(result.sightings[i], "frame"));
   }
   LogTelemetryError(result.navigation, options.telemetry.position_m);
-  spdlog::info(
+  LogInfo(
       "{:.1f} ms per frame while landmarks are tracked, {:.1f} ms of CPU time; {:.2f} ms to estimate the trajectory",
       result.tracked_ms, result.tracked_cpu_ms, result.estimate_ms);
   if (result.navigation.status != NavigationStatus::kOk) {
-    spdlog::warn("{}: the camera position is unknown", ToText(kNavigationStatusTexts, result.navigation.status));
+    LogWarning("{}: the camera position is unknown", ToText(kNavigationStatusTexts, result.navigation.status));
   }
 }
 
-Status Run(const Arguments& arguments, const CLI::App& app) {
+Status Run(const Arguments& arguments, const ArgumentParser& parser) {
   NavigateVideoOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   const std::vector<std::string> beside = ListTelemetryBeside({arguments.video}, arguments.telemetry);
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, FileKind::kCameraTable}}, beside));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCameraTable}}, beside));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   ApplyCamera(arguments.camera, options.telemetry);
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
@@ -119,37 +120,38 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   VICTORIOUS_ASSIGN_OR_RETURN(const NavigationResult result,
                               NavigateVideo(job, std::move(models), options, Interrupt(),
                                             [&](const std::string& warning) { warnings.push_back(warning); }));
-  for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
+  for (const std::string& warning : warnings) LogWarning(OneLine(warning));
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToCsv(result)));
   LogSummary(result, options.navigate);
   if (!arguments.json) return {};
-  return WriteOutput(
-      "", ToJson(arguments, result).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  return WriteOutput("", DumpJson(ToJson(arguments, result)) + "\n");
 }
 
 }  // namespace
 
-Action SetUpNavigate(CLI::App& app) {
+Action SetUpNavigate(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
-  app.add_option("--landmarks", arguments->landmarks,
-                 "Objects of known place: an index (a file, or postgresql://USER@HOST/DATABASE), or a list "
-                 "written by `export --format objects`")
-      ->required()
-      ->type_name("DB");
-  app.add_option("--models", arguments->models, "Folder of the landmarks' models")->required()->type_name("DIR");
-  app.add_option("--out", arguments->out, "The estimated camera states, CSV (docs/formats/navigate.md)")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--telemetry", arguments->telemetry,
-                 "Prior camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
-      ->type_name("FILE");
-  AddFieldOfView(app, arguments->hfov_deg);
-  AddCamera(app, arguments->camera);
-  AddParams(app, arguments->params, "navigate");
-  app.add_flag("--json", arguments->json, "Print one JSON object: frames, landmarks, status");
-  AddForce(app);
-  return [=, &app] { return Run(*arguments, app); };
+  parser.Add("VIDEO", arguments->video, "A file or a folder of frames").Required();
+  parser
+      .Add("--landmarks", arguments->landmarks,
+           "Objects of known place: an index (a file, or postgresql://USER@HOST/DATABASE), or a list "
+           "written by `export --format objects`")
+      .Required()
+      .TypeName("DB");
+  parser.Add("--models", arguments->models, "Folder of the landmarks' models").Required().TypeName("DIR");
+  parser.Add("--out", arguments->out, "The estimated camera states, CSV (docs/formats/navigate.md)")
+      .Required()
+      .TypeName("FILE");
+  parser
+      .Add("--telemetry", arguments->telemetry,
+           "Prior camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
+      .TypeName("FILE");
+  AddFieldOfView(parser, arguments->hfov_deg);
+  AddCamera(parser, arguments->camera);
+  AddParams(parser, arguments->params, "navigate");
+  parser.AddFlag("--json", arguments->json, "Print one JSON object: frames, landmarks, status");
+  AddForce(parser);
+  return [=] { return Run(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -50,7 +51,7 @@ constexpr std::array kLists = {
 
 }  // namespace
 
-Action SetUpParams(CLI::App& app) {
+Action SetUpParams(ArgumentParser& parser) {
   struct Arguments {
     std::string name = kLists.front().name;
     bool json = false;
@@ -62,13 +63,13 @@ Action SetUpParams(CLI::App& app) {
     names.emplace_back(list.name);
     help += (help.empty() ? "" : ", ") + names.back() + (*list.what == 0 ? "" : fmt::format(" ({})", list.what));
   }
-  app.add_option("WHOSE", arguments->name, "Command or stage: " + help)->check(CLI::IsMember(names));
-  app.add_flag("--json", arguments->json, "Print the defaults as JSON, to be edited and given to --params");
+  parser.Add("WHOSE", arguments->name, "Command or stage: " + help).OneOf(names);
+  parser.AddFlag("--json", arguments->json, "Print the defaults as JSON, to be edited and given to --params");
   return [=]() -> Status {
     const auto list =
         std::ranges::find_if(kLists, [&](const ParameterList& one) { return arguments->name == one.name; });
     const std::vector<FieldRef> fields = list->fields();
-    return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
+    return WriteOutput("", arguments->json ? DumpJson(ToJson(fields), 2) + "\n" : MarkdownTable(fields));
   };
 }
 

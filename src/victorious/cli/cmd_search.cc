@@ -5,8 +5,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
+#include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/geometry/angles.h"
@@ -75,11 +76,11 @@ Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, co
   }
   if (objects.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, ExplainNothingFound(filter, store));
-    if (!why.empty()) spdlog::info("{}", OneLine(why));
+    if (!why.empty()) LogInfo(OneLine(why));
   }
   if (arguments.filter.rejected &&
       std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
-    spdlog::info("no object was rejected");
+    LogInfo("no object was rejected");
   }
   return WriteOutput("", text);
 }
@@ -103,17 +104,16 @@ Status PrintMoments(const Arguments& arguments, const SightingFilter& filter, In
     if (++rank > arguments.most && arguments.most > 0) break;
     const Box& b = moment.box;
     text += arguments.json
-                ? ordered_json({{"rank", rank},
-                                {"video", moment.video},
-                                {"frame", moment.frame},
-                                {"time_s", moment.time_s},
-                                {"box", {b.x, b.y, b.width, b.height}},
-                                {"score", moment.score},
-                                {"matches", moment.matches},
-                                {"first_time_s", moment.first_time_s},
-                                {"last_time_s", moment.last_time_s},
-                                {"frames", moment.frames}})
-                          .dump() +
+                ? DumpJson(ordered_json({{"rank", rank},
+                                         {"video", moment.video},
+                                         {"frame", moment.frame},
+                                         {"time_s", moment.time_s},
+                                         {"box", {b.x, b.y, b.width, b.height}},
+                                         {"score", moment.score},
+                                         {"matches", moment.matches},
+                                         {"first_time_s", moment.first_time_s},
+                                         {"last_time_s", moment.last_time_s},
+                                         {"frames", moment.frames}})) +
                       "\n"
                 : fmt::format("{:>4}  {:>6.3f} {:>9} {:>9} {:>9}  {:>24}  {}\n", rank, moment.score,
                               TimeText(moment.time_s), TimeText(moment.first_time_s), TimeText(moment.last_time_s),
@@ -125,18 +125,18 @@ Status PrintMoments(const Arguments& arguments, const SightingFilter& filter, In
 
 // Warns of videos that were searched only in part or not at all: the list does not cover them.
 Status WarnAboutUnfinished(const Catalogue& catalogue, IndexStore& store) {
-  if (catalogue.videos().empty()) spdlog::warn("no matching video in this index");
+  if (catalogue.videos().empty()) LogWarning("no matching video in this index");
   for (const VideoRecord& video : catalogue.videos()) {
     bool begun = false;
     for (const ModelRecord& model : catalogue.models()) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
       begun |= search.has_value();
       if (search && !search->finished) {
-        spdlog::warn("{}: searched for {} up to frame {} only: run `index` again to continue", video.name, model.name,
-                     search->next_frame);
+        LogWarning("{}: searched for {} up to frame {} only: run `index` again to continue", video.name, model.name,
+                   search->next_frame);
       }
     }
-    if (!begun) spdlog::warn("{}: not searched for the requested models: run `index` on it", video.name);
+    if (!begun) LogWarning("{}: not searched for the requested models: run `index` on it", video.name);
   }
   return {};
 }
@@ -163,18 +163,15 @@ Status Run(const Arguments& arguments) {
 
 }  // namespace
 
-Action SetUpSearch(CLI::App& app) {
+Action SetUpSearch(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  AddDb(app, arguments->db);
-  arguments->filter.AddTo(app);
-  app.add_option("--image", arguments->image, "Example image: list the moments that show its object")
-      ->type_name("FILE");
-  app.add_option("--box", arguments->box, "The object in the example image")->type_name("X,Y,W,H");
-  AddParams(app, arguments->params, "index");
-  app.add_option("--most", arguments->most, "Largest number of rows; 0: all")
-      ->check(CLI::Range(0, 1'000'000'000))
-      ->type_name("N");
-  app.add_flag("--json", arguments->json, "One JSON object per line");
+  AddDb(parser, arguments->db);
+  arguments->filter.AddTo(parser);
+  parser.Add("--image", arguments->image, "Example image: list the moments that show its object").TypeName("FILE");
+  parser.Add("--box", arguments->box, "The object in the example image").TypeName("X,Y,W,H");
+  AddParams(parser, arguments->params, "index");
+  parser.Add("--most", arguments->most, "Largest number of rows; 0: all").Range(0, 1'000'000'000).TypeName("N");
+  parser.AddFlag("--json", arguments->json, "One JSON object per line");
   return [=] { return Run(*arguments); };
 }
 

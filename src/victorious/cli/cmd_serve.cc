@@ -6,9 +6,9 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
+#include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/serve/api.h"
@@ -61,7 +61,7 @@ Status Run(const Arguments& arguments) {
   std::error_code error;
   if (options.web.empty()) {
     options.web = FindPage();
-    if (options.web.empty()) spdlog::warn("the page is not built, only the API is served: `make build` builds it");
+    if (options.web.empty()) LogWarning("the page is not built, only the API is served: `make build` builds it");
   } else if (!std::filesystem::exists(options.web / "index.html", error)) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}: has no index.html: give the folder of the built page "
                                                   "(`make build` writes it to build/web)",
@@ -78,53 +78,55 @@ Status Run(const Arguments& arguments) {
           server_options, [&](const HttpRequest& request, int port) { return api->Handle(request, port); },
           [&](const HttpRequest& request, int port) { return api->PlanUpload(request, port); }));
   if (!server_options.is_loopback && !has_tls) {
-    spdlog::warn("passwords and videos go through the network unencrypted: give --tls-cert and --tls-key");
+    LogWarning("passwords and videos go through the network unencrypted: give --tls-cert and --tls-key");
   }
   const bool is_ipv6 = server_options.address.find(':') != std::string::npos;
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(
       "", fmt::format("{}://{}:{}/\n", has_tls ? "https" : "http",
                       is_ipv6 ? "[" + server_options.address + "]" : server_options.address, server->port())));
   std::fflush(stdout);
-  spdlog::info("open this address in a browser; Ctrl-C ends the server");
+  LogInfo("open this address in a browser; Ctrl-C ends the server");
   server->Run(interrupt);
   return {};
 }
 
 }  // namespace
 
-Action SetUpServe(CLI::App& app) {
+Action SetUpServe(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
-  app.add_option("--models", arguments->models, "Model library: shows the view that matched beside a sighting")
-      ->type_name("DIR");
-  app.add_option("--listen", arguments->listen,
-                 "Address and port; port 0: any free one. An address that is not a loopback address needs accounts "
-                 "(`victorious user`)")
-      ->capture_default_str()
-      ->type_name("ADDRESS:PORT");
-  CLI::Option* certificate =
-      app.add_option("--tls-cert", arguments->tls_certificate, "Certificate of the server (PEM), with its issuers")
-          ->type_name("FILE");
-  CLI::Option* key =
-      app.add_option("--tls-key", arguments->tls_key, "Its private key (PEM, not encrypted)")->type_name("FILE");
-  certificate->needs(key);
-  key->needs(certificate);
-  app.add_option("--telemetry", arguments->telemetry,
-                 "Telemetry of the index's only video (default: in the video or beside it)")
-      ->type_name("FILE");
-  app.add_option("--uploads", arguments->uploads, "Folder for uploaded videos and models (default: FILE.uploads)")
-      ->type_name("DIR");
-  app.add_option("--max-upload", arguments->max_upload_gb, "Largest file that is taken, in GB")
-      ->capture_default_str()
-      ->check(CLI::Range(0.001, 100'000.0))
-      ->type_name("GB");
-  app.add_option("--max-copies", arguments->max_copies_gb,
-                 "What the copies of videos and the clips may take on the disk, in GB; those not used for the longest "
-                 "time are removed")
-      ->capture_default_str()
-      ->check(CLI::Range(0.001, 100'000.0))
-      ->type_name("GB");
-  app.add_option("--web", arguments->web, "The built page (default: as built or installed)")->type_name("DIR");
+  parser.Add("--db", arguments->db, "The index").Required().TypeName("FILE");
+  parser.Add("--models", arguments->models, "Model library: shows the view that matched beside a sighting")
+      .TypeName("DIR");
+  parser
+      .Add("--listen", arguments->listen,
+           "Address and port; port 0: any free one. An address that is not a loopback address needs accounts "
+           "(`victorious user`)")
+      .ShowDefault()
+      .TypeName("ADDRESS:PORT");
+  Argument certificate =
+      parser.Add("--tls-cert", arguments->tls_certificate, "Certificate of the server (PEM), with its issuers")
+          .TypeName("FILE");
+  Argument key = parser.Add("--tls-key", arguments->tls_key, "Its private key (PEM, not encrypted)").TypeName("FILE");
+  certificate.Needs(key);
+  key.Needs(certificate);
+  parser
+      .Add("--telemetry", arguments->telemetry,
+           "Telemetry of the index's only video (default: in the video or beside it)")
+      .TypeName("FILE");
+  parser.Add("--uploads", arguments->uploads, "Folder for uploaded videos and models (default: FILE.uploads)")
+      .TypeName("DIR");
+  parser.Add("--max-upload", arguments->max_upload_gb, "Largest file that is taken, in GB")
+      .ShowDefault()
+      .Range(0.001, 100'000.0)
+      .TypeName("GB");
+  parser
+      .Add("--max-copies", arguments->max_copies_gb,
+           "What the copies of videos and the clips may take on the disk, in GB; those not used for the longest "
+           "time are removed")
+      .ShowDefault()
+      .Range(0.001, 100'000.0)
+      .TypeName("GB");
+  parser.Add("--web", arguments->web, "The built page (default: as built or installed)").TypeName("DIR");
   return [=] { return Run(*arguments); };
 }
 

@@ -50,7 +50,7 @@ Status CheckContents(const SightingFilter& filter, int max_tiles, const Catalogu
 
 }  // namespace
 
-Action SetUpSheet(CLI::App& app) {
+Action SetUpSheet(ArgumentParser& parser) {
   struct Arguments {
     std::string db;
     std::string out;
@@ -58,17 +58,17 @@ Action SetUpSheet(CLI::App& app) {
     FilterArguments filter;
   };
   const auto arguments = std::make_shared<Arguments>();
-  AddDb(app, arguments->db, "The index, whose videos must still be at their paths");
-  app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
-  app.add_option("--most", arguments->options.max_tiles, "Largest number of objects to show, best first")
-      ->type_name("N");
-  app.add_option("--moments", arguments->options.moments,
-                 "Number of moments at which each object is cut out, spread over its sightings (default 3)")
-      ->type_name("N");
-  app.add_option("--columns", arguments->options.columns, "Images per row")->type_name("N");
-  arguments->filter.AddTo(app);
-  AddForce(app);
-  return [=, &app]() -> Status {
+  AddDb(parser, arguments->db, "The index, whose videos must still be at their paths");
+  parser.Add("--out", arguments->out, "The output image (.png, .jpg)").Required().TypeName("FILE");
+  parser.Add("--most", arguments->options.max_tiles, "Largest number of objects to show, best first").TypeName("N");
+  parser
+      .Add("--moments", arguments->options.moments,
+           "Number of moments at which each object is cut out, spread over its sightings (default 3)")
+      .TypeName("N");
+  parser.Add("--columns", arguments->options.columns, "Images per row").TypeName("N");
+  arguments->filter.AddTo(parser);
+  AddForce(parser);
+  return [=]() -> Status {
     VICTORIOUS_RETURN_IF_ERROR(
         CheckFlags(CollectFields(arguments->options),
                    {{"max_tiles", "--most"}, {"columns", "--columns"}, {"moments", "--moments"}}));
@@ -77,7 +77,7 @@ Action SetUpSheet(CLI::App& app) {
     VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
     std::vector<std::string> videos;
     for (const VideoRecord& video : catalogue.videos()) videos.push_back(FindVideoFile(video));
-    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments->out, FileKind::kImage}}, videos));
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, FileKind::kImage}}, videos));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string no_object_reason, ExplainNoObjectNear(filter, *store));
     if (!no_object_reason.empty()) return Fail(ErrorCode::kInvalidArgument, no_object_reason);
     VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.max_tiles, catalogue, *store));

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "victorious/base/count_text.h"
 #include "victorious/base/file.h"
+#include "victorious/base/log.h"
 #include "victorious/base/program_id.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -115,7 +115,7 @@ Status Run(const Arguments& arguments) {
     Expected<VideoRecord> record = DescribeVideo(video, task.video);
     if (!record) {  // the others are submitted all the same
       if (record.error().code == ErrorCode::kCancelled) return std::unexpected(record.error());
-      if (failure) spdlog::warn("left out: {}", OneLine(failure->message));
+      if (failure) LogWarning("left out: {}", OneLine(failure->message));
       failure = std::move(record).error();
       continue;
     }
@@ -133,26 +133,24 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t added, queue->Submit(tasks));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   const auto known = static_cast<std::int64_t>(tasks.size()) - added;
-  spdlog::info("{} submitted{}; {} queued, {} running", CountText(added, "video"),
-               known > 0 ? fmt::format(", {} known already", known) : "", counts.queued, counts.running);
+  LogInfo("{} submitted{}; {} queued, {} running", CountText(added, "video"),
+          known > 0 ? fmt::format(", {} known already", known) : "", counts.queued, counts.running);
   if (failure) return std::unexpected(*std::move(failure));
   return {};
 }
 
 }  // namespace
 
-Action SetUpSubmit(CLI::App& app) {
+Action SetUpSubmit(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("VIDEO", arguments->videos, "Files or folders of frames, at the same path on all machines")
-      ->required();
-  app.add_option("--models", arguments->models, "Folder of models to search for")->type_name("DIR");
-  app.add_option("--categories", arguments->categories, "A category model, searched for as well")->type_name("FILE");
-  app.add_option("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE")->required()->type_name("URL");
-  AddParams(app, arguments->params, "index");
-  app.add_option("--quality", arguments->quality, "fast, normal or thorough, as of `victorious index`")
-      ->type_name("NAME");
-  app.add_option("--every", arguments->every, "Search every N-th frame completely")->type_name("N");
-  app.add_flag("--urgent", arguments->urgent, "Before what was submitted without this flag");
+  parser.Add("VIDEO", arguments->videos, "Files or folders of frames, at the same path on all machines").Required();
+  parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
+  parser.Add("--categories", arguments->categories, "A category model, searched for as well").TypeName("FILE");
+  parser.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
+  AddParams(parser, arguments->params, "index");
+  parser.Add("--quality", arguments->quality, "fast, normal or thorough, as of `victorious index`").TypeName("NAME");
+  parser.Add("--every", arguments->every, "Search every N-th frame completely").TypeName("N");
+  parser.AddFlag("--urgent", arguments->urgent, "Before what was submitted without this flag");
   return [=] { return Run(*arguments); };
 }
 

@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
+#include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -44,7 +45,7 @@ Expected<Telemetry> Read(const Arguments& arguments, const TelemetryOptions& opt
   if (!arguments.file.empty()) return ReadTelemetry(arguments.file, options);
   VICTORIOUS_ASSIGN_OR_RETURN(
       std::optional<Telemetry> telemetry,
-      FindTelemetry(arguments.video, options, [](const std::string& line) { spdlog::warn("{}", OneLine(line)); }));
+      FindTelemetry(arguments.video, options, [](const std::string& line) { LogWarning(OneLine(line)); }));
   if (!telemetry) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: no telemetry in the video or beside it: give the telemetry file", arguments.video));
@@ -73,16 +74,16 @@ Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& para
     for (CameraState& state : telemetry.states) state.time_s += *offset.offset_s;
     VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, FormatCameraCsv(telemetry.states)));
   }
-  return WriteOutput(
-      "", arguments.json ? ToJson(offset, parameters.telemetry.time_offset_s).dump(1) + "\n" : Describe(offset) + "\n");
+  return WriteOutput("", arguments.json ? DumpJson(ToJson(offset, parameters.telemetry.time_offset_s), 1) + "\n"
+                                        : Describe(offset) + "\n");
 }
 
-Status Run(const Arguments& arguments, const CLI::App& app) {
+Status Run(const Arguments& arguments, const ArgumentParser& parser) {
   const FileKind kind =
       arguments.json && !arguments.estimate_offset ? FileKind::kTelemetryReport : FileKind::kCameraTable;
   std::vector<std::string> beside;
   if (arguments.file.empty()) beside = ListTelemetryBeside({arguments.video}, std::nullopt);
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(app, {{"--out", arguments.out, kind}}, beside));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, kind}}, beside));
   TimedTelemetryOptions parameters;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, parameters));
   if (arguments.hfov_deg) parameters.telemetry.hfov_deg = *arguments.hfov_deg;
@@ -95,31 +96,29 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, Read(arguments, parameters.telemetry));
   const std::string& source = arguments.file.empty() ? arguments.video : arguments.file;
-  for (const std::string& warning : telemetry.warnings) spdlog::warn("{}", OneLine(source + ": " + warning));
+  for (const std::string& warning : telemetry.warnings) LogWarning(OneLine(source + ": " + warning));
   if (arguments.estimate_offset) return RunEstimate(arguments, parameters, std::move(telemetry));
-  return WriteOutput(arguments.out,
-                     arguments.json ? victorious::ToJson(telemetry).dump(1) + "\n" : FormatCameraCsv(telemetry.states));
+  return WriteOutput(arguments.out, arguments.json ? DumpJson(victorious::ToJson(telemetry), 1) + "\n"
+                                                   : FormatCameraCsv(telemetry.states));
 }
 
 }  // namespace
 
-Action SetUpTelemetry(CLI::App& app) {
+Action SetUpTelemetry(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("FILE", arguments->file, "A video, KLV, the .SRT of a DJI aircraft, or a table (CSV)");
-  app.add_option("--video", arguments->video,
-                 "The video of the telemetry; without FILE, the video's own telemetry is read")
-      ->type_name("FILE");
-  app.add_flag("--estimate-offset", arguments->estimate_offset,
-               "Estimate the offset between the telemetry clock and the video clock from image motion; --out writes "
-               "the corrected table");
-  app.add_option("--out", arguments->out, "Output file (default: standard output)")->type_name("FILE");
-  AddFieldOfView(app, arguments->hfov_deg);
-  AddCamera(app, arguments->camera);
-  app.add_option("--params", arguments->params, "Parameters as JSON (`victorious params telemetry`)")
-      ->type_name("FILE");
-  app.add_flag("--json", arguments->json, "Print every decoded item, checksum and time stamp as JSON");
-  AddForce(app);
-  return [=, &app] { return Run(*arguments, app); };
+  parser.Add("FILE", arguments->file, "A video, KLV, the .SRT of a DJI aircraft, or a table (CSV)");
+  parser.Add("--video", arguments->video, "The video of the telemetry; without FILE, the video's own telemetry is read")
+      .TypeName("FILE");
+  parser.AddFlag("--estimate-offset", arguments->estimate_offset,
+                 "Estimate the offset between the telemetry clock and the video clock from image motion; --out writes "
+                 "the corrected table");
+  parser.Add("--out", arguments->out, "Output file (default: standard output)").TypeName("FILE");
+  AddFieldOfView(parser, arguments->hfov_deg);
+  AddCamera(parser, arguments->camera);
+  parser.Add("--params", arguments->params, "Parameters as JSON (`victorious params telemetry`)").TypeName("FILE");
+  parser.AddFlag("--json", arguments->json, "Print every decoded item, checksum and time stamp as JSON");
+  AddForce(parser);
+  return [=] { return Run(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

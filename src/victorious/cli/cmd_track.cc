@@ -11,9 +11,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -64,8 +65,8 @@ std::string KnownTypes() {
 void LogUnknownTypes(const std::vector<std::string>& types) {
   for (const std::string& type : types) {
     if (type.empty() || FindObjectType(type) != nullptr) continue;
-    spdlog::info("{}: not a known object type, used as a name only; sizes and motions are known for: {}", OneLine(type),
-                 KnownTypes());
+    LogInfo("{}: not a known object type, used as a name only; sizes and motions are known for: {}", OneLine(type),
+            KnownTypes());
   }
 }
 
@@ -78,28 +79,28 @@ void LogSightingTimes(const std::vector<BoxSighting>& sightings, const std::vect
       if (one.box_index == box_index && one.video == video) seen.push_back(&one);
     }
     if (seen.empty()) {
-      spdlog::info("{}: not seen in {}", BoxName(box_index), OneLine(videos[video]));
+      LogInfo("{}: not seen in {}", BoxName(box_index), OneLine(videos[video]));
       continue;
     }
-    spdlog::info("{}: seen in {} of {}, {:.2f} to {:.2f} s", BoxName(box_index), CountText(seen.size(), "frame"),
-                 OneLine(videos[video]), seen.front()->time_s, seen.back()->time_s);
+    LogInfo("{}: seen in {} of {}, {:.2f} to {:.2f} s", BoxName(box_index), CountText(seen.size(), "frame"),
+            OneLine(videos[video]), seen.front()->time_s, seen.back()->time_s);
   }
 }
 
 // Logs the place of an object when it was last seen, or the reason why there is none.
 void LogPlace(const TrackedBoxes& tracked, std::size_t box_index) {
   if (!tracked.place_failures[box_index].empty()) {
-    spdlog::info("{}: no place: {}", BoxName(box_index), tracked.place_failures[box_index]);
+    LogInfo("{}: no place: {}", BoxName(box_index), tracked.place_failures[box_index]);
     return;
   }
   const auto last =
       std::ranges::find_if(tracked.sightings.rbegin(), tracked.sightings.rend(),
                            [&](const BoxSighting& one) { return one.box_index == box_index && one.place.has_value(); });
   const Geolocation& place = *last->place;
-  spdlog::info("{}: place at {:.2f} s: {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(box_index),
-               last->time_s, DegreesFromRadians(place.point.latitude_rad),
-               DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
-               place.IsMoving() ? fmt::format("; moving at {:.1f} m/s", place.velocity_enu->norm()) : "");
+  LogInfo("{}: place at {:.2f} s: {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(box_index),
+          last->time_s, DegreesFromRadians(place.point.latitude_rad), DegreesFromRadians(place.point.longitude_rad),
+          place.point.altitude_m, place.ce90_m, place.le90_m,
+          place.IsMoving() ? fmt::format("; moving at {:.1f} m/s", place.velocity_enu->norm()) : "");
 }
 
 // One JSON object per box: in how many frames of which videos it was seen, and its last place.
@@ -121,7 +122,7 @@ std::string SummaryLines(const TrackedBoxes& tracked, const std::vector<std::str
     json["ce90_m"] = place ? nlohmann::ordered_json(place->ce90_m) : nullptr;
     const std::string& failure = tracked.place_failures[box_index];
     json["no_place"] = failure.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(failure);
-    lines += json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    lines += DumpJson(json) + "\n";
   }
   return lines;
 }
@@ -138,7 +139,7 @@ Status CheckDifferent(const std::vector<std::string>& videos) {
   return {};
 }
 
-Status Run(const Arguments& arguments, const CLI::App& app) {
+Status Run(const Arguments& arguments, const ArgumentParser& parser) {
   TrackBoxesOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
@@ -150,7 +151,7 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   std::vector<std::string> read = ListTelemetryBeside(videos, telemetry);
   if (!options.ground.terrain.empty()) read.push_back(options.ground.terrain);
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(
-      app, {{"--out", arguments.out, FileKind::kSightings}, {"--draw", arguments.draw, FileKind::kVideo}}, read));
+      parser, {{"--out", arguments.out, FileKind::kSightings}, {"--draw", arguments.draw, FileKind::kVideo}}, read));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   if (arguments.boxes.size() != arguments.at_s.size()) {
@@ -168,7 +169,7 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   VICTORIOUS_ASSIGN_OR_RETURN(const TrackedBoxes tracked,
                               TrackBoxes(videos, boxes, telemetry, options, Interrupt(), warn));
-  for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
+  for (const std::string& warning : warnings) LogWarning(OneLine(warning));
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(tracked.sightings, videos, boxes)));
   if (!arguments.draw.empty()) {
     VICTORIOUS_RETURN_IF_ERROR(DrawVideo(arguments.video, ListBoxDrawing(tracked.sightings, boxes),
@@ -186,43 +187,42 @@ Status Run(const Arguments& arguments, const CLI::App& app) {
 
 }  // namespace
 
-Action SetUpTrack(CLI::App& app) {
+Action SetUpTrack(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
-  app.add_option("--box", arguments->boxes,
-                 "Box around an object, px; repeatable, with one --at each: box-1, box-2, ...")
-      ->required()
-      ->type_name("X,Y,W,H")
-      ->allow_extra_args(false);
-  app.add_option("--at", arguments->at_s,
-                 "Time of the box, in the first frame at this time or later: seconds, or as 1:30")
-      ->required()
-      ->type_name("TIME")
-      ->transform(VideoTimeTransform())
-      ->allow_extra_args(false);
-  app.add_option("--type", arguments->types,
-                 "Object type in the box; it gives the usual length, from which the range follows, and whether the "
-                 "object may move. Known: " +
-                     KnownTypes() + "; any other word is only a name. One for all boxes, or one for each")
-      ->type_name("WORD")
-      ->allow_extra_args(false);
-  app.add_option("--telemetry", arguments->telemetry,
-                 "Camera states, to geolocate the objects (default: telemetry in the video or beside it)")
-      ->type_name("FILE");
-  AddFieldOfView(app, arguments->hfov_deg);
-  AddCamera(app, arguments->camera);
-  AddGround(app, arguments->ground);
-  app.add_option("--also", arguments->also, "Further videos to search for the objects")->type_name("FILE");
-  app.add_option("--params", arguments->params, "Parameters (`victorious params track`)")->type_name("FILE");
-  app.add_option("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--draw", arguments->draw,
-                 "Write a copy of VIDEO with the boxes, names and places drawn into it (.mp4, .mkv)")
-      ->type_name("FILE");
-  app.add_flag("--json", arguments->json, "Print one JSON object per box: frames per video, last place");
-  AddForce(app);
-  return [=, &app] { return Run(*arguments, app); };
+  parser.Add("VIDEO", arguments->video, "A file or a folder of frames").Required();
+  parser.Add("--box", arguments->boxes, "Box around an object, px; repeatable, with one --at each: box-1, box-2, ...")
+      .Required()
+      .TypeName("X,Y,W,H")
+      .OneValueEach();
+  parser.Add("--at", arguments->at_s, "Time of the box, in the first frame at this time or later: seconds, or as 1:30")
+      .Required()
+      .TypeName("TIME")
+      .Transform(&NormalizeVideoTime)
+      .OneValueEach();
+  parser
+      .Add("--type", arguments->types,
+           "Object type in the box; it gives the usual length, from which the range follows, and whether the "
+           "object may move. Known: " +
+               KnownTypes() + "; any other word is only a name. One for all boxes, or one for each")
+      .TypeName("WORD")
+      .OneValueEach();
+  parser
+      .Add("--telemetry", arguments->telemetry,
+           "Camera states, to geolocate the objects (default: telemetry in the video or beside it)")
+      .TypeName("FILE");
+  AddFieldOfView(parser, arguments->hfov_deg);
+  AddCamera(parser, arguments->camera);
+  AddGround(parser, arguments->ground);
+  parser.Add("--also", arguments->also, "Further videos to search for the objects").TypeName("FILE");
+  parser.Add("--params", arguments->params, "Parameters (`victorious params track`)").TypeName("FILE");
+  parser.Add("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)").Required().TypeName("FILE");
+  parser
+      .Add("--draw", arguments->draw,
+           "Write a copy of VIDEO with the boxes, names and places drawn into it (.mp4, .mkv)")
+      .TypeName("FILE");
+  parser.AddFlag("--json", arguments->json, "Print one JSON object per box: frames per video, last place");
+  AddForce(parser);
+  return [=] { return Run(*arguments, parser); };
 }
 
 }  // namespace victorious::cli

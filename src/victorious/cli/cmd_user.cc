@@ -253,57 +253,51 @@ Status PrintLog(const Arguments& arguments) {
   return WriteOutput("", text);
 }
 
-void AddRole(CLI::App& app, std::string& role, std::string_view description) {
-  app.add_option("--role", role, std::string(description))
-      ->type_name("ROLE")
-      ->check(CLI::IsMember({"viewer", "analyst", "admin"}));
+Argument AddRole(ArgumentParser& parser, std::string& role, const std::string& description) {
+  return parser.Add("--role", role, description).TypeName("ROLE").OneOf({"viewer", "analyst", "admin"});
 }
 
 }  // namespace
 
-Action SetUpUser(CLI::App& app) {
-  app.require_subcommand(1);
+Action SetUpUser(ArgumentParser& parser) {
+  parser.RequireCommand();
   const auto arguments = std::make_shared<Arguments>();
-  std::vector<std::pair<CLI::App*, Status (*)(const Arguments&)>> parts;
-  const auto add = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> CLI::App& {
-    CLI::App& part = *app.add_subcommand(name, summary);
-    part.add_option("--db", arguments->db, "The index that `victorious serve` shows")->required()->type_name("FILE");
-    parts.emplace_back(&part, run);
+  std::vector<std::pair<ArgumentParser, Status (*)(const Arguments&)>> parts;
+  const auto add = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> ArgumentParser {
+    ArgumentParser part = parser.AddCommand(name, summary);
+    part.Add("--db", arguments->db, "The index that `victorious serve` shows").Required().TypeName("FILE");
+    parts.emplace_back(part, run);
     return part;
   };
-  const auto add_named = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> CLI::App& {
-    CLI::App& part = add(name, summary, run);
-    part.add_option("NAME", arguments->name, "Of the account")->required();
+  const auto add_named = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> ArgumentParser {
+    ArgumentParser part = add(name, summary, run);
+    part.Add("NAME", arguments->name, "Of the account").Required();
     return part;
   };
-  CLI::App& added = add_named("add", "Add an account; its password is asked for, or read from standard input", &Add);
-  AddRole(added, arguments->role, "viewer looks, analyst also reviews and adds videos, admin also reads the log");
-  added.get_option("--role")->required();
-  CLI::App& changed = add_named("change", "Give an account another role or password", &Change);
+  ArgumentParser added =
+      add_named("add", "Add an account; its password is asked for, or read from standard input", &Add);
+  AddRole(added, arguments->role, "viewer looks, analyst also reviews and adds videos, admin also reads the log")
+      .Required();
+  ArgumentParser changed = add_named("change", "Give an account another role or password", &Change);
   AddRole(changed, arguments->role, "The new role");
-  changed.add_flag("--password", arguments->has_new_password,
-                   "Ask for a new password, or read it from standard input; ends sessions and tokens");
+  changed.AddFlag("--password", arguments->has_new_password,
+                  "Ask for a new password, or read it from standard input; ends sessions and tokens");
   add_named("remove", "Remove an account; what it reviewed stays", &Remove);
-  add("list", "List the accounts and their tokens", &List).add_flag("--json", arguments->json, "Print JSON Lines");
-  CLI::App& token = add_named("token", "Print a new token, with which a script may do what the account may", &AddToken);
-  token.add_option("--label", arguments->label, "What it is for")->required()->type_name("TEXT");
-  token.add_option("--days", arguments->days, "For how long it is valid")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 3650))
-      ->type_name("N");
+  add("list", "List the accounts and their tokens", &List).AddFlag("--json", arguments->json, "Print JSON Lines");
+  ArgumentParser token =
+      add_named("token", "Print a new token, with which a script may do what the account may", &AddToken);
+  token.Add("--label", arguments->label, "What it is for").Required().TypeName("TEXT");
+  token.Add("--days", arguments->days, "For how long it is valid").ShowDefault().Range(1, 3650).TypeName("N");
   add_named("revoke", "End a token", &Revoke)
-      .add_option("--token", arguments->token, "Its number in `victorious user list`")
-      ->required()
-      ->type_name("N");
-  CLI::App& log = add("log", "Print who did what, the latest first", &PrintLog);
-  log.add_option("--limit", arguments->limit, "At most so many entries")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'000'000))
-      ->type_name("N");
-  log.add_flag("--json", arguments->json, "Print JSON Lines");
+      .Add("--token", arguments->token, "Its number in `victorious user list`")
+      .Required()
+      .TypeName("N");
+  ArgumentParser log = add("log", "Print who did what, the latest first", &PrintLog);
+  log.Add("--limit", arguments->limit, "At most so many entries").ShowDefault().Range(1, 1'000'000).TypeName("N");
+  log.AddFlag("--json", arguments->json, "Print JSON Lines");
   return [=]() -> Status {
     for (const auto& [part, run] : parts) {
-      if (part->parsed()) return run(*arguments);
+      if (part.IsGiven()) return run(*arguments);
     }
     return {};  // not reached: one of them is required
   };

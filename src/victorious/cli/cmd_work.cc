@@ -5,10 +5,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/log.h"
 #include "victorious/base/program_id.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -48,42 +48,43 @@ Status Run(const Arguments& arguments) {
                                                .program = program,
                                                .lease = std::chrono::seconds(arguments.lease_s),
                                                .retry_delay = std::chrono::seconds(arguments.retry_delay_s)}));
-  const auto inform = [](const std::string& line) { spdlog::info("{}", OneLine(line)); };
+  const auto inform = [](const std::string& line) { LogInfo(OneLine(line)); };
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue->HasOpenTasks());
   if (counts.queued > 0 && !has_open) {
-    spdlog::warn(
+    LogWarning(
         "the {} in the queue were submitted by another build of the program, whose results may differ: run that "
         "build, or submit them again by this one ({})",
         CountText(counts.queued, "video"), program);
   }
-  spdlog::info("worker {} of {}", name, StoreName(arguments.db));
+  LogInfo("worker {} of {}", name, StoreName(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::int64_t done,
       Work(*queue, *store, RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform),
            {.until_empty = arguments.until_empty, .inform = inform}, interrupt));
-  spdlog::info("{} done", CountText(done, "video"));
+  LogInfo("{} done", CountText(done, "video"));
   return {};
 }
 
 }  // namespace
 
-Action SetUpWork(CLI::App& app) {
+Action SetUpWork(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE")->required()->type_name("URL");
-  app.add_option("--threads", arguments->threads, "Number of threads; 0: one per processor")
-      ->check(CLI::Range(0, 1024));
-  app.add_option("--lease", arguments->lease_s,
-                 "Seconds after which another worker takes over from this one if it does not answer")
-      ->capture_default_str()
-      ->check(CLI::Range(4, 86'400))
-      ->type_name("SECONDS");
-  app.add_option("--retry-delay", arguments->retry_delay_s,
-                 "Seconds before a video that failed is tried again; four times as many before the third attempt")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 86'400))
-      ->type_name("SECONDS");
-  app.add_flag("--until-empty", arguments->until_empty, "End once no video is queued or being indexed");
+  parser.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
+  parser.Add("--threads", arguments->threads, "Number of threads; 0: one per processor").Range(0, 1024).TypeName("N");
+  parser
+      .Add("--lease", arguments->lease_s,
+           "Seconds after which another worker takes over from this one if it does not answer")
+      .ShowDefault()
+      .Range(4, 86'400)
+      .TypeName("SECONDS");
+  parser
+      .Add("--retry-delay", arguments->retry_delay_s,
+           "Seconds before a video that failed is tried again; four times as many before the third attempt")
+      .ShowDefault()
+      .Range(0, 86'400)
+      .TypeName("SECONDS");
+  parser.AddFlag("--until-empty", arguments->until_empty, "End once no video is queued or being indexed");
   return [=] { return Run(*arguments); };
 }
 

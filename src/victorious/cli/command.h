@@ -5,9 +5,8 @@
 
 #include <functional>
 
-#include <CLI/App.hpp>
-
 #include "victorious/base/error.h"
+#include "victorious/cli/argument_parser.h"
 
 namespace victorious::cli {
 
@@ -16,35 +15,35 @@ using Action = std::function<Status()>;
 struct Command {
   const char* name;
   const char* group;
-  const char* summary;             ///< one line
-  Action (*setup)(CLI::App& app);  ///< nullptr if `program` is set
-  bool has_threads = false;        ///< gets the flag --threads
-  const char* program = nullptr;   ///< executable in the folder of this one that gets all arguments as given
+  const char* summary;                      ///< one line
+  Action (*setup)(ArgumentParser& parser);  ///< nullptr if `program` is set
+  bool has_threads = false;                 ///< gets the flag --threads
+  const char* program = nullptr;            ///< executable in the folder of this one that gets all arguments as given
 };
 
-Action SetUpCategory(CLI::App& app);
-Action SetUpCluster(CLI::App& app);
-Action SetUpCopy(CLI::App& app);
-Action SetUpDoctor(CLI::App& app);
-Action SetUpEvaluate(CLI::App& app);
-Action SetUpExport(CLI::App& app);
-Action SetUpFeatures(CLI::App& app);
-Action SetUpFrame(CLI::App& app);
-Action SetUpIndex(CLI::App& app);
-Action SetUpLocate(CLI::App& app);
-Action SetUpManual(CLI::App& app);
-Action SetUpMatch(CLI::App& app);
-Action SetUpModel(CLI::App& app);
-Action SetUpNavigate(CLI::App& app);
-Action SetUpParams(CLI::App& app);
-Action SetUpSearch(CLI::App& app);
-Action SetUpServe(CLI::App& app);
-Action SetUpSheet(CLI::App& app);
-Action SetUpSimulate(CLI::App& app);
-Action SetUpSubmit(CLI::App& app);
-Action SetUpTelemetry(CLI::App& app);
-Action SetUpTrack(CLI::App& app);
-Action SetUpUser(CLI::App& app);
-Action SetUpWork(CLI::App& app);
+Action SetUpCategory(ArgumentParser& parser);
+Action SetUpCluster(ArgumentParser& parser);
+Action SetUpCopy(ArgumentParser& parser);
+Action SetUpDoctor(ArgumentParser& parser);
+Action SetUpEvaluate(ArgumentParser& parser);
+Action SetUpExport(ArgumentParser& parser);
+Action SetUpFeatures(ArgumentParser& parser);
+Action SetUpFrame(ArgumentParser& parser);
+Action SetUpIndex(ArgumentParser& parser);
+Action SetUpLocate(ArgumentParser& parser);
+Action SetUpManual(ArgumentParser& parser);
+Action SetUpMatch(ArgumentParser& parser);
+Action SetUpModel(ArgumentParser& parser);
+Action SetUpNavigate(ArgumentParser& parser);
+Action SetUpParams(ArgumentParser& parser);
+Action SetUpSearch(ArgumentParser& parser);
+Action SetUpServe(ArgumentParser& parser);
+Action SetUpSheet(ArgumentParser& parser);
+Action SetUpSimulate(ArgumentParser& parser);
+Action SetUpSubmit(ArgumentParser& parser);
+Action SetUpTelemetry(ArgumentParser& parser);
+Action SetUpTrack(ArgumentParser& parser);
+Action SetUpUser(ArgumentParser& parser);
+Action SetUpWork(ArgumentParser& parser);
 
 }  // namespace victorious::cli

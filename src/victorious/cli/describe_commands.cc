@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include <CLI/App.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -72,7 +73,8 @@ void AddCase(const CLI::App& command, const std::string& path, std::string& case
 
 }  // namespace
 
-std::string MakeManualPage(const CLI::App& program, const std::string& version) {
+std::string MakeManualPage(const ArgumentParser& parser, const std::string& version) {
+  const CLI::App& program = parser.app();
   const std::string& name = program.get_name();
   std::string page = fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n", name, name, version);
   page += fmt::format(".SH NAME\n{} \\- {}\n", name, RoffText(program.get_description()));
@@ -88,7 +90,8 @@ std::string MakeManualPage(const CLI::App& program, const std::string& version) 
   return page;
 }
 
-std::string MakeBashCompletion(const CLI::App& program) {
+std::string MakeBashCompletion(const ArgumentParser& parser) {
+  const CLI::App& program = parser.app();
   const std::string& name = program.get_name();
   std::string cases;
   std::vector<std::string> paths;

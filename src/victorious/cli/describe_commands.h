@@ -4,15 +4,17 @@
 
 #include <string>
 
-#include <CLI/App.hpp>
+#include "victorious/cli/argument_parser.h"
 
 namespace victorious::cli {
 
 /// The manual page of the program, section 1, as roff source: every command with its options.
+/// @param parser  of the program
 /// @param version  of the program
-[[nodiscard]] std::string MakeManualPage(const CLI::App& program, const std::string& version);
+[[nodiscard]] std::string MakeManualPage(const ArgumentParser& parser, const std::string& version);
 
 /// A completion for bash: commands and subcommands, the options of each, else file names.
-[[nodiscard]] std::string MakeBashCompletion(const CLI::App& program);
+/// @param parser  of the program
+[[nodiscard]] std::string MakeBashCompletion(const ArgumentParser& parser);
 
 }  // namespace victorious::cli

@@ -5,17 +5,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
-#include <CLI/Validators.hpp>
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 #include <opencv2/core/utility.hpp>
 
+#include "victorious/base/error.h"
 #include "victorious/base/version.h"
+#include "victorious/cli/argument_parser.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/run_program.h"
 #include "victorious/cli/suggestion.h"
@@ -60,67 +59,75 @@ constexpr std::array kCommands = {
             "victorious-bench"},
 };
 
-// Adds --events to the program. It takes effect before the rest of the command line is parsed: an error there is an
-// event as well.
-void AddEvents(CLI::App& app) {
-  app.add_option_function<int>(
-         "--events",
-         [](int descriptor) {
-           const Status status = SendLogToEvents(descriptor);
-           if (!status) throw CLI::ValidationError("--events", status.error().message);
-         },
-         "Before the command: write log, progress and error as JSON lines to this open file descriptor instead of to "
-         "standard error (docs/formats/events.md)")
-      ->type_name("FD")
-      ->trigger_on_parse();
-}
-
 // Adds --threads to a command, or to its parts.
-void AddThreads(CLI::App& command, int& threads) {
-  const std::vector<CLI::App*> parts = command.get_subcommands([](const CLI::App*) { return true; });
-  for (CLI::App* part : parts) {
-    const bool computes = part->get_name() != "list" && part->get_name() != "remove";
-    if (computes) AddThreads(*part, threads);
+void AddThreads(ArgumentParser& command, int& threads) {
+  std::vector<ArgumentParser> parts = command.Commands();
+  for (ArgumentParser& part : parts) {
+    const bool computes = part.Name() != "list" && part.Name() != "remove";
+    if (computes) AddThreads(part, threads);
   }
   if (!parts.empty()) return;
-  command.add_option("--threads", threads, "Number of threads that compute; 0: one per processor")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024));
+  command.Add("--threads", threads, "Number of threads that compute; 0: one per processor")
+      .Range(0, 1024)
+      .TypeName("N");
+}
+
+// The words of the command line.
+struct CommandLine {
+  std::vector<std::string> events;  // --events and its descriptor
+  std::vector<std::string> rest;    // the command with its arguments, or other options of the program
+};
+
+CommandLine SplitCommandLine(int argc, char** argv) {
+  char** word = argv + 1;
+  char** const end = argv + argc;
+  while (word != end && std::string_view(*word).starts_with("--events")) {
+    const bool is_followed = std::string_view(*word) == "--events" && word + 1 != end;  // else --events=FD
+    word += is_followed ? 2 : 1;
+  }
+  return {.events = {argv + 1, word}, .rest = {word, end}};
+}
+
+// Starts the command if it is a program of its own. Returns why it does not start, or that there is no such command;
+// std::nullopt for the commands of this program and for options.
+std::optional<Error> StartOrCheckCommand(const CommandLine& line) {
+  if (line.rest.empty() || line.rest.front().starts_with('-')) return std::nullopt;
+  const std::string& name = line.rest.front();
+  const auto named = std::ranges::find(kCommands, name, &Command::name);
+  if (named == kCommands.end()) {
+    std::vector<std::string> names;
+    for (const Command& command : kCommands) names.emplace_back(command.name);
+    const auto nearest = FindNearest(name, names);
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: unknown command{}; `victorious --help` lists the commands", name,
+                             nearest ? fmt::format(": did you mean {}?", *nearest) : "")};
+  }
+  if (named->program == nullptr) return std::nullopt;
+  std::vector<std::string> arguments = line.events;
+  arguments.insert(arguments.end(), line.rest.begin() + 1, line.rest.end());
+  return StartSiblingProgram(named->program, arguments);
 }
 
 Expected<int> Main(int argc, char** argv) {
-  const auto is_named = [&](const Command& command) { return argc > 1 && std::string_view(command.name) == argv[1]; };
-  const auto named = std::ranges::find_if(kCommands, is_named);
-  if (named != kCommands.end() && named->program != nullptr) {
-    return std::unexpected(StartSiblingProgram(named->program, {argv + 2, argv + argc}));
-  }
-  CLI::App app("Finds your object in hours of video.", "victorious");
-  app.set_version_flag("-V,--version", kVersion);
-  AddEvents(app);
-  app.require_subcommand(1);
-  app.fallthrough(false);
-  Action chosen;
+  const CommandLine line = SplitCommandLine(argc, argv);
+  const std::optional<Error> error = StartOrCheckCommand(line);
+  ProgramParser program("victorious", "Finds your object in hours of video.", kVersion);
+  AddEvents(program);
+  VICTORIOUS_RETURN_IF_ERROR(ParseArguments(program, line.events));  // from here on each error is an event
+  if (error) return std::unexpected(*error);
+  program.RequireCommand();
   int threads = 0;
+  std::vector<std::pair<ArgumentParser, Action>> actions;
   for (const Command& command : kCommands) {
-    CLI::App* subcommand = app.add_subcommand(command.name, command.summary)->group(command.group);
+    ArgumentParser parser = program.AddCommand(command.name, command.summary, command.group);
     if (command.setup == nullptr) continue;
-    subcommand->final_callback([&chosen, action = command.setup(*subcommand)] { chosen = action; });
-    if (command.has_threads) AddThreads(*subcommand, threads);
+    actions.emplace_back(parser, command.setup(parser));
+    if (command.has_threads) AddThreads(parser, threads);
   }
-  const bool is_command = argc > 1 && argv[1][0] != '-';
-  if (is_command && named == kCommands.end()) {
-    std::vector<std::string> names;
-    for (const Command& command : kCommands) names.emplace_back(command.name);
-    const auto nearest = FindNearest(argv[1], names);
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: unknown command{}; `victorious --help` lists the commands", argv[1],
-                            nearest ? fmt::format(": did you mean {}?", *nearest) : ""));
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const std::optional<int> ended,
-      ParseArguments(app, argc, argv, is_command ? fmt::format("victorious {}", argv[1]) : "victorious"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<int> ended, ParseArguments(program, line.rest));
   if (ended) return *ended;
-  if (!chosen) {
+  const auto chosen = std::ranges::find_if(actions, [](const auto& one) { return one.first.IsGiven(); });
+  if (chosen == actions.end()) {
     return Fail(ErrorCode::kInvalidArgument, "give the command first; `victorious --help` lists the commands");
   }
   std::optional<oneapi::tbb::global_control> limit;
@@ -128,7 +135,7 @@ Expected<int> Main(int argc, char** argv) {
     limit.emplace(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     cv::setNumThreads(threads);
   }
-  VICTORIOUS_RETURN_IF_ERROR(chosen());
+  VICTORIOUS_RETURN_IF_ERROR(chosen->second());
   return 0;
 }
 

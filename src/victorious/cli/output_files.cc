@@ -10,11 +10,13 @@
 #include <string_view>
 #include <utility>
 
+#include <CLI/App.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/base/json.h"
 #include "victorious/category/category_file.h"
 #include "victorious/image/image_header.h"
 #include "victorious/pipeline/video_telemetry.h"
@@ -45,8 +47,9 @@ std::string_view FirstLine(std::string_view text) { return text.substr(0, text.f
 
 // True if the first line is a JSON object with all of these members.
 bool IsJsonLine(std::string_view head, std::initializer_list<const char*> members) {
-  const auto json = nlohmann::json::parse(FirstLine(head), nullptr, /*allow_exceptions=*/false);
-  return json.is_object() && std::ranges::all_of(members, [&](const char* name) { return json.contains(name); });
+  const Expected<nlohmann::json> json = ParseStrictJson(FirstLine(head));
+  return json && json->is_object() &&
+         std::ranges::all_of(members, [&](const char* name) { return json->contains(name); });
 }
 
 // True if the text starts like a JSON object and has all of these texts.
@@ -197,8 +200,8 @@ std::optional<fs::path> FindSameFile(const InputPath& input, const struct stat& 
 
 }  // namespace
 
-void AddForce(CLI::App& command) {
-  command.add_flag("--force")->description("Replace an existing output file even if it is of another kind");
+void AddForce(ArgumentParser& command) {
+  command.AddFlag("--force", "Replace an existing output file even if it is of another kind");
 }
 
 std::vector<std::string> ListTelemetryBeside(const std::vector<std::string>& videos,
@@ -211,10 +214,10 @@ std::vector<std::string> ListTelemetryBeside(const std::vector<std::string>& vid
   return files;
 }
 
-Status CheckOutputs(const CLI::App& command, const std::vector<OutputFile>& outputs,
+Status CheckOutputs(const ArgumentParser& command, const std::vector<OutputFile>& outputs,
                     const std::vector<std::string>& further_inputs) {
-  const CLI::Option* force = command.get_option_no_throw("--force");
-  const std::vector<InputPath> inputs = ListInputs(command, outputs, further_inputs);
+  const CLI::Option* force = command.app().get_option_no_throw("--force");
+  const std::vector<InputPath> inputs = ListInputs(command.app(), outputs, further_inputs);
   for (const OutputFile& output : outputs) {
     struct stat existing{};
     if (output.path.empty() || output.path == "-" || ::stat(output.path.c_str(), &existing) != 0) continue;

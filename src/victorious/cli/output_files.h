@@ -7,9 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/App.hpp>
-
 #include "victorious/base/error.h"
+#include "victorious/cli/argument_parser.h"
 
 namespace victorious::cli {
 
@@ -40,7 +39,7 @@ struct OutputFile {
 };
 
 /// Adds the flag --force to a command that calls CheckOutputs with kinds.
-void AddForce(CLI::App& command);
+void AddForce(ArgumentParser& command);
 
 /// The telemetry files beside these videos, which a command reads unless `telemetry` names another file: further inputs
 /// of CheckOutputs.
@@ -52,7 +51,7 @@ void AddForce(CLI::App& command);
 /// models). Files are the same if they have the same device and inode: symbolic and hard links are resolved. An empty
 /// file, a device and a pipe are of any kind. Errors: kInvalidArgument for a violation; those of reading an existing
 /// output.
-[[nodiscard]] Status CheckOutputs(const CLI::App& command, const std::vector<OutputFile>& outputs,
+[[nodiscard]] Status CheckOutputs(const ArgumentParser& command, const std::vector<OutputFile>& outputs,
                                   const std::vector<std::string>& further_inputs = {});
 
 }  // namespace victorious::cli

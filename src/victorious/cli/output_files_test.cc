@@ -1,18 +1,16 @@
 #include "victorious/cli/output_files.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+
+#include "victorious/cli/argument_parser.h"
 
 namespace victorious::cli {
 namespace {
@@ -30,12 +28,12 @@ class OutputFilesTest : public ::testing::Test {
  protected:
   OutputFilesTest() : folder_(fs::temp_directory_path() / ("output_files_" + std::to_string(::getpid()))) {
     fs::create_directories(folder_);
-    app_.add_option("NAME", name_);
-    app_.add_option("VIDEO", video_);
-    app_.add_option("--models", models_)->type_name("DIR");
-    app_.add_option("--out", out_)->type_name("FILE");
-    app_.add_option("--type", type_)->type_name("WORD");
-    AddForce(app_);
+    parser_.Add("NAME", name_);
+    parser_.Add("VIDEO", video_);
+    parser_.Add("--models", models_).TypeName("DIR");
+    parser_.Add("--out", out_).TypeName("FILE");
+    parser_.Add("--type", type_).TypeName("WORD");
+    AddForce(parser_);
   }
   ~OutputFilesTest() override { fs::remove_all(folder_); }
 
@@ -47,17 +45,16 @@ class OutputFilesTest : public ::testing::Test {
   [[nodiscard]] std::string Path(const std::string& name) const { return (folder_ / name).string(); }
 
   // The message of CheckOutputs for these arguments; empty if they are accepted.
-  std::string Message(std::vector<std::string> arguments, FileKind kind = FileKind::kSightings,
+  std::string Message(const std::vector<std::string>& arguments, FileKind kind = FileKind::kSightings,
                       const std::vector<std::string>& further_inputs = {}) {
-    std::ranges::reverse(arguments);  // CLI11 takes them last first
-    app_.parse(arguments);
-    const Status checked = CheckOutputs(app_, {{"--out", out_, kind}}, further_inputs);
+    EXPECT_TRUE(ParseArguments(parser_, arguments));
+    const Status checked = CheckOutputs(parser_, {{"--out", out_, kind}}, further_inputs);
     return checked ? "" : checked.error().message;
   }
 
  private:
   fs::path folder_;
-  CLI::App app_;
+  ProgramParser parser_{"command", "Writes a file"};
   std::string name_;
   std::string video_;
   std::string models_;

@@ -9,15 +9,9 @@
 namespace victorious {
 namespace {
 
-// Bytes that are not UTF-8 are replaced.
-std::string Dump(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 // Whether an argument of a process can be this text, and JSON hold it.
 bool IsArgument(const std::string& text) {
-  const bool is_utf8 = nlohmann::json::parse(Dump(text)).get<std::string>() == text;
-  return is_utf8 && text.find('\0') == std::string::npos;
+  return ReplaceInvalidUtf8(text) == text && text.find('\0') == std::string::npos;
 }
 
 bool IsArgument(const nlohmann::json& value) { return value.is_string() && IsArgument(value.get<std::string>()); }
@@ -35,9 +29,9 @@ Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& co
   }
   const nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
   return postgres::NewTask{.kind = std::string(kIndexTaskKind),
-                           .key = fmt::format("{} {}", content, Dump(task.options)),
+                           .key = fmt::format("{} {}", content, DumpJson(nlohmann::json(task.options))),
                            .priority = priority,
-                           .payload = Dump(payload),
+                           .payload = DumpJson(payload),
                            .program = task.program};
 }
 

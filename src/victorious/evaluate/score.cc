@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/evaluate/place_score.h"
 #include "victorious/geometry/angles.h"
 
@@ -398,7 +399,7 @@ std::string ToText(const Score& score) {
     if (value.is_object()) continue;
     const std::string shown = value.is_null()           ? "-"
                               : value.is_number_float() ? fmt::format("{:.4f}", value.get<double>())
-                                                        : value.dump();
+                                                        : DumpJson(value);
     text += fmt::format("{:24} {:>8}\n", key, shown);
   }
   for (const auto& [name, object] : score.per_object) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -91,8 +92,9 @@ Expected<std::optional<GeodeticPoint>> ParsePlace(const Json& row) {
 }
 
 Expected<TruthRow> ParseRow(std::string_view line) {
-  const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
+  const Expected<Json> parsed = ParseStrictJson(line);
+  if (!parsed || !parsed->is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
+  const Json& json = *parsed;
   TruthRow row;
   VICTORIOUS_ASSIGN_OR_RETURN(row.frame, ParseFrame(json));
   VICTORIOUS_ASSIGN_OR_RETURN(row.object, ParseText(json, "object"));

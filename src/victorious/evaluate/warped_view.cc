@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -102,8 +101,7 @@ Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& dir
   cv::Mat grey = surface.grey;
   if (sun) {
     CadModelOptions options;
-    const auto json = nlohmann::json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
-    if (Status status = SetFromJson(json, CollectFields(options)); !status) {
+    if (Status status = SetFromJsonText(model.options_json, CollectFields(options)); !status) {
       return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface from_sun,

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/core/mat.hpp>
@@ -213,8 +212,7 @@ Expected<std::unique_ptr<const RelitTemplateSource>> MakeViews(const ObjectModel
                                                                SharedExtractors& extractors) {
   if (model.views.empty() || !std::ranges::all_of(model.views, HasSurface)) return nullptr;
   CadModelOptions options;
-  const auto json = nlohmann::json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
-  if (Status status = SetFromJson(json, CollectFields(options)); !status) {
+  if (Status status = SetFromJsonText(model.options_json, CollectFields(options)); !status) {
     return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, extractors.Of(options.features));

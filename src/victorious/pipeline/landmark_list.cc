@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
 #include "victorious/base/warning_list.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/store/index_store.h"
@@ -89,8 +90,9 @@ Expected<Eigen::Matrix3d> CovarianceAt(const InputJson& json) {
 }
 
 Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOptions& options) {
-  const InputJson json = InputJson::parse(line, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
+  const Expected<InputJson> parsed = ParseStrictJson(line);
+  if (!parsed || !parsed->is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
+  const InputJson& json = *parsed;
   Landmark landmark;
   const auto model = json.find("model");
   if (model == json.end() || !model->is_string()) {

@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include <nlohmann/json.hpp>
 #include <oneapi/tbb/parallel_for.h>
 
 namespace victorious {
@@ -27,8 +26,7 @@ struct Hit {
 // Makes the recogniser of the example with the feature options of the video's kept features.
 Expected<Recognizer> MakeRecognizer(const Photo& example, const VideoRecord& video, const RecognizeOptions& options) {
   PhotoModelOptions model_options;
-  const auto json = nlohmann::json::parse(video.features_json, nullptr, /*allow_exceptions=*/false);
-  if (auto status = SetFromJson(json, CollectFields(model_options.features)); !status) {
+  if (auto status = SetFromJsonText(video.features_json, CollectFields(model_options.features)); !status) {
     return std::unexpected(std::move(status).error().WithContext(video.name + ": features kept in the index"));
   }
   int& max_features = model_options.features.max_features;

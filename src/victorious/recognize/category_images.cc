@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/core.hpp>
 
@@ -65,10 +64,7 @@ Expected<CategoryFeaturizer> CategoryFeaturizer::Create(const CategoryFeatureOpt
 Expected<CategoryFeaturizer> CategoryFeaturizer::Of(const CategoryModel& model) {
   CategoryFeatureOptions options;
   options.engine = "opencv";  // of the models from before the engine was stored
-  const auto json = nlohmann::json::parse(model.features_json, nullptr, /*allow_exceptions=*/false);
-  const Status status =
-      json.is_discarded() ? Fail(ErrorCode::kDataLoss, "not JSON") : SetFromJson(json, CollectFields(options));
-  if (!status)
+  if (const Status status = SetFromJsonText(model.features_json, CollectFields(options)); !status)
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("category model: feature options: {}: train again", status.error().message));
   if (options.windows.enabled && model.linear() == nullptr)

@@ -4,7 +4,8 @@
 #include <array>
 
 #include <arpa/inet.h>
-#include <spdlog/spdlog.h>
+
+#include "victorious/base/log.h"
 
 namespace victorious {
 namespace {
@@ -33,7 +34,7 @@ bool ConnectionCount::Begin(const std::string& address) {
   const auto now = std::chrono::steady_clock::now();
   if (!warned_ || now - *warned_ >= std::chrono::minutes(1)) {
     warned_ = now;
-    spdlog::warn("{} has {} connections: further ones are closed", client, open);
+    LogWarning("{} has {} connections: further ones are closed", client, open);
   }
   return false;
 }

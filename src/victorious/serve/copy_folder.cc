@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <fcntl.h>
-#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
+#include "victorious/base/log.h"
 #include "victorious/pipeline/drawn_video.h"
 
 namespace victorious {
@@ -39,7 +39,7 @@ std::vector<MadeFile> List(const fs::path& folder) {
   }
   // No copy was made yet, or the folder is gone: nothing to remove.
   if (error && error != std::errc::no_such_file_or_directory) {
-    spdlog::warn("{}: {}", folder.string(), error.message());
+    LogWarning("{}: {}", folder.string(), error.message());
   }
   std::ranges::sort(files, {}, [](const MadeFile& file) { return std::tie(file.used_ns, file.name); });
   return files;
@@ -92,12 +92,12 @@ void CopyFolder::Trim() {
     if (holds_.contains(files[i].name)) continue;
     std::error_code error;
     if (!fs::remove(folder_ / files[i].name, error) && error) {
-      spdlog::warn("remove {}: {}", (folder_ / files[i].name).string(), error.message());
+      LogWarning("remove {}: {}", (folder_ / files[i].name).string(), error.message());
       continue;
     }
     total -= files[i].bytes;
     fs::remove(ClipTelemetryPath(folder_ / files[i].name), error);
-    if (error) spdlog::warn("remove the telemetry of {}: {}", (folder_ / files[i].name).string(), error.message());
+    if (error) LogWarning("remove the telemetry of {}: {}", (folder_ / files[i].name).string(), error.message());
   }
 }
 

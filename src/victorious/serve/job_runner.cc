@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/base/utc.h"
 
 namespace victorious {
@@ -175,9 +175,9 @@ void RemoveUnfinishedCopies(const std::filesystem::path& copy) {
        at.increment(error)) {
     if (at->path().filename().string().starts_with(prefix)) found.push_back(at->path());
   }
-  if (error) spdlog::warn("{}: {}", copy.parent_path().string(), error.message());
+  if (error) LogWarning("{}: {}", copy.parent_path().string(), error.message());
   for (const std::filesystem::path& path : found) {
-    if (!std::filesystem::remove(path, error) && error) spdlog::warn("remove {}: {}", path.string(), error.message());
+    if (!std::filesystem::remove(path, error) && error) LogWarning("remove {}: {}", path.string(), error.message());
   }
 }
 
@@ -232,7 +232,7 @@ void JobRunner::WaitForWork() {
 void JobRunner::Run() {
   while (!is_ending_) {
     const auto job = queue_->Claim(worker_name_, options_.kinds, NowUtcMicroseconds(), Microseconds(options_.lease));
-    if (!job) spdlog::warn("the queue of jobs: {}", job.error().message);
+    if (!job) LogWarning("the queue of jobs: {}", job.error().message);
     if (!job || !*job) {
       WaitForWork();
       continue;
@@ -245,7 +245,7 @@ void JobRunner::Run() {
 
 void JobRunner::Work(const JobRecord& job) {
   const auto report = [&](const Status& ended) {
-    if (!ended) spdlog::warn("job {}: {}", job.id, ended.error().message);
+    if (!ended) LogWarning("job {}: {}", job.id, ended.error().message);
   };
   const auto complete = [&](const std::string& message) {
     report(queue_->Complete(job.id, worker_name_, message, NowUtcMicroseconds()));

@@ -3,8 +3,8 @@
 #include <chrono>
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
+#include "victorious/base/log.h"
 #include "victorious/base/utc.h"
 #include "victorious/serve/api_json.h"
 
@@ -126,7 +126,7 @@ void LiveService::PublishIndex() {
   const Status published = PublishNewIndex();
   const std::string failure = published ? "" : published.error().message;
   // Once for all failures in a row.
-  if (!failure.empty() && failure != index_failure_) spdlog::warn("the index cannot be watched: {}", failure);
+  if (!failure.empty() && failure != index_failure_) LogWarning("the index cannot be watched: {}", failure);
   index_failure_ = failure;
 }
 
@@ -144,7 +144,7 @@ Status LiveService::PublishNewIndex() {
 
 void LiveService::PublishJobs() {
   const auto jobs = Jobs();
-  if (!jobs) return spdlog::warn("the queue of jobs: {}", jobs.error().message);
+  if (!jobs) return LogWarning("the queue of jobs: {}", jobs.error().message);
   hub_->Publish("jobs", Dump(JobsToJson(*jobs, NowUtcMicroseconds())));
 }
 

@@ -214,7 +214,7 @@ Status CheckIds(const std::vector<SceneObject>& objects) {
   std::set<std::string_view> seen;
   for (const SceneObject& object : objects) {
     if (!seen.insert(object.id).second)
-      return InvalidScene(fmt::format("objects: two have the id {}: ids must be unique", Json(object.id).dump()));
+      return InvalidScene(fmt::format("objects: two have the id {}: ids must be unique", DumpJson(Json(object.id))));
   }
   return {};
 }

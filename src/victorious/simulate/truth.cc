@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -160,7 +161,7 @@ std::string FormatTruthLine(const ObjectTruth& truth, const SceneObject& object,
       {"view",
        {{"azimuth_deg", degrees(truth.view.azimuth_rad)}, {"off_nadir_deg", degrees(truth.view.off_nadir_rad)}}},
   };
-  return json.dump() + "\n";
+  return DumpJson(json) + "\n";
 }
 
 }  // namespace victorious

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <ogrsf_frmts.h>
 
+#include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/listed_object.h"
@@ -129,8 +130,7 @@ void SetFields(const Json& json, OGRFeature& feature) {
     if (value == json.end() || value->is_null()) {
       feature.SetFieldNull(field);
     } else if (value->is_string()) {
-      const Json text = Json::parse(Dump(*value));  // replaces bytes that are not UTF-8
-      feature.SetField(field, text.get_ref<const std::string&>().c_str());
+      feature.SetField(field, ReplaceInvalidUtf8(value->get_ref<const std::string&>()).c_str());
     } else if (value->is_number_integer()) {
       feature.SetField(field, static_cast<GIntBig>(value->get<std::int64_t>()));
     } else if (value->is_number()) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -46,6 +47,6 @@ Json MatrixJson(const Eigen::Matrix3d& matrix) {
 
 Json OrNull(const std::optional<double>& value, Json (*convert)(double)) { return value ? convert(*value) : Json(); }
 
-std::string Dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string Dump(const Json& json) { return DumpJson(json); }
 
 }  // namespace victorious

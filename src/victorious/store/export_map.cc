@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/store/export_json.h"
@@ -45,7 +46,7 @@ Json FeatureJson(const ListedObject& listed) {
 
 std::string EscapedXml(const std::string& text) {
   std::string escaped;
-  for (const char c : nlohmann::json::parse(Dump(text)).get<std::string>()) {  // replaces bytes that are not UTF-8
+  for (const char c : ReplaceInvalidUtf8(text)) {
     if (c == '&') {
       escaped += "&amp;";
     } else if (c == '<') {

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
+
 namespace victorious {
 namespace {
 
@@ -143,7 +145,7 @@ std::optional<ModelView> ParseView(const json& object) {
 }
 
 // Parses untrusted text: bounded in size and depth, without exceptions.
-std::optional<json> ParseJson(std::string_view text) {
+std::optional<json> ParseBoundedJson(std::string_view text) {
   bool too_deep = false;
   const json::parser_callback_t guard = [&](int depth, json::parse_event_t, json&) {
     too_deep = too_deep || depth > kMaxJsonDepth;
@@ -186,12 +188,12 @@ std::string EncodeMetadata(const ObjectModel& model) {
                          {"length_m", model.length_m ? json(*model.length_m) : json()},
                          {"box_m", EncodeBox(model.box_m)},
                          {"views", std::move(views)}};
-  return document.dump(-1, ' ', false, json::error_handler_t::replace);
+  return DumpJson(document);
 }
 
 Expected<ObjectModel> ParseMetadata(std::string_view text) {
   const std::unexpected<Error> fault = Fail(ErrorCode::kDataLoss, "damaged (invalid metadata)");
-  const std::optional<json> document = ParseJson(text);
+  const std::optional<json> document = ParseBoundedJson(text);
   if (!document) return fault;
   Reader reader(*document);
   ObjectModel model{.name = reader.Text("name"),

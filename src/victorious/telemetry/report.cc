@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
@@ -21,14 +22,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Replaces bytes that are not UTF-8, so that the JSON is valid.
-std::string Utf8Text(const std::string& text) {
-  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
-}
-
 struct ValueToJson {
   Json operator()(std::monostate /*nothing*/) const { return nullptr; }
-  Json operator()(const std::string& text) const { return Utf8Text(text); }
+  Json operator()(const std::string& text) const { return ReplaceInvalidUtf8(text); }
   Json operator()(const KlvRaw& raw) const { return {{"hex", HexText(raw)}}; }
   template <typename T>
   Json operator()(const T& value) const {
@@ -168,7 +164,7 @@ Json ToJson(const Telemetry& telemetry) {
   }
   for (const CameraState& state : telemetry.states) json["states"].push_back(StateToJson(state));
   json["warnings"] = Json::array();
-  for (const std::string& warning : telemetry.warnings) json["warnings"].push_back(Utf8Text(warning));
+  for (const std::string& warning : telemetry.warnings) json["warnings"].push_back(ReplaceInvalidUtf8(warning));
   return json;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/base/one_line.h"
 #include "victorious/store/job_queue.h"
 #include "victorious/store/sqlite/open_database.h"
@@ -82,7 +83,8 @@ class SqliteJobQueue final : public JobQueue {
           Statement select,
           connection_->Prepare("SELECT id FROM jobs WHERE (state = 'queued' OR (state = 'running' AND lease_utc_us < "
                                "?)) AND kind IN (SELECT value FROM json_each(?)) ORDER BY kind != ?, id LIMIT 1"));
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(now_us, texts.dump(), ToText(JobKind::kCopy)).Step());
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool found,
+                                  select.Bind(now_us, DumpJson(texts), ToText(JobKind::kCopy)).Step());
       if (found) id = select.Integer(0);
     }
     std::optional<JobRecord> claimed;
