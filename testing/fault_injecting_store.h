@@ -13,11 +13,13 @@
 
 namespace victorious::testing {
 
-// Forwards all calls; calls `before_commit` before each commit.
+// Forwards all calls; calls `before_commit` before each commit, `before_sightings` before sightings are read.
 class FaultInjectingStore final : public IndexStore {
  public:
-  FaultInjectingStore(IndexStore& store, std::function<Status()> before_commit)
-      : store_(store), before_commit_(std::move(before_commit)) {}
+  FaultInjectingStore(
+      IndexStore& store, std::function<Status()> before_commit,
+      std::function<Status()> before_sightings = [] { return Status(); })
+      : store_(store), before_commit_(std::move(before_commit)), before_sightings_(std::move(before_sightings)) {}
 
   [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                           const std::string& content_id) override {
@@ -36,6 +38,7 @@ class FaultInjectingStore final : public IndexStore {
   [[nodiscard]] Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override {
     return store_.FindSearch(video, model);
   }
+  [[nodiscard]] Expected<std::vector<SearchRecord>> Searches() override { return store_.Searches(); }
   [[nodiscard]] Status DeleteSearch(std::int64_t video, std::int64_t model) override {
     return store_.DeleteSearch(video, model);
   }
@@ -46,15 +49,22 @@ class FaultInjectingStore final : public IndexStore {
   }
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override { return store_.Tracklets(); }
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override { return store_.PutObjects(objects); }
-  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+  [[nodiscard]] Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
                                      const CancelToken& cancel) override {
     return store_.UpdateObjects(make, cancel);
+  }
+  [[nodiscard]] Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) override {
+    return store_.VisitKeptFits(visit);
+  }
+  [[nodiscard]] Expected<std::vector<std::byte>> FindKeptPath(const FitKey& key) override {
+    return store_.FindKeptPath(key);
   }
   [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override {
     return store_.Objects(filter);
   }
   [[nodiscard]] Status VisitSightings(const SightingFilter& filter,
                                       const std::function<bool(SightingRecord&&)>& visit) override {
+    VICTORIOUS_RETURN_IF_ERROR(before_sightings_());
     return store_.VisitSightings(filter, visit);
   }
   [[nodiscard]] Status VisitKeptFrames(const SightingFilter& filter,
@@ -65,12 +75,16 @@ class FaultInjectingStore final : public IndexStore {
     return store_.PutReview(object, review);
   }
   [[nodiscard]] Expected<std::vector<ReviewedObject>> Reviews() override { return store_.Reviews(); }
+  [[nodiscard]] Expected<std::vector<Review>> Decisions(std::int64_t object) override {
+    return store_.Decisions(object);
+  }
   [[nodiscard]] Expected<std::vector<std::string>> FindFaults() override { return store_.FindFaults(); }
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override { return store_.ChangeNumber(); }
 
  private:
   IndexStore& store_;
   std::function<Status()> before_commit_;
+  std::function<Status()> before_sightings_;
 };
 
 }  // namespace victorious::testing

@@ -20,11 +20,13 @@ VIDEO = program.flight(FRAMES) / "flight.mkv"
 def contents(path):
     """The content of the index including kept frames, which the exports do not show."""
     with contextlib.closing(sqlite3.connect(path)) as db:
+        columns = [row[1] for row in db.execute("PRAGMA table_info(tracklets)")]
+        columns.remove("revision")  # counts the commits
         return [
             db.execute(query).fetchall()
             for query in (
                 "SELECT * FROM objects ORDER BY id",
-                "SELECT * FROM tracklets ORDER BY id",
+                f"SELECT {', '.join(columns)} FROM tracklets ORDER BY id",
                 "SELECT * FROM sightings ORDER BY video_id, frame, tracklet_id",
                 "SELECT video_id, frame, time_s, keypoints, descriptors FROM kept_frames ORDER BY video_id, frame",
                 "SELECT video_id, model_id, next_frame, finished FROM searches ORDER BY video_id, model_id",

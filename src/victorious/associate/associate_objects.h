@@ -13,24 +13,21 @@
 // - their distance is at most `max_merge_distance_m`, and
 // - a fraction `min_inlier_fraction` of all their lines of sight are inliers of the common place.
 //
-// The input is what the store holds. The result is therefore independent of how often indexing was interrupted, and is
-// recomputed when another video adds tracklets.
+// The input is what the store holds (update_objects.h). The result is therefore independent of how often indexing was
+// interrupted.
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <string>
+#include <span>
 #include <vector>
 
+#include "victorious/associate/fits.h"
 #include "victorious/associate/object_options.h"
+#include "victorious/associate/object_rejection.h"
 #include "victorious/associate/observed_tracklet.h"
-#include "victorious/base/cancel.h"
-#include "victorious/base/error.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {
-
-class FlightErrorCache;
 
 /// Associates tracklets to objects. Deterministic and independent of the order of `tracklets`. Returns the objects by
 /// id; sets id, model, tracklets, place, heading and the reasons of rejection.
@@ -39,13 +36,11 @@ class FlightErrorCache;
 std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,
                                              const ObjectOptions& options);
 
-/// Recomputes the objects of the whole index and stores them; corrects the yaw and the ranges of each flight by the
-/// errors on which its objects agree, which `cache` remembers (flight_errors.h).
-/// @param cancel  as of IndexStore::UpdateObjects
-/// @param warn    receives each line of Describe(), with its video
-/// Errors: those of IndexStore; kDataLoss for a search whose stored options cannot be read.
-[[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store, FlightErrorCache& cache,
-                                   const CancelToken& cancel,
-                                   const std::function<void(const VideoRecord&, const std::string&)>& warn);
+/// The same with given fits.
+/// @param tracklets  by id, with their summaries; content only as far as `fits` needs it
+/// @param overlaps   of all tracklets
+std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
+                                             std::span<const PixelOverlap> overlaps, std::int64_t frames_searched,
+                                             Fits& fits);
 
 }  // namespace victorious

@@ -9,8 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "testing/data.h"
-#include "victorious/associate/flight_errors.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 
@@ -472,27 +470,6 @@ TEST(AssociateTracklets, CategoryWithNonIntersectingLinesHasNoPlace) {
   EXPECT_EQ(objects[0].rejected, "");
   EXPECT_THAT(objects[0].place_rejected, HasSubstr("do not intersect"));
   EXPECT_FALSE(objects[0].place);
-}
-
-TEST(UpdateObjects, UnreadableSearchOptionsAreDataLoss) {
-  const testing::ScratchFolder folder;
-  const auto store = OpenSqliteStore(folder.path() / "index.db", StoreMode::kCreate).value();
-  const std::int64_t video = store->PutVideo({.content_id = "v", .name = "a.mp4", .width = 64, .height = 48})->id;
-  const std::int64_t model = store->PutModel({.name = "jeep", .content_id = "m", .kind = ModelKind::kCad})->id;
-  const auto search_with = [&](const std::string& options, std::int64_t from, std::int64_t to) {
-    IndexBatch batch;
-    batch.progress = {{{.video = video, .model = model, .next_frame = to, .options_json = options}, from}};
-    ASSERT_TRUE(store->Commit(batch));
-  };
-  search_with(R"({"every": 5})", 0, 10);
-  FlightErrorCache cache;
-  const auto warn = [](const VideoRecord&, const std::string&) {};
-  EXPECT_TRUE(UpdateObjects({}, *store, cache, CancelToken(), warn));
-  search_with(R"({"every": "5"})", 10, 20);
-  const Status status = UpdateObjects({}, *store, cache, CancelToken(), warn);
-  ASSERT_FALSE(status);
-  EXPECT_EQ(status.error().code, ErrorCode::kDataLoss);
-  EXPECT_THAT(status.error().message, ::testing::AllOf(HasSubstr("a.mp4"), HasSubstr("jeep"), HasSubstr("every")));
 }
 
 TEST(ObjectParameter, MergeGateOfZeroMergesNone) {

@@ -27,38 +27,21 @@ std::string DescribeRange(const RangeFactor& range) {
 
 }  // namespace
 
-std::map<std::int64_t, FlightErrors> FlightErrorCache::Correct(std::span<ObservedTracklet> tracklets,
-                                                               const ObjectOptions& options) {
-  std::map<std::int64_t, std::vector<ObservedTracklet*>> of_video;
-  for (ObservedTracklet& tracklet : tracklets) of_video[tracklet.record.video].push_back(&tracklet);
-  std::map<std::int64_t, FlightErrors> all;
-  const std::lock_guard lock(mutex_);
-  for (const auto& [video, seen] : of_video) {
-    Contents contents;
-    for (const ObservedTracklet* tracklet : seen)
-      contents.emplace_back(tracklet->record.id, tracklet->observations.size());
-    const auto known = of_video_.find(video);
-    const bool changed = known == of_video_.end() || known->second.contents != contents;
-    std::vector<ObservedTracklet> own;
-    for (ObservedTracklet* tracklet : seen) own.push_back(std::move(*tracklet));
-    FlightErrors errors = changed ? FlightErrors() : known->second.errors;
-    if (changed) {
-      errors.heading = EstimateHeadingError(own);
-      ++estimates_;
-    }
-    if (errors.heading) TurnBack(*errors.heading, own);
-    if (changed) errors.range = EstimateRangeFactor(own, options);
-    if (errors.range) ScaleRanges(*errors.range, own);
-    for (std::size_t i = 0; i < seen.size(); ++i) *seen[i] = std::move(own[i]);
-    of_video_[video] = {std::move(contents), errors};
-    if (errors.heading || errors.range) all[video] = errors;
-  }
-  return all;
+FlightEstimate CorrectFlight(std::span<ObservedTracklet> tracklets, const ObjectOptions& options) {
+  FlightEstimate estimate;
+  estimate.errors.heading = EstimateHeadingError(tracklets);
+  if (estimate.errors.heading) TurnBack(*estimate.errors.heading, tracklets);
+  estimate.comparisons = CompareRanges(tracklets, options);
+  estimate.errors.range = EstimateRangeFactor(tracklets, estimate.comparisons);
+  if (!estimate.errors.range) return estimate;
+  ScaleRanges(*estimate.errors.range, tracklets);
+  estimate.comparisons.clear();
+  return estimate;
 }
 
-std::int64_t FlightErrorCache::estimates() const {
-  const std::lock_guard lock(mutex_);
-  return estimates_;
+void Correct(const FlightErrors& errors, std::span<ObservedTracklet> tracklets) {
+  if (errors.heading) TurnBack(*errors.heading, tracklets);
+  if (errors.range) ScaleRanges(*errors.range, tracklets);
 }
 
 std::vector<std::string> Describe(const FlightErrors& errors) {

@@ -1,20 +1,15 @@
 // The errors of flights that their own lines of sight contradict: yaw (heading_error.h), then ranges (range_factor.h).
-// They are properties of a video's tracklets alone, and are estimated anew only for videos whose tracklets changed.
+// They are properties of a video's tracklets alone.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <map>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "victorious/associate/associate_objects.h"
 #include "victorious/associate/heading_error.h"
 #include "victorious/associate/object_options.h"
+#include "victorious/associate/observed_tracklet.h"
 #include "victorious/associate/range_factor.h"
 
 namespace victorious {
@@ -24,27 +19,18 @@ struct FlightErrors {
   std::optional<RangeFactor> range;
 };
 
-/// The errors of the videos of one index, remembered between data associations with the same options. Thread-safe.
-class FlightErrorCache {
- public:
-  /// Corrects all tracklets, and returns the errors by video. Estimates only those of videos whose tracklets differ
-  /// from the ones given last.
-  std::map<std::int64_t, FlightErrors> Correct(std::span<ObservedTracklet> tracklets, const ObjectOptions& options);
-
-  /// Number of videos estimated so far, repetitions included.
-  [[nodiscard]] std::int64_t estimates() const;
-
- private:
-  using Contents = std::vector<std::pair<std::int64_t, std::size_t>>;  // ids of tracklets, and their observations
-  struct Entry {
-    Contents contents;
-    FlightErrors errors;
-  };
-
-  mutable std::mutex mutex_;
-  std::map<std::int64_t, Entry> of_video_;
-  std::int64_t estimates_ = 0;
+/// The errors of a flight, and what was computed on the way.
+struct FlightEstimate {
+  FlightErrors errors;
+  std::vector<RangeComparison> comparisons;  ///< one a tracklet; empty if `errors.range` changes the ranges
 };
+
+/// Estimates the errors of one flight, and corrects its tracklets by them.
+/// @param tracklets  of one video, with their content
+[[nodiscard]] FlightEstimate CorrectFlight(std::span<ObservedTracklet> tracklets, const ObjectOptions& options);
+
+/// Corrects tracklets by the errors of their flight.
+void Correct(const FlightErrors& errors, std::span<ObservedTracklet> tracklets);
 
 /// What the errors of one video mean, one line each.
 [[nodiscard]] std::vector<std::string> Describe(const FlightErrors& errors);

@@ -39,44 +39,33 @@ ObservedTracklet Seen(std::int64_t video, std::int64_t id, const Vector3d& place
   return tracklet;
 }
 
-std::vector<ObservedTracklet> TwoFlights() {
-  return {Seen(1, 1, {0, 0, 1}, 5, 1 / 1.2), Seen(1, 2, {8, 5, 1}, 5, 1 / 1.2), Seen(1, 3, {-16, 9, 2}, 5, 1 / 1.2),
-          Seen(2, 4, {0, 0, 1}, 0, 1), Seen(2, 5, {8, 5, 1}, 0, 1)};
-}
-
-TEST(FlightErrorCache, CorrectsTheFlightThatIsWrong) {
-  FlightErrorCache cache;
-  std::vector<ObservedTracklet> tracklets = TwoFlights();
+TEST(CorrectFlight, CorrectsTheFlightThatIsWrong) {
+  std::vector<ObservedTracklet> tracklets = {Seen(1, 1, {0, 0, 1}, 5, 1 / 1.2), Seen(1, 2, {8, 5, 1}, 5, 1 / 1.2),
+                                             Seen(1, 3, {-16, 9, 2}, 5, 1 / 1.2)};
+  std::vector<ObservedTracklet> again = tracklets;
   const double given_m = *tracklets[0].observations[0].line.range_m;
-  const auto errors = cache.Correct(tracklets, {});
-  ASSERT_EQ(errors.size(), 1U);
-  ASSERT_TRUE(errors.contains(1));
-  EXPECT_NEAR(DegreesFromRadians(errors.at(1).heading.value().error_rad), 5, 0.2);
-  EXPECT_NEAR(errors.at(1).range.value().factor, 1.2, 0.03);
+  const FlightEstimate estimate = CorrectFlight(tracklets, {});
+  EXPECT_NEAR(DegreesFromRadians(estimate.errors.heading.value().error_rad), 5, 0.2);
+  EXPECT_NEAR(estimate.errors.range.value().factor, 1.2, 0.03);
   EXPECT_NEAR(*tracklets[0].observations[0].line.range_m, 1.2 * given_m, 0.03 * given_m);
   EXPECT_NEAR(WrapAngle(tracklets[0].observations[0].line.azimuth_rad), 0, RadiansFromDegrees(0.5));
+  EXPECT_TRUE(estimate.comparisons.empty()) << "of other ranges";
+
+  Correct(estimate.errors, again);
+  EXPECT_EQ(again[1].observations[7].line.azimuth_rad, tracklets[1].observations[7].line.azimuth_rad);
+  EXPECT_EQ(again[1].observations[7].line.range_m, tracklets[1].observations[7].line.range_m);
 }
 
-TEST(FlightErrorCache, OnlyChangedVideosAreEstimated) {
-  FlightErrorCache cache;
-  std::vector<ObservedTracklet> first = TwoFlights();
-  cache.Correct(first, {});
-  EXPECT_EQ(cache.estimates(), 2);
-  std::vector<ObservedTracklet> again = TwoFlights();
-  const auto errors = cache.Correct(again, {});
-  EXPECT_EQ(cache.estimates(), 2);
-  EXPECT_EQ(errors.at(1).heading->objects, 3);
-  EXPECT_EQ(again[0].observations[7].line.azimuth_rad, first[0].observations[7].line.azimuth_rad) << "still corrected";
-
-  std::vector<ObservedTracklet> more = TwoFlights();
-  more.push_back(Seen(2, 6, {3, -9, 1}, 0, 1));
-  cache.Correct(more, {});
-  EXPECT_EQ(cache.estimates(), 3) << "a track more in the second video";
-  more = TwoFlights();
-  more[2] = Seen(1, 3, {-16, 9, 2}, 5, 1 / 1.2, 60);
-  more.push_back(Seen(2, 6, {3, -9, 1}, 0, 1));
-  cache.Correct(more, {});
-  EXPECT_EQ(cache.estimates(), 4) << "a shorter track in the first";
+TEST(CorrectFlight, LeavesTheFlightThatIsRight) {
+  std::vector<ObservedTracklet> tracklets = {Seen(2, 4, {0, 0, 1}, 0, 1), Seen(2, 5, {8, 5, 1}, 0, 1, 5)};
+  const double azimuth_rad = tracklets[0].observations[7].line.azimuth_rad;
+  const FlightEstimate estimate = CorrectFlight(tracklets, {});
+  EXPECT_FALSE(estimate.errors.heading || estimate.errors.range);
+  EXPECT_EQ(tracklets[0].observations[7].line.azimuth_rad, azimuth_rad);
+  ASSERT_EQ(estimate.comparisons.size(), 2U);
+  ASSERT_TRUE(estimate.comparisons[0] && *estimate.comparisons[0]);
+  EXPECT_NEAR((*estimate.comparisons[0])->ratio, 1, 0.02);
+  EXPECT_FALSE(estimate.comparisons[1]) << "too short to compare";
 }
 
 TEST(FlightErrors, AreSaidInNumbers) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/associate/agreed_error.h"
 #include "victorious/base/median.h"
@@ -205,9 +206,12 @@ std::optional<double> ErrorOf(const ObservedTracklet& tracklet) {
 }  // namespace
 
 std::optional<HeadingError> EstimateHeadingError(std::span<const ObservedTracklet> tracklets) {
+  std::vector<std::optional<double>> errors_rad(tracklets.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, tracklets.size(),
+                            [&](std::size_t i) { errors_rad[i] = ErrorOf(tracklets[i]); });
   std::vector<ErrorSample> samples;
-  for (const ObservedTracklet& tracklet : tracklets) {
-    if (const auto error_rad = ErrorOf(tracklet)) samples.push_back({&tracklet, *error_rad});
+  for (std::size_t i = 0; i < tracklets.size(); ++i) {
+    if (errors_rad[i]) samples.push_back({&tracklets[i], *errors_rad[i]});
   }
   const auto agreed =
       FindAgreedError(samples, {.tolerance = kAgreement_rad, .min_error = kMinError_rad, .max_error = kMaxError_rad});

@@ -12,7 +12,7 @@
 #include <optional>
 #include <span>
 
-#include "victorious/associate/associate_objects.h"
+#include "victorious/associate/observed_tracklet.h"
 
 namespace victorious {
 

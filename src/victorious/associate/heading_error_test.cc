@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "victorious/associate/associate_objects.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 

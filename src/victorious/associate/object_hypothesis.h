@@ -11,10 +11,12 @@
 
 namespace victorious {
 
+class Fits;
+
 /// Tracklets that may be one object.
 struct ObjectHypothesis {
   std::vector<const ObservedTracklet*> tracklets;  ///< by id; at least one
-  ObjectPlace estimate;                            ///< place for the comparison with others of its flight
+  ObjectPlace estimate;                            ///< place for the comparison with others of its flight (fits.h)
   std::optional<ObjectPlace> absolute;             ///< see AbsolutePlace()
 };
 
@@ -27,20 +29,23 @@ struct ObjectHypothesis {
 [[nodiscard]] bool IsInOneVideo(const ObjectHypothesis& hypothesis);
 [[nodiscard]] bool HasCommonVideo(const ObjectHypothesis& a, const ObjectHypothesis& b);
 
-/// Estimates the place of a hypothesis (object_place.h).
+/// Estimates the place of a hypothesis (object_place.h) from the content of its tracklets.
+/// @param size_ratio  as for EstimatePlace of observations
 [[nodiscard]] ObjectPlace EstimatePlace(const ObjectHypothesis& hypothesis, ObjectOptions options,
-                                        double common_fraction);
+                                        double common_fraction,
+                                        const std::optional<std::optional<SizeRatio>>& size_ratio = std::nullopt);
 
 /// The place with all errors of its flight, for the comparison with objects of other flights, whose errors are
-/// independent. Estimated by the first call, which is not thread-safe.
-const ObjectPlace& AbsolutePlace(ObjectHypothesis& hypothesis, const ObjectOptions& options);
+/// independent. Taken from `fits` by the first call.
+const ObjectPlace& AbsolutePlace(ObjectHypothesis& hypothesis, Fits& fits);
 
 /// Merges the tracklets of one model, nearest pair (Mahalanobis) first, until no pair passes the gates
-/// (associate_objects.h). Cost: two fits a tracklet and one a merge; a distance for each pair of one video and for each
-/// pair of static ones within `max_merge_distance_m`.
+/// (associate_objects.h). Cost: two fits a tracklet and one a merge, and a distance for each pair of static ones within
+/// `max_merge_distance_m` and for each pair of one video of which one moves; other pairs of one video some
+/// nanoseconds each.
 /// @param tracklets  by id; must outlive the result
 /// @return by id
 [[nodiscard]] std::vector<ObjectHypothesis> MergeTracklets(const std::vector<const ObservedTracklet*>& tracklets,
-                                                           const ObjectOptions& options);
+                                                           Fits& fits);
 
 }  // namespace victorious

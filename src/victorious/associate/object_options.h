@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "victorious/base/options.h"
 #include "victorious/geolocate/locate_options.h"
@@ -41,6 +42,8 @@ struct ObjectOptions {
   double centre_height_m = 1.2;
   double centre_height_sigma_m = 1;
   std::shared_ptr<const Ground> ground;  ///< under the objects, or null; given with the videos. Not a user parameter
+  /// Identifies `ground`: another text for another ground. Empty: fits on it are not kept. Not a user parameter.
+  std::string ground_id;
 
   void ListFields(FieldList& fields);
 

@@ -254,13 +254,19 @@ std::vector<std::optional<double>> HeadingsAtEnd(std::span<const BearingObservat
 
 }  // namespace
 
-Geolocation PropagatePlace(const Geolocation& place, double time_s) {
+Geolocation PredictPlace(const Geolocation& place, double time_s) {
   Geolocation then = place;
   then.time_s = time_s;
   if (!place.IsMoving()) return then;
   const double after_s = time_s - place.time_s;
   then.point = TangentPlane(place.point).GeodeticFromEnu(after_s * *place.velocity_enu);
   if (place.velocity_covariance_enu) then.covariance_enu_m2 += after_s * after_s * *place.velocity_covariance_enu;
+  return then;
+}
+
+Geolocation PropagatePlace(const Geolocation& place, double time_s) {
+  Geolocation then = PredictPlace(place, time_s);
+  if (!place.IsMoving()) return then;
   constexpr double kProbability = 0.9;
   then.ce90_m = CircularError(then.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
   then.le90_m = LinearError90(then.covariance_enu_m2(2, 2));
@@ -269,10 +275,10 @@ Geolocation PropagatePlace(const Geolocation& place, double time_s) {
 
 Geolocation PlaceAt(const ObjectPlace& estimate, double time_s) {
   const std::vector<Geolocation>& path = estimate.path;
-  if (path.empty()) return PropagatePlace(*estimate.place, time_s);
+  if (path.empty()) return PredictPlace(*estimate.place, time_s);
   const auto distance_s = [&](const Geolocation& place) { return std::abs(place.time_s - time_s); };
   const Geolocation& nearest = *std::ranges::min_element(path, {}, distance_s);
-  Geolocation then = PropagatePlace(nearest, time_s);
+  Geolocation then = PredictPlace(nearest, time_s);
   constexpr double kManoeuvre_m_s2 = 1.5;  // standard deviation of an acceleration that lasts until then
   then.covariance_enu_m2.diagonal().head<2>().array() += Square(kManoeuvre_m_s2 * Square(distance_s(nearest)) / 2);
   return then;
@@ -344,7 +350,7 @@ std::optional<SizeRatio> EstimateSizeRatio(std::span<const BearingObservation> o
 }
 
 ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,
-                          double common_fraction) {
+                          double common_fraction, const std::optional<std::optional<SizeRatio>>& size_ratio) {
   ObjectPlace result;
   if (observations.empty()) return result;
   const LocateOptions locate = MakeLocateOptions(observations, options, common_fraction);
@@ -368,8 +374,10 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
     AddClockError(lines, fix.inliers, locate.ground != nullptr, *result.place);
   result.inlier_fraction =
       static_cast<double>(std::ranges::count(fix.inliers, true)) / static_cast<double>(lines.size());
-  if (const auto ratio = CompareWithRanges(lines, locate, options.min_inlier_fraction))
-    result.size_ratio = ratio->ratio;
+  const std::optional<SizeRatio> ratio =
+      size_ratio ? *size_ratio : CompareWithRanges(lines, locate, options.min_inlier_fraction);
+  if (ratio) result.size_ratio = ratio->ratio;
+  result.path_size = result.path.size();
   const std::vector<std::optional<double>> headings_at_end = HeadingsAtEnd(observations, result.path);
   std::vector<double> headings;
   for (std::size_t i = 0; i < observations.size(); ++i) {

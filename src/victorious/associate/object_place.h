@@ -21,8 +21,10 @@ inline constexpr double kMaxAcceleration_m_s2 = 6;
 
 struct ObjectPlace {
   std::optional<Geolocation> place;  ///< at the time of the last observation
-  /// Only of a moving object with accurate ranges: its place and velocity at its observations (motion_path.h).
+  /// Only of a moving object with accurate ranges: its place and velocity at its observations (motion_path.h). The last
+  /// is `place`.
   std::vector<Geolocation> path;
+  std::size_t path_size = 0;          ///< of `path`, also where an estimate is kept without it (fits.h)
   std::optional<double> heading_rad;  ///< clockwise from north, [0, 2 pi)
   double inlier_fraction = 0;         ///< fraction of observations that are inliers of the place
   double consistent_fraction = 0;  ///< fraction of observations that are inliers and agree in heading, less those that
@@ -30,6 +32,14 @@ struct ObjectPlace {
   std::optional<double> size_ratio;  ///< ratio of the distance by intersection to the range by apparent size (median):
                                      ///< above 1 the object appears too large for its distance. std::nullopt if an
                                      ///< observation has no range or the lines do not intersect
+
+  [[nodiscard]] bool HasPath() const { return path_size > 0; }
+};
+
+/// Ratio of the distance by intersection to the range by apparent size, as ObjectPlace::size_ratio.
+struct SizeRatio {
+  double ratio = 1;
+  double sigma = 0;  ///< relative standard deviation of the distance by intersection
 };
 
 /// Estimates place and heading. Telemetry's own standard deviations, where given, replace those of the parameters.
@@ -38,14 +48,11 @@ struct ObjectPlace {
 /// at 1 only. The result has no place if the observations do not determine one.
 /// @param observations  of one object, in order of time; may be empty
 /// @param options       pass ValidateOptions: then there is no failure but that of a place
+/// @param size_ratio    EstimateSizeRatio of the same observations and options, if it is known. Only for a
+///                      `common_fraction` of kFlightErrorFraction
 ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,
-                          double common_fraction);
-
-/// Ratio of the distance by intersection to the range by apparent size, as ObjectPlace::size_ratio.
-struct SizeRatio {
-  double ratio = 1;
-  double sigma = 0;  ///< relative standard deviation of the distance by intersection
-};
+                          double common_fraction,
+                          const std::optional<std::optional<SizeRatio>>& size_ratio = std::nullopt);
 
 /// The ratio alone, of observations as for EstimatePlace. Errors common to a flight cancel for the most part.
 std::optional<SizeRatio> EstimateSizeRatio(std::span<const BearingObservation> observations,
@@ -55,8 +62,12 @@ std::optional<SizeRatio> EstimateSizeRatio(std::span<const BearingObservation> o
 /// only gets the new time.
 Geolocation PropagatePlace(const Geolocation& place, double time_s);
 
+/// As PropagatePlace, but ce90_m and le90_m stay as they are: for comparisons, which do not use them.
+Geolocation PredictPlace(const Geolocation& place, double time_s);
+
 /// The place of an estimate that has one, at any time: from the nearest place of its path, if there is one, with the
-/// error that turns and changes of speed may add until then.
+/// error that turns and changes of speed may add until then. ce90_m and le90_m are not of that time.
+/// @param estimate  with its path, if it has one
 Geolocation PlaceAt(const ObjectPlace& estimate, double time_s);
 
 /// Mahalanobis distance between an observation and a place: 2 degrees of freedom across the line of sight, and a third

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -39,13 +38,6 @@ std::int64_t CountObjectFrames(const ObjectRecord& object,
 bool HasMoreFrames(const ObjectRecord& a, const ObjectRecord& b,
                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
   return std::pair(CountObjectFrames(a, tracklets), -a.id) > std::pair(CountObjectFrames(b, tracklets), -b.id);
-}
-
-std::set<std::int64_t> VideosOf(const ObjectRecord& object,
-                                const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
-  std::set<std::int64_t> videos;
-  for (const std::int64_t tracklet : object.tracklets) videos.insert(tracklets.at(tracklet)->record.video);
-  return videos;
 }
 
 // Scores beyond it, and below its complement, have the log odds of it: they stay finite.
@@ -89,10 +81,10 @@ void HeightStatistics::Add(const ObjectHypothesis& hypothesis, double altitude_m
   for (const ObservedTracklet* tracklet : hypothesis.tracklets) of_video_[tracklet->record.video].push_back(altitude_m);
 }
 
-std::optional<double> HeightStatistics::MedianHeight(const ObjectHypothesis& hypothesis) const {
-  const auto found = of_video_.find(hypothesis.tracklets[0]->record.video);
-  if (found == of_video_.end()) return std::nullopt;
-  return Median(found->second);
+std::map<std::int64_t, double> HeightStatistics::Medians() const {
+  std::map<std::int64_t, double> medians_m;
+  for (const auto& [video, heights_m] : of_video_) medians_m[video] = Median(heights_m);
+  return medians_m;
 }
 
 bool IsSizeContradicted(const ObjectPlace& estimate, const ObjectOptions& options) {
@@ -105,7 +97,7 @@ std::string PlaceRejectionReason(const ObjectPlace& estimate, std::size_t observ
     return fmt::format("{:.0f} m below the sea, below any ground", -estimate.place->point.altitude_m);
   }
   // An object that drives is placed by its size: the distance of its lines, as if it stood still, contradicts nothing.
-  if (estimate.path.empty() && IsSizeContradicted(estimate, options)) return SizeReason(*estimate.size_ratio);
+  if (!estimate.HasPath() && IsSizeContradicted(estimate, options)) return SizeReason(*estimate.size_ratio);
   if (observations >= kMinObservations && estimate.inlier_fraction < options.min_inlier_fraction)
     return "its lines of sight do not intersect";
   return {};
@@ -124,10 +116,8 @@ bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, std::int64
   double frames = 0;
   for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
     frames += static_cast<double>(tracklet->record.frames);
-    for (const double score : tracklet->scores) {
-      log_odds += LogOdds(score);
-      ++recognised;
-    }
+    log_odds += tracklet->summary.log_odds;
+    recognised += static_cast<double>(tracklet->summary.recognitions);
   }
   if (recognised > 0) log_odds /= recognised;
   if (placed) frames = std::max(1.0, frames * hypothesis.estimate.consistent_fraction);
@@ -136,16 +126,16 @@ bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, std::int64
 }
 
 // If a place of another size fits its lines, the object does not drive at that height, but stands and is of that size.
-void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& heights, const ObjectOptions& options,
-                    ObjectRecord& object) {
+void RejectFloating(const ObjectHypothesis& hypothesis, const std::map<std::int64_t, double>& median_heights_m,
+                    const ObjectOptions& options, ObjectRecord& object) {
   const ObjectPlace& estimate = hypothesis.estimate;
-  const bool other_size = !estimate.path.empty() && IsSizeContradicted(estimate, options);
+  const bool other_size = estimate.HasPath() && IsSizeContradicted(estimate, options);
   if ((estimate.size_ratio && !other_size) || !object.place || !object.rejected.empty() ||
       hypothesis.tracklets[0]->is_category)
     return;
-  const std::optional<double> median_m = heights.MedianHeight(hypothesis);
-  if (!median_m) return;
-  const double above_m = object.place->point.altitude_m - *median_m;
+  const auto median = median_heights_m.find(hypothesis.tracklets[0]->record.video);
+  if (median == median_heights_m.end()) return;
+  const double above_m = object.place->point.altitude_m - median->second;
   if (std::abs(above_m) < options.max_height_deviation_m) return;
   RejectPlace(other_size ? SizeReason(*estimate.size_ratio)
                          : fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
@@ -153,28 +143,57 @@ void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& 
               object);
 }
 
+double SumLogOdds(std::span<const double> scores) {
+  double sum = 0;
+  for (const double score : scores) sum += LogOdds(score);
+  return sum;
+}
+
+std::vector<PixelOverlap> FindOverlaps(std::span<const ObservedTracklet* const> tracklets) {
+  std::vector<PixelOverlap> overlaps;
+  for (const ObservedTracklet* first : tracklets) {
+    if (!first->is_cad_model || first->frames.empty()) continue;
+    for (const ObservedTracklet* second : tracklets) {
+      if (second->record.id <= first->record.id || !second->is_cad_model || second->frames.empty()) continue;
+      if (second->record.model == first->record.model) continue;
+      if (second->frames.front() > first->frames.back() || first->frames.front() > second->frames.back()) continue;
+      const std::int64_t frames = CountOverlappingFrames(*first, *second, kOcclusionIou);
+      if (frames > 0) overlaps.push_back({first->record.id, second->record.id, frames});
+    }
+  }
+  return overlaps;
+}
+
 void RejectOccluded(std::vector<ObjectRecord>& objects,
-                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
-  std::map<std::int64_t, std::vector<std::size_t>> of_video;  // indices into `objects`
+                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
+                    std::span<const PixelOverlap> overlaps) {
+  if (overlaps.empty()) return;
+  std::map<std::int64_t, std::vector<const PixelOverlap*>> of_tracklet;
+  std::map<std::int64_t, std::size_t> object_of;  // indices into `objects`, by tracklet that overlaps another
+  for (const PixelOverlap& overlap : overlaps) {
+    of_tracklet[overlap.first].push_back(&overlap);
+    of_tracklet[overlap.second].push_back(&overlap);
+  }
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    for (const std::int64_t video : VideosOf(objects[i], tracklets)) of_video[video].push_back(i);
+    for (const std::int64_t tracklet : objects[i].tracklets) {
+      if (of_tracklet.contains(tracklet)) object_of[tracklet] = i;
+    }
   }
   for (ObjectRecord& less : objects) {
     if (!less.rejected.empty() || !tracklets.at(less.id)->is_cad_model) continue;
-    std::set<std::size_t> others;
-    for (const std::int64_t video : VideosOf(less, tracklets)) {
-      others.insert(of_video[video].begin(), of_video[video].end());
-    }
-    for (const std::size_t other : others) {
-      const ObjectRecord& more = objects[other];
-      if (!more.rejected.empty() || more.model == less.model || !tracklets.at(more.id)->is_cad_model) continue;
-      if (!HasMoreFrames(more, less, tracklets)) continue;
-      std::int64_t covered = 0;
-      for (const std::int64_t tracklet : less.tracklets) {
-        for (const std::int64_t by : more.tracklets)
-          covered += CountOverlappingFrames(*tracklets.at(tracklet), *tracklets.at(by), kOcclusionIou);
+    std::map<std::size_t, std::int64_t> covered;  // frames, by the object that covers them
+    for (const std::int64_t tracklet : less.tracklets) {
+      const auto found = of_tracklet.find(tracklet);
+      if (found == of_tracklet.end()) continue;
+      for (const PixelOverlap* overlap : found->second) {
+        const auto by = object_of.find(overlap->first == tracklet ? overlap->second : overlap->first);
+        if (by != object_of.end()) covered[by->second] += overlap->frames;
       }
-      if (2 * covered < CountObjectFrames(less, tracklets)) continue;
+    }
+    for (const auto& [other, frames] : covered) {
+      const ObjectRecord& more = objects[other];
+      if (!more.rejected.empty() || !HasMoreFrames(more, less, tracklets)) continue;
+      if (2 * frames < CountObjectFrames(less, tracklets)) continue;
       less.rejected = fmt::format("in the same pixels as object {}", more.id);
       break;
     }

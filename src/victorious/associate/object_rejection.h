@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,15 +12,30 @@
 
 namespace victorious {
 
-/// Median height, per video, of the objects whose place follows from intersection and not from apparent size only.
+/// Heights, per video, of the objects whose place follows from intersection and not from apparent size only.
 class HeightStatistics {
  public:
   void Add(const ObjectHypothesis& hypothesis, double altitude_m);
-  [[nodiscard]] std::optional<double> MedianHeight(const ObjectHypothesis& hypothesis) const;
+  /// Returns the median height of each video that has such objects, m. O(n).
+  [[nodiscard]] std::map<std::int64_t, double> Medians() const;
 
  private:
   std::map<std::int64_t, std::vector<double>> of_video_;  // m
 };
+
+/// Log odds of the scores of recognised sightings: their sum.
+[[nodiscard]] double SumLogOdds(std::span<const double> scores);
+
+/// Two tracklets of one video, of different CAD models, in the same pixels (kOcclusionIou) of some frames.
+struct PixelOverlap {
+  std::int64_t first = 0;  ///< the smaller id
+  std::int64_t second = 0;
+  std::int64_t frames = 0;  ///< at least 1
+};
+
+/// The overlaps among the tracklets of one video, by id.
+/// @param tracklets  by id, with their content
+[[nodiscard]] std::vector<PixelOverlap> FindOverlaps(std::span<const ObservedTracklet* const> tracklets);
 
 [[nodiscard]] bool IsSizeContradicted(const ObjectPlace& estimate, const ObjectOptions& options);
 
@@ -41,13 +56,16 @@ void RejectPlace(std::string reason, ObjectRecord& object);
                                    const ObjectOptions& options);
 
 /// Rejects the place of an object whose height follows from its size only and is far from the median height.
-void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& heights, const ObjectOptions& options,
-                    ObjectRecord& object);
+/// @param median_heights_m  of each video (HeightStatistics::Medians)
+void RejectFloating(const ObjectHypothesis& hypothesis, const std::map<std::int64_t, double>& median_heights_m,
+                    const ObjectOptions& options, ObjectRecord& object);
 
 /// Rejects the less-observed of two CAD objects in the same pixels: one would occlude the other.
 /// @param tracklets  of all objects, by id
+/// @param overlaps   of all tracklets
 void RejectOccluded(std::vector<ObjectRecord>& objects,
-                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets);
+                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
+                    std::span<const PixelOverlap> overlaps);
 
 /// Rejects the less-observed of two coincident static objects.
 /// @param tracklets  of all objects, by id

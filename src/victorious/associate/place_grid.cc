@@ -6,30 +6,40 @@
 namespace victorious {
 namespace {
 
-// Cells are wider than the reach by more than coordinates are rounded: 1e-6 m at the radius of the Earth.
+// More than coordinates are rounded: 1e-6 m at the radius of the Earth.
 constexpr double kMargin_m = 1e-3;
 
 }  // namespace
 
-PlaceGrid::PlaceGrid(double reach_m) : cell_m_(reach_m + kMargin_m) {}
+// The reach of a point touches at most two cells along each axis.
+PlaceGrid::PlaceGrid(double reach_m) : reach_m_(reach_m + kMargin_m), cell_m_(2 * reach_m_) {}
 
-void PlaceGrid::Add(const GeodeticPoint& point, std::int64_t item) { items_[CellOf(point)].push_back(item); }
+void PlaceGrid::Add(const GeodeticPoint& point, std::int64_t item) {
+  const Eigen::Vector3d at = EarthCenteredFromGeodetic(point);
+  entries_[CellOf(at)].push_back({at, item});
+}
 
 void PlaceGrid::Remove(const GeodeticPoint& point, std::int64_t item) {
-  const auto cell = items_.find(CellOf(point));
-  if (cell == items_.end()) return;
-  std::erase(cell->second, item);
-  if (cell->second.empty()) items_.erase(cell);
+  const auto cell = entries_.find(CellOf(EarthCenteredFromGeodetic(point)));
+  if (cell == entries_.end()) return;
+  std::erase_if(cell->second, [&](const Entry& entry) { return entry.item == item; });
+  if (cell->second.empty()) entries_.erase(cell);
 }
 
 std::vector<std::int64_t> PlaceGrid::Near(const GeodeticPoint& point) const {
-  const Cell centre = CellOf(point);
+  const Eigen::Vector3d at = EarthCenteredFromGeodetic(point);
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(reach_m_);
+  const Cell low = CellOf(at - reach);
+  const Cell high = CellOf(at + reach);
   std::vector<std::int64_t> near;
-  for (std::int64_t x = centre[0] - 1; x <= centre[0] + 1; ++x) {
-    for (std::int64_t y = centre[1] - 1; y <= centre[1] + 1; ++y) {
-      for (std::int64_t z = centre[2] - 1; z <= centre[2] + 1; ++z) {
-        const auto cell = items_.find({x, y, z});
-        if (cell != items_.end()) near.insert(near.end(), cell->second.begin(), cell->second.end());
+  for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+    for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+      for (std::int64_t z = low[2]; z <= high[2]; ++z) {
+        const auto cell = entries_.find({x, y, z});
+        if (cell == entries_.end()) continue;
+        for (const Entry& entry : cell->second) {
+          if ((entry.at - at).norm() <= reach_m_) near.push_back(entry.item);
+        }
       }
     }
   }
@@ -37,9 +47,16 @@ std::vector<std::int64_t> PlaceGrid::Near(const GeodeticPoint& point) const {
   return near;
 }
 
-PlaceGrid::Cell PlaceGrid::CellOf(const GeodeticPoint& point) const {
-  const Eigen::Vector3d at = EarthCenteredFromGeodetic(point) / cell_m_;
-  return {std::llround(std::floor(at.x())), std::llround(std::floor(at.y())), std::llround(std::floor(at.z()))};
+std::size_t PlaceGrid::Hash::operator()(const Cell& cell) const {
+  std::uint64_t hash = 0;
+  for (const std::int64_t index : cell) hash = (hash ^ static_cast<std::uint64_t>(index)) * 0x9E3779B97F4A7C15;
+  return static_cast<std::size_t>(hash ^ (hash >> 32));
+}
+
+PlaceGrid::Cell PlaceGrid::CellOf(const Eigen::Vector3d& at) const {
+  const Eigen::Vector3d index = at / cell_m_;
+  return {std::llround(std::floor(index.x())), std::llround(std::floor(index.y())),
+          std::llround(std::floor(index.z()))};
 }
 
 }  // namespace victorious

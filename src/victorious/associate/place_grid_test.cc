@@ -16,7 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// Law: Near() contains all items within the reach, none beyond four reaches, in order.
+// Law: Near() contains the items within the reach, in order.
 TEST(PlaceGrid, FindsAllPlacesWithinTheReach) {
   constexpr double kReach_m = 9.5;
   for (const GeodeticPoint& origin : {GeodeticPoint{RadiansFromDegrees(48), RadiansFromDegrees(11), 500},
@@ -38,11 +38,11 @@ TEST(PlaceGrid, FindsAllPlacesWithinTheReach) {
         const double apart_m = TangentPlane(point).EnuFromGeodetic(points[i]).norm();
         const bool is_near = std::ranges::binary_search(near, static_cast<std::int64_t>(i));
         EXPECT_FALSE(apart_m <= kReach_m && !is_near) << apart_m;
-        EXPECT_FALSE(apart_m > 4 * kReach_m && is_near) << apart_m;
+        EXPECT_FALSE(apart_m > kReach_m + 0.01 && is_near) << apart_m;
         found += is_near ? 1 : 0;
       }
     }
-    EXPECT_GT(found, 2 * 400) << "themselves and others";
+    EXPECT_GT(found, 400 + 100) << "themselves and others";
   }
 }
 

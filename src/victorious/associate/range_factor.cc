@@ -1,10 +1,11 @@
 #include "victorious/associate/range_factor.h"
 
 #include <cmath>
-#include <vector>
+#include <cstddef>
+
+#include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/associate/agreed_error.h"
-#include "victorious/associate/object_place.h"
 
 namespace victorious {
 namespace {
@@ -17,13 +18,22 @@ constexpr double kMaxError = 0.25;
 
 }  // namespace
 
+std::vector<RangeComparison> CompareRanges(std::span<const ObservedTracklet> tracklets, const ObjectOptions& options) {
+  std::vector<RangeComparison> comparisons(tracklets.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, tracklets.size(), [&](std::size_t i) {
+    const std::vector<BearingObservation>& observations = tracklets[i].observations;
+    if (observations.size() >= kMinObservations) comparisons[i] = EstimateSizeRatio(observations, options);
+  });
+  return comparisons;
+}
+
 std::optional<RangeFactor> EstimateRangeFactor(std::span<const ObservedTracklet> tracklets,
-                                               const ObjectOptions& options) {
+                                               std::span<const RangeComparison> comparisons) {
   std::vector<ErrorSample> samples;
-  for (const ObservedTracklet& tracklet : tracklets) {
-    if (tracklet.observations.size() < kMinObservations) continue;
-    const std::optional<SizeRatio> ratio = EstimateSizeRatio(tracklet.observations, options);
-    if (ratio && ratio->sigma <= kMaxSigma) samples.push_back({&tracklet, std::log(ratio->ratio)});
+  for (std::size_t i = 0; i < tracklets.size(); ++i) {
+    if (!comparisons[i] || !*comparisons[i]) continue;
+    const SizeRatio& ratio = **comparisons[i];
+    if (ratio.sigma <= kMaxSigma) samples.push_back({&tracklets[i], std::log(ratio.ratio)});
   }
   const auto agreed =
       FindAgreedError(samples, {.tolerance = kAgreement, .min_error = kMinError, .max_error = kMaxError});

@@ -7,9 +7,11 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
-#include "victorious/associate/associate_objects.h"
 #include "victorious/associate/object_options.h"
+#include "victorious/associate/object_place.h"
+#include "victorious/associate/observed_tracklet.h"
 
 namespace victorious {
 
@@ -18,11 +20,19 @@ struct RangeFactor {
   int objects = 0;    ///< tracklets that agree on it
 };
 
+/// EstimateSizeRatio of a tracklet; std::nullopt if it has too few observations to be compared.
+using RangeComparison = std::optional<std::optional<SizeRatio>>;
+
+/// Compares the ranges of each tracklet with the intersection of its lines of sight.
+[[nodiscard]] std::vector<RangeComparison> CompareRanges(std::span<const ObservedTracklet> tracklets,
+                                                         const ObjectOptions& options);
+
 /// Estimates the factor of one flight; std::nullopt without a common error. Only factors up to 1.28 either way: larger
 /// ones are another model's size.
-/// @param tracklets  of one video; those with ranges whose lines determine the distance to a few per cent count
-std::optional<RangeFactor> EstimateRangeFactor(std::span<const ObservedTracklet> tracklets,
-                                               const ObjectOptions& options);
+/// @param tracklets    of one video; those with ranges whose lines determine the distance to a few per cent count
+/// @param comparisons  CompareRanges of them
+[[nodiscard]] std::optional<RangeFactor> EstimateRangeFactor(std::span<const ObservedTracklet> tracklets,
+                                                             std::span<const RangeComparison> comparisons);
 
 /// Multiplies the ranges of the tracklets by the factor.
 void ScaleRanges(const RangeFactor& factor, std::span<ObservedTracklet> tracklets);

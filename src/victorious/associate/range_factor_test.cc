@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "victorious/associate/associate_objects.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 
@@ -44,16 +45,20 @@ ObservedTracklet Seen(std::int64_t id, const Vector3d& place, double range_facto
   return tracklet;
 }
 
+std::optional<RangeFactor> FactorOf(const std::vector<ObservedTracklet>& tracklets) {
+  return EstimateRangeFactor(tracklets, CompareRanges(tracklets, {}));
+}
+
 TEST(RangeFactor, IsThatOnWhichDifferentObjectsAgree) {
   for (const double given : {1 / 1.2, 1.2}) {
     std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, given), Seen(2, {8, 5, 1}, given),
                                                Seen(3, {-6, 7, 2}, given)};
-    const auto factor = EstimateRangeFactor(tracklets, {});
+    const auto factor = FactorOf(tracklets);
     ASSERT_TRUE(factor) << given;
     EXPECT_NEAR(factor->factor, 1 / given, 0.02);
     EXPECT_EQ(factor->objects, 3);
     ScaleRanges(*factor, tracklets);
-    EXPECT_FALSE(EstimateRangeFactor(tracklets, {})) << "corrected";
+    EXPECT_FALSE(FactorOf(tracklets)) << "corrected";
     for (const ObjectRecord& object : AssociateTracklets(tracklets, 100, {})) {
       ASSERT_TRUE(object.place);
       EXPECT_FALSE(object.place->IsMoving()) << "parked objects stay parked";
@@ -61,13 +66,11 @@ TEST(RangeFactor, IsThatOnWhichDifferentObjectsAgree) {
   }
 }
 
-TEST(RangeFactor, ExactRangesHaveNone) {
-  EXPECT_FALSE(EstimateRangeFactor(std::vector{Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1)}, {}));
-}
+TEST(RangeFactor, ExactRangesHaveNone) { EXPECT_FALSE(FactorOf({Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1)})); }
 
 TEST(RangeFactor, OneObjectOfAnotherSizeIsNoCommonError) {
-  EXPECT_FALSE(EstimateRangeFactor(std::vector{Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1.2)}, {}));
-  EXPECT_FALSE(EstimateRangeFactor(std::vector{Seen(2, {8, 5, 1}, 1.2)}, {}));
+  EXPECT_FALSE(FactorOf({Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1.2)}));
+  EXPECT_FALSE(FactorOf({Seen(2, {8, 5, 1}, 1.2)}));
 }
 
 // Each drives at a speed of its own, and so contradicts its size by another factor.
@@ -75,7 +78,7 @@ TEST(RangeFactor, DrivingObjectsHaveNone) {
   const std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, 1, false, {5, 0, 0}),
                                                    Seen(2, {8, 5, 1}, 1, false, {-6, 0, 0}),
                                                    Seen(3, {-6, 7, 1}, 1, false, {7, 2, 0})};
-  EXPECT_FALSE(EstimateRangeFactor(tracklets, {}));
+  EXPECT_FALSE(FactorOf(tracklets));
 }
 
 }  // namespace

@@ -109,8 +109,8 @@ bool TrackletLinker::IsConsistent(const GrowingTracklet& tracklet, const Sightin
     objects.locate.motion = motion;
     const std::optional<Geolocation> place = EstimatePlace(observations, objects, kFlightErrorFraction).place;
     if (!place) return true;
-    const double off = MahalanobisDistance(*sighting.observation, PropagatePlace(*place, sighting.time_s),
-                                           kMergeSlack_m, objects.locate, 1);
+    const double off = MahalanobisDistance(*sighting.observation, PredictPlace(*place, sighting.time_s), kMergeSlack_m,
+                                           objects.locate, 1);
     if (off <= kTrackletGateSigma) return true;
   }
   return false;

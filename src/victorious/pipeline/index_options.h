@@ -53,7 +53,7 @@ struct IndexOptions {
   void ListFields(FieldList& fields);
 
   /// Lists the parameters that affect what is stored for a video. The others only affect data association
-  /// (associate_objects.h), so they may change without a new search.
+  /// (update_objects.h), so they may change without a new search.
   void ListSearchFields(FieldList& fields);
 };
 

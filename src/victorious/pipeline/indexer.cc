@@ -12,7 +12,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/associate/update_objects.h"
 #include "victorious/base/check.h"
+#include "victorious/base/json.h"
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
 #include "victorious/model/relit_views.h"
@@ -21,6 +23,7 @@
 #include "victorious/pipeline/index_pass.h"
 #include "victorious/pipeline/model_engine.h"
 #include "victorious/pipeline/video_telemetry.h"
+#include "victorious/terrain/terrain.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -28,11 +31,11 @@ namespace {
 
 // Lists the parameters that differ between two stored JSON texts, with both values.
 std::string DescribeDifference(const std::string& before, const std::string& now) {
-  const auto a = nlohmann::json::parse(before, nullptr, /*allow_exceptions=*/false);
-  const auto b = nlohmann::json::parse(now, nullptr, /*allow_exceptions=*/false);
-  if (!a.is_object() || !b.is_object()) return "another version's parameters";
-  const auto flat_a = a.flatten();
-  const auto flat_b = b.flatten();
+  const Expected<nlohmann::json> a = ParseStrictJson(before);
+  const Expected<nlohmann::json> b = ParseStrictJson(now);
+  if (!a || !b || !a->is_object() || !b->is_object()) return "another version's parameters";
+  const auto flat_a = a->flatten();
+  const auto flat_b = b->flatten();
   std::vector<std::string> changes;
   auto keys = flat_a;
   keys.update(flat_b);
@@ -42,7 +45,7 @@ std::string DescribeDifference(const std::string& before, const std::string& now
     if (old == value) continue;
     std::string name = key.substr(1);
     std::ranges::replace(name, '/', '.');
-    changes.push_back(fmt::format("{} was {}, is {}", name, old.dump(), value.dump()));
+    changes.push_back(fmt::format("{} was {}, is {}", name, DumpJson(old), DumpJson(value)));
   }
   return changes.empty() ? "another version's parameters" : fmt::format("{}", fmt::join(changes, "; "));
 }
@@ -96,10 +99,10 @@ std::string SearchOptionsText(IndexOptions options, const IndexJob& job) {
   options.ListSearchFields(fields);
   std::string text = ToJsonText(fields.fields());
   if (!job.from_s && !job.to_s) return text;
-  auto json = nlohmann::json::parse(text);
+  nlohmann::json json = ParseStrictJson(text).value();
   if (job.from_s) json["searched"]["from_s"] = *job.from_s;
   if (job.to_s) json["searched"]["to_s"] = *job.to_s;
-  return json.dump();
+  return DumpJson(json);
 }
 
 // The folder that a relative name is relative to; empty for absolute names and URLs.
@@ -119,6 +122,18 @@ Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<Mode
     }
   }
   return {};
+}
+
+// Of a ground that was made: its options, and the size and time of its files.
+std::string IdentifyGround(const GroundOptions& ground) {
+  std::string id = OptionsToJsonText(ground);
+  for (const std::string& file : {ground.terrain, ground.geoid_grid}) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(file, error);
+    const auto time = std::filesystem::last_write_time(file, error);
+    if (!file.empty() && !error) id += fmt::format(" {} {}", size, time.time_since_epoch().count());
+  }
+  return id;
 }
 
 void WarnIfChanged(const ModelRecord& target, const std::vector<ModelRecord>& models_before, const WarningSink& warn) {
@@ -161,6 +176,7 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
     VICTORIOUS_ASSIGN_OR_RETURN(finder, CategoryFinder::Create(*std::move(categories), options.categories));
   }
   Indexer indexer(std::move(models), used, std::move(extractor), std::move(kept_extractor), std::move(finder));
+  if (ground) indexer.options_.objects.ground_id = IdentifyGround(options.ground);
   indexer.options_.objects.ground = std::move(ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.targets_, indexer.targets_));
   return indexer;
@@ -187,7 +203,7 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
     const auto warn_of_own = [&](const VideoRecord& video, const std::string& warning) {
       if (video.name == job.video) emit_warning(warning);
     };
-    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, *flight_errors_, cancel, warn_of_own));
+    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, cancel, warn_of_own));
   }
   return report;
 }

@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "victorious/associate/flight_errors.h"
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/warning_sink.h"
@@ -37,7 +36,7 @@ class Indexer {
 
   /// Indexes one video. Resumes where an earlier call stopped; in a video indexed before searches for new models only;
   /// stores nothing twice. Commits results and progress together every 2 s, so that a kill loses no more than that. At
-  /// the end, finished or cancelled, recomputes the objects of the whole index (associate_objects.h).
+  /// the end, finished or cancelled, updates the objects of the whole index (update_objects.h).
   /// The video is stored by its name as given, with the current folder if that is relative.
   /// Errors: those of VideoReader, IndexStore, and of a telemetry file that was given; kInvalidArgument if the video
   /// was indexed with other parameters and `redo` is false; kConflict if another process is indexing the same video;
@@ -80,7 +79,6 @@ class Indexer {
   std::unique_ptr<const FeatureExtractor> kept_extractor_;  // of the features kept for search by example image
   std::optional<CategoryFinder> categories_;
   std::vector<ModelRecord> targets_;  // models, then categories, as stored
-  std::unique_ptr<FlightErrorCache> flight_errors_ = std::make_unique<FlightErrorCache>();  // of the indexed videos
 };
 
 }  // namespace victorious

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -72,6 +74,7 @@ struct TrackletRecord {
   std::int64_t frames = 0;  ///< with a sighting
   double first_time_s = 0;
   double last_time_s = 0;
+  std::int64_t revision = 0;  ///< set by the store: changes whenever a batch adds to the tracklet
 };
 
 /// An object: one or more tracklets, in one or more videos, joined by data association.
@@ -88,6 +91,29 @@ struct ObjectRecord {
   std::optional<double> heading_rad;  ///< direction of its front, clockwise from north
   std::string rejected;               ///< the reason for its rejection; empty: not rejected
   std::string place_rejected;         ///< the reason why an estimated place was rejected, if that is why it has none
+};
+
+/// Identifies a kept fit: the first of its tracklets, and a number that its maker computes of all else that it depends
+/// on.
+struct FitKey {
+  std::int64_t tracklet = 0;
+  std::int64_t key = 0;
+
+  auto operator<=>(const FitKey&) const = default;
+};
+
+/// What data association keeps of one run for the next, in its own bytes (associate/). Deleted with its tracklet.
+struct KeptFit {
+  FitKey key;
+  std::vector<std::byte> fit;
+  std::vector<std::byte> path;  ///< a part of it that is read by FindKeptPath() alone; may be empty
+};
+
+/// What data association changes.
+struct ObjectUpdate {
+  std::vector<ObjectRecord> objects;  ///< all of them
+  std::vector<KeptFit> put_fits;      ///< added, or replaced; without a path, the stored one stays
+  std::vector<FitKey> deleted_fits;
 };
 
 /// How a sighting was found.
@@ -170,12 +196,13 @@ struct SightingFilter {
   std::optional<std::string> model_name;
   std::optional<std::string> category_name;  ///< includes subcategories: "vehicle" matches "vehicle/car"
   std::optional<std::string> video_name;     ///< see FindVideosByName
-  std::optional<double> from_s;        ///< inclusive; an object matches if its time interval overlaps [from_s, to_s]
-  std::optional<double> to_s;          ///< inclusive
-  std::optional<GeoCircle> near;       ///< only objects of known place, and their sightings
-  bool include_rejected = false;       ///< include rejected objects
-  std::optional<std::int64_t> object;  ///< the object of this id
-  std::optional<std::int64_t> video;   ///< the video of this id, or objects seen in it
+  std::optional<double> from_s;          ///< inclusive; an object matches if its time interval overlaps [from_s, to_s]
+  std::optional<double> to_s;            ///< inclusive
+  std::optional<GeoCircle> near;         ///< only objects of known place, and their sightings
+  bool include_rejected = false;         ///< include rejected objects
+  std::optional<std::int64_t> object;    ///< the object of this id
+  std::optional<std::int64_t> video;     ///< the video of this id, or objects seen in it
+  std::optional<std::int64_t> tracklet;  ///< the tracklet of this id, or its object
 };
 
 /// What a person says of an object.
@@ -190,7 +217,7 @@ inline constexpr auto kVerdictTexts =
 
 constexpr std::string_view ToText(Verdict verdict) { return ToText(kVerdictTexts, verdict); }
 
-/// The review of an object.
+/// The review of an object by one person.
 struct Review {
   std::optional<Verdict> verdict;  ///< std::nullopt: undecided
   std::string note;
@@ -236,6 +263,8 @@ class IndexStore {
   [[nodiscard]] virtual Expected<std::vector<ModelRecord>> Models() = 0;
 
   [[nodiscard]] virtual Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) = 0;
+  /// Returns all searches, in no order.
+  [[nodiscard]] virtual Expected<std::vector<SearchRecord>> Searches() = 0;
   /// Deletes the tracklets and sightings of a model in a video, and the progress of the search.
   [[nodiscard]] virtual Status DeleteSearch(std::int64_t video, std::int64_t model) = 0;
   /// Deletes the kept features of a video.
@@ -251,14 +280,19 @@ class IndexStore {
   [[nodiscard]] virtual Expected<std::vector<TrackletRecord>> Tracklets() = 0;
   /// In one transaction, assigns the tracklets of these objects to them, and deletes objects without a tracklet. Uses
   /// only id, model, tracklets, place, heading and rejection of ObjectRecord; ignores tracklets that were deleted.
+  /// Writes only what differs from what is stored, for which it reads all objects and the objects of all tracklets.
   [[nodiscard]] virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
-  /// Stores the objects that `make` computes from the content of the store, as PutObjects does. Of processes that do so
-  /// at once, the last one to store has seen what the others had stored before: `make` may be called again. Errors:
-  /// those of `make`; kCancelled, or kInternal that names who holds it, if another process does not let go of the
-  /// objects.
+  /// Stores the objects that `make` computes from the content of the store, as PutObjects does, and the fits that it
+  /// keeps, in one transaction; ignores fits of tracklets that were deleted. Of processes that do so at once, the last
+  /// one to store has seen what the others had stored before: `make` may be called again. Errors: those of `make`;
+  /// kCancelled, or kInternal that names who holds it, if another process does not let go of the objects.
   /// @param cancel  does not stop `make` or the storing, only long waiting for another process
-  [[nodiscard]] virtual Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+  [[nodiscard]] virtual Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
                                              const CancelToken& cancel) = 0;
+  /// Visits the kept fits without their paths, in no order; `visit` returns false to stop.
+  [[nodiscard]] virtual Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) = 0;
+  /// Returns the path of a kept fit; empty if there is none.
+  [[nodiscard]] virtual Expected<std::vector<std::byte>> FindKeptPath(const FitKey& key) = 0;
 
   /// Returns the matching objects, best first: by score, then by number of frames, then by id.
   [[nodiscard]] virtual Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) = 0;
@@ -273,14 +307,18 @@ class IndexStore {
   [[nodiscard]] virtual Status VisitKeptFrames(const SightingFilter& filter,
                                                const std::function<bool(KeptFrame&&)>& visit) = 0;
 
-  /// Replaces the review of an object; an empty one deletes it. A review is stored with the first sighting of each
-  /// tracklet of the object (video by content, model by name, frame, box), not with ids: it survives a new search, and
-  /// follows the object if its tracklets are joined or parted. Error: kNotFound.
+  /// Replaces the review of an object by Review::reviewer; an empty one deletes it; those of others stay. A review is
+  /// stored with the first sighting of each tracklet of the object (video by content, model by name, frame, box), not
+  /// with ids: it survives a new search, and follows the object if its tracklets are joined or parted. Error:
+  /// kNotFound.
   [[nodiscard]] virtual Status PutReview(std::int64_t object, const Review& review) = 0;
-  /// Returns the reviews of the present objects, by object id. A stored review belongs to the object of its model with
-  /// a sighting in its frame that overlaps its box by half or more (intersection over union); of several, the latest
-  /// counts. Commit and PutObjects assign them; PutObjects at a cost proportional to the number of reviews.
+  /// Returns the team's reviews of the present objects, by object id: of all persons' the latest with a verdict, else
+  /// the latest. A stored review belongs to the object of its model with a sighting in its frame that overlaps its box
+  /// by half or more (intersection over union). Commit and PutObjects assign them; PutObjects at a cost proportional to
+  /// the number of reviews.
   [[nodiscard]] virtual Expected<std::vector<ReviewedObject>> Reviews() = 0;
+  /// Returns the latest review of each person that belongs to an object, latest first.
+  [[nodiscard]] virtual Expected<std::vector<Review>> Decisions(std::int64_t object) = 0;
 
   /// Reads everything and returns the faults that it finds, one line each: damaged pages, rows that refer to missing
   /// rows, values that cannot be read; empty for a sound index. Cost: that of reading the whole file.

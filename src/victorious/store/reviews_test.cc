@@ -11,6 +11,7 @@
 namespace victorious {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
 class ReviewsTest : public ::testing::TestWithParam<testing::StoreKind> {
@@ -122,6 +123,64 @@ TEST_P(ReviewsTest, ReviewFollowsJoinedAndPartedTracklets) {
   ASSERT_THAT(*reviews, SizeIs(2));
   EXPECT_EQ(reviews->front().review.note, "both");
   EXPECT_EQ(reviews->back().review.note, "both");
+}
+
+// Each person has an own review; the team's is the latest with a verdict.
+TEST_P(ReviewsTest, EachPersonDecidesAlone) {
+  const std::int64_t object = CommitOne(MakeBatch(0, 3, 0.5));
+  const auto team = [&]() -> Review {
+    const auto reviews = store_->Reviews();
+    EXPECT_TRUE(reviews) << reviews.error().message;
+    return reviews && !reviews->empty() ? reviews->front().review : Review{};
+  };
+  const auto persons = [&] {
+    std::vector<std::string> names;
+    const auto decisions = store_->Decisions(object);
+    EXPECT_TRUE(decisions) << decisions.error().message;
+    for (const Review& one : *decisions) names.push_back(one.reviewer);
+    return names;
+  };
+  ASSERT_TRUE(store_->PutReview(object, {Verdict::kAccepted, "mine", 10, "ann"}));
+  ASSERT_TRUE(store_->PutReview(object, {Verdict::kRejected, "a shed", 20, "bob"}));
+  EXPECT_EQ(team().reviewer, "bob");
+  EXPECT_EQ(team().verdict, Verdict::kRejected);
+  EXPECT_THAT(persons(), ElementsAre("bob", "ann"));
+  EXPECT_EQ(store_->Decisions(object)->back().note, "mine");
+
+  ASSERT_TRUE(store_->PutReview(object, {std::nullopt, "who knows", 30, "cid"}));
+  EXPECT_EQ(team().reviewer, "bob") << "a note takes no verdict back";
+  EXPECT_THAT(persons(), ElementsAre("cid", "bob", "ann"));
+
+  ASSERT_TRUE(store_->PutReview(object, {std::nullopt, "", 40, "bob"}));
+  EXPECT_EQ(team().reviewer, "ann") << "what bob took back";
+  ASSERT_TRUE(store_->PutReview(object, {std::nullopt, "", 40, "ann"}));
+  EXPECT_EQ(team().note, "who knows");
+  EXPECT_THAT(persons(), ElementsAre("cid"));
+  EXPECT_THAT(*store_->Decisions(1234), SizeIs(0));
+}
+
+TEST_P(ReviewsTest, DecisionsFollowJoinedAndPartedTracklets) {
+  const std::int64_t a = CommitOne(MakeBatch(0, 2, 0.5));
+  const std::int64_t b = CommitOne(MakeBatch(10, 2, 0.5));
+  ASSERT_TRUE(store_->PutReview(a, {Verdict::kAccepted, "", 10, "ann"}));
+  ASSERT_TRUE(store_->PutReview(b, {Verdict::kRejected, "", 20, "bob"}));
+  ASSERT_TRUE(store_->PutReview(b, {Verdict::kAccepted, "again", 30, "ann"}));
+  const std::vector<ObjectRecord> joined = {{.id = a, .model = model_, .tracklets = {a, b}}};
+  ASSERT_TRUE(store_->PutObjects(joined));
+  ASSERT_THAT(*store_->Decisions(a), SizeIs(2)) << "one a person, her latest";
+  EXPECT_EQ(store_->Decisions(a)->front().note, "again");
+  EXPECT_EQ(store_->Decisions(a)->back().reviewer, "bob");
+  const std::vector<ObjectRecord> parted = {{.id = a, .model = model_, .tracklets = {a}},
+                                            {.id = b, .model = model_, .tracklets = {b}}};
+  ASSERT_TRUE(store_->PutObjects(parted));
+  ASSERT_THAT(*store_->Decisions(a), SizeIs(1));
+  EXPECT_EQ(store_->Decisions(a)->front().updated_utc_us, 10);
+  EXPECT_THAT(*store_->Decisions(b), SizeIs(2));
+  ASSERT_TRUE(store_->DeleteSearch(video_, model_));
+  EXPECT_THAT(*store_->Decisions(b), SizeIs(0)) << "no object is there";
+  CommitOne(MakeBatch(10, 2, 0.5));
+  const std::int64_t found = store_->Reviews()->front().object;
+  EXPECT_THAT(*store_->Decisions(found), SizeIs(2)) << "a new search finds it again";
 }
 
 TEST_P(ReviewsTest, ChangeNumberFollowsOtherConnections) {

@@ -26,7 +26,9 @@ struct GeoPolygon {
 
 /// Selects objects. All conditions that are set must hold. Rejected objects (ObjectRecord::rejected) never match.
 struct ObjectQuery {
-  enum class ReviewState { kAny, kNone, kAccepted, kRejected };
+  /// kNone to kRejected: of the team's review. kOwn: `reviewer` has decided; kNotOwn: `reviewer` has not, whether
+  /// others have or not; kConflicting: persons disagree.
+  enum class ReviewState { kAny, kNone, kAccepted, kRejected, kOwn, kNotOwn, kConflicting };
 
   std::vector<std::string> models;    ///< names; empty: all
   std::optional<std::int64_t> video;  ///< seen in this video
@@ -37,6 +39,7 @@ struct ObjectQuery {
   std::optional<GeoPolygon> area;     ///< only objects of known place
   std::vector<std::string> words;  ///< each is part of the model's name, of the id or of the note; ASCII ignores case
   ReviewState review = ReviewState::kAny;
+  std::string reviewer;  ///< for kOwn and kNotOwn
 
   [[nodiscard]] bool IsEmpty() const;  ///< selects all objects
 };
@@ -67,9 +70,13 @@ struct ObjectSlice {
 
 /// An object as listed.
 struct TriageObject {
-  ObjectRecord object;  ///< `videos` and `tracklets` are empty: see `moments`
-  Review review;
+  ObjectRecord object;                  ///< `videos` and `tracklets` are empty: see `moments`
+  Review review;                        ///< the team's (IndexStore::Reviews)
+  std::vector<Review> decisions;        ///< of persons: the kMaxDecisions latest, latest first
+  bool is_contested = false;            ///< persons disagree about its verdict
   std::vector<TrackletRecord> moments;  ///< its tracklets, by video and time
+
+  static constexpr int kMaxDecisions = 10;
 };
 
 /// Numbers of the objects that match a query.

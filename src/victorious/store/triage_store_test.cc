@@ -198,6 +198,46 @@ TEST_F(TriageStoreTest, FiltersSelect) {
   EXPECT_EQ(counts->scores[95], 1);
 }
 
+TEST_F(TriageStoreTest, DecisionsOfPersonsSelect) {
+  ASSERT_TRUE(writer_->PutReview(ids_[0], {Verdict::kAccepted, "", 10, "ann"}));
+  ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kAccepted, "", 11, "ann"}));
+  ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kRejected, "no", 12, "bob"}));
+  ASSERT_TRUE(writer_->PutReview(ids_[2], {Verdict::kRejected, "", 13, "bob"}));
+  ASSERT_TRUE(writer_->PutReview(ids_[3], {std::nullopt, "a note only", 14, "bob"}));
+  const auto of = [&](ObjectQuery::ReviewState state, const char* reviewer) {
+    return List({.review = state, .reviewer = reviewer});
+  };
+  using State = ObjectQuery::ReviewState;
+  EXPECT_THAT(of(State::kOwn, "ann"), ElementsAre(ids_[0], ids_[1]));
+  EXPECT_THAT(of(State::kOwn, "bob"), ElementsAre(ids_[1], ids_[2]));
+  EXPECT_THAT(of(State::kOwn, ""), IsEmpty());
+  EXPECT_THAT(of(State::kNotOwn, "ann"), ElementsAre(ids_[2], ids_[3], ids_[4], ids_[5]));
+  EXPECT_THAT(of(State::kNotOwn, "bob"), ElementsAre(ids_[0], ids_[3], ids_[4], ids_[5])) << "a note decides nothing";
+  EXPECT_THAT(of(State::kConflicting, ""), ElementsAre(ids_[1]));
+  EXPECT_EQ(store_->Count({.review = State::kConflicting})->objects, 1);
+  const auto rows = store_->ObjectsById(ids_);
+  ASSERT_TRUE(rows) << rows.error().message;
+  const TriageObject& contested = *std::ranges::find(*rows, ids_[1], [](const auto& one) { return one.object.id; });
+  EXPECT_TRUE(contested.is_contested);
+  EXPECT_EQ(contested.review.verdict, Verdict::kRejected) << "the latest";
+  ASSERT_THAT(contested.decisions, SizeIs(2));
+  EXPECT_EQ(contested.decisions.front().reviewer, "bob");
+  EXPECT_EQ(contested.decisions.front().note, "no");
+  // They agree again.
+  ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kAccepted, "", 20, "bob"}));
+  EXPECT_THAT(of(State::kConflicting, ""), IsEmpty());
+}
+
+TEST_F(TriageStoreTest, RowsHaveTheLatestDecisionsOnly) {
+  for (int i = 0; i < 2 * TriageObject::kMaxDecisions; ++i) {
+    ASSERT_TRUE(writer_->PutReview(ids_[0], {Verdict::kAccepted, "", i, "person " + std::to_string(i)}));
+  }
+  const auto rows = store_->ObjectsById({&ids_[0], 1});
+  ASSERT_THAT(rows->front().decisions, SizeIs(TriageObject::kMaxDecisions));
+  EXPECT_EQ(rows->front().decisions.front().reviewer, "person 19");
+  EXPECT_THAT(*writer_->Decisions(ids_[0]), SizeIs(2 * TriageObject::kMaxDecisions));
+}
+
 TEST_F(TriageStoreTest, AreasSelect) {
   PutPlace(ids_[0], 52, 13);
   PutPlace(ids_[1], 52, 13.002);

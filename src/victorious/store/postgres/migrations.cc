@@ -33,9 +33,9 @@ Status AddPostgis(Connection& connection) {
 }  // namespace
 
 std::span<const Migration> Migrations() {
-  static constexpr std::array kMigrations = {Migration{1, kSchema001}, Migration{2, kSchema002},
-                                             Migration{3, kSchema003}, Migration{4, kSchema004},
-                                             Migration{5, kSchema005}};
+  static constexpr std::array kMigrations = {
+      Migration{1, kSchema001}, Migration{2, kSchema002}, Migration{3, kSchema003}, Migration{4, kSchema004},
+      Migration{5, kSchema005}, Migration{6, kSchema006}, Migration{7, kSchema007}};
   return kMigrations;
 }
 

@@ -11,12 +11,14 @@
 
 #include "victorious/base/check.h"
 #include "victorious/store/postgres/migrations.h"
+#include "victorious/store/sql/changed_objects.h"
 #include "victorious/store/sql/records.h"
 
 namespace victorious::postgres {
 namespace {
 
 constexpr int kSightingsAtOnce = 2000;
+constexpr int kFitsAtOnce = 10000;
 constexpr int kKeptFramesAtOnce = 8;  // some 0.3 MB each
 
 // Ids of a video's tracklets: those of one video lie below those of the next, whichever is indexed first.
@@ -177,6 +179,13 @@ Expected<std::optional<SearchRecord>> PostgresStore::FindSearch(std::int64_t vid
   return sql::ReadSearch(found, video, model);
 }
 
+Expected<std::vector<SearchRecord>> PostgresStore::Searches() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(sql::kSelectSearches));
+  std::vector<SearchRecord> searches;
+  while (rows.Next()) searches.push_back(sql::ReadSearch(rows, rows.Integer(4), rows.Integer(5)));
+  return searches;
+}
+
 Status PostgresStore::DeleteSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
   for (const std::string_view sql :
@@ -236,8 +245,8 @@ Expected<std::vector<std::int64_t>> PostgresStore::PutTracklets(
     if (known_id) {
       VICTORIOUS_ASSIGN_OR_RETURN(
           const Result grown,
-          connection_->Query("UPDATE tracklets SET score = ?, frames = ?, first_time_s = ?, last_time_s = ? "
-                             "WHERE id = ? AND video_id = ? AND model_id = ?",
+          connection_->Query("UPDATE tracklets SET score = ?, frames = ?, first_time_s = ?, last_time_s = ?, "
+                             "revision = revision + 1 WHERE id = ? AND video_id = ? AND model_id = ?",
                              tracklet.score, tracklet.frames, tracklet.first_time_s, tracklet.last_time_s, *known_id,
                              tracklet.video, tracklet.model));
       if (grown.Changes() != 1) return std::unexpected(Missing("tracklet", *known_id));
@@ -299,54 +308,113 @@ Expected<std::vector<TrackletRecord>> PostgresStore::Tracklets() {
 }
 
 Status PostgresStore::PutObjects(std::span<const ObjectRecord> objects) {
-  CopyRows object_rows;
-  CopyRows member_rows;
-  for (const ObjectRecord& object : objects) {
-    BoundValues row;
-    sql::BindObject(object, row);
-    object_rows.Add(row);
-    for (const std::int64_t tracklet : object.tracklets) member_rows.AddRow(object.id, tracklet);
-  }
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
-  const std::string columns = sql::kObjectColumns.Names();
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
-      fmt::format("CREATE TEMPORARY TABLE new_objects ON COMMIT DROP AS SELECT {} FROM objects WITH NO DATA; "
-                  "CREATE TEMPORARY TABLE new_members (object_id bigint, tracklet_id bigint) ON COMMIT DROP",
-                  columns)));
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy(fmt::format("new_objects ({})", columns), object_rows));
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_members (object_id, tracklet_id)", member_rows));
-  // All columns but the key and the model are replaced if the object exists. Rows that stay as they are are not
-  // written.
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(fmt::format(
-      "ANALYZE new_objects, new_members; "
-      "INSERT INTO objects ({0}) SELECT {0} FROM new_objects n WHERE EXISTS (SELECT 1 FROM models m WHERE m.id = "
-      "n.model_id) ON CONFLICT (id) DO UPDATE SET {1} WHERE ({2}) IS DISTINCT FROM ({3}); "
-      "UPDATE tracklets t SET object_id = n.object_id FROM new_members n JOIN objects o ON o.id = n.object_id "
-      "WHERE t.id = n.tracklet_id AND t.object_id IS DISTINCT FROM n.object_id; "
-      "DELETE FROM objects o WHERE NOT EXISTS (SELECT 1 FROM tracklets t WHERE t.object_id = o.id)",
-      columns, sql::kObjectColumns.Updates(sql::kObjectColumns.Index("place_time_s")),
-      sql::kObjectColumns.Names("objects"), sql::kObjectColumns.Names("excluded"))));
+  VICTORIOUS_RETURN_IF_ERROR(WriteObjects(objects));
   return transaction.Commit();
 }
 
-Status PostgresStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
-                                    const CancelToken& cancel) {
+Status PostgresStore::Write(const ObjectUpdate& update) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  VICTORIOUS_RETURN_IF_ERROR(WriteObjects(update.objects));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFits(update));
+  return transaction.Commit();
+}
+
+Status PostgresStore::WriteObjects(std::span<const ObjectRecord> objects) {
+  const std::string columns = sql::kObjectColumns.Names();
+  sql::ChangedObjects changed(objects);
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(Result stored, connection_->Query("SELECT " + columns + " FROM objects"));
+    while (stored.Next()) changed.Compare(stored);
+    VICTORIOUS_ASSIGN_OR_RETURN(Result tracklets, connection_->Query("SELECT id, object_id FROM tracklets"));
+    while (tracklets.Next()) changed.CompareTracklet(tracklets);
+  }
+  CopyRows object_rows;
+  CopyRows member_rows;
+  for (const ObjectRecord* object : changed.objects()) {
+    BoundValues row;
+    sql::BindObject(*object, row);
+    object_rows.Add(row);
+  }
+  for (const auto& [tracklet, object] : changed.members()) member_rows.AddRow(object, tracklet);
+  if (!object_rows.IsEmpty() || !member_rows.IsEmpty()) {
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
+        fmt::format("CREATE TEMPORARY TABLE new_objects ON COMMIT DROP AS SELECT {} FROM objects WITH NO DATA; "
+                    "CREATE TEMPORARY TABLE new_members (object_id bigint, tracklet_id bigint) ON COMMIT DROP",
+                    columns)));
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Copy(fmt::format("new_objects ({})", columns), object_rows));
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_members (object_id, tracklet_id)", member_rows));
+    // All columns but the key and the model are replaced if the object exists.
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(fmt::format(
+        "ANALYZE new_objects, new_members; "
+        "INSERT INTO objects ({0}) SELECT {0} FROM new_objects n WHERE EXISTS (SELECT 1 FROM models m WHERE m.id = "
+        "n.model_id) ON CONFLICT (id) DO UPDATE SET {1}; "
+        "UPDATE tracklets t SET object_id = n.object_id FROM new_members n JOIN objects o ON o.id = n.object_id "
+        "WHERE t.id = n.tracklet_id",
+        columns, sql::kObjectColumns.Updates(sql::kObjectColumns.Index("place_time_s")))));
+  }
+  return connection_->Execute(
+      "DELETE FROM objects o WHERE NOT EXISTS (SELECT 1 FROM tracklets t WHERE t.object_id = o.id)");
+}
+
+Status PostgresStore::WriteFits(const ObjectUpdate& update) {
+  if (!update.deleted_fits.empty()) {
+    CopyRows rows;
+    for (const auto& [tracklet, key] : update.deleted_fits) rows.AddRow(tracklet, key);
+    VICTORIOUS_RETURN_IF_ERROR(
+        connection_->Execute("CREATE TEMPORARY TABLE old_fits (tracklet_id bigint, key bigint) ON COMMIT DROP"));
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("old_fits (tracklet_id, key)", rows));
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
+        "ANALYZE old_fits; DELETE FROM kept_fits k USING old_fits o WHERE k.tracklet_id = o.tracklet_id AND k.key = "
+        "o.key"));
+  }
+  if (update.put_fits.empty()) return {};
+  CopyRows rows;
+  for (const KeptFit& kept : update.put_fits) {
+    BoundValues row;
+    sql::BindKeptFit(kept, row);
+    rows.Add(row);
+  }
+  const std::string columns = sql::kKeptFitColumns.Names();
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
+      fmt::format("CREATE TEMPORARY TABLE new_fits ON COMMIT DROP AS SELECT {} FROM kept_fits WITH NO DATA", columns)));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy(fmt::format("new_fits ({})", columns), rows));
+  return connection_->Execute(fmt::format(
+      "INSERT INTO kept_fits ({0}) SELECT {0} FROM new_fits n WHERE EXISTS (SELECT 1 FROM tracklets t WHERE t.id = "
+      "n.tracklet_id) ON CONFLICT (tracklet_id, key) DO UPDATE SET fit = excluded.fit, path = coalesce(excluded.path, "
+      "kept_fits.path)",
+      columns));
+}
+
+Status PostgresStore::VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) {
+  return connection_->Visit(sql::kSelectKeptFits, {}, kFitsAtOnce,
+                            [&](const Result& row) -> Expected<bool> { return visit(sql::ReadKeptFit(row)); });
+}
+
+Expected<std::vector<std::byte>> PostgresStore::FindKeptPath(const FitKey& key) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result row, connection_->Query(sql::kFindKeptPath, key.tracklet, key.key));
+  if (!row.Next()) return std::vector<std::byte>();
+  const std::span<const std::byte> path = row.Blob(0);
+  return std::vector<std::byte>(path.begin(), path.end());
+}
+
+Status PostgresStore::UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make, const CancelToken& cancel) {
   // A connection that was lost and opened again has lost the lock.
   constexpr int kMaxTries = 3;
   for (int tries = 1;; ++tries) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t session, LockObjects(cancel));
-    const Expected<std::vector<ObjectRecord>> objects = make();
+    const Expected<ObjectUpdate> update = make();
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t session_now, Session());
     const bool is_locked = session_now == session;
-    if (objects && !is_locked && tries < kMaxTries) continue;
+    if (update && !is_locked && tries < kMaxTries) continue;
     Status status;
-    if (!objects) {
-      status = std::unexpected(objects.error());
+    if (!update) {
+      status = std::unexpected(update.error());
     } else if (!is_locked) {
       status = Fail(ErrorCode::kInternal,
                     fmt::format("{}: the connection was lost again and again: run this again", connection_->name()));
     } else {
-      status = PutObjects(*objects);
+      status = Write(*update);
     }
     if (is_locked) VICTORIOUS_RETURN_IF_ERROR(UnlockObjects());
     return status;
@@ -471,7 +539,8 @@ Expected<std::vector<std::string>> PostgresStore::FindFaults() {
         Reference{"searches", "model_id", "models"}, Reference{"searches", "options_id", "options"},
         Reference{"objects", "model_id", "models"}, Reference{"tracklets", "object_id", "objects"},
         Reference{"tracklets", "video_id", "videos"}, Reference{"tracklets", "model_id", "models"},
-        Reference{"sightings", "tracklet_id", "tracklets"}, Reference{"kept_frames", "video_id", "videos"}}) {
+        Reference{"sightings", "tracklet_id", "tracklets"}, Reference{"kept_fits", "tracklet_id", "tracklets"},
+        Reference{"kept_frames", "video_id", "videos"}}) {
     const auto count = [&]() -> Status {
       VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(fmt::format(
                                                    "SELECT count(*) FROM {0} c WHERE c.{1} IS NOT NULL AND NOT EXISTS "

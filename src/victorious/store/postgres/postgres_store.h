@@ -41,6 +41,7 @@ class PostgresStore final : public IndexStore {
   [[nodiscard]] Expected<std::vector<ModelRecord>> Models() override;
 
   [[nodiscard]] Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override;
+  [[nodiscard]] Expected<std::vector<SearchRecord>> Searches() override;
   [[nodiscard]] Status DeleteSearch(std::int64_t video, std::int64_t model) override;
   [[nodiscard]] Status DeleteKeptFrames(std::int64_t video) override;
 
@@ -48,8 +49,10 @@ class PostgresStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
-  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+  [[nodiscard]] Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
                                      const CancelToken& cancel) override;
+  [[nodiscard]] Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) override;
+  [[nodiscard]] Expected<std::vector<std::byte>> FindKeptPath(const FitKey& key) override;
 
   [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override;
   [[nodiscard]] Status VisitSightings(const SightingFilter& filter,
@@ -59,6 +62,7 @@ class PostgresStore final : public IndexStore {
 
   [[nodiscard]] Status PutReview(std::int64_t object, const Review& review) override;
   [[nodiscard]] Expected<std::vector<ReviewedObject>> Reviews() override;
+  [[nodiscard]] Expected<std::vector<Review>> Decisions(std::int64_t object) override;
   /// The faults are those of kDataLoss, and rows without those that they refer to. Errors: others of reading.
   [[nodiscard]] Expected<std::vector<std::string>> FindFaults() override;
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override;
@@ -72,6 +76,12 @@ class PostgresStore final : public IndexStore {
       const std::vector<IndexBatch::TrackletUpdate>& updates);
   [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
+  /// PutObjects inside a transaction.
+  [[nodiscard]] Status WriteObjects(std::span<const ObjectRecord> objects);
+  /// Inside a transaction.
+  [[nodiscard]] Status WriteFits(const ObjectUpdate& update);
+  /// Stores an update in one transaction.
+  [[nodiscard]] Status Write(const ObjectUpdate& update);
   /// The number of the server's process for this connection.
   [[nodiscard]] Expected<std::int64_t> Session();
   /// Waits for the lock of UpdateObjects. Returns the session that holds it. Errors: kCancelled, kInternal: another

@@ -102,6 +102,15 @@ TEST_F(PostgresStoreTest, WrongPasswordAndUnknownDatabase) {
   EXPECT_THAT(absent.message, HasSubstr("create it"));
 }
 
+TEST_F(PostgresStoreTest, TooManyConnectionsAreNoFaultOfThePassword) {
+  Run("DO $$ BEGIN CREATE ROLE one_at_a_time LOGIN CONNECTION LIMIT 1; EXCEPTION WHEN duplicate_object THEN END $$");
+  const auto first = Connection::Open(UrlOf("one_at_a_time", "index"), true);
+  ASSERT_TRUE(first) << first.error().message;
+  const Error error = OpenError(UrlOf("one_at_a_time", "index"));
+  EXPECT_EQ(error.code, ErrorCode::kInternal);
+  EXPECT_THAT(error.message, HasSubstr("raise the server's max_connections"));
+}
+
 TEST_F(PostgresStoreTest, ReadingMakesNoIndex) {
   const Error error = OpenError(url_, StoreMode::kRead);
   EXPECT_EQ(error.code, ErrorCode::kNotFound);
@@ -124,7 +133,7 @@ TEST_F(PostgresStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(url_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 5)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 7)"));
   }
   Run("DELETE FROM version");
   EXPECT_EQ(OpenError(url_).code, ErrorCode::kDataLoss);
@@ -138,9 +147,9 @@ TEST_F(PostgresStoreTest, ObjectsHeldByAnotherProcessAreAnErrorThatNamesIt) {
   Result row = holder->Query("SELECT pg_backend_pid()::bigint, current_user::text").value();
   ASSERT_TRUE(row.Next());
   int made = 0;
-  const auto make = [&]() -> Expected<std::vector<ObjectRecord>> {
+  const auto make = [&]() -> Expected<ObjectUpdate> {
     ++made;
-    return std::vector<ObjectRecord>();
+    return ObjectUpdate();
   };
   CancelToken cancel;
   PostgresStore impatient(Connection::Open(url_, false).value(), {.others = {}, .cancelled = std::chrono::hours(1)});
@@ -166,7 +175,7 @@ TEST_F(PostgresStoreTest, MigratesIndexOfVersion1) {
   Run("INSERT INTO videos (content_id, name, folder, width_px, height_px) VALUES ('c', 'a.mp4', '', 640, 480)");
   const Error error = OpenError(url_, StoreMode::kRead);
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-  EXPECT_THAT(error.message, HasSubstr("written by an older version (schema 1; this program reads 5)"));
+  EXPECT_THAT(error.message, HasSubstr("written by an older version (schema 1; this program reads 7)"));
   EXPECT_THAT(*OpenOrDie()->Videos(), SizeIs(1));
   EXPECT_THAT(*OpenOrDie(StoreMode::kRead)->Videos(), SizeIs(1));
 }

@@ -8,7 +8,7 @@
 namespace victorious::postgres {
 namespace {
 
-// The columns of the key of reviews.
+// The columns of the key of reviews but the reviewer.
 constexpr std::string_view kKey =
     "video_content_id, model_name, frame, box_x_px, box_y_px, box_width_px, box_height_px";
 
@@ -29,9 +29,9 @@ Status PostgresStore::PutReview(std::int64_t object, const Review& review) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
   VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
       fmt::format("DELETE FROM reviews WHERE ({0}) IN (SELECT r.video_content_id, r.model_name, r.frame, r.box_x_px, "
-                  "r.box_y_px, r.box_width_px, r.box_height_px FROM {1} WHERE t.object_id = ?)",
+                  "r.box_y_px, r.box_width_px, r.box_height_px FROM {1} WHERE t.object_id = ?) AND reviewer = ?",
                   kKey, kFromReviews),
-      object));
+      object, review.reviewer));
   // The first sighting of each of its tracklets.
   const std::string_view sightings =
       "FROM tracklets t JOIN videos v ON v.id = t.video_id JOIN models m ON m.id = t.model_id "
@@ -48,9 +48,8 @@ Status PostgresStore::PutReview(std::int64_t object, const Review& review) {
     VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
         fmt::format(
             "INSERT INTO reviews ({0}, verdict, note, updated_utc_us, reviewer) SELECT v.content_id, m.name, s.frame, "
-            "s.box_x_px, s.box_y_px, s.box_width_px, s.box_height_px, ?::text, ?, ?, ? {1} ON CONFLICT ({0}) DO "
-            "UPDATE SET verdict = excluded.verdict, note = excluded.note, "
-            "updated_utc_us = excluded.updated_utc_us, reviewer = excluded.reviewer",
+            "s.box_x_px, s.box_y_px, s.box_width_px, s.box_height_px, ?::text, ?, ?, ? {1} ON CONFLICT ({0}, reviewer) "
+            "DO UPDATE SET verdict = excluded.verdict, note = excluded.note, updated_utc_us = excluded.updated_utc_us",
             kKey, sightings),
         verdict, review.note, review.updated_utc_us, review.reviewer, object));
   }
@@ -62,7 +61,8 @@ Expected<std::vector<ReviewedObject>> PostgresStore::Reviews() {
       Result rows,
       connection_->Query(fmt::format("SELECT DISTINCT ON (t.object_id) t.object_id, r.verdict, r.note, r.reviewer, "
                                      "r.updated_utc_us "
-                                     "FROM {} ORDER BY t.object_id, r.updated_utc_us DESC",
+                                     "FROM {} ORDER BY t.object_id, r.verdict IS NULL, r.updated_utc_us DESC, "
+                                     "r.reviewer",
                                      kFromReviews)));
   std::vector<ReviewedObject> reviews;
   while (rows.Next()) {
@@ -70,6 +70,22 @@ Expected<std::vector<ReviewedObject>> PostgresStore::Reviews() {
     reviews.push_back({rows.Integer(0), std::move(review)});
   }
   return reviews;
+}
+
+Expected<std::vector<Review>> PostgresStore::Decisions(std::int64_t object) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result rows,
+      connection_->Query(fmt::format("SELECT verdict, note, reviewer, updated_utc_us FROM (SELECT DISTINCT ON "
+                                     "(r.reviewer) r.* FROM {} WHERE t.object_id = ? ORDER BY r.reviewer, "
+                                     "r.updated_utc_us DESC) latest ORDER BY updated_utc_us DESC, reviewer",
+                                     kFromReviews),
+                         object));
+  std::vector<Review> decisions;
+  while (rows.Next()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Review decision, sql::ReadReview(rows, 0, connection_->name()));
+    decisions.push_back(std::move(decision));
+  }
+  return decisions;
 }
 
 // The snapshot of a statement differs from an earlier one if any transaction of the server that writes began or ended

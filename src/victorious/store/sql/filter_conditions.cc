@@ -50,6 +50,7 @@ void AddTimes(const SightingFilter& filter, std::string_view first, std::string_
 Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& filter, const NearIds& near) {
   Conditions tracklet_conditions;
   VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "video_id", tracklet_conditions));
+  if (filter.tracklet) tracklet_conditions.AddOneOf("id", {*filter.tracklet});
   AddTimes(filter, "first_time_s", "last_time_s", tracklet_conditions);
   Conditions conditions;
   AddModel(filter, "o.model_id", conditions);
@@ -65,6 +66,7 @@ Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter&
   VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "s.video_id", conditions));
   AddModel(filter, "t.model_id", conditions);
   if (filter.object) conditions.AddOneOf("t.object_id", {*filter.object});
+  if (filter.tracklet) conditions.AddOneOf("s.tracklet_id", {*filter.tracklet});
   AddTimes(filter, "s.time_s", "s.time_s", conditions);
   AddRejected(filter, conditions);
   if (near) conditions.AddOneOf("o.id", *near);

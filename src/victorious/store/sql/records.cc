@@ -168,7 +168,9 @@ std::string SelectVideos() {
 
 std::string SelectModels() { return "SELECT id, name, content_id, kind FROM models "; }
 
-std::string SelectTracklets() { return "SELECT " + kTrackletColumns.Names() + ", id, object_id FROM tracklets "; }
+std::string SelectTracklets() {
+  return "SELECT " + kTrackletColumns.Names() + ", id, object_id, revision FROM tracklets ";
+}
 
 std::string ObjectResultColumns() {
   return kObjectColumns.Names("o") +
@@ -193,6 +195,17 @@ void BindObject(const ObjectRecord& object, Parameters& insert) {
                                  ? std::string(kPlaceReason) + object.place_rejected
                                  : object.rejected;
   if (!reason.empty()) insert.BindAt(kObject.Parameter("rejection_reason"), reason);
+}
+
+void BindKeptFit(const KeptFit& kept, Parameters& insert) {
+  insert.BindAt(kKeptFitColumns.Parameter("tracklet_id"), kept.key.tracklet);
+  insert.BindAt(kKeptFitColumns.Parameter("key"), kept.key.key);
+  insert.BindAt(kKeptFitColumns.Parameter("fit"), std::span<const std::byte>(kept.fit));
+  if (kept.path.empty()) {
+    insert.BindAt(kKeptFitColumns.Parameter("path"), std::nullopt);
+  } else {
+    insert.BindAt(kKeptFitColumns.Parameter("path"), std::span<const std::byte>(kept.path));
+  }
 }
 
 void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::int64_t tracklet_id, Parameters& insert) {
@@ -260,7 +273,15 @@ TrackletRecord ReadTracklet(const Row& row) {
           .score = row.Real(kTracklet.Index("score")),
           .frames = row.Integer(kTracklet.Index("frames")),
           .first_time_s = row.Real(kTracklet.Index("first_time_s")),
-          .last_time_s = row.Real(kTracklet.Index("last_time_s"))};
+          .last_time_s = row.Real(kTracklet.Index("last_time_s")),
+          .revision = row.Integer(kTracklet.Size() + 2)};
+}
+
+KeptFit ReadKeptFit(const Row& row) {
+  KeptFit kept{.key = {.tracklet = row.Integer(0), .key = row.Integer(1)}, .fit = {}, .path = {}};
+  const std::span<const std::byte> fit = row.Blob(2);
+  kept.fit.assign(fit.begin(), fit.end());
+  return kept;
 }
 
 Expected<Review> ReadReview(const Row& row, int first, std::string_view name) {

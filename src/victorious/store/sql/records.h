@@ -62,6 +62,8 @@ inline constexpr ColumnList kSightingColumns({"video_id",
 inline constexpr ColumnList kKeptFrameColumns({"video_id", "frame", "time_s", "image_width_px", "image_height_px",
                                                "keypoints", "descriptors"});
 
+inline constexpr ColumnList kKeptFitColumns({"tracklet_id", "key", "fit", "path"});
+
 // The beginnings of queries, to be followed by conditions. ReadVideo to ReadKeptFrame convert their rows.
 std::string SelectVideos();
 std::string SelectModels();
@@ -75,6 +77,12 @@ inline constexpr std::string_view kGroupObjects = "GROUP BY o.id ORDER BY score 
 inline constexpr std::string_view kFindSearch =
     "SELECT s.next_frame, s.finished, o.json, s.program_version FROM searches s JOIN options o ON o.id = s.options_id "
     "WHERE s.video_id = ? AND s.model_id = ?";
+/// Whole; the same columns, then the ids of the video and of the model.
+inline constexpr std::string_view kSelectSearches =
+    "SELECT s.next_frame, s.finished, o.json, s.program_version, s.video_id, s.model_id FROM searches s JOIN options o "
+    "ON o.id = s.options_id";
+inline constexpr std::string_view kSelectKeptFits = "SELECT tracklet_id, key, fit FROM kept_fits";
+inline constexpr std::string_view kFindKeptPath = "SELECT path FROM kept_fits WHERE tracklet_id = ? AND key = ?";
 /// To be followed by conditions and kOrderSightings. Aliases: s for the sighting, t for its tracklet, o for its object.
 std::string SelectSightings();
 inline constexpr std::string_view kOrderSightings = "ORDER BY s.video_id, s.frame, s.tracklet_id";
@@ -84,6 +92,8 @@ inline constexpr std::string_view kOrderKeptFrames = "ORDER BY video_id, frame";
 
 /// Binds all parameters of an INSERT of kObjectColumns.
 void BindObject(const ObjectRecord& object, Parameters& insert);
+/// Binds all parameters of an INSERT of kKeptFitColumns.
+void BindKeptFit(const KeptFit& kept, Parameters& insert);
 /// Binds all parameters of an INSERT of kSightingColumns.
 /// @param video_id, tracklet_id  of the sighting; those in `sighting` are ignored
 void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::int64_t tracklet_id, Parameters& insert);
@@ -93,6 +103,8 @@ VideoRecord ReadVideo(const Row& row);
 [[nodiscard]] Expected<ModelRecord> ReadModel(const Row& row, std::string_view name);
 SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model);
 TrackletRecord ReadTracklet(const Row& row);
+/// Columns of kSelectKeptFits.
+KeptFit ReadKeptFit(const Row& row);
 /// Columns: ObjectResultColumns(), then the ids of its videos and of its tracklets, each as a text "3,1,3".
 /// Error: kDataLoss if a binary column has the wrong size. `name`: the index's, for the message.
 [[nodiscard]] Expected<ObjectRecord> ReadObject(const Row& row, std::string_view name);

@@ -225,5 +225,39 @@ TEST_F(MigrationTest, MigratesIndexOfVersion6) {
   EXPECT_EQ(IntegrityCheck(path_), "ok");
 }
 
+// An index of schema 11: one review for a place, of whoever decided last. Each becomes the decision of its person.
+TEST_F(MigrationTest, MigratesReviewsOfVersion11) {
+  {
+    const auto connection = Connection::Open(path_, Access::kCreate);
+    ASSERT_TRUE(Migrate(**connection, Migrations().first(11)));
+    const Status filled =
+        (*connection)
+            ->Execute(
+                "INSERT INTO videos (id, content_id, name, width_px, height_px) VALUES (1, 'c', 'a.mp4', 640, 480);"
+                "INSERT INTO models (id, name, content_id, kind) VALUES (1, 'm', '1', 'cad');"
+                "INSERT INTO objects (id, model_id) VALUES (1, 1);"
+                "INSERT INTO tracklets (id, object_id, video_id, model_id, score, frames, first_time_s, last_time_s) "
+                "VALUES (1, 1, 1, 1, 0.9, 1, 0, 1), (2, 1, 1, 1, 0.5, 2, 3, 4);"
+                "INSERT INTO sightings (video_id, frame, tracklet_id, time_s, box_x_px, box_y_px, box_width_px, "
+                "box_height_px, outline, score, source, matches, view_index, in_plane_rad) VALUES "
+                "(1, 5, 1, 3, 100, 100, 40, 40, x'', 0.5, 'recognised', 5, 0, 0), "
+                "(1, 9, 2, 4, 100, 100, 40, 40, x'', 0.5, 'recognised', 5, 0, 0);"
+                "INSERT INTO reviews VALUES ('c', 'm', 5, 100, 100, 40, 40, 'accepted', 'yes', 10, 'ann'), "
+                "('c', 'm', 9, 100, 100, 40, 40, 'rejected', 'no', 20, 'bob');"
+                "UPDATE objects SET verdict = 'rejected', note = 'no', reviewer = 'bob', reviewed_utc_us = 20");
+    ASSERT_TRUE(filled) << filled.error().message;
+  }
+  const auto store = OpenOrDie(path_);
+  const auto decisions = store->Decisions(1);
+  ASSERT_TRUE(decisions) << decisions.error().message;
+  ASSERT_EQ(decisions->size(), 2U);
+  EXPECT_EQ(decisions->front().reviewer, "bob");
+  EXPECT_EQ(decisions->back().note, "yes");
+  EXPECT_EQ(store->Reviews()->front().review.reviewer, "bob");
+  const auto connection = Connection::Open(path_, Access::kRead);
+  EXPECT_EQ(*(*connection)->QueryText("SELECT is_contested FROM objects"), "1");
+  EXPECT_EQ(IntegrityCheck(path_), "ok");
+}
+
 }  // namespace
 }  // namespace victorious::sqlite

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/check.h"
+#include "victorious/store/sql/changed_objects.h"
 #include "victorious/store/sql/filter_conditions.h"
 #include "victorious/store/sql/records.h"
 #include "victorious/store/sqlite/open_database.h"
@@ -44,6 +45,15 @@ Status VisitAll(Statement& statement, std::string_view name,
     if (!has_row) return {};
     VICTORIOUS_ASSIGN_OR_RETURN(Record record, read(statement, name));
     if (!visit(std::move(record))) return {};
+  }
+}
+
+Status ForEachRow(Connection& connection, const std::string& query, const std::function<void(const sql::Row&)>& visit) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection.Prepare(query));
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+    if (!has_row) return {};
+    visit(select);
   }
 }
 
@@ -185,6 +195,16 @@ Expected<std::optional<SearchRecord>> SqliteStore::FindSearch(std::int64_t video
   return sql::ReadSearch(find, video, model);
 }
 
+Expected<std::vector<SearchRecord>> SqliteStore::Searches() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::kSelectSearches));
+  std::vector<SearchRecord> searches;
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+    if (!has_row) return searches;
+    searches.push_back(sql::ReadSearch(select, select.Integer(4), select.Integer(5)));
+  }
+}
+
 Status SqliteStore::DeleteSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   for (const std::string_view sql :
@@ -221,9 +241,10 @@ Status SqliteStore::PutProgress(const IndexBatch::Progress& progress) {
 Expected<std::int64_t> SqliteStore::PutTracklet(const IndexBatch::TrackletUpdate& update) {
   const TrackletRecord& tracklet = update.tracklet;
   if (update.id) {
-    VICTORIOUS_ASSIGN_OR_RETURN(Statement grow,
-                                connection_->Prepare("UPDATE tracklets SET score = ?, frames = ?, first_time_s = ?, "
-                                                     "last_time_s = ? WHERE id = ? AND video_id = ? AND model_id = ?"));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement grow, connection_->Prepare(
+                            "UPDATE tracklets SET score = ?, frames = ?, first_time_s = ?, "
+                            "last_time_s = ?, revision = revision + 1 WHERE id = ? AND video_id = ? AND model_id = ?"));
     grow.Bind(tracklet.score, tracklet.frames, tracklet.first_time_s, tracklet.last_time_s, *update.id, tracklet.video,
               tracklet.model);
     VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(grow, "tracklet", *update.id));
@@ -294,39 +315,77 @@ Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
   return transaction.Commit();
 }
 
-Status SqliteStore::UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
-                                  const CancelToken& /*cancel*/) {
+Status SqliteStore::UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make, const CancelToken& /*cancel*/) {
   // A process that changes the index again and again meanwhile will itself update the objects.
   constexpr int kMaxTries = 3;
   for (int tries = 1;; ++tries) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t before, ChangeNumber());
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, make());
+    VICTORIOUS_ASSIGN_OR_RETURN(const ObjectUpdate update, make());
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t now, ChangeNumber());
     if (now != before && tries < kMaxTries) continue;
-    VICTORIOUS_RETURN_IF_ERROR(WriteObjects(objects));
+    VICTORIOUS_RETURN_IF_ERROR(WriteObjects(update.objects));
+    VICTORIOUS_RETURN_IF_ERROR(WriteFits(update));
     return transaction.Commit();
   }
 }
 
 Status SqliteStore::WriteObjects(std::span<const ObjectRecord> objects) {
+  sql::ChangedObjects changed(objects);
+  VICTORIOUS_RETURN_IF_ERROR(ForEachRow(*connection_, "SELECT " + sql::kObjectColumns.Names() + " FROM objects",
+                                        [&](const sql::Row& row) { changed.Compare(row); }));
+  VICTORIOUS_RETURN_IF_ERROR(ForEachRow(*connection_, "SELECT id, object_id FROM tracklets",
+                                        [&](const sql::Row& row) { changed.CompareTracklet(row); }));
   {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement put, connection_->Prepare(InsertOrUpdateObject()));
     VICTORIOUS_ASSIGN_OR_RETURN(
         Statement join,
         connection_->Prepare("UPDATE tracklets SET object_id = ? WHERE id = ? AND EXISTS (SELECT 1 FROM "
                              "objects WHERE id = ?)"));
-    for (const ObjectRecord& object : objects) {
-      sql::BindObject(object, put);
+    for (const ObjectRecord* object : changed.objects()) {
+      sql::BindObject(*object, put);
       VICTORIOUS_RETURN_IF_ERROR(put.Run());
-      for (const std::int64_t tracklet : object.tracklets)
-        VICTORIOUS_RETURN_IF_ERROR(join.Bind(object.id, tracklet, object.id).Run());
     }
+    for (const auto& [tracklet, object] : changed.members())
+      VICTORIOUS_RETURN_IF_ERROR(join.Bind(object, tracklet, object).Run());
   }
   VICTORIOUS_RETURN_IF_ERROR(
-      connection_->Execute("DELETE FROM objects WHERE id NOT IN (SELECT object_id FROM tracklets "
-                           "WHERE object_id IS NOT NULL)"));
+      connection_->Execute("DELETE FROM objects WHERE NOT EXISTS (SELECT 1 FROM tracklets WHERE object_id = "
+                           "objects.id)"));
   return AssignAllReviews();
+}
+
+Status SqliteStore::WriteFits(const ObjectUpdate& update) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement forget,
+                              connection_->Prepare("DELETE FROM kept_fits WHERE tracklet_id = ? AND key = ?"));
+  for (const auto& [tracklet, key] : update.deleted_fits) VICTORIOUS_RETURN_IF_ERROR(forget.Bind(tracklet, key).Run());
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement put,
+      connection_->Prepare(fmt::format("INSERT INTO kept_fits ({}) SELECT ?1, ?2, ?3, ?4 WHERE EXISTS (SELECT 1 FROM "
+                                       "tracklets WHERE id = ?1) ON CONFLICT (tracklet_id, key) DO UPDATE SET fit = "
+                                       "excluded.fit, path = coalesce(excluded.path, path)",
+                                       sql::kKeptFitColumns.Names())));
+  for (const KeptFit& kept : update.put_fits) {
+    sql::BindKeptFit(kept, put);
+    VICTORIOUS_RETURN_IF_ERROR(put.Run());
+  }
+  return {};
+}
+
+Status SqliteStore::VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::kSelectKeptFits));
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+    if (!has_row || !visit(sql::ReadKeptFit(select))) return {};
+  }
+}
+
+Expected<std::vector<std::byte>> SqliteStore::FindKeptPath(const FitKey& key) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(sql::kFindKeptPath));
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool found, find.Bind(key.tracklet, key.key).Step());
+  if (!found) return std::vector<std::byte>();
+  const std::span<const std::byte> path = find.Blob(0);
+  return std::vector<std::byte>(path.begin(), path.end());
 }
 
 Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& filter) {

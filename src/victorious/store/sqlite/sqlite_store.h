@@ -25,6 +25,7 @@ class SqliteStore final : public IndexStore {
   [[nodiscard]] Expected<std::vector<ModelRecord>> Models() override;
 
   [[nodiscard]] Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override;
+  [[nodiscard]] Expected<std::vector<SearchRecord>> Searches() override;
   [[nodiscard]] Status DeleteSearch(std::int64_t video, std::int64_t model) override;
   [[nodiscard]] Status DeleteKeptFrames(std::int64_t video) override;
 
@@ -32,8 +33,10 @@ class SqliteStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
-  [[nodiscard]] Status UpdateObjects(const std::function<Expected<std::vector<ObjectRecord>>()>& make,
+  [[nodiscard]] Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
                                      const CancelToken& cancel) override;
+  [[nodiscard]] Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) override;
+  [[nodiscard]] Expected<std::vector<std::byte>> FindKeptPath(const FitKey& key) override;
 
   [[nodiscard]] Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override;
   [[nodiscard]] Status VisitSightings(const SightingFilter& filter,
@@ -43,6 +46,7 @@ class SqliteStore final : public IndexStore {
 
   [[nodiscard]] Status PutReview(std::int64_t object, const Review& review) override;
   [[nodiscard]] Expected<std::vector<ReviewedObject>> Reviews() override;
+  [[nodiscard]] Expected<std::vector<Review>> Decisions(std::int64_t object) override;
   [[nodiscard]] Expected<std::vector<std::string>> FindFaults() override;
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override;
 
@@ -53,7 +57,11 @@ class SqliteStore final : public IndexStore {
   [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
   /// PutObjects inside a transaction.
   [[nodiscard]] Status WriteObjects(std::span<const ObjectRecord> objects);
-  /// Writes to each object its review. Inside a transaction.
+  /// Inside a transaction.
+  [[nodiscard]] Status WriteFits(const ObjectUpdate& update);
+  /// Writes the decision of a person, and what it makes of the object's review. Inside a transaction.
+  [[nodiscard]] Status PutDecision(std::int64_t object, const Review& review);
+  /// Writes to each object its decisions and its review. Inside a transaction.
   [[nodiscard]] Status AssignAllReviews();
   /// Likewise, to the objects of these tracklets, whose former reviews stay.
   [[nodiscard]] Status AssignReviewsOf(std::span<const std::int64_t> tracklets);

@@ -179,13 +179,31 @@ TEST_F(SqliteStoreTest, RefusesForeignDatabasesUnchanged) {
   EXPECT_EQ(*ReadFile(path_), before);
 }
 
+TEST_F(SqliteStoreTest, EqualObjectsAreNotWritten) {
+  ASSERT_TRUE(CommitBatches(path_, 3));
+  const auto writer = OpenSqliteStore(path_, StoreMode::kCreate).value();
+  std::vector<ObjectRecord> objects = writer->Objects({.include_rejected = true}).value();
+  ASSERT_FALSE(objects.empty());
+  objects[0].place = Geolocation{.point = {0.5, 0.25, 300}, .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  objects[0].heading_rad = 1.25;
+  objects[0].place_rejected = "";
+  ASSERT_TRUE(writer->PutObjects(objects));
+  const auto other = OpenSqliteStore(path_, StoreMode::kCreate).value();
+  const std::int64_t before = other->ChangeNumber().value();
+  ASSERT_TRUE(writer->PutObjects(objects));
+  EXPECT_EQ(other->ChangeNumber().value(), before);
+  objects[0].heading_rad = 1.5;
+  ASSERT_TRUE(writer->PutObjects(objects));
+  EXPECT_NE(other->ChangeNumber().value(), before);
+}
+
 TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   ASSERT_TRUE((*Connection::Open(path_, Access::kWrite))->Execute("PRAGMA user_version = 99"));
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(path_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 11)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 13)"));
   }
 }
 

@@ -58,7 +58,8 @@ bool IsInside(const GeoPolygon& area, double latitude_rad, double longitude_rad)
 
 std::string SelectListed() {
   return "SELECT " + kObjectColumns.Names("o") +
-         ", o.score, o.frames, o.first_time_s, o.last_time_s, o.verdict, o.note, o.reviewer, o.reviewed_utc_us "
+         ", o.score, o.frames, o.first_time_s, o.last_time_s, o.verdict, o.note, o.reviewer, o.reviewed_utc_us, "
+         "o.is_contested "
          "FROM objects o ";
 }
 
@@ -68,6 +69,7 @@ Expected<TriageObject> ReadListed(const Statement& row, std::string_view name) {
   TriageObject listed;
   VICTORIOUS_ASSIGN_OR_RETURN(listed.object, ReadObjectRow(row, name));
   VICTORIOUS_ASSIGN_OR_RETURN(listed.review, ReadReview(row, kReviewColumns, name));
+  listed.is_contested = row.Integer(kReviewColumns + 4) != 0;
   return listed;
 }
 
@@ -93,7 +95,7 @@ class SqliteTriageStore final : public TriageStore {
     } else {
       VICTORIOUS_RETURN_IF_ERROR(ReadQueue(matching, slice, objects));
     }
-    VICTORIOUS_RETURN_IF_ERROR(AddMoments(objects));
+    VICTORIOUS_RETURN_IF_ERROR(Complete(objects));
     return objects;
   }
 
@@ -104,7 +106,7 @@ class SqliteTriageStore final : public TriageStore {
     select.Bind(IdList({ids.begin(), ids.end()}));
     std::vector<TriageObject> objects;
     VICTORIOUS_RETURN_IF_ERROR(ReadObjects(select, objects));
-    VICTORIOUS_RETURN_IF_ERROR(AddMoments(objects));
+    VICTORIOUS_RETURN_IF_ERROR(Complete(objects));
     return objects;
   }
 
@@ -350,6 +352,18 @@ class SqliteTriageStore final : public TriageStore {
         conditions.Add(
             "o.verdict = ?",
             std::string(ToText(query.review == ReviewState::kAccepted ? Verdict::kAccepted : Verdict::kRejected)));
+        break;
+      case ReviewState::kOwn:
+        conditions.Add("o.id IN (SELECT object_id FROM decisions WHERE reviewer = ? AND verdict IS NOT NULL)",
+                       query.reviewer);
+        break;
+      case ReviewState::kNotOwn:
+        conditions.Add("o.id NOT IN (SELECT object_id FROM decisions WHERE reviewer = ? AND verdict IS NOT NULL)",
+                       query.reviewer);
+        break;
+      case ReviewState::kConflicting:
+        conditions.Add("o.id IN (SELECT id FROM objects WHERE is_contested = 1)");
+        break;
     }
     for (const std::string& word : query.words) {
       VICTORIOUS_ASSIGN_OR_RETURN(const auto models,
@@ -450,13 +464,37 @@ class SqliteTriageStore final : public TriageStore {
     }
   }
 
-  Status AddMoments(std::vector<TriageObject>& objects) {
-    std::map<std::int64_t, TriageObject*> by_id;
+  using ObjectPointers = std::map<std::int64_t, TriageObject*>;  // by id
+
+  // Adds what stands in other tables.
+  Status Complete(std::vector<TriageObject>& objects) {
+    ObjectPointers by_id;
     std::vector<std::int64_t> ids;
     for (TriageObject& one : objects) {
       by_id[one.object.id] = &one;
       ids.push_back(one.object.id);
     }
+    VICTORIOUS_RETURN_IF_ERROR(AddMoments(by_id, ids));
+    return AddDecisions(by_id, ids);
+  }
+
+  Status AddDecisions(const ObjectPointers& by_id, const std::vector<std::int64_t>& ids) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement select,
+        connection_->Prepare("SELECT verdict, note, reviewer, decided_utc_us, object_id FROM decisions WHERE object_id "
+                             "IN (SELECT value FROM json_each(?)) ORDER BY object_id, decided_utc_us DESC, reviewer"));
+    select.Bind(IdList(ids));
+    while (true) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+      if (!has_row) return {};
+      std::vector<Review>& decisions = by_id.at(select.Integer(4))->decisions;
+      if (std::ssize(decisions) == TriageObject::kMaxDecisions) continue;
+      VICTORIOUS_ASSIGN_OR_RETURN(Review decision, ReadReview(select, 0, connection_->name()));
+      decisions.push_back(std::move(decision));
+    }
+  }
+
+  Status AddMoments(const ObjectPointers& by_id, const std::vector<std::int64_t>& ids) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Statement select,
         connection_->Prepare(SelectTracklets() + "WHERE object_id IN (SELECT value FROM json_each(?)) "

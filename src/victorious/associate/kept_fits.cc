@@ -1,0 +1,278 @@
+#include "victorious/associate/kept_fits.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "victorious/base/file.h"
+#include "victorious/base/options.h"
+#include "victorious/base/program_id.h"
+#include "victorious/observe/bearing_observation.h"
+
+namespace victorious {
+namespace {
+
+// Sightings held at a time, beyond those of one flight or of one fit: some 250 bytes each.
+constexpr std::int64_t kMaxContent = 1'000'000;
+
+std::int64_t ChecksumOf(std::string_view text) {
+  return std::bit_cast<std::int64_t>(Checksum(std::as_bytes(std::span(text))));
+}
+
+// What all fits depend on, but for the content of tracklets: every parameter that EstimatePlace and CorrectFlight read.
+// Empty if it cannot be told: the ground is not identified.
+Expected<std::string> ContextOf(const ObjectOptions& options) {
+  if (options.ground && options.ground_id.empty()) return std::string();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
+  const CommonErrorOptions& common = options.locate.common;  // its fields that LocateOptions does not list
+  return fmt::format("{} {} {} {} {} {} {} {} {} ", program, OptionsToJsonText(options.locate),
+                     common.boresight_side_deg, common.boresight_rise_deg, options.min_inlier_fraction,
+                     options.motion_window_s, options.centre_height_m, options.centre_height_sigma_m,
+                     options.ground ? options.ground_id : "");
+}
+
+std::string TextOf(const TrackletRecord& record) {
+  return fmt::format("{} {} {} {} ", record.id, record.video, record.model, record.revision);
+}
+
+std::string TextOf(const ObservedTracklet& tracklet) {
+  return fmt::format("{}{:d}{:d}{:d} ", TextOf(tracklet.record), tracklet.is_category, tracklet.is_cad_model,
+                     tracklet.is_of_photos);
+}
+
+std::string TextOf(const FlightErrors& errors) {
+  return fmt::format("{} {}", errors.heading ? std::bit_cast<std::uint64_t>(errors.heading->error_rad) : 0,
+                     errors.range ? std::bit_cast<std::uint64_t>(errors.range->factor) : 0);
+}
+
+ObjectPlace WithoutPath(ObjectPlace place) {
+  place.path = {};
+  return place;
+}
+
+}  // namespace
+
+KeptFits::KeptFits(const ObjectOptions& options, IndexStore& store, std::string context)
+    : Fits(options), store_(store), context_(std::move(context)) {}
+
+Expected<std::unique_ptr<KeptFits>> KeptFits::Load(const ObjectOptions& options, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::string context, ContextOf(options));
+  std::unique_ptr<KeptFits> fits(new KeptFits(options, store, std::move(context)));
+  if (fits->context_.empty()) return fits;
+  VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFits([&](KeptFit&& kept) {
+    Entry& entry = fits->entries_[kept.key];
+    entry.bytes = std::move(kept.fit);
+    entry.is_stored = true;
+    return true;
+  }));
+  return fits;
+}
+
+FitKey KeptFits::KeyOf(const ObjectHypothesis& hypothesis) const {
+  const std::int64_t first = ObjectId(hypothesis);
+  if (hypothesis.tracklets.size() == 1) return {first, known_.at(first).key};
+  std::string keys;
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets)
+    keys += fmt::format("{} ", known_.at(tracklet->record.id).key);
+  return {first, ChecksumOf(keys)};
+}
+
+KeptFits::Entry& KeptFits::EntryOf(const FitKey& key) {
+  Entry& entry = entries_[key];
+  entry.is_used = true;
+  if (!entry.fits) {
+    // Bytes that cannot be read are those of no fit.
+    entry.fits = UnpackHypothesisFits(std::exchange(entry.bytes, {}));
+    if (!entry.fits) entry.fits.emplace();
+  }
+  return entry;
+}
+
+void KeptFits::DropContent() {
+  for (auto& [id, known] : known_) {
+    if (!std::exchange(known.has_content, false)) continue;
+    known.tracklet->frames = {};
+    known.tracklet->boxes = {};
+    known.tracklet->scores = {};
+    known.tracklet->observations = {};
+  }
+  content_ = 0;
+}
+
+Status KeptFits::ReadContent(const SightingFilter& filter) {
+  return store_.VisitSightings(filter, [&](SightingRecord&& sighting) {
+    const auto known = known_.find(sighting.tracklet);
+    // Another process may have added it in the meantime.
+    if (known == known_.end() || known->second.has_content) return true;
+    ObservedTracklet& tracklet = *known->second.tracklet;
+    ++content_;
+    tracklet.frames.push_back(sighting.frame);
+    tracklet.boxes.push_back(sighting.box);
+    if (sighting.source == SightingSource::kRecognised) tracklet.scores.push_back(sighting.score);
+    if (!sighting.observation) return true;
+    std::vector<BearingObservation>& observations = tracklet.observations;
+    sighting.observation->recognition_id =
+        NextRecognitionId(sighting, observations.empty() ? nullptr : &observations.back(), recognitions_);
+    observations.push_back(*std::move(sighting.observation));
+    return true;
+  });
+}
+
+Status KeptFits::ReadTracklet(Known& known) {
+  const TrackletRecord& record = known.tracklet->record;
+  VICTORIOUS_RETURN_IF_ERROR(ReadContent({.include_rejected = true, .tracklet = record.id}));
+  known.has_content = true;
+  Correct(errors_[record.video], std::span(known.tracklet, 1));
+  return {};
+}
+
+bool KeptFits::EnsureContent(const ObjectHypothesis& hypothesis) {
+  if (content_ > kMaxContent) DropContent();
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
+    Known& known = known_.at(tracklet->record.id);
+    if (!known.has_content && status_) status_ = ReadTracklet(known);
+  }
+  return status_.has_value();
+}
+
+void KeptFits::MakeSingle(const ObservedTracklet& tracklet, const RangeComparison& comparison, Entry& entry) const {
+  const ObjectHypothesis alone{.tracklets = {&tracklet}, .estimate = {}, .absolute = {}};
+  // The comparison is one of an object that may move.
+  ObjectPlace relative =
+      EstimatePlace(alone, options(), kFlightErrorFraction, tracklet.is_of_photos ? RangeComparison() : comparison);
+  if (relative.HasPath()) entry.path = Pack(relative.path);
+  entry.fits->relative = WithoutPath(std::move(relative));
+  entry.fits->absolute = WithoutPath(EstimatePlace(alone, options(), 1));
+  entry.fits->tracklet = {.summary = Summarise(tracklet), .frames = tracklet.frames};
+  entry.is_changed = true;
+}
+
+Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
+  if (tracklets.empty()) return {};
+  if (content_ > kMaxContent) DropContent();
+  const std::int64_t video = tracklets.front().record.video;
+  std::string flight_text = fmt::format("flight {} ", context_);
+  for (ObservedTracklet& tracklet : tracklets) {
+    known_[tracklet.record.id] = {.tracklet = &tracklet};
+    flight_text += TextOf(tracklet);
+  }
+  // What the sightings of the flight as a whole say.
+  Entry& flight_entry = entries_[{tracklets.front().record.id, ChecksumOf(flight_text)}];
+  flight_entry.is_used = true;
+  std::vector<RangeComparison> comparisons;
+  std::optional<FlightFits> flight = UnpackFlightFits(flight_entry.bytes);
+  if (!flight) {
+    VICTORIOUS_RETURN_IF_ERROR(ReadContent({.include_rejected = true, .video = video}));
+    std::vector<const ObservedTracklet*> pointers;
+    for (const ObservedTracklet& tracklet : tracklets) {
+      known_.at(tracklet.record.id).has_content = true;
+      pointers.push_back(&tracklet);
+    }
+    FlightEstimate estimate = CorrectFlight(tracklets, options());
+    comparisons = std::move(estimate.comparisons);
+    flight = FlightFits{.errors = estimate.errors, .overlaps = FindOverlaps(pointers)};
+    flight_entry.bytes = Pack(*flight);
+    flight_entry.is_changed = true;
+  }
+  errors_[video] = flight->errors;
+  overlaps_.insert(overlaps_.end(), flight->overlaps.begin(), flight->overlaps.end());
+
+  struct Missing {
+    const ObservedTracklet* tracklet;
+    RangeComparison comparison;
+    Entry* entry;
+  };
+  std::vector<Missing> missing;
+  const std::string errors_text = TextOf(flight->errors);
+  for (std::size_t i = 0; i < tracklets.size(); ++i) {
+    ObservedTracklet& tracklet = tracklets[i];
+    Known& known = known_.at(tracklet.record.id);
+    known.key = ChecksumOf(context_ + TextOf(tracklet) + errors_text);
+    Entry& entry = EntryOf({tracklet.record.id, known.key});
+    if (entry.fits->relative && entry.fits->absolute && entry.fits->tracklet) continue;
+    if (!known.has_content) VICTORIOUS_RETURN_IF_ERROR(ReadTracklet(known));
+    missing.push_back({&tracklet, comparisons.empty() ? RangeComparison() : comparisons[i], &entry});
+  }
+  const auto make = [&](std::size_t i) { MakeSingle(*missing[i].tracklet, missing[i].comparison, *missing[i].entry); };
+  if (options().ground) {  // its tiles are read as they are needed
+    for (std::size_t i = 0; i < missing.size(); ++i) make(i);
+  } else {
+    oneapi::tbb::parallel_for(std::size_t{0}, missing.size(), make);
+  }
+  for (ObservedTracklet& tracklet : tracklets) {
+    const FitKey key{tracklet.record.id, known_.at(tracklet.record.id).key};
+    tracklet.summary = entries_.at(key).fits->tracklet->summary;
+  }
+  return {};
+}
+
+ObjectPlace KeptFits::Relative(const ObjectHypothesis& hypothesis) {
+  if (!IsInOneVideo(hypothesis)) return Absolute(hypothesis);
+  Entry& entry = EntryOf(KeyOf(hypothesis));
+  if (entry.fits->relative) return *entry.fits->relative;
+  if (!EnsureContent(hypothesis)) return {};
+  ObjectPlace place = Fits::Relative(hypothesis);
+  if (place.HasPath()) entry.path = Pack(place.path);
+  entry.fits->relative = WithoutPath(place);
+  entry.is_changed = true;
+  return place;
+}
+
+ObjectPlace KeptFits::Absolute(const ObjectHypothesis& hypothesis) {
+  Entry& entry = EntryOf(KeyOf(hypothesis));
+  if (entry.fits->absolute) return *entry.fits->absolute;
+  if (!EnsureContent(hypothesis)) return {};
+  entry.fits->absolute = WithoutPath(Fits::Absolute(hypothesis));
+  entry.is_changed = true;
+  return *entry.fits->absolute;
+}
+
+ObjectPlace KeptFits::OnLevel(const ObjectHypothesis& hypothesis, const Level& level) {
+  Entry& entry = EntryOf(KeyOf(hypothesis));
+  if (entry.fits->on_level && entry.fits->on_level->level == level) return entry.fits->on_level->place;
+  if (!EnsureContent(hypothesis)) return {};
+  entry.fits->on_level = {.level = level, .place = WithoutPath(Fits::OnLevel(hypothesis, level))};
+  entry.is_changed = true;
+  return entry.fits->on_level->place;
+}
+
+std::vector<Geolocation> KeptFits::Path(const ObjectHypothesis& hypothesis) {
+  const FitKey key = KeyOf(hypothesis);
+  const Entry& entry = EntryOf(key);
+  std::optional<std::vector<Geolocation>> path;
+  if (!entry.path.empty()) {
+    path = UnpackPath(entry.path);
+  } else if (entry.is_stored && status_) {
+    const Expected<std::vector<std::byte>> bytes = store_.FindKeptPath(key);
+    if (!bytes) {
+      status_ = std::unexpected(bytes.error());
+      return {};
+    }
+    path = UnpackPath(*bytes);
+  }
+  if (path && path->size() == hypothesis.estimate.path_size) return *std::move(path);
+  return EnsureContent(hypothesis) ? Fits::Relative(hypothesis).path : std::vector<Geolocation>();
+}
+
+const std::vector<std::int64_t>& KeptFits::Frames(const ObservedTracklet& tracklet) {
+  return entries_.at({tracklet.record.id, known_.at(tracklet.record.id).key}).fits->tracklet->frames;
+}
+
+void KeptFits::AddChanges(ObjectUpdate& update) const {
+  if (context_.empty()) return;
+  for (const auto& [key, entry] : entries_) {
+    if (entry.is_changed) {
+      update.put_fits.push_back({.key = key, .fit = entry.fits ? Pack(*entry.fits) : entry.bytes, .path = entry.path});
+    } else if (entry.is_stored && !entry.is_used) {
+      update.deleted_fits.push_back(key);
+    }
+  }
+  // By tracklet, as they lie in the store.
+  std::ranges::sort(update.put_fits, {}, &KeptFit::key);
+  std::ranges::sort(update.deleted_fits);
+}
+
+}  // namespace victorious

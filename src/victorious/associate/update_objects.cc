@@ -1,0 +1,144 @@
+#include "victorious/associate/update_objects.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/associate/associate_objects.h"
+#include "victorious/associate/flight_errors.h"
+#include "victorious/associate/kept_fits.h"
+#include "victorious/associate/observed_tracklet.h"
+#include "victorious/base/json.h"
+
+namespace victorious {
+namespace {
+
+// Number of frames between two full-frame searches: the field "every" of the search's options. Error: kDataLoss if
+// there is none.
+Expected<std::int64_t> SearchInterval(const SearchRecord& search, const std::string& video, const std::string& model) {
+  const nlohmann::json options = ParseStrictJson(search.options_json).value_or(nullptr);
+  const auto every = options.is_object() ? options.find("every") : options.end();
+  if (every == options.end() || !every->is_number_integer() || every->get<std::int64_t>() < 1) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: the stored options of the search for {} have no whole number \"every\" of at least 1",
+                            video, model));
+  }
+  return every->get<std::int64_t>();
+}
+
+// The intervals of searches by the texts of their options, which are few.
+class SearchIntervals {
+ public:
+  Expected<std::int64_t> Of(const SearchRecord& search, const std::string& video, const std::string& model) {
+    const auto known = of_options_.find(search.options_json);
+    if (known != of_options_.end()) return known->second;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t interval, SearchInterval(search, video, model));
+    return of_options_[search.options_json] = interval;
+  }
+
+ private:
+  std::map<std::string, std::int64_t> of_options_;
+};
+
+// Number of full-frame searches, summed over videos and models; categories do not count.
+Expected<std::int64_t> CountFullFrameSearches(const std::vector<ModelRecord>& models,
+                                              const std::vector<VideoRecord>& videos, IndexStore& store) {
+  std::map<std::int64_t, std::string> names_of_models;
+  for (const ModelRecord& model : models) {
+    if (!model.IsCategory()) names_of_models[model.id] = model.name;
+  }
+  std::map<std::int64_t, std::string> names_of_videos;
+  for (const VideoRecord& video : videos) names_of_videos[video.id] = video.name;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchRecord> searches, store.Searches());
+  SearchIntervals intervals;
+  std::int64_t frames = 0;
+  for (const SearchRecord& search : searches) {
+    const auto video = names_of_videos.find(search.video);
+    const auto model = names_of_models.find(search.model);
+    if (video == names_of_videos.end() || model == names_of_models.end()) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t step, intervals.Of(search, video->second, model->second));
+    frames += (search.next_frame + step - 1) / step;
+  }
+  return frames;
+}
+
+// The tracklets of the store without content, by id, of each video.
+Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(const std::vector<ModelRecord>& models,
+                                                                              const std::vector<VideoRecord>& videos,
+                                                                              IndexStore& store) {
+  std::set<std::int64_t> categories;
+  std::set<std::int64_t> cad_models;
+  for (const ModelRecord& model : models) {
+    if (model.IsCategory()) categories.insert(model.id);
+    if (model.kind == ModelKind::kCad) cad_models.insert(model.id);
+  }
+  std::set<std::int64_t> photos;
+  for (const VideoRecord& video : videos) {
+    if (video.is_of_photos) photos.insert(video.id);
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> records, store.Tracklets());
+  std::map<std::int64_t, std::vector<ObservedTracklet>> flights;
+  for (const TrackletRecord& record : records) {
+    flights[record.video].push_back({.record = record,
+                                     .is_category = categories.contains(record.model),
+                                     .is_cad_model = cad_models.contains(record.model),
+                                     .is_of_photos = photos.contains(record.video),
+                                     .frames = {},
+                                     .boxes = {},
+                                     .scores = {},
+                                     .observations = {},
+                                     .summary = {}});
+  }
+  return flights;
+}
+
+using WarnOfVideo = std::function<void(const VideoRecord&, const std::string&)>;
+
+Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& store, const WarnOfVideo& warn) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  // Revisions are read before the sightings that they stand for: a later change gives them another key.
+  VICTORIOUS_ASSIGN_OR_RETURN(auto flights, ReadTracklets(models, videos, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto fits, KeptFits::Load(options, store));
+  std::vector<const ObservedTracklet*> tracklets;
+  for (auto& [video, of_one] : flights) {
+    VICTORIOUS_RETURN_IF_ERROR(fits->AddFlight(of_one));
+    for (const ObservedTracklet& tracklet : of_one) tracklets.push_back(&tracklet);
+  }
+  std::ranges::sort(tracklets, {}, [](const ObservedTracklet* tracklet) { return tracklet->record.id; });
+  for (const VideoRecord& video : videos) {
+    const auto found = fits->errors().find(video.id);
+    if (found == fits->errors().end()) continue;
+    for (const std::string& line : Describe(found->second)) warn(video, line);
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, CountFullFrameSearches(models, videos, store));
+  ObjectUpdate update;
+  update.objects = AssociateTracklets(tracklets, fits->overlaps(), frames_searched, *fits);
+  VICTORIOUS_RETURN_IF_ERROR(fits->status());
+  fits->AddChanges(update);
+  return update;
+}
+
+}  // namespace
+
+Status UpdateObjects(const ObjectOptions& options, IndexStore& store, const CancelToken& cancel,
+                     const WarnOfVideo& warn) {
+  std::vector<std::pair<VideoRecord, std::string>> warnings;
+  const auto make = [&] {
+    warnings.clear();
+    return MakeObjects(options, store, [&](const VideoRecord& video, const std::string& warning) {
+      warnings.emplace_back(video, warning);
+    });
+  };
+  VICTORIOUS_RETURN_IF_ERROR(store.UpdateObjects(make, cancel));
+  for (const auto& [video, warning] : warnings) warn(video, warning);
+  return {};
+}
+
+}  // namespace victorious

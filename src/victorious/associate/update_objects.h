@@ -1,0 +1,23 @@
+// The objects of an index, from its tracklets (associate_objects.h) and from the fits that earlier runs kept
+// (kept_fits.h): the cost of one more video is that of its own fits, and of reading the rows of tracklets and objects.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "victorious/associate/object_options.h"
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/store/index_store.h"
+
+namespace victorious {
+
+/// Computes the objects of the whole index and stores them; corrects the yaw and the ranges of each flight by the
+/// errors on which its objects agree (flight_errors.h). The objects do not depend on what is kept.
+/// @param cancel  as of IndexStore::UpdateObjects
+/// @param warn    receives each line of Describe(), with its video
+/// Errors: those of IndexStore; kDataLoss for a search whose stored options cannot be read.
+[[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store, const CancelToken& cancel,
+                                   const std::function<void(const VideoRecord&, const std::string&)>& warn);
+
+}  // namespace victorious
