@@ -137,6 +137,43 @@ async function checkArea(page, objects, only, marker) {
   await page.getByText("Clear filters").click();
 }
 
+/** Why an object was found: its matches stage by stage, by keyboard; an error that is shown. */
+async function checkEvidence(page, object) {
+  await page.click(`#object-${object.id}`);
+  const { best } = await api(page, `/objects/${object.id}`);
+  await page.evaluate(() => document.activeElement?.blur());
+  await page.keyboard.press("w");
+  await page.waitForSelector("dialog.why[open] .evidence svg");
+  const frame = (await page.locator("#why-title small").innerText()).match(/frame ([\d,]+)/)[1].replaceAll(",", "");
+  const evidence = await api(page, `/objects/${object.id}/evidence?video=${best.video_id}&frame=${frame}`);
+  const numbers = await page.locator("dialog.why .stage-choice strong").allInnerTexts();
+  assert.deepEqual(numbers.map((one) => Number(one.replaceAll(",", ""))), evidence.stages.map((one) => one.matches));
+  const inliers = evidence.stages.at(-1).matches;
+  assert.ok(inliers >= 5 && evidence.pose, "the pose is found again");
+  // The last stage is shown at first: what survived. The arrow keys go through the others.
+  assert.equal(await page.locator(".evidence .match.inlier").count(), inliers);
+  assert.equal(await page.locator(".evidence .match:not(.inlier)").count(), 0);
+  await page.locator("dialog.why input[type=radio]:checked").focus();
+  for (let i = 1; i < numbers.length; i++) await page.keyboard.press("ArrowLeft");
+  await page.getByLabel("Whole frame").check();
+  await page.waitForFunction(
+    (count) => document.querySelectorAll(".evidence .match").length === count, evidence.stages[0].matches,
+  );
+  for (const image of await page.locator(".evidence image").all()) {
+    const address = await image.getAttribute("href");
+    assert.equal((await page.request.get(address)).status(), 200, address);
+  }
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("dialog.why[open]", { state: "detached" });
+  // An error says what is missing.
+  await page.route("**/evidence*", (route) => route.fulfill({ status: 404, json: { code: "not_found", message: "the video is not there", field: null } }));
+  await page.getByRole("button", { name: "why", exact: true }).click();
+  await page.locator("dialog.why [role=alert]", { hasText: "the video is not there" }).waitFor();
+  await page.unroute("**/evidence*");
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("dialog.why[open]", { state: "detached" });
+}
+
 async function triage(page) {
   await open(page, "/");
   const { objects } = await api(page, "/objects");
@@ -209,7 +246,7 @@ async function triage(page) {
   await page.keyboard.press("a");
   await page.waitForSelector(`#object-${second.id} .verdict.accepted:not(.pending)`);
   assert.equal((await api(page, `/objects/${second.id}`)).review.reviewer, "Ann");
-  assert.equal(await page.locator(`#object-${second.id} .verdict`).getAttribute("title"), "accepted by Ann");
+  assert.equal(await page.locator(`#object-${second.id} .verdict`).getAttribute("title"), "accepted by you");
 
   // Some at once: marked by key and by Shift and click, decided by one key, taken back by one.
   const ids = objects.map((one) => one.id);
@@ -225,6 +262,8 @@ async function triage(page) {
   await until(page, "/objects/counts", ({ rejected }) => rejected === 0);
   assert.equal((await api(page, `/objects/${second.id}`)).review.verdict, "accepted");
 
+  await checkPersons(page, objects);
+
   // Coordinates as MGRS.
   await page.getByLabel("Coordinates as").selectOption("mgrs");
   assert.match(await page.locator(".facts-grid .wide dd").innerText(), /^33U UU \d{5} \d{5}/);
@@ -238,6 +277,8 @@ async function triage(page) {
   const by = sighted > 0 ? -1 : 1;
   await page.keyboard.press(by < 0 ? "[" : "]");
   await waitForFrame(page, frameNumbers[sighted + by]);
+
+  await checkEvidence(page, objects[0]);
 
   // A filter greys out; j and k skip what it greys.
   await page.keyboard.press("/");
@@ -512,6 +553,60 @@ async function jobs(page, [photos, video]) {
   assert.match(await page.locator(".job.failed .job-state").first().innerText(), /broken\.mp4/);
   await page.setInputFiles("input[type=file]", { name: "notes.txt", mimeType: "text/plain", buffer: Buffer.from("x") });
   await page.waitForSelector(".notice.error:has-text('notes.txt')");
+}
+
+// Each person decides alone: what others decided, what one has not, and where they disagree. Ann has accepted the
+// second object, somebody without a name the first.
+async function checkPersons(page, objects) {
+  const [first, second] = objects;
+  const mark = (object) => page.locator(`#object-${object.id} .verdict`);
+  const notGreyed = () => page.locator(".row:not(.greyed)").count();
+  await page.fill("#reviewer", "Bob");
+  await page.keyboard.press("Escape");
+  await page.click(`#object-${second.id}`);
+  assert.equal(await mark(second).getAttribute("title"), "accepted by Ann");
+  assert.match(await mark(second).innerText(), /Ann$/);
+  const accept = page.locator(".inspector .accept");
+  assert.equal(await accept.getAttribute("aria-pressed"), "false", "Bob has not decided");
+  assert.match(await page.locator(".inspector .status").innerText(), /Not reviewed by you/);
+  assert.match(await page.locator(".decisions").innerText(), /Team: accepted[^]*accepted Ann/);
+  await page.waitForFunction(() => /, 0 by you$/.test(document.querySelector(".progress").innerText));
+
+  // What one has not decided is gone through by key, decided by others or not.
+  await page.getByRole("button", { name: "not by you" }).click();
+  assert.equal(await notGreyed(), objects.length);
+  await page.click(`#object-${first.id}`);
+  await page.keyboard.press("a");
+  await page.waitForSelector(`#object-${second.id}[aria-selected=true]`);
+  await page.keyboard.press("x");
+  await page.waitForSelector(`#object-${second.id} .verdict.contested:not(.pending)`);
+  assert.equal(await notGreyed(), objects.length - 2);
+  const { review, decisions, is_contested } = await api(page, `/objects/${second.id}`);
+  assert.deepEqual([review.reviewer, review.verdict, is_contested], ["Bob", "rejected", true]);
+  assert.deepEqual(decisions.map((one) => `${one.reviewer} ${one.verdict}`), ["Bob rejected", "Ann accepted", " null"]);
+  // All of them by Bob.
+  await page.waitForFunction(() => /2 of \d+ reviewed$/.test(document.querySelector(".progress").innerText));
+  await page.getByRole("button", { name: "disputed" }).click();
+  await page.waitForFunction(() => document.querySelector(".list h2").innerText.startsWith("1 of "));
+  assert.equal(await notGreyed(), 1);
+  await page.click(`#object-${second.id}`);
+  assert.equal(await mark(second).innerText(), "disputed");
+  assert.match(await page.locator(".decisions").innerText(), /Disputed\. Team: rejected[^]*rejected you[^]*accepted Ann/);
+
+  // What another decides elsewhere is shown without a reload; taking back one's own decision leaves those of others.
+  const body = { verdict: "rejected", note: "the same shed", reviewer: "Cid" };
+  assert.equal((await page.request.put(`/api/v1/objects/${second.id}/review`, { data: body })).status(), 200);
+  await page.waitForSelector(".decisions li:has-text('the same shed')");
+  await page.request.put(`/api/v1/objects/${second.id}/review`, { data: { ...body, verdict: null, note: "" } });
+  await page.waitForSelector(".decisions li:has-text('Cid')", { state: "detached" });
+  await page.keyboard.press("u");
+  await page.waitForSelector(`#object-${second.id} .verdict.accepted:not(.contested):not(.pending)`);
+  await page.keyboard.press("u");
+  await page.waitForSelector(`#object-${first.id} .verdict.others:not(.pending)`);
+  assert.equal((await api(page, "/objects/counts?review=own&reviewer=Bob")).objects, 0);
+  await page.getByRole("button", { name: "Clear filters" }).click();
+  await page.fill("#reviewer", "Ann");
+  await page.keyboard.press("Escape");
 }
 
 async function accounts(page, [password]) {

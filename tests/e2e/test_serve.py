@@ -1,5 +1,6 @@
 """`serve`: every route against api/openapi.json, ranges of the video, refusals, reviews that outlive the server."""
 
+import concurrent.futures
 import contextlib
 import functools
 import http.client
@@ -156,6 +157,41 @@ class ServeTest(program.ProgramTest):
             if "{" in path:
                 self.assertIn((path, 404), seen)
 
+    def test_evidence(self):
+        """Made again from video and model; an error once one of them is gone."""
+        models = self.scratch / "models"
+        shutil.copytree(program.models(), models)
+        with self.serve("--models", models) as server:
+            found = self.get(server, "/api/v1/objects")["objects"][0]
+            route = f"/api/v1/objects/{found['id']}/evidence"
+            evidence = self.described(self.ask(server, route)[2], "Evidence")
+            self.assertEqual(evidence["sighting"], self.get(server, f"/api/v1/objects/{found['id']}")["best"])
+            self.assertEqual([one["name"] for one in evidence["stages"]][-1], "inliers")
+            counts = [one["matches"] for one in evidence["stages"]]
+            self.assertEqual(counts, sorted(counts, reverse=True))
+            self.assertEqual(counts[-1], evidence["sighting"]["matches"])
+            self.assertEqual(len(evidence["matches"]), counts[0])
+            self.assertAlmostEqual(evidence["pose"]["score"], evidence["sighting"]["score"], places=3)
+            view = f"/api/v1/models/{found['model_id']}/views/{evidence['view']['index']}"
+            self.assertEqual(self.ask(server, f"{view}?size=full")[0], 200)
+            self.described(self.ask(server, f"{view}?size=huge")[2], "Error")
+            other = self.get(server, f"/api/v1/objects/{found['id']}/sightings?limit=1")["sightings"][0]
+            at = f"{route}?video={other['video_id']}&frame={other['frame']}"
+            self.assertEqual(self.described(self.ask(server, at)[2], "Evidence")["sighting"], other)
+            for query, status in (("?video=1", 400), ("?frame=0", 400), ("?video=1&frame=99999", 404), ("?x=1", 400)):
+                self.assertEqual(self.ask(server, route + query)[0], status, query)
+            # At once from several: one after the other, all with the same answer.
+            with concurrent.futures.ThreadPoolExecutor(8) as pool:
+                answers = set(pool.map(lambda _: self.ask(server, route)[2], range(16)))
+            self.assertEqual(len(answers), 1)
+            self.video.rename(self.scratch / "away.mp4")
+            self.assertIn("move it back", json.loads(self.ask(server, route)[2])["message"])
+            (self.scratch / "away.mp4").rename(self.video)
+            (models / f"{found['model']}.vmodel").unlink()
+            self.assertEqual(self.ask(server, route)[0], 404)
+        with self.serve() as server:
+            self.assertIn("--models", json.loads(self.ask(server, route)[2])["message"])
+
     def test_sends_ranges_of_the_video(self):
         whole = self.video.read_bytes()
         with self.serve() as server:
@@ -192,6 +228,8 @@ class ServeTest(program.ProgramTest):
             self.assertEqual(self.ask(server, *review, Authorization=f"Bearer {token}")[0], 403)
             status, _, body = self.ask(server, *review, Cookie=cookie)
             self.assertEqual((status, json.loads(body)["review"]["reviewer"]), (200, "analyst"))
+            own = json.loads(self.ask(server, "/api/v1/objects?review=own&reviewer=somebody", Cookie=cookie)[2])["objects"]
+            self.assertEqual([one["id"] for one in own], ids[:1], "the account's own, whoever is named")
             self.assertEqual(self.ask(server, "/api/v1/project", Authorization=f"Bearer {token}")[0], 200)
             self.succeeds("user", "remove", "analyst", "--db", self.db)
             self.assertEqual(self.ask(server, "/api/v1/project", Cookie=cookie)[0], 401, "at once")

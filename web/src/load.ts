@@ -7,6 +7,7 @@ import { formatArea } from "./logic/area";
 import { messageOf } from "./logic/errors";
 import { FrameTable } from "./logic/frame_table";
 import { parseUrl } from "./logic/url_state";
+import { me } from "./me";
 import { notify, notifyError } from "./notices";
 import * as objects from "./objects";
 import { select, showTime, step } from "./selection";
@@ -22,7 +23,7 @@ export async function load() {
   try {
     const [summary, found] = await Promise.all([getProject(), listVideos()]);
     objects.setQueueTime(summary.now_utc_us);
-    await objects.loadList(sort.value, filters.value, isOnlyMatching.value);
+    await Promise.all([objects.loadList(sort.value, filters.value, isOnlyMatching.value), objects.countOwn()]);
     batch(() => {
       project.value = { state: "ready", value: summary };
       videos.value = found;
@@ -44,7 +45,7 @@ export async function refresh() {
     const [summary, found] = await Promise.all([getProject(), listVideos()]);
     const isFirst = objects.list.peek()?.total === 0 && summary.objects > 0;
     if (isFirst) objects.setQueueTime(summary.now_utc_us);
-    await objects.refreshCounts();
+    await Promise.all([objects.refreshCounts(), objects.reread(selectedId.peek())]);
     if (isFirst) await showNew();
     batch(() => {
       project.value = { state: "ready", value: summary };
@@ -101,8 +102,17 @@ window.addEventListener("popstate", () => void openFromUrl());
 // The list and the counts follow what the user chose.
 effect(() => {
   const [order, chosen, isOnly] = [sort.value, filters.value, isOnlyMatching.value];
+  void me.value;
   if (project.value.state !== "ready") return;
   untracked(() => objects.follow(order, chosen, isOnly, notifyError));
+});
+
+// Whose decisions are the reader's: not for each letter of a name that is typed.
+effect(() => {
+  void me.value;
+  if (project.peek().state !== "ready") return;
+  const timer = setTimeout(() => void objects.countOwn().catch(notifyError), 300);
+  return () => clearTimeout(timer);
 });
 
 // What could not be loaded because the session had ended.

@@ -3,8 +3,10 @@ import { batch, signal } from "@preact/signals";
 
 import { countObjects, listObjects } from "./api/client";
 import type { Counts, FoundObject, Review } from "./api/types";
+import { type Reviews, ownDecision, reviewsOf } from "./logic/decisions";
 import { type Filters, filterParams, isFiltered } from "./logic/filters";
 import { PagedList } from "./logic/paged_list";
+import { me } from "./me";
 
 export type Sort = "queue" | "rank" | "newest";
 
@@ -28,6 +30,10 @@ export const listedAll = signal<number | null>(null);
 export const matching = signal<number | null>(null);
 /** The best objects of the video that is shown, best first. */
 export const videoObjects = signal<{ video: number; ids: readonly number[]; total: number } | null>(null);
+/** How many of them the reader has decided about; null: not known yet. */
+export const ownCount = signal<number | null>(null);
+/** Objects whose review the server does not have yet. */
+export const pendingReviews = signal<ReadonlySet<number>>(new Set());
 /** The last review that was written, for the map. */
 export const lastReview = signal<{ id: number; review: Review | null } | null>(null);
 
@@ -46,12 +52,16 @@ export function objectOf(id: number): FoundObject | undefined {
 }
 
 function remember(objects: readonly FoundObject[]) {
-  for (const one of objects) known.set(one.id, one);
+  for (const one of objects) {
+    const before = known.get(one.id);
+    const isNewer = before !== undefined && pendingReviews.peek().has(one.id);
+    known.set(one.id, isNewer ? { ...one, ...reviewsOf(before) } : one);
+  }
   version.value = version.peek() + 1;
 }
 
 function paramsOf(sort: Sort, filters: Filters | null): URLSearchParams {
-  const params = filters === null ? new URLSearchParams() : filterParams(filters);
+  const params = filters === null ? new URLSearchParams() : filterParams(filters, me.peek());
   params.set("sort", sort);
   if (sort === "queue") params.set("since", String(queueTime));
   return params;
@@ -87,7 +97,14 @@ export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boo
 
 /** Reads the counts again. */
 export async function refreshCounts() {
-  counts.value = await countObjects(new URLSearchParams());
+  const [all] = await Promise.all([countObjects(new URLSearchParams()), countOwn()]);
+  counts.value = all;
+}
+
+export async function countOwn() {
+  const reviewer = me.peek();
+  const own = await countObjects(new URLSearchParams({ review: "own", reviewer }));
+  if (me.peek() === reviewer) ownCount.value = own.objects;
 }
 
 let followTimer: ReturnType<typeof setTimeout> | undefined;
@@ -105,7 +122,7 @@ export function follow(sort: Sort, filters: Filters, isOnlyMatching: boolean, fa
   // Not for each letter that is typed.
   followTimer = setTimeout(() => {
     if (isFiltered(filters)) {
-      countObjects(filterParams(filters), abort.signal)
+      countObjects(filterParams(filters, me.peek()), abort.signal)
         .then((found) => (matching.value = found.objects))
         .catch((error: unknown) => !abort.signal.aborted && fail(error));
     }
@@ -115,6 +132,7 @@ export function follow(sort: Sort, filters: Filters, isOnlyMatching: boolean, fa
 
 /** Loads the pages of the list that hold these positions. */
 export function need(first: number, last: number, fail: (error: unknown) => void) {
+  shownRows = [first, last];
   const shown = list.peek();
   if (!shown) return;
   const params = listParams;
@@ -169,6 +187,20 @@ export async function loadAll(sort: Sort, filters: Filters): Promise<FoundObject
   return all;
 }
 
+/** Positions of the list that are on the screen. */
+let shownRows: [number, number] = [0, -1];
+
+/** Reads again what is on the screen: others may have reviewed it. */
+export async function reread(selected: number | null) {
+  const shown = list.peek();
+  const ids = new Set(selected === null ? [] : [selected]);
+  for (let at = shownRows[0]; at <= shownRows[1]; at++) {
+    const id = shown?.at(at);
+    if (id !== undefined) ids.add(id);
+  }
+  if (ids.size > 0) remember((await listObjects(new URLSearchParams({ ids: [...ids].join(",") }))).objects);
+}
+
 export async function loadVideoObjects(video: number, signal: AbortSignal) {
   const params = withParams(new URLSearchParams(), { video, limit: MAX_LANES, offset: 0 });
   const page = await listObjects(params, signal);
@@ -198,13 +230,16 @@ export async function askNeighbour(id: number | null, by: 1 | -1, sort: Sort, fi
   return found.objects[0]?.id ?? null;
 }
 
-export function setReview(id: number, review: Review | null) {
+export function setReviews(id: number, reviews: Reviews) {
   const before = known.get(id);
   if (!before) return;
-  known.set(id, { ...before, review });
+  const { review } = reviews;
+  known.set(id, { ...before, ...reviewsOf(reviews) });
   batch(() => {
     version.value++;
     lastReview.value = { id, review };
+    const isOwn = (of: Reviews) => Number((ownDecision(of, me.peek())?.verdict ?? null) !== null);
+    if (ownCount.peek() !== null) ownCount.value = (ownCount.peek() ?? 0) + isOwn(reviews) - isOwn(before);
     const all = counts.peek();
     if (!all) return;
     const change = (verdict: Review["verdict"] | undefined, by: number) => {

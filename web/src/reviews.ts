@@ -3,19 +3,21 @@ import { computed, signal } from "@preact/signals";
 
 import { ApiFailure, putReview } from "./api/client";
 import type { FoundObject, Verdict } from "./api/types";
+import { ownDecision, reviewsOf, withDecision } from "./logic/decisions";
 import { messageOf } from "./logic/errors";
+import { nextReview } from "./logic/filters";
 import { plural } from "./logic/format";
+import { me } from "./me";
 import { notify, notifyError } from "./notices";
 import * as objects from "./objects";
 import { neighbour, select } from "./selection";
 import { account } from "./session";
-import { filters, isConnected, matcher, project, reviewer, selected, selectedId } from "./state";
+import { filters, isConnected, matcher, project, selected, selectedId } from "./state";
 
 const RETRY_MS = 3000;
 
 /** Objects that the next decision is about, together. */
 export const marked = signal<ReadonlySet<number>>(new Set());
-const reviewerName = () => account.value?.name ?? reviewer.value;
 /** For the case that `can_review` is not set. */
 export const whyNoReview = computed(() =>
   account.value?.role === "viewer"
@@ -23,34 +25,39 @@ export const whyNoReview = computed(() =>
     : "This index cannot be written: reviews are not kept.",
 );
 
+/** Of one person about one object. */
 interface Decision {
   id: number;
-  before: { verdict: Verdict; note: string };
+  reviewer: string;
+  verdict: Verdict;
+  note: string;
 }
+/** What was decided before. */
 const undoStack: Decision[][] = [];
-/** Objects whose review the server does not have yet. */
-export const pendingReviews = signal<ReadonlySet<number>>(new Set());
+const pendingReviews = objects.pendingReviews;
 const latestWrite = new Map<number, number>();
 let writes = 0;
 
-async function writeReview(id: number, verdict: Verdict, note: string) {
+async function writeReview({ id, reviewer, verdict, note }: Decision) {
+  const object = objects.objectOf(id);
+  if (!object) return;
   const write = ++writes;
-  const stored = objects.objectOf(id)?.review ?? null;
+  const stored = reviewsOf(object);
   const isLatest = () => latestWrite.get(id) === write;
   latestWrite.set(id, write);
   pendingReviews.value = new Set([...pendingReviews.value, id]);
-  objects.setReview(id, verdict === null && note === "" ? null : { verdict, note, reviewer: reviewerName(), updated_utc_us: Date.now() * 1000 });
+  objects.setReviews(id, withDecision(stored, { verdict, note, reviewer, updated_utc_us: Date.now() * 1000 }));
   while (isLatest()) {
     try {
-      const review = await putReview(id, verdict, note, reviewerName());
+      const reviewed = await putReview(id, verdict, note, reviewer);
       isConnected.value = true;
-      if (isLatest()) objects.setReview(id, review);
+      if (isLatest()) objects.setReviews(id, reviewed);
       break;
     } catch (error) {
       if (!isLatest()) return;
       if (!(error instanceof ApiFailure && (error.status === 0 || error.status === 401))) {
         notify(`The review is not stored: ${messageOf(error)}`, "error");
-        objects.setReview(id, stored);
+        objects.setReviews(id, stored);
         break;
       }
       // Nothing typed is lost: the review is kept and sent again once the server answers, or the user has logged in.
@@ -74,14 +81,15 @@ export function review(id: number, verdict: Verdict, note?: string) {
   const object = objects.objectOf(id);
   if (!object) return;
   if (!canReview()) return;
-  undoStack.push([decisionBefore(object)]);
-  void writeReview(id, verdict, note ?? object.review?.note ?? "");
+  const before = presentDecision(object);
+  undoStack.push([before]);
+  void writeReview({ ...before, verdict, note: note ?? before.note });
 }
 
-const decisionBefore = (object: FoundObject): Decision => ({
-  id: object.id,
-  before: { verdict: object.review?.verdict ?? null, note: object.review?.note ?? "" },
-});
+function presentDecision(object: FoundObject): Decision {
+  const own = ownDecision(object, me.peek());
+  return { id: object.id, reviewer: me.peek(), verdict: own?.verdict ?? null, note: own?.note ?? "" };
+}
 
 /** Marks the selected object, or takes its mark back. */
 export function toggleMark(id: number | null) {
@@ -107,20 +115,20 @@ export function markRange(from: number, to: number) {
 
 /** One decision about all marked objects; one step of undo. */
 function decideMarked(verdict: Exclude<Verdict, null>) {
-  const all = [...marked.value].flatMap((id) => objects.objectOf(id) ?? []);
-  undoStack.push(all.map(decisionBefore));
-  for (const object of all) void writeReview(object.id, verdict, object.review?.note ?? "");
+  const all = [...marked.value].flatMap((id) => objects.objectOf(id) ?? []).map(presentDecision);
+  undoStack.push(all);
+  for (const before of all) void writeReview({ ...before, verdict });
   marked.value = new Set();
   notify(`${plural(all.length, "object")} ${verdict}. U takes it back.`);
 }
 
-/** Decides about the selected object and goes on to the next one that is not reviewed. */
+/** Decides about the selected object and goes on to the next one to review. */
 export function decide(verdict: Exclude<Verdict, null>) {
   if (!canReview()) return;
   if (marked.value.size > 0) return decideMarked(verdict);
   const object = selected.value;
   if (!object) return;
-  const next = neighbour(1, { ...filters.value, review: "none" });
+  const next = neighbour(1, { ...filters.value, review: nextReview(filters.value.review) });
   review(object.id, verdict);
   notify(`${object.model} ${object.id}: ${verdict}. U takes it back.`);
   next
@@ -136,6 +144,6 @@ export function undo() {
     notify("There is nothing to take back.");
     return;
   }
-  for (const one of last) void writeReview(one.id, one.before.verdict, one.before.note);
+  for (const before of last) void writeReview(before);
   if (last[0]) select(last[0].id);
 }

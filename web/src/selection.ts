@@ -7,6 +7,7 @@ import { writeUrl } from "./address";
 import { messageOf } from "./logic/errors";
 import { type Filters, makeMatcher } from "./logic/filters";
 import { notify, notifyError } from "./notices";
+import { me } from "./me";
 import * as objects from "./objects";
 import { detail, filters, frameTable, seekRequest, selected, selectedId, shownFrame, shownTime, sort, videoId } from "./state";
 
@@ -72,7 +73,7 @@ export function select(id: number, { seek = true, push = false } = {}) {
 
 /** The nearest object of the list before or after the selected one that passes a test; the server knows what is not loaded. */
 export async function neighbour(by: 1 | -1, wanted: Filters): Promise<number | null> {
-  const matches = makeMatcher(wanted);
+  const matches = makeMatcher(wanted, me.peek());
   const id = selectedId.value;
   const found = objects.findNeighbour(id, by, matches);
   if (found === "end") return null;

@@ -6,6 +6,7 @@ import type { CameraPath, ObjectDetail, Project, Video } from "./api/types";
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
 import { COORDINATE_STYLES, type CoordinateStyle } from "./logic/format";
 import type { FrameTable } from "./logic/frame_table";
+import { me } from "./me";
 import * as objects from "./objects";
 
 export type Load<T> = { state: "loading" } | { state: "ready"; value: T } | { state: "failed"; message: string };
@@ -24,8 +25,6 @@ export const filters = signal<Filters>(NO_FILTERS);
 /** Leaves out of the list what the filters grey out. */
 export const isOnlyMatching = signal(false);
 export const sort = signal<objects.Sort>("queue");
-/** Who reviews: written into each review. */
-export const reviewer = signal(localStorage.getItem("reviewer") ?? "");
 export const selectedId = signal<number | null>(null);
 export const videoId = signal<number | null>(null);
 /** The frame that the video shows; null before it shows one. */
@@ -54,7 +53,7 @@ export const seekRequest = signal<{ video: number; time: number } | null>(null);
 
 // ---- what follows from both
 
-export const matcher = computed(() => makeMatcher(filters.value));
+export const matcher = computed(() => makeMatcher(filters.value, me.value));
 export const selected = computed(() => (selectedId.value === null ? null : (objects.objectOf(selectedId.value) ?? null)));
 export const video = computed(() => videos.value.find((one) => one.id === videoId.value) ?? null);
 export const modelNames = computed(() =>
@@ -88,7 +87,6 @@ export function setFilters(change: Partial<Filters>) {
 
 // ---- what the browser keeps
 
-effect(() => localStorage.setItem("reviewer", reviewer.value));
 effect(() => localStorage.setItem("coordinates", coordinateStyle.value));
 
 effect(() => {

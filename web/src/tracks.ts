@@ -4,10 +4,10 @@ import { computed, effect, signal, untracked } from "@preact/signals";
 import { listObjectSightings } from "./api/client";
 import type { FoundObject, Sighting } from "./api/types";
 import { followed } from "./followed";
-import { type TrackPoint, groundTrack } from "./logic/ground_track";
+import { type TrackPoint, groundTrack, momentsKey } from "./logic/ground_track";
 import { notifyError } from "./notices";
 import { objectOf, videoObjects } from "./objects";
-import { cameraPath, colourOf, indexVersion, selected, video, videoId } from "./state";
+import { cameraPath, colourOf, selected, video, videoId } from "./state";
 
 /** White would be lost on a light map. */
 const FOLLOWED_LINE = "#7f8c99";
@@ -24,7 +24,9 @@ export interface Track {
 }
 
 const sightings = signal<ReadonlyMap<number, readonly Sighting[]>>(new Map());
-const asked = new Set<number>();
+/** Objects whose sightings were asked for, and what was known of them then. */
+const asked = new Map<number, string>();
+let shownVideo: number | null = null;
 
 /** What moves, and the selected object unless it is known to stand. */
 const wanted = computed(() => {
@@ -39,34 +41,32 @@ const wanted = computed(() => {
 });
 
 async function load(object: FoundObject, target: number) {
-  asked.add(object.id);
+  const state = momentsKey(object, target);
+  asked.set(object.id, state);
   const moments = object.moments.filter((one) => one.video_id === target);
   const from = Math.min(...moments.map((one) => one.first_time_s));
   const to = Math.max(...moments.map((one) => one.last_time_s));
   try {
     const found = await listObjectSightings(object.id, from, to);
-    if (videoId.peek() !== target) return;
+    if (videoId.peek() !== target || asked.get(object.id) !== state) return;
     sightings.value = new Map(sightings.peek()).set(object.id, found.sightings.filter((one) => one.video_id === target));
   } catch (error) {
-    asked.delete(object.id);
+    if (asked.get(object.id) === state) asked.delete(object.id);
     notifyError(error);
   }
 }
 
-// What a search has added since is read again.
+// What a search has added to an object is read again; until it is there, the track that is known stays.
 effect(() => {
-  void videoId.value;
-  void indexVersion.value;
-  asked.clear();
-  sightings.value = new Map();
-});
-
-effect(() => {
-  void indexVersion.value;
   const [objects, target] = [wanted.value, videoId.value];
-  if (target === null) return;
   untracked(() => {
-    for (const one of objects) if (!asked.has(one.id)) void load(one, target);
+    if (target !== shownVideo) {
+      shownVideo = target;
+      asked.clear();
+      sightings.value = new Map();
+    }
+    if (target === null) return;
+    for (const one of objects) if (asked.get(one.id) !== momentsKey(one, target)) void load(one, target);
   });
 });
 

@@ -187,6 +187,11 @@ FrameConditions MakeFrameConditions(const std::optional<CameraState>& camera, co
   return conditions;
 }
 
+std::optional<Sun> SunByClock(const CameraTrajectory& cameras) {
+  const CameraState* timed = FindTimedState(cameras);
+  return timed == nullptr ? std::nullopt : SunFromEphemeris(*timed);
+}
+
 void SunDirectionOptions::ListFields(FieldList& fields) {
   fields.Add("sun", sun, kSunSearchTexts,
              {.reason = "auto: also searches for CAD models with templates relit for the sun's direction, if telemetry "

@@ -36,6 +36,10 @@ struct SunDirectionOptions {
 [[nodiscard]] FrameConditions MakeFrameConditions(const std::optional<CameraState>& camera, const cv::Size& size_px,
                                                   const std::optional<Sun>& sun);
 
+/// The sun's direction (azimuth from north) by the ephemeris at the first state with a clock. std::nullopt without a
+/// clock, and for a sun too low to cast hard light.
+[[nodiscard]] std::optional<Sun> SunByClock(const CameraTrajectory& cameras);
+
 /// Input of EstimateSunDirection. The references outlive it.
 struct SunDirectionInput {
   const CameraTrajectory& cameras;

@@ -12,7 +12,6 @@
 #include "victorious/geometry/homography.h"
 #include "victorious/geometry/polygon.h"
 #include "victorious/kernels/nearest.h"
-#include "victorious/pose/upright_prior.h"
 #include "victorious/pose/vote_poses.h"
 
 namespace victorious {
@@ -33,6 +32,19 @@ Eigen::Vector2d ObjectCentre(const PlanarFit& fit, const Polygon& outline) {
   return {box.x + box.width / 2, box.y + box.height / 2};
 }
 
+AzimuthCells MakeAzimuthCells(const PreparedScene& scene, const VoteSearchOptions& options,
+                              const std::optional<Vertical>& vertical) {
+  return {vertical, scene.features().SearchedBox(), kCellWidthSunSteps * options.sun_step_rad};
+}
+
+std::optional<UprightPrior> MakeUprightPrior(const ModelView& view, const std::optional<Vertical>& vertical,
+                                             const VoteSearchOptions& options) {
+  if (!view.angles) return std::nullopt;
+  const double off_nadir_rad = view.angles->off_nadir_rad;
+  return vertical ? UprightPrior::FromVertical(*vertical, off_nadir_rad, options.max_tilt_rad)
+                  : UprightPrior::AssumingUprightCamera(off_nadir_rad, options.max_hanging_rad);
+}
+
 ModelMatcher::ModelMatcher(const ObjectModel& model, const RelitTemplateSource* relit_templates,
                            const PreparedScene& scene, const VoteSearchOptions& options,
                            const PoseOptions& pose_options, const std::optional<Vertical>& vertical,
@@ -44,7 +56,7 @@ ModelMatcher::ModelMatcher(const ObjectModel& model, const RelitTemplateSource* 
       pose_options_(pose_options),
       vertical_(vertical),
       test_count_(test_count),
-      cells_(vertical, scene.features().SearchedBox(), kCellWidthSunSteps * options.sun_step_rad) {}
+      cells_(MakeAzimuthCells(scene, options, vertical)) {}
 
 Expected<std::vector<double>> ModelMatcher::Evaluate(std::span<const TemplateVariant> variants) {
   std::vector<RelitTemplateKey> needed;
@@ -123,12 +135,7 @@ double ModelMatcher::Vote(const TemplateVariant& variant, std::span<const Keypoi
                           std::span<const Point3> points, std::span<const RankedMatch> matches) {
   const StageScope scope(Stage::kPoses);
   const ModelView& view = model_.views[variant.view];
-  std::optional<UprightPrior> upright;
-  if (view.angles) {
-    const double off_nadir_rad = view.angles->off_nadir_rad;
-    upright = vertical_ ? UprightPrior::FromVertical(*vertical_, off_nadir_rad, options_.max_tilt_rad)
-                        : UprightPrior::AssumingUprightCamera(off_nadir_rad, options_.max_hanging_rad);
-  }
+  const std::optional<UprightPrior> upright = MakeUprightPrior(view, vertical_, options_);
   double max_neg_log10_nfa = kNoPose;
   for (PlanarFit& fit :
        VotePoses(scene_.features(), keypoints, matches, view.outline, options_.votes, pose_options_, upright, points)) {

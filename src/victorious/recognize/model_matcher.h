@@ -15,6 +15,7 @@
 #include "victorious/detect/detect.h"
 #include "victorious/geometry/vertical.h"
 #include "victorious/pose/pooled_template.h"
+#include "victorious/pose/upright_prior.h"
 #include "victorious/recognize/azimuth_cells.h"
 #include "victorious/recognize/prepared_scene.h"
 #include "victorious/recognize/relit_templates.h"
@@ -43,6 +44,17 @@ struct ScoredVariant {
 /// The centre of the object's box in the scene, px.
 /// @param outline  of the object in the template, px
 [[nodiscard]] Eigen::Vector2d ObjectCentre(const PlanarFit& fit, const Polygon& outline);
+
+/// The azimuth cells of a scene's searched region: each is searched with templates relit by a sun of its own.
+/// @param vertical  in the camera frame; nullopt: unknown
+[[nodiscard]] AzimuthCells MakeAzimuthCells(const PreparedScene& scene, const VoteSearchOptions& options,
+                                            const std::optional<Vertical>& vertical);
+
+/// The prior on the rotation of a view in the scene; nullopt for a view without angles.
+/// @param vertical  in the camera frame; nullopt: unknown
+[[nodiscard]] std::optional<UprightPrior> MakeUprightPrior(const ModelView& view,
+                                                           const std::optional<Vertical>& vertical,
+                                                           const VoteSearchOptions& options);
 
 /// Non-owning: all arguments of the constructor must outlive it.
 class ModelMatcher {

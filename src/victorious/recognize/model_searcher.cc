@@ -13,14 +13,14 @@ namespace {
 // Fewer views are all matched in full: proposals would save little time. `model add` makes 253 by default.
 constexpr std::size_t kMinShortlistViews = 60;
 
+}  // namespace
+
 // ADR 0008: the matches of a photo pass the ratio test, those of a rendering mostly do not.
 SearchMethod MethodFor(const ObjectModel& model, SearchMethod method) {
   if (method != SearchMethod::kAuto) return method;
   if (model.kind != ModelKind::kCad) return SearchMethod::kGrammar;
   return model.views.size() >= kMinShortlistViews ? SearchMethod::kShortlist : SearchMethod::kVotes;
 }
-
-}  // namespace
 
 std::unique_ptr<const ModelSearcher> MakeModelSearcher(const ObjectModel& model,
                                                        std::shared_ptr<const ShortenedViews> shortened,

@@ -51,6 +51,10 @@ class ModelSearcher {
   [[nodiscard]] virtual const RelitTemplateSource* relit_templates() const { return nullptr; }
 };
 
+/// The method that searches a model: never kAuto.
+/// @param method  of the options
+[[nodiscard]] SearchMethod MethodFor(const ObjectModel& model, SearchMethod method);
+
 /// Makes the searcher of options.method.
 /// @param model            must outlive the searcher
 /// @param shortened        of the model

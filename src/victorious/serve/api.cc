@@ -18,7 +18,9 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kCameraCacheBytes = std::size_t{32} << 20;
+constexpr std::size_t kMaxCameraPaths = 200;  // bodies of at most 300 kB; a click on the map looks through 100 videos
+constexpr std::size_t kMaxCameras = 4;        // trajectories of some megabytes
+constexpr std::size_t kMaxEvidence = 64;      // bodies of at most 150 kB
 
 HttpResponse MethodNotAllowed(std::string_view allowed) {
   HttpResponse response = ErrorResponse(405, "method_not_allowed", fmt::format("only {} is answered here", allowed));
@@ -48,7 +50,9 @@ Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken
       videos_(options_.index, cancel),
       copies_(options_.copies, {.max_bytes = options_.max_copies_bytes}),
       page_(options_.web),
-      camera_paths_(kCameraCacheBytes),
+      camera_paths_(kMaxCameraPaths),
+      cameras_(kMaxCameras),
+      evidence_(kMaxEvidence),
       uploads_(options_.uploads) {}
 
 Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& cancel) {
@@ -219,11 +223,7 @@ Expected<CameraPath> Api::ReadCameraPath(const VideoRecord& video, std::optional
   constexpr int kMaxVisited = 100'000;
   std::string reason = "the video has no telemetry, and no file beside it";
   if (const auto path = videos_.Find(video)) {
-    const std::optional<std::string>& file = options_.telemetry;
-    VideoInfo info;
-    info.duration_s = video.duration_s;
-    const auto cameras = CameraStates::Load(path->string(), info, file, {}, "the map has no camera path",
-                                            [&](const std::string& warning) { reason = warning; });
+    const auto cameras = LoadCameras(video, *path, {}, [&](const std::string& warning) { reason = warning; });
     if (!cameras) return std::unexpected(cameras.error());
     if (cameras->HasStates()) {
       return MakeCameraPath(ThinStates(cameras->trajectory()->states(), kMaxPoints), CameraPathSource::kTelemetry,
@@ -259,38 +259,12 @@ ApiExpected<HttpResponse> Api::VideoCamera(const Call& call) {
   }
   // The ground's height, and with it the footprints, follows the objects.
   const std::string key = fmt::format("{} {} {}", video.content_id, ground_m.value_or(NAN), video.id);
-  const std::scoped_lock lock(camera_mutex_);
-  auto body = camera_paths_.Find(key);
-  if (!body) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, camera_paths_.Get(key, [&]() -> Expected<std::string> {
     VICTORIOUS_ASSIGN_OR_RETURN(const CameraPath path, ReadCameraPath(video, ground_m));
-    body = std::make_shared<const std::string>(Dump(CameraPathToJson(path)) + "\n");
-    camera_paths_.Put(key, body);
-  }
+    return Dump(CameraPathToJson(path)) + "\n";
+  }));
   return HttpResponse{
       .content_type = "application/json", .headers = {{"Cache-Control", "no-store"}}, .body = *body, .file = {}};
-}
-
-ApiExpected<HttpResponse> Api::ViewImage(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(call.parameters[0], "model"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t view, ParseId(call.parameters[1], "view"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  const ModelRecord* record = lists->Model(id);
-  if (record == nullptr) return NotFound(fmt::format("model {} is not in the index", id));
-  if (options_.models.empty() || record->IsCategory()) {
-    return NotFound(
-        fmt::format("the views of {} are not known: `victorious serve --models DIR` names the models", record->name));
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ModelLibrary(options_.models).Load(record->name));
-  if (model.id != record->content_id) {
-    return std::unexpected(
-        ApiError(Error{ErrorCode::kConflict, fmt::format("{}: the model in {} is not the one that was searched for",
-                                                         record->name, options_.models.string())}));
-  }
-  if (view >= std::ssize(model.views) || model.views[static_cast<std::size_t>(view)].thumbnail.empty()) {
-    return NotFound(fmt::format("{} has {} views; view {} has no image", record->name, model.views.size(), view));
-  }
-  const auto bytes = model.views[static_cast<std::size_t>(view)].thumbnail;
-  return TaggedResponse(call.request, "image/jpeg", {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 60);
 }
 
 }  // namespace victorious

@@ -7,12 +7,14 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <semaphore>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "victorious/base/cancel.h"
+#include "victorious/pipeline/camera_states.h"
 #include "victorious/serve/access_control.h"
 #include "victorious/serve/api_error.h"
 #include "victorious/serve/camera_path.h"
@@ -20,11 +22,13 @@
 #include "victorious/serve/http_message.h"
 #include "victorious/serve/index_view.h"
 #include "victorious/serve/live_service.h"
+#include "victorious/serve/once_cache.h"
 #include "victorious/serve/request_target.h"
 #include "victorious/serve/static_files.h"
 #include "victorious/serve/upload_folder.h"
 #include "victorious/serve/video_files.h"
 #include "victorious/store/export_json.h"
+#include "victorious/types/object_model.h"
 
 namespace victorious {
 
@@ -124,7 +128,9 @@ class Api {
   ApiExpected<HttpResponse> VideoFile(const Call& call);
   ApiExpected<HttpResponse> VideoCopy(const Call& call);
   ApiExpected<HttpResponse> VideoFrame(const Call& call);
+  // In api_evidence.cc.
   ApiExpected<HttpResponse> ViewImage(const Call& call);
+  ApiExpected<HttpResponse> Evidence(const Call& call);
   // In api_jobs.cc.
   ApiExpected<HttpResponse> Upload(const Call& call);
   ApiExpected<HttpResponse> Jobs(const Call& call);
@@ -139,6 +145,7 @@ class Api {
   ApiExpected<HttpResponse> Object(const Call& call);
   ApiExpected<HttpResponse> ObjectSightings(const Call& call);
   ApiExpected<HttpResponse> Thumbnail(const Call& call);
+  ApiExpected<HttpResponse> Decisions(const Call& call);
   ApiExpected<HttpResponse> PutReview(const Call& call);
 
   /// The input of a job (job_runner.h), from the body of the request for it.
@@ -154,6 +161,15 @@ class Api {
   ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body);
   ApiExpected<HttpResponse> SendMade(const HttpRequest& request, const std::string& name);
   ApiExpected<HttpResponse> Sightings(SightingFilter filter, QueryReader& query);
+  /// Errors: kNotFound without a library, for a category, or without the model; kConflict for another model of this
+  /// name.
+  ApiExpected<ObjectModel> LoadModel(const ModelRecord& record);
+  ApiExpected<SightingRecord> ReadSighting(std::int64_t object, QueryReader& query);
+  [[nodiscard]] Expected<CameraStates> LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
+                                                   const TelemetryOptions& options, const WarningSink& warn);
+  /// The body of an answer, at most one at a time.
+  [[nodiscard]] Expected<std::string> MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
+                                                   const ModelRecord& record, const ObjectModel& model);
   [[nodiscard]] Expected<CameraPath> ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m);
 
   ApiOptions options_;
@@ -162,8 +178,10 @@ class Api {
   VideoFiles videos_;
   CopyFolder copies_;
   StaticFiles page_;
-  std::mutex camera_mutex_;
-  ByteCache camera_paths_;
+  OnceCache<std::string> camera_paths_;  ///< bodies of answers
+  OnceCache<CameraStates> cameras_;      ///< by the video's content
+  OnceCache<std::string> evidence_;      ///< bodies of answers
+  std::counting_semaphore<> evidence_turns_{1};
   UploadFolder uploads_;
   std::unique_ptr<LiveService> live_;  // last: its threads use what is above
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <ranges>
 
 #include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
@@ -37,6 +38,10 @@ Json PointToJson(const GeodeticPoint& point) {
   return Json::array({GeodeticJson(point.longitude_rad), GeodeticJson(point.latitude_rad)});
 }
 
+Json PixelsToJson(const Eigen::Vector2d& point_px) {
+  return Json::array({RoundPixels(point_px.x()), RoundPixels(point_px.y())});
+}
+
 // What a user may fetch. A file may have been removed since it was made.
 Json FilesOf(const JobRecord& job) {
   Json files = Json::array();
@@ -63,13 +68,13 @@ Json AuditToJson(const std::vector<AuditRecord>& records) {
   Json rows = Json::array();
   for (const AuditRecord& one : records) {
     // Written by this program as JSON, or empty.
-    const Json detail = Json::parse(one.detail, nullptr, /*allow_exceptions=*/false);
+    const Expected<nlohmann::json> detail = ParseStrictJson(one.detail);
     rows.push_back({{"id", one.id},
                     {"time_utc_us", one.time_utc_us},
                     {"actor", one.actor},
                     {"action", one.action},
                     {"subject", one.subject},
-                    {"detail", detail.is_object() ? detail : Json()}});
+                    {"detail", detail && detail->is_object() ? Json(*detail) : Json()}});
   }
   return {{"entries", std::move(rows)}};
 }
@@ -91,6 +96,12 @@ Json ReviewToJson(const Review& review) {
           {"note", review.note},
           {"reviewer", review.reviewer},
           {"updated_utc_us", review.updated_utc_us}};
+}
+
+Json DecisionsToJson(const std::vector<Review>& decisions) {
+  Json rows = Json::array();
+  for (const Review& one : decisions) rows.push_back(ReviewToJson(one));
+  return rows;
 }
 
 Json ObjectToJson(const TriageObject& listed, const IndexLists& lists) {
@@ -115,7 +126,9 @@ Json ObjectToJson(const TriageObject& listed, const IndexLists& lists) {
           {"place", object.place ? PlaceToJson(*object.place) : Json()},
           {"heading_deg", OrNull(object.heading_rad, &DegreesJson)},
           {"speed_m_s", OrNull(ComputeSpeed(object), &MetresJson)},
-          {"review", ReviewToJson(listed.review)}};
+          {"review", ReviewToJson(listed.review)},
+          {"decisions", DecisionsToJson(listed.decisions)},
+          {"is_contested", listed.is_contested}};
 }
 
 Json CountsToJson(const ObjectCounts& counts) {
@@ -143,6 +156,42 @@ Json SightingToJson(const SightingRecord& sighting) {
           {"distance_m", OrNull(sighting.distance_m, &MetresJson)},
           {"sigma_distance_m", OrNull(sighting.sigma_distance_m, &MetresJson)},
           {"heading_deg", OrNull(heading_rad, &DegreesJson)}};
+}
+
+Json EvidenceToJson(const MatchEvidence& evidence, const SightingRecord& sighting, const ModelView& view,
+                    const Box& region) {
+  constexpr std::size_t kMaxMatches = 2000;
+  Json stages = Json::array();
+  for (const MatchEvidence::StageCount& one : evidence.stages) {
+    stages.push_back({{"name", ToText(kEvidenceStageTexts, one.stage)}, {"matches", one.matches}});
+  }
+  Json matches = Json::array();
+  for (const EvidenceMatch& one : evidence.matches | std::views::take(kMaxMatches)) {
+    matches.push_back({{"template", PixelsToJson(one.in_template_px)},
+                       {"frame", PixelsToJson(one.in_scene_px)},
+                       {"stages", one.stages}});
+  }
+  const std::optional<Detection>& found = evidence.detection;
+  // The image of a rendering shows the whole view, that of a photo its object (model/photo_model.cc).
+  const Box whole = FrameBox(view.width, view.height);
+  const Box shown = view.surface.empty() ? Intersection(BoundingBox(view.outline), whole) : whole;
+  return {{"sighting", SightingToJson(sighting)},
+          {"region", BoxJson(region)},
+          {"view",
+           {{"index", sighting.view_index},
+            {"image_box", BoxJson(shown)},
+            {"outline", OutlineJson(view.outline)},
+            {"azimuth_deg", view.angles ? Json(DegreesJson(view.angles->azimuth_rad)) : Json()},
+            {"off_nadir_deg", view.angles ? Json(DegreesJson(view.angles->off_nadir_rad)) : Json()}}},
+          {"is_relit", evidence.is_relit},
+          {"is_pooled", evidence.is_pooled},
+          {"stages", std::move(stages)},
+          {"matches", std::move(matches)},
+          {"is_truncated", evidence.matches.size() > kMaxMatches},
+          {"pose", found ? Json({{"outline", OutlineJson(found->outline)},
+                                 {"score", ScoreJson(found->score)},
+                                 {"neg_log10_nfa", ScoreJson(found->neg_log10_nfa)}})
+                         : Json()}};
 }
 
 Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing, bool has_copy,

@@ -1,6 +1,7 @@
 // The JSON of the API's resources (api/openapi.json is their description).
 #pragma once
 
+#include "victorious/recognize/match_evidence.h"
 #include "victorious/serve/camera_path.h"
 #include "victorious/serve/index_view.h"
 #include "victorious/store/account_store.h"
@@ -12,11 +13,19 @@ namespace victorious {
 /// Null for an empty review.
 [[nodiscard]] Json ReviewToJson(const Review& review);
 
+[[nodiscard]] Json DecisionsToJson(const std::vector<Review>& decisions);
+
 [[nodiscard]] Json ObjectToJson(const TriageObject& listed, const IndexLists& lists);
 
 [[nodiscard]] Json CountsToJson(const ObjectCounts& counts);
 
 [[nodiscard]] Json SightingToJson(const SightingRecord& sighting);
+
+/// At most 2000 matches, those that passed most stages.
+/// @param view    of the model, that the sighting matches
+/// @param region  of the frame around the sighting, px
+[[nodiscard]] Json EvidenceToJson(const MatchEvidence& evidence, const SightingRecord& sighting, const ModelView& view,
+                                  const Box& region);
 
 /// @param missing  why the video's file cannot be read; empty: it can
 /// @param has_copy  there is a copy that browsers play

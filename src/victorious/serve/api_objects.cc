@@ -20,10 +20,13 @@ namespace {
 constexpr std::array<std::pair<std::string_view, ObjectOrder>, 3> kOrders = {
     {{"rank", ObjectOrder::kRank}, {"queue", ObjectOrder::kQueue}, {"newest", ObjectOrder::kNewest}}};
 
-constexpr std::array<std::pair<std::string_view, ObjectQuery::ReviewState>, 3> kReviewStates = {
+constexpr std::array<std::pair<std::string_view, ObjectQuery::ReviewState>, 6> kReviewStates = {
     {{"none", ObjectQuery::ReviewState::kNone},
      {"accepted", ObjectQuery::ReviewState::kAccepted},
-     {"rejected", ObjectQuery::ReviewState::kRejected}}};
+     {"rejected", ObjectQuery::ReviewState::kRejected},
+     {"own", ObjectQuery::ReviewState::kOwn},
+     {"not_own", ObjectQuery::ReviewState::kNotOwn},
+     {"conflicting", ObjectQuery::ReviewState::kConflicting}}};
 
 // The value of one of the texts of a table. Error: kInvalidArgument that lists them.
 template <typename Value, std::size_t count>
@@ -72,7 +75,7 @@ std::optional<ObjectKey> ParseCursor(std::string_view text) {
 }
 
 // The filters of the list, of its counts and of tiles.
-ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query) {
+ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query, const Caller& caller) {
   constexpr std::size_t kMaxWords = 16;
   ObjectQuery wanted;
   if (const auto models = query.Text("model")) wanted.models = Split(*models, ',');
@@ -80,6 +83,9 @@ ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query) {
   if (wanted.words.size() > kMaxWords) return FailField("q", fmt::format("q: at most {} words", kMaxWords));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto review, ReadChoice(query, "review", kReviewStates));
   wanted.review = review.value_or(ObjectQuery::ReviewState::kAny);
+  // With accounts, one's own decisions are those of the account.
+  const auto reviewer = query.Text("reviewer");
+  wanted.reviewer = caller.is_open ? reviewer.value_or("") : caller.name();
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.video, query.Integer("video", 0, INT64_MAX));
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.min_score, query.Number("min_score", 0, 1));
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.from_s, query.Number("from", 0, 1e9));
@@ -162,7 +168,7 @@ ApiExpected<Review> ParseReview(std::string_view body) {
 
 ApiExpected<HttpResponse> Api::Objects(const Call& call) {
   QueryReader& query = call.query;
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query, call.caller));
   VICTORIOUS_ASSIGN_OR_RETURN(ListRequest wanted, ReadListRequest(query));
   const auto ids_text = query.Text("ids");
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
@@ -221,7 +227,7 @@ ApiExpected<HttpResponse> Api::Objects(const Call& call) {
 }
 
 ApiExpected<HttpResponse> Api::Counts(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(call.query));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(call.query, call.caller));
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count(filter));
@@ -229,7 +235,7 @@ ApiExpected<HttpResponse> Api::Counts(const Call& call) {
 }
 
 ApiExpected<HttpResponse> Api::Tile(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(call.query));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(call.query, call.caller));
   // Part of the key of the browser's cache: tiles change with the index and its reviews.
   [[maybe_unused]] const auto version = call.query.Text("v");
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
@@ -312,13 +318,25 @@ ApiExpected<HttpResponse> Api::Thumbnail(const Call& call) {
   return TaggedResponse(call.request, "image/jpeg", *bytes, 60);
 }
 
+ApiExpected<HttpResponse> Api::Decisions(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Review> decisions, reader->sightings->Decisions(found.object.id));
+  return JsonResponse({{"object_id", found.object.id}, {"decisions", DecisionsToJson(decisions)}});
+}
+
 ApiExpected<HttpResponse> Api::PutReview(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(call.parameters[0]));
   VICTORIOUS_ASSIGN_OR_RETURN(Review review, ParseReview(call.request.body));
   // With accounts, nobody decides in the name of another.
   if (!call.caller.is_open) review.reviewer = call.caller.name();
-  VICTORIOUS_ASSIGN_OR_RETURN(review, index_->PutReview(found.object.id, std::move(review)));
-  return JsonResponse({{"object_id", found.object.id}, {"review", ReviewToJson(review)}});
+  VICTORIOUS_RETURN_IF_ERROR(index_->PutReview(found.object.id, std::move(review)));
+  // What it makes of the team's review, and of those of others.
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject reviewed, FindObject(call.parameters[0]));
+  return JsonResponse({{"object_id", reviewed.object.id},
+                       {"review", ReviewToJson(reviewed.review)},
+                       {"decisions", DecisionsToJson(reviewed.decisions)},
+                       {"is_contested", reviewed.is_contested}});
 }
 
 }  // namespace victorious

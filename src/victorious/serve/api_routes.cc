@@ -48,6 +48,8 @@ std::span<const Api::Route> Api::Routes() {
       {HttpMethod::kGet, "/api/v1/objects/{id}", Role::kViewer, &Api::Object},
       {HttpMethod::kGet, "/api/v1/objects/{id}/sightings", Role::kViewer, &Api::ObjectSightings, kHasQuery},
       {HttpMethod::kGet, "/api/v1/objects/{id}/thumbnail", Role::kViewer, &Api::Thumbnail, kHasQuery},
+      {HttpMethod::kGet, "/api/v1/objects/{id}/evidence", Role::kViewer, &Api::Evidence, kHasQuery},
+      {HttpMethod::kGet, "/api/v1/objects/{id}/decisions", Role::kViewer, &Api::Decisions},
       {HttpMethod::kPut, "/api/v1/objects/{id}/review", Role::kAnalyst, &Api::PutReview},
       {HttpMethod::kPost, "/api/v1/uploads", Role::kAnalyst, &Api::Upload, kHasQuery},
       {HttpMethod::kGet, "/api/v1/jobs", Role::kViewer, &Api::Jobs},
@@ -55,7 +57,7 @@ std::span<const Api::Route> Api::Routes() {
       {HttpMethod::kPost, "/api/v1/jobs/{id}/cancel", Role::kAnalyst, &Api::CancelJob},
       {HttpMethod::kGet, "/api/v1/jobs/{id}/files/{name}", Role::kViewer, &Api::JobFile},
       {HttpMethod::kGet, "/api/v1/events", Role::kViewer, &Api::Events},
-      {HttpMethod::kGet, "/api/v1/models/{id}/views/{view}", Role::kViewer, &Api::ViewImage},
+      {HttpMethod::kGet, "/api/v1/models/{id}/views/{view}", Role::kViewer, &Api::ViewImage, kHasQuery},
       {HttpMethod::kGet, "/api/v1/audit", Role::kAdmin, &Api::Audit, kHasQuery},
   });
   return kRoutes;

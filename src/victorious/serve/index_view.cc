@@ -111,7 +111,7 @@ void IndexView::Return(std::unique_ptr<IndexReader> reader) {
   if (readers_.size() < kMaxIdleReaders) readers_.push_back(std::move(reader));
 }
 
-Expected<Review> IndexView::PutReview(std::int64_t object, Review review) {
+Status IndexView::PutReview(std::int64_t object, Review review) {
   const std::scoped_lock lock(writer_mutex_);
   if (!writer_) {
     return Fail(ErrorCode::kPermissionDenied,
@@ -120,8 +120,7 @@ Expected<Review> IndexView::PutReview(std::int64_t object, Review review) {
                     "folder, then start `victorious serve` again");
   }
   review.updated_utc_us = NowUtcMicroseconds();
-  VICTORIOUS_RETURN_IF_ERROR(writer_->PutReview(object, review));
-  return review;
+  return writer_->PutReview(object, review);
 }
 
 }  // namespace victorious

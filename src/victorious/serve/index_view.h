@@ -72,9 +72,8 @@ class IndexView {
   /// Errors: those of OpenSqliteStore.
   [[nodiscard]] Expected<Loan> Borrow();
 
-  /// Stores the review with the present time and returns it. Errors: kPermissionDenied; those of
-  /// IndexStore::PutReview.
-  [[nodiscard]] Expected<Review> PutReview(std::int64_t object, Review review);
+  /// Stores the review with the present time. Errors: kPermissionDenied; those of IndexStore::PutReview.
+  [[nodiscard]] Status PutReview(std::int64_t object, Review review);
 
  private:
   IndexView(std::filesystem::path path, std::unique_ptr<IndexStore> writer, IndexReader lister)

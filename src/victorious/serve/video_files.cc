@@ -13,7 +13,6 @@
 #include "victorious/image/image_file.h"
 #include "victorious/serve/live_address.h"
 #include "victorious/video/frame_times.h"
-#include "victorious/video/video_reader.h"
 
 namespace victorious {
 namespace {
@@ -27,8 +26,8 @@ std::string ToString(const std::vector<std::byte>& bytes) {
 }
 
 // The first frame at or after a time.
-Expected<cv::Mat> ReadFrameAt(const std::string& path, double time_s, const CancelToken& cancel) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto reader, VideoReader::Open(path, {.color = FrameColor::kBgr, .threads = 1}));
+Expected<cv::Mat> ReadFrameAt(const std::string& path, double time_s, FrameColor color, const CancelToken& cancel) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto reader, VideoReader::Open(path, {.color = color, .threads = 1}));
   reader->SeekTo(time_s);  // if it cannot, the frames are read from the beginning
   while (!cancel.IsCancelled()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
@@ -94,13 +93,17 @@ std::string CopyName(const VideoRecord& video) {
   return fmt::format("{:016x}.mp4", Checksum(std::as_bytes(std::span(video.content_id))));
 }
 
-Expected<std::string> VideoFiles::Encode(const VideoRecord& video, double time_s, const Box* box, int width_px) {
+Expected<cv::Mat> VideoFiles::Read(const VideoRecord& video, double time_s, FrameColor color) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, Find(video));
   decoders_.acquire();
-  const Expected<cv::Mat> frame = ReadFrameAt(path.string(), time_s, cancel_);
+  Expected<cv::Mat> frame = ReadFrameAt(path.string(), time_s, color, cancel_);
   decoders_.release();
-  if (!frame) return std::unexpected(frame.error());
-  const cv::Mat image = box == nullptr ? *frame : CutOut(*frame, CropRegion(*box, frame->cols, frame->rows), width_px);
+  return frame;
+}
+
+Expected<std::string> VideoFiles::Encode(const VideoRecord& video, double time_s, const Box* box, int width_px) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat frame, Read(video, time_s, FrameColor::kBgr));
+  const cv::Mat image = box == nullptr ? frame : CutOut(frame, CropRegion(*box, frame.cols, frame.rows), width_px);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, EncodeJpeg(image, box == nullptr ? 90 : 82));
   return ToString(bytes);
 }
@@ -123,6 +126,10 @@ Expected<std::shared_ptr<const std::string>> VideoFiles::Crop(const VideoRecord&
   const auto image = std::make_shared<const std::string>(std::move(bytes));
   images_.Put(key, image);
   return image;
+}
+
+Expected<cv::Mat> VideoFiles::GreyFrame(const VideoRecord& video, double time_s) {
+  return Read(video, time_s, FrameColor::kGrey);
 }
 
 Expected<std::shared_ptr<const std::vector<double>>> VideoFiles::Times(const VideoRecord& video) {

@@ -8,11 +8,14 @@
 #include <semaphore>
 #include <string>
 
+#include <opencv2/core/mat.hpp>
+
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 #include "victorious/serve/byte_cache.h"
 #include "victorious/store/index_store.h"
+#include "victorious/video/video_reader.h"
 
 namespace victorious {
 
@@ -34,10 +37,14 @@ class VideoFiles {
   [[nodiscard]] Expected<std::shared_ptr<const std::string>> Crop(const VideoRecord& video, double time_s,
                                                                   const Box& box, int width_px);
 
+  /// The frame at a time, CV_8UC1, as a search reads it. Errors: those of Frame.
+  [[nodiscard]] Expected<cv::Mat> GreyFrame(const VideoRecord& video, double time_s);
+
   /// The presentation times of all frames (video/frame_times.h). Errors: those of Find and of reading.
   [[nodiscard]] Expected<std::shared_ptr<const std::vector<double>>> Times(const VideoRecord& video);
 
  private:
+  [[nodiscard]] Expected<cv::Mat> Read(const VideoRecord& video, double time_s, FrameColor color);
   [[nodiscard]] Expected<std::string> Encode(const VideoRecord& video, double time_s, const Box* box, int width_px);
 
   std::filesystem::path folder_;

@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Counts, Job, NewJob, ObjectDetail, Project, Review, Session, Verdict } from "./types";
+import type { ApiErrorBody, CameraPath, Counts, Evidence, Job, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, Verdict } from "./types";
 import { readTrack } from "../logic/followed";
 import { type SightingPages, inHalves } from "../logic/halves";
 
@@ -80,14 +80,23 @@ export const listObjectSightings = async (object: number, from: number, to: numb
 export const getCameraPath = (video: number, signal: AbortSignal) =>
   request<CameraPath>(`/videos/${video}/camera`, { signal });
 
-export const putReview = async (object: number, verdict: Verdict, note: string, reviewer: string): Promise<Review | null> =>
-  (await send<components["schemas"]["ReviewedObject"]>(`/objects/${object}/review`, "PUT", { verdict, note, reviewer }))
-    .review;
+export const putReview = (object: number, verdict: Verdict, note: string, reviewer: string) =>
+  send<ReviewedObject>(`/objects/${object}/review`, "PUT", { verdict, note, reviewer });
+
+/** Of all persons. */
+export const listDecisions = async (object: number, signal: AbortSignal): Promise<Review[]> =>
+  (await request<components["schemas"]["DecisionList"]>(`/objects/${object}/decisions`, { signal })).decisions;
 
 export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
 export const videoCopyUrl = (video: number) => `${ROOT}/videos/${video}/copy`;
 export const frameUrl = (video: number, frame: number) => `${ROOT}/videos/${video}/frames/${frame}`;
 export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/${object}/thumbnail?width=${width}`;
+/** Of one frame; null: of the object's best sighting. */
+export const getEvidence = (object: number, at: { video: number; frame: number } | null, signal: AbortSignal) =>
+  request<Evidence>(`/objects/${object}/evidence${at === null ? "" : `?video=${at.video}&frame=${at.frame}`}`, { signal });
+
+/** All pixels that the model has of a view. */
+export const fullViewUrl = (model: number, view: number) => `${viewUrl(model, view)}?size=full`;
 export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}/views/${view}`;
 export const listJobs = async () => (await request<components["schemas"]["JobList"]>("/jobs")).jobs;
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { formatArea, isArea, isInArea, parseArea, rectangle } from "./area";
+import { formatArea, isArea, isInArea, nearestCorner, onOneGlobe, parseArea, rectangle } from "./area";
 
 describe("an area of the map", () => {
   const notched = parseArea("0 0, 10 0, 10 5, 3 6, 10 7, 10 12, 0 12");
@@ -31,6 +31,18 @@ describe("an area of the map", () => {
 
   it.each(["", "52.5", "1,2,3", "1,2,3,4,5", "1,2,1,4", "91,0,1,1", "a,b,c,d", "0,0,0,100,1,0"])("refuses %j", (text) => {
     expect(parseArea(text)).toBeNull();
+  });
+
+  it("is drawn as far as the server takes it", () => {
+    const sent = (area: ReturnType<typeof rectangle>) => parseArea(formatArea(onOneGlobe(area)));
+    for (const far of [[200, 95], [-170, -95], [13.4000004 + 90, 0], [50, 50]] as const) {
+      const area = rectangle([13.4000004, 52], nearestCorner([13.4000004, 52], [far[0], far[1]]));
+      expect(sent(area)).not.toBeNull();
+      expect(isInArea(area, [13.5 + Math.sign(far[0] - 13) * 0.2, 52 + Math.sign(far[1] - 52) * 0.2])).toBe(true);
+    }
+    expect(nearestCorner(undefined, [400, 91])).toEqual([400, 90]);
+    expect(onOneGlobe([[733, 52], [734, 52], [734, 53]])).toEqual([[13, 52], [14, 52], [14, 53]]);
+    expect(sent([[179, 0], [181, 0], [181, 1]])).toEqual([[179, 0], [181, 0], [181, 1]]);
   });
 
   it("has a size", () => {

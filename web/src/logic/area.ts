@@ -6,11 +6,31 @@ export type Area = readonly Position[];
 
 export const MAX_CORNERS = 100;
 
+/**
+ * Degrees of longitude from the first corner to another one, at most: farther, which way round an edge goes would be a
+ * guess, and the server refuses it. A little less than its limit, as coordinates are rounded.
+ */
+const MAX_SPAN = 89.999;
+
 const turn = (degrees: number) => degrees - 360 * Math.round(degrees / 360);
 
 /** The rectangle between two opposite corners. */
 export function rectangle([x1, y1]: Position, [x2, y2]: Position): Area {
   return [[x1, y1], [x1, y2], [x2, y2], [x2, y1]];
+}
+
+/** The corner nearest to a point of the map that an area may have that begins at `first`. */
+export function nearestCorner(first: Position | undefined, [x, y]: Position): Position {
+  const from = first?.[0] ?? x;
+  return [Math.min(Math.max(x, from - MAX_SPAN), from + MAX_SPAN), Math.min(Math.max(y, -90), 90)];
+}
+
+/** The same area where longitudes begin at -180: the map shows the globe side by side several times. */
+export function onOneGlobe(area: Area): Area {
+  const [first] = area;
+  if (!first) return area;
+  const shift = turn(first[0]) - first[0];
+  return area.map(([x, y]): Position => [x + shift, y]);
 }
 
 /** The same rule as the server's, also across the antimeridian. */

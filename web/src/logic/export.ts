@@ -3,6 +3,10 @@ import type { FeatureCollection, Point } from "geojson";
 
 import type { FoundObject } from "../api/types";
 
+/** Of all persons: "rejected by bob; accepted by ann". */
+const listDecisions = (object: FoundObject) =>
+  object.decisions.flatMap((one) => (one.verdict === null ? [] : [one.reviewer === "" ? one.verdict : `${one.verdict} by ${one.reviewer}`])).join("; ");
+
 const COLUMNS: [string, (object: FoundObject) => string | number | null][] = [
   ["object_id", (one) => one.id],
   ["model", (one) => one.model],
@@ -20,6 +24,8 @@ const COLUMNS: [string, (object: FoundObject) => string | number | null][] = [
   ["verdict", (one) => one.review?.verdict ?? null],
   ["reviewer", (one) => one.review?.reviewer ?? null],
   ["note", (one) => one.review?.note ?? null],
+  ["is_contested", (one) => (one.is_contested ? 1 : 0)],
+  ["decisions", (one) => listDecisions(one) || null],
 ];
 
 function cell(value: string | number | null): string {

@@ -1,12 +1,18 @@
 // Filters of the list: they grey objects out, and say what a threshold costs.
 import type { FoundObject, Verdict, Video } from "../api/types";
 import { type Area, formatArea, isInArea } from "./area";
+import { ownDecision } from "./decisions";
 
 export interface Circle {
   latitude: number;
   longitude: number;
   metres: number;
 }
+
+/**
+ * none, accepted, rejected: of the team; own, not_own: whether the reader has decided; conflicting: persons disagree.
+ */
+export type ReviewFilter = "all" | "none" | Exclude<Verdict, null> | "own" | "not_own" | "conflicting";
 
 export interface Filters {
   /** Words of the model's name, or "near 52.52,13.40 200 m". */
@@ -15,7 +21,7 @@ export interface Filters {
   models: readonly string[];
   /** null: all */
   video: number | null;
-  review: "all" | "none" | Exclude<Verdict, null>;
+  review: ReviewFilter;
   minScore: number;
   /** Drawn on the map; null: everywhere. */
   area: Area | null;
@@ -55,13 +61,32 @@ export function metresBetween(a: { latitude: number; longitude: number }, b: { l
   return 2 * radius * Math.asin(Math.min(1, Math.sqrt(h)));
 }
 
-export function makeMatcher(filters: Filters): (object: FoundObject) => boolean {
+function matchesReview(object: FoundObject, wanted: ReviewFilter, me: string): boolean {
+  switch (wanted) {
+    case "all":
+      return true;
+    case "own":
+    case "not_own":
+      return ((ownDecision(object, me)?.verdict ?? null) !== null) === (wanted === "own");
+    case "conflicting":
+      return object.is_contested;
+    default:
+      return (object.review?.verdict ?? "none") === wanted;
+  }
+}
+
+/** What the reader goes on to after a decision: what the filter is for, else what nobody has decided. */
+export const nextReview = (shown: ReviewFilter): ReviewFilter =>
+  shown === "own" || shown === "not_own" || shown === "conflicting" ? shown : "none";
+
+/** @param me whose decisions `own` and `not_own` mean */
+export function makeMatcher(filters: Filters, me: string): (object: FoundObject) => boolean {
   const { words, near } = parseQuery(filters.text);
   return (object) => {
     if (object.score < filters.minScore) return false;
     if (filters.models.length > 0 && !filters.models.includes(object.model)) return false;
     if (filters.video !== null && !object.moments.some((one) => one.video_id === filters.video)) return false;
-    if (filters.review !== "all" && (object.review?.verdict ?? "none") !== filters.review) return false;
+    if (!matchesReview(object, filters.review, me)) return false;
     const name = `${object.model} ${object.id} ${object.review?.note ?? ""}`.toLowerCase();
     if (!words.every((word) => name.includes(word))) return false;
     if (near === null && filters.area === null) return true;
@@ -84,12 +109,13 @@ export function isFiltered(filters: Filters): boolean {
 }
 
 /** The filters as parameters of the API, for what the page has not loaded. The same meaning as makeMatcher's. */
-export function filterParams(filters: Filters): URLSearchParams {
+export function filterParams(filters: Filters, me: string): URLSearchParams {
   const { words, near } = parseQuery(filters.text);
   const params = new URLSearchParams();
   if (filters.models.length > 0) params.set("model", filters.models.join(","));
   if (filters.video !== null) params.set("video", String(filters.video));
   if (filters.review !== "all") params.set("review", filters.review);
+  if (filters.review === "own" || filters.review === "not_own") params.set("reviewer", me);
   if (filters.minScore > 0) params.set("min_score", String(filters.minScore));
   if (near !== null) params.set("near", `${near.latitude},${near.longitude},${near.metres}`);
   if (filters.area !== null) params.set("area", formatArea(filters.area));

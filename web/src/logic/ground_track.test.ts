@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 
 import type { CameraPath } from "../api/types";
 import type { Position } from "./geo";
-import { groundTrack, onGround, placeAt, timeOnLine } from "./ground_track";
+import { groundTrack, momentsKey, onGround, placeAt, timeOnLine } from "./ground_track";
 
 const square: Position[] = [[13, 52.001], [13.001, 52.001], [13.001, 52], [13, 52]];
 const oblique: Position[] = [[-2, 4], [2, 4], [1, 0], [-1, 0]];
@@ -12,6 +12,16 @@ const path = (points: [number, Position[] | null][]): CameraPath => ({
   reason: null,
   ground_m: 0,
   points: points.map(([time_s, footprint]) => ({ time_s, position: [13, 52], altitude_m: 100, yaw_deg: 0, footprint })),
+});
+
+describe("the moments of an object", () => {
+  it("differ when it was seen more in this video", () => {
+    const moment = { video_id: 1, first_time_s: 0, last_time_s: 2, frames: 5, score: 0.9 };
+    const key = momentsKey({ moments: [moment] }, 1);
+    expect(momentsKey({ moments: [{ ...moment, score: 0.95 }, { ...moment, video_id: 2 }] }, 1)).toBe(key);
+    expect(momentsKey({ moments: [{ ...moment, last_time_s: 2.5, frames: 6 }] }, 1)).not.toBe(key);
+    expect(momentsKey({ moments: [moment, { ...moment, first_time_s: 7, last_time_s: 8 }] }, 1)).not.toBe(key);
+  });
 });
 
 describe("a box on the ground", () => {

@@ -1,6 +1,6 @@
 // Where an object was over time, on flat ground: its boxes are laid on the ground that the frame shows. And the time at
 // a point of a line on the map.
-import type { CameraPath } from "../api/types";
+import type { CameraPath, FoundObject } from "../api/types";
 import { type Position, cameraAt } from "./geo";
 
 export interface TrackPoint {
@@ -36,6 +36,13 @@ export function onGround(footprint: readonly Position[], u: number, v: number): 
   const y = ((y1 + g * y1) * u + (y3 + h * y3) * v) / w;
   return [a[0] + x, a[1] + y];
 }
+
+/** Differs when an object was seen more, or less, in a video than before. */
+export const momentsKey = (object: Pick<FoundObject, "moments">, video: number): string =>
+  object.moments
+    .filter((one) => one.video_id === video)
+    .map((one) => `${one.first_time_s} ${one.last_time_s} ${one.frames}`)
+    .join();
 
 /** The middle of each box on the ground, by time; pieces where the object was lost in between. */
 export function groundTrack(

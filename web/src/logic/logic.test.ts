@@ -1,9 +1,10 @@
 import { describe, expect, it } from "vitest";
 
-import type { CameraPath, FoundObject, Place } from "../api/types";
+import type { CameraPath, FoundObject, Place, Review } from "../api/types";
 import { rectangle } from "./area";
+import { withDecision } from "./decisions";
 import { toCsv, toGeoJson } from "./export";
-import { NO_FILTERS, filterParams, isFiltered, makeMatcher, metresBetween, parseQuery, searchedHours, thresholdCost } from "./filters";
+import { NO_FILTERS, filterParams, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery, searchedHours, thresholdCost } from "./filters";
 import { formatAngle, formatExpected, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
@@ -37,6 +38,8 @@ const found = (id: number, change: Partial<FoundObject> = {}): FoundObject => ({
   heading_deg: null,
   speed_m_s: null,
   review: null,
+  decisions: [],
+  is_contested: false,
   ...change,
 });
 
@@ -71,7 +74,7 @@ describe("FrameTable", () => {
 
 describe("filters", () => {
   const matches = (change: Partial<typeof NO_FILTERS>, object: FoundObject) =>
-    makeMatcher({ ...NO_FILTERS, ...change })(object);
+    makeMatcher({ ...NO_FILTERS, ...change }, "ann")(object);
 
   it("match by score, model, video and review", () => {
     expect(matches({}, found(1))).toBe(true);
@@ -85,6 +88,19 @@ describe("filters", () => {
     expect(matches({ area: rectangle([13, 52], [14, 53]) }, found(1))).toBe(false);
     expect(matches({ review: "accepted" }, found(1))).toBe(false);
     expect(matches({ review: "accepted" }, found(1, { review: accepted }))).toBe(true);
+  });
+
+  it("match by who decided", () => {
+    const reviewed = (...decisions: Review[]) => found(1, decisions.reduce(withDecision, found(1)));
+    const [ann, bob] = [{ ...accepted, reviewer: "ann" }, { ...accepted, verdict: "rejected" as const, reviewer: "bob" }];
+    const states = ["none", "accepted", "rejected", "own", "not_own", "conflicting"] as const;
+    const matched = (object: FoundObject) => states.filter((review) => matches({ review }, object));
+    expect(matched(reviewed())).toEqual(["none", "not_own"]);
+    expect(matched(reviewed(ann))).toEqual(["accepted", "own"]);
+    expect(matched(reviewed(bob))).toEqual(["rejected", "not_own"]);
+    expect(matched(reviewed(ann, { ...bob, updated_utc_us: 1 }))).toEqual(["rejected", "own", "conflicting"]);
+    expect(matched(reviewed({ ...ann, verdict: null, note: "?" }))).toEqual(["none", "not_own"]);
+    expect((["all", ...states] as const).map(nextReview)).toEqual(["none", "none", "none", "none", "own", "not_own", "conflicting"]);
   });
 
   it("match words of the name and the note", () => {
@@ -124,9 +140,11 @@ describe("filters", () => {
   });
 
   it("are sent to the server", () => {
-    expect(filterParams(NO_FILTERS).toString()).toBe("");
+    expect(filterParams(NO_FILTERS, "ann").toString()).toBe("");
+    expect(filterParams({ ...NO_FILTERS, review: "not_own" }, "ann").toString()).toBe("review=not_own&reviewer=ann");
+    expect(filterParams({ ...NO_FILTERS, review: "conflicting" }, "ann").toString()).toBe("review=conflicting");
     const all = { text: "Jeep near 52,13 2 km", models: ["a", "b"], video: 3, review: "none" as const, minScore: 0.5, area: rectangle([13, 52], [14, 53]) };
-    expect(Object.fromEntries(filterParams(all))).toEqual({
+    expect(Object.fromEntries(filterParams(all, "ann"))).toEqual({
       model: "a,b",
       video: "3",
       review: "none",
@@ -356,13 +374,15 @@ describe("keys", () => {
 });
 
 describe("saved lists", () => {
-  const placed = found(7, { place: place(52.5, 13.25), heading_deg: 90, review: { ...accepted, note: 'a "shed", red', reviewer: "=1+1" } });
+  const review = { ...accepted, note: 'a "shed", red', reviewer: "=1+1" };
+  const decisions = [review, { ...accepted, verdict: "rejected" as const, reviewer: "ann" }];
+  const placed = found(7, { place: place(52.5, 13.25), heading_deg: 90, review, decisions, is_contested: true });
 
   it("are tables that spreadsheets read, without formulas", () => {
     const rows = toCsv([placed, found(8)]).split("\r\n");
     expect(rows[0]?.split(",").slice(0, 3)).toEqual(["object_id", "model", "score"]);
-    expect(rows[1]).toBe(`7,jeep,0.9,3,0,1,52.5,13.25,0,1,1,90,,accepted,'=1+1,"a ""shed"", red"`);
-    expect(rows[2]).toBe("8,jeep,0.9,3,0,1,,,,,,,,,,");
+    expect(rows[1]).toBe(`7,jeep,0.9,3,0,1,52.5,13.25,0,1,1,90,,accepted,'=1+1,"a ""shed"", red",1,accepted by =1+1; rejected by ann`);
+    expect(rows[2]).toBe("8,jeep,0.9,3,0,1,,,,,,,,,,,0,");
     expect(rows).toHaveLength(4);
   });
 

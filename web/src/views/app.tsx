@@ -6,6 +6,7 @@ import { needsLogIn, session } from "../session";
 import * as reviews from "../reviews";
 import * as selection from "../selection";
 import * as state from "../state";
+import * as why from "../why";
 import { Header } from "./header";
 import { Help } from "./help";
 import { Inspector } from "./inspector";
@@ -16,6 +17,7 @@ import { MapPane } from "./map";
 import { toggleDrawing } from "./map_area";
 import { Notices } from "./notices";
 import { VideoPane, toggleBoxing, togglePlay } from "./video";
+import { WhyDialog } from "./why";
 
 const isTyping = (target: EventTarget | null) =>
   target instanceof HTMLElement && target.matches("input:not([type=range]), textarea, select");
@@ -53,6 +55,8 @@ function run(action: Action, shift: boolean) {
       return reviews.decide("rejected");
     case "note":
       return focus("note");
+    case "why":
+      return why.ask();
     case "undo":
       return reviews.undo();
     case "play":
@@ -84,7 +88,7 @@ function useKeys() {
   useEffect(() => {
     const down = (event: KeyboardEvent) => {
       if (event.key === "Escape" && isTyping(event.target)) (event.target as HTMLElement).blur();
-      if (isTyping(event.target) || state.isHelpOpen.value || needsLogIn.value || event.defaultPrevented) return;
+      if (isTyping(event.target) || state.isHelpOpen.value || why.asked.value !== null || needsLogIn.value || event.defaultPrevented) return;
       const action = actionOf(event);
       if (action === null) return;
       // Space presses a focused button, arrows move a focused slider.
@@ -132,6 +136,7 @@ export function App() {
       )}
       <JobsPanel />
       <ModelDialog />
+      <WhyDialog />
       <DropTarget />
       <Notices />
       <Help />

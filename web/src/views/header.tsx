@@ -1,4 +1,5 @@
-import { counts } from "../objects";
+import { givenName } from "../me";
+import { counts, ownCount } from "../objects";
 import { account, logOut } from "../session";
 import * as notices from "../notices";
 import * as state from "../state";
@@ -12,14 +13,16 @@ function Progress() {
   if (!known || known.objects === 0) return null;
   const { accepted, rejected, objects: all } = known;
   const part = (count: number) => ({ width: `${(100 * count) / all}%` });
+  const own = ownCount.value;
   return (
-    <div class="progress" title={`${accepted} accepted, ${rejected} rejected`}>
+    <div class="progress" title={`By the team: ${accepted} accepted, ${rejected} rejected`}>
       <span class="bar" aria-hidden="true">
         <span class="accepted" style={part(accepted)} />
         <span class="rejected" style={part(rejected)} />
       </span>
       <span>
         {(accepted + rejected).toLocaleString("en")} of {all.toLocaleString("en")} reviewed
+        {own !== null && own !== accepted + rejected && <span class="own">, {own.toLocaleString("en")} by you</span>}
       </span>
     </div>
   );
@@ -53,8 +56,8 @@ function Reviewer() {
         maxLength={80}
         placeholder="Your name"
         title="Your name, kept with your reviews"
-        value={state.reviewer.value}
-        onInput={(event) => (state.reviewer.value = event.currentTarget.value)}
+        value={givenName.value}
+        onInput={(event) => (givenName.value = event.currentTarget.value)}
       />
     </>
   );

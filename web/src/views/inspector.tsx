@@ -1,14 +1,18 @@
 // The selection: its crops, facts and review.
 import { useEffect, useState } from "preact/hooks";
 
-import { thumbnailUrl, viewUrl } from "../api/client";
-import type { FoundObject, ObjectDetail } from "../api/types";
+import { listDecisions, thumbnailUrl, viewUrl } from "../api/client";
+import type { FoundObject, ObjectDetail, Review } from "../api/types";
+import { MAX_DECISIONS, nameOf, ownDecision } from "../logic/decisions";
 import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatSpan, formatTime, plural } from "../logic/format";
 import { askForClip, canAdd } from "../jobs";
+import { me } from "../me";
 import * as notices from "../notices";
+import * as objects from "../objects";
 import * as reviews from "../reviews";
 import * as selection from "../selection";
 import * as state from "../state";
+import * as why from "../why";
 import { Icon } from "./icons";
 import { VerdictMark } from "./list";
 
@@ -36,7 +40,12 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
           <div class="frame">
             <img src={viewUrl(object.model_id, best.view_index)} alt={`The view of ${object.model} that matched`} />
           </div>
-          <figcaption>view that matched, {plural(best.matches, "match").replace("matchs", "matches")}</figcaption>
+          <figcaption>
+            <button class="link" title="The matches between view and frame, stage by stage (W)" onClick={why.ask}>
+              why
+            </button>
+            : {plural(best.matches, "match").replace("matchs", "matches")} with this view
+          </figcaption>
         </figure>
       )}
     </div>
@@ -162,22 +171,64 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
   );
 }
 
-function Review({ object }: { object: FoundObject }) {
-  const verdict = object.review?.verdict ?? null;
-  const stored = object.review?.note ?? "";
+const formatWhen = (utc_us: number) => new Date(utc_us / 1000).toLocaleString([], { dateStyle: "short", timeStyle: "short" });
+
+/** Who decided what and when, beside one's own decision; nothing where nobody else did. */
+function Decisions({ object }: { object: FoundObject }) {
+  const [all, setAll] = useState<Review[] | null>(null);
+  // An object of the list has those of some persons only.
+  const isCut = object.decisions.length >= MAX_DECISIONS;
+  useEffect(() => {
+    setAll(null);
+    if (!isCut) return;
+    const abort = new AbortController();
+    listDecisions(object.id, abort.signal)
+      .then(setAll)
+      .catch((error: unknown) => !abort.signal.aborted && notices.notifyError(error));
+    return () => abort.abort();
+  }, [object.id, isCut, object.decisions]);
+  const shown = all ?? object.decisions;
+  if (!shown.some((one) => one.reviewer !== me.value)) return null;
+  const team = object.review?.verdict ?? "undecided";
+  return (
+    <div class="decisions">
+      <h3>{object.is_contested ? `Disputed. Team: ${team} (the latest)` : `Team: ${team}`}</h3>
+      <ul aria-label="Who decided what">
+        {shown.map((one) => (
+          <li key={one.reviewer}>
+            <span class={`verdict ${one.verdict ?? ""}`}>
+              {one.verdict && <Icon name={one.verdict === "accepted" ? "accept" : "reject"} />}
+              {one.verdict ?? "note"}
+            </span>{" "}
+            <strong>{nameOf(one.reviewer, me.value)}</strong> <time>{formatWhen(one.updated_utc_us)}</time>
+            {one.note !== "" && <q>{one.note}</q>}
+          </li>
+        ))}
+      </ul>
+    </div>
+  );
+}
+
+/** The reader's own decision, and those of others. */
+function ReviewPanel({ object }: { object: FoundObject }) {
+  const own = ownDecision(object, me.value);
+  const verdict = own?.verdict ?? null;
+  const stored = own?.note ?? "";
   const [note, setNote] = useState(stored);
   useEffect(() => setNote(stored), [object.id, stored]);
-  const isPending = reviews.pendingReviews.value.has(object.id);
+  const isPending = objects.pendingReviews.value.has(object.id);
   const canReview = state.project.value.state === "ready" && state.project.value.value.can_review;
   const save = () => {
     if (note !== stored) reviews.review(object.id, verdict, note);
   };
   const status = isPending
     ? "Saving"
-    : object.review
-      ? `Saved ${new Date(object.review.updated_utc_us / 1000).toLocaleString()}${object.review.reviewer ? ` by ${object.review.reviewer}` : ""}`
+    : own
+      ? `Saved ${formatWhen(own.updated_utc_us)}`
       : canReview
-        ? "Not reviewed"
+        ? object.review
+          ? "Not reviewed by you"
+          : "Not reviewed"
         : reviews.whyNoReview.value;
   return (
     <div class="review">
@@ -215,6 +266,7 @@ function Review({ object }: { object: FoundObject }) {
       <div class="status" role="status">
         {status}
       </div>
+      <Decisions object={object} />
     </div>
   );
 }
@@ -241,7 +293,7 @@ export function Inspector() {
           </p>
         )}
       </div>
-      <Review object={object} />
+      <ReviewPanel object={object} />
     </section>
   );
 }

@@ -5,11 +5,13 @@ import { useEffect, useLayoutEffect, useReducer, useRef, useState } from "preact
 
 import { thumbnailUrl } from "../api/client";
 import type { FoundObject } from "../api/types";
-import { NO_FILTERS, isFiltered, searchedHours, thresholdCost } from "../logic/filters";
+import { describeDecisions, summarise } from "../logic/decisions";
+import { NO_FILTERS, type ReviewFilter, isFiltered, searchedHours, thresholdCost } from "../logic/filters";
 import { explainScore, formatExpected, formatMetres, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
 import { canAdd } from "../jobs";
 import * as load from "../load";
+import { me } from "../me";
 import * as notices from "../notices";
 import * as objects from "../objects";
 import * as reviews from "../reviews";
@@ -43,17 +45,21 @@ function useVirtualizer(count: number) {
   return { scroller, virtualizer };
 }
 
+/** The team's verdict; who decided, where the reader has not. */
 export function VerdictMark({ object }: { object: FoundObject }) {
-  const verdict = object.review?.verdict;
-  if (!verdict) return null;
-  const isPending = reviews.pendingReviews.value.has(object.id);
+  const summary = summarise(object, me.value);
+  if (!summary) return null;
+  const { verdict, text, isOthers } = summary;
+  const isPending = objects.pendingReviews.value.has(object.id);
+  const icon = object.is_contested ? "contested" : verdict === "accepted" ? "accept" : "reject";
   return (
     <span
-      class={`verdict ${verdict} ${isPending ? "pending" : ""}`}
-      title={object.review?.reviewer ? `${verdict} by ${object.review.reviewer}` : verdict}
+      class={`verdict ${verdict} ${isPending ? "pending" : ""} ${object.is_contested ? "contested" : ""} ${isOthers ? "others" : ""}`}
+      title={describeDecisions(object, me.value)}
     >
-      <Icon name={verdict === "accepted" ? "accept" : "reject"} />
-      {isPending ? "saving" : verdict}
+      <Icon name={icon} />
+      {isOthers && text !== verdict && <span class="hidden">{verdict} by </span>}
+      <span class="who">{isPending ? "saving" : text}</span>
     </span>
   );
 }
@@ -111,6 +117,15 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
   );
 }
 
+const REVIEWS: [ReviewFilter, string, string][] = [
+  ["none", "to review", "Nobody has decided"],
+  ["accepted", "accepted", "By the team: the latest decision"],
+  ["rejected", "rejected", "By the team: the latest decision"],
+  ["own", "by you", "You have decided"],
+  ["not_own", "not by you", "You have not decided, whether others have or not"],
+  ["conflicting", "disputed", "Some accepted it, some rejected it"],
+];
+
 function Chips() {
   const { models, review, video, area } = state.filters.value;
   const toggle = (name: string) =>
@@ -124,14 +139,15 @@ function Chips() {
             {name}
           </button>
         ))}
-      {(["none", "accepted", "rejected"] as const).map((one) => (
+      {REVIEWS.map(([one, text, title]) => (
         <button
           key={one}
           class="chip"
+          title={title}
           aria-pressed={review === one}
           onClick={() => state.setFilters({ review: review === one ? "all" : one })}
         >
-          {one === "none" ? "to review" : one}
+          {text}
         </button>
       ))}
       {area !== null && (

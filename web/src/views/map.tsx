@@ -15,6 +15,7 @@ import { messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
 import { formatMetres, formatPosition } from "../logic/format";
 import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing } from "../logic/geo";
+import { me } from "../me";
 import { lastReview } from "../objects";
 import { showPlace } from "../places";
 import { frameCanvas, pictureVersion } from "../player";
@@ -41,7 +42,7 @@ drape.width = 512;
 drape.height = 384;
 
 const tileAddress = () => {
-  const params = filterParams(state.filters.value);
+  const params = filterParams(state.filters.value, me.value);
   if (state.indexVersion.value > 0) params.set("v", String(state.indexVersion.value));
   return tilesUrl(params);
 };

@@ -4,7 +4,7 @@ import type { FeatureCollection } from "geojson";
 import type { Map as MapLibre, MapMouseEvent } from "maplibre-gl";
 import { useEffect, useState } from "preact/hooks";
 
-import { type Area, MAX_CORNERS, formatArea, isArea, parseArea, rectangle } from "../logic/area";
+import { type Area, MAX_CORNERS, formatArea, isArea, nearestCorner, onOneGlobe, parseArea, rectangle } from "../logic/area";
 import type { Position } from "../logic/geo";
 import * as state from "../state";
 import { Icon } from "./icons";
@@ -22,7 +22,7 @@ export function toggleDrawing() {
 }
 
 function finish(area: Area) {
-  if (isArea(area)) state.setFilters({ area });
+  if (isArea(area)) state.setFilters({ area: onOneGlobe(area) });
   state.isDrawingArea.value = false;
 }
 
@@ -41,7 +41,7 @@ export function connectArea(map: MapLibre, setData: (source: string, data: Featu
   map.on("mousemove", (event) => {
     if (!pressed || draft.value.length > (isDragged ? 4 : 0)) return;
     isDragged ||= distance(pressed.at, event.point) > NEAR;
-    if (isDragged) draft.value = rectangle(pressed.position, positionOf(event));
+    if (isDragged) draft.value = rectangle(pressed.position, nearestCorner(pressed.position, positionOf(event)));
   });
   // Also where the mouse has left the map.
   const release = () => {
@@ -57,7 +57,7 @@ export function connectArea(map: MapLibre, setData: (source: string, data: Featu
     const isOn = (corner: Position | undefined) => corner !== undefined && distance(map.project(corner), event.point) < NEAR;
     // On the first corner, or twice at one place: that was the last one.
     if (draft.value.length >= 3 && (isOn(first) || isOn(last))) return finish(draft.value);
-    if (!isOn(last) && draft.value.length < MAX_CORNERS) draft.value = [...draft.value, positionOf(event)];
+    if (!isOn(last) && draft.value.length < MAX_CORNERS) draft.value = [...draft.value, nearestCorner(first, positionOf(event))];
   });
   const keys = (event: KeyboardEvent) => {
     if (!state.isDrawingArea.value || event.target instanceof HTMLInputElement) return;

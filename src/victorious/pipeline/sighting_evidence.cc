@@ -1,0 +1,58 @@
+#include "victorious/pipeline/sighting_evidence.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/json.h"
+#include "victorious/calibrate/sun_direction.h"
+#include "victorious/features/feature_extractor.h"
+#include "victorious/model/relit_views.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/model_engine.h"
+
+namespace victorious {
+namespace {
+
+Expected<IndexOptions> ParseSearchOptions(const std::string& options_json) {
+  IndexOptions options;
+  Expected<nlohmann::json> json = ParseStrictJson(options_json);
+  FieldList fields;
+  options.ListSearchFields(fields);
+  if (json && json->is_object()) {
+    json->erase("searched");  // the interval of time, which is no option
+    const Status status = SetFromJson(*json, fields.fields());
+    if (status) return options;
+  }
+  return Fail(ErrorCode::kUnsupported,
+              "the search was made with the options of another version: search the video again with --redo to see its "
+              "evidence");
+}
+
+}  // namespace
+
+Expected<TelemetryOptions> TelemetryOptionsOf(const std::string& options_json) {
+  VICTORIOUS_ASSIGN_OR_RETURN(IndexOptions options, ParseSearchOptions(options_json));
+  return options.telemetry;
+}
+
+Expected<MatchEvidence> ExplainSighting(const SightingRecord& sighting, const std::string& options_json,
+                                        const ObjectModel& model, const cv::Mat& grey, const CameraStates& cameras) {
+  VICTORIOUS_ASSIGN_OR_RETURN(IndexOptions options, ParseSearchOptions(options_json));
+  VICTORIOUS_RETURN_IF_ERROR(AdoptEngineOfModels({&model, 1}, options.features, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor->Extract(grey));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto relit_templates, MakeRelitViews(model));
+  std::optional<Sun> sun;
+  if (options.sun_direction.sun != SunSearch::kOff && cameras.trajectory() != nullptr) {
+    sun = SunByClock(*cameras.trajectory());
+  }
+  return GatherEvidence(features, MakeFrameConditions(cameras.At(sighting.time_s), grey.size(), sun), model,
+                        relit_templates.get(), static_cast<std::size_t>(sighting.view_index), sighting.box,
+                        options.recognize);
+}
+
+}  // namespace victorious

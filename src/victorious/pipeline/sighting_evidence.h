@@ -1,0 +1,34 @@
+// Why a sighting was reported: makes the features of its frame again, as the search made them, and matches them with
+// its view (recognize/match_evidence.h). In: what the store keeps of a sighting, its frame and its model. Out: the
+// matches stage by stage. The sun is that of the ephemeris; of telemetry without a clock only the attitude is used.
+#pragma once
+
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "victorious/base/error.h"
+#include "victorious/pipeline/camera_states.h"
+#include "victorious/recognize/match_evidence.h"
+#include "victorious/store/index_store.h"
+#include "victorious/telemetry/telemetry.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// The telemetry options of a search, for CameraStates::Load. Error: that of ExplainSighting.
+/// @param options_json  SearchRecord::options_json
+[[nodiscard]] Expected<TelemetryOptions> TelemetryOptionsOf(const std::string& options_json);
+
+/// @param options_json  SearchRecord::options_json of the sighting's video and model
+/// @param model         that was searched for
+/// @param grey          the sighting's frame, CV_8UC1
+/// @param cameras       of the sighting's video
+/// Errors: kUnsupported for options of another version; kInvalidArgument for a view that the model does not have; those
+/// of feature extraction and RelitTemplateSource.
+/// Cost: that of searching one frame for one view.
+[[nodiscard]] Expected<MatchEvidence> ExplainSighting(const SightingRecord& sighting, const std::string& options_json,
+                                                      const ObjectModel& model, const cv::Mat& grey,
+                                                      const CameraStates& cameras);
+
+}  // namespace victorious

@@ -1,0 +1,157 @@
+// The route of evidence: why a sighting was reported; and the images of a model's views.
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/image/image_file.h"
+#include "victorious/model/model_library.h"
+#include "victorious/model/view_surface.h"
+#include "victorious/pipeline/sighting_evidence.h"
+#include "victorious/serve/api.h"
+#include "victorious/serve/api_json.h"
+#include "victorious/serve/api_response.h"
+
+namespace victorious {
+namespace {
+
+// How long a request waits for those before it: an answer takes some tenths of a second.
+constexpr std::chrono::seconds kMaxWait{20};
+
+// A place among those that work, or none after kMaxWait.
+class Turn {
+ public:
+  explicit Turn(std::counting_semaphore<>& free) : free_(free), is_taken_(free.try_acquire_for(kMaxWait)) {}
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+  ~Turn() {
+    if (is_taken_) free_.release();
+  }
+  [[nodiscard]] bool is_taken() const { return is_taken_; }
+
+ private:
+  std::counting_semaphore<>& free_;
+  bool is_taken_;
+};
+
+ApiExpected<bool> ReadWhole(QueryReader& query) {
+  const auto size = query.Text("size");
+  if (!size || *size == "small") return false;
+  if (*size == "full") return true;
+  return FailField("size", fmt::format("size \"{}\": must be one of small, full", *size));
+}
+
+}  // namespace
+
+ApiExpected<ObjectModel> Api::LoadModel(const ModelRecord& record) {
+  if (record.IsCategory()) {
+    return NotFound(fmt::format("{} is a category: it has neither views nor matches", record.name));
+  }
+  if (options_.models.empty()) {
+    return NotFound(
+        fmt::format("the views of {} are not known: `victorious serve --models DIR` names the models", record.name));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ModelLibrary(options_.models).Load(record.name));
+  if (model.id == record.content_id) return model;
+  return std::unexpected(
+      ApiError(Error{ErrorCode::kConflict, fmt::format("{}: the model in {} is not the one that was searched for",
+                                                       record.name, options_.models.string())}));
+}
+
+ApiExpected<HttpResponse> Api::ViewImage(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(call.parameters[0], "model"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(call.parameters[1], "view"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool is_full, ReadWhole(call.query));
+  VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  const ModelRecord* record = lists->Model(id);
+  if (record == nullptr) return NotFound(fmt::format("model {} is not in the index", id));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, LoadModel(*record));
+  const auto view = static_cast<std::size_t>(number);
+  if (number >= std::ssize(model.views) || model.views[view].thumbnail.empty()) {
+    return NotFound(fmt::format("{} has {} views; view {} has no image", record->name, model.views.size(), view));
+  }
+  std::span<const std::byte> bytes = model.views[view].thumbnail;
+  std::vector<std::byte> rendering;
+  if (is_full && !model.views[view].surface.empty()) {
+    constexpr int kQuality = 90;
+    VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface, DecodeSurface(model.views[view].surface, model.name));
+    VICTORIOUS_ASSIGN_OR_RETURN(rendering, EncodeJpeg(surface.grey, kQuality));
+    bytes = rendering;
+  }
+  return TaggedResponse(call.request, "image/jpeg", {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 60);
+}
+
+// The best sighting of an object, or the one of a frame.
+ApiExpected<SightingRecord> Api::ReadSighting(std::int64_t object, QueryReader& query) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto video, query.Integer("video", 0, INT64_MAX));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto frame, query.Integer("frame", 0, INT64_MAX));
+  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  if (video.has_value() != frame.has_value()) {
+    return FailField(video ? "frame" : "video", "video and frame: give both of them or none");
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  if (!video) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<SightingRecord> best, reader->objects->BestSighting(object));
+    if (best) return *std::move(best);
+    return NotFound(fmt::format("object {} has no sighting", object));
+  }
+  std::optional<SightingRecord> found;
+  VICTORIOUS_RETURN_IF_ERROR(
+      reader->sightings->VisitSightings({.object = object, .video = *video}, [&](SightingRecord&& sighting) {
+        if (sighting.frame == *frame) found = std::move(sighting);
+        return sighting.frame < *frame;
+      }));
+  if (found) return *std::move(found);
+  return NotFound(fmt::format("object {} has no sighting in frame {} of video {}", object, *frame, *video));
+}
+
+Expected<CameraStates> Api::LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
+                                        const TelemetryOptions& options, const WarningSink& warn) {
+  VideoInfo info;
+  info.duration_s = video.duration_s;
+  return CameraStates::Load(path.string(), info, options_.telemetry, options, "the map has no camera path", warn);
+}
+
+Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
+                                        const ModelRecord& record, const ObjectModel& model) {
+  const Turn turn(evidence_turns_);
+  if (!turn.is_taken()) return Fail(ErrorCode::kConflict, "others ask for evidence, too: ask again in a moment");
+  std::string options_json;
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto search, reader->sightings->FindSearch(video.id, record.id));
+    if (!search) return Fail(ErrorCode::kNotFound, "the search that found it is not in the index any more");
+    options_json = search->options_json;
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const TelemetryOptions telemetry, TelemetryOptionsOf(options_json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto cameras,
+                              cameras_.Get(video.content_id, [&] { return LoadCameras(video, path, telemetry, {}); }));
+  VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat grey, videos_.GreyFrame(video, sighting.time_s));
+  VICTORIOUS_ASSIGN_OR_RETURN(const MatchEvidence evidence,
+                              ExplainSighting(sighting, options_json, model, grey, *cameras));
+  const ModelView& view = model.views[static_cast<std::size_t>(sighting.view_index)];
+  return Dump(EvidenceToJson(evidence, sighting, view, CropRegion(sighting.box, grey.cols, grey.rows))) + "\n";
+}
+
+ApiExpected<HttpResponse> Api::Evidence(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const SightingRecord sighting, ReadSighting(object.object.id, call.query));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  const VideoRecord* video = lists->Video(sighting.video);
+  const ModelRecord* record = lists->Model(sighting.model);
+  if (video == nullptr || record == nullptr) return NotFound("the sighting is not in the index any more");
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, LoadModel(*record));
+  // Asked before the cache, so that evidence ends with its video.
+  VICTORIOUS_RETURN_IF_ERROR(videos_.Find(*video));
+  const std::string key = fmt::format("{} {} {} {} {:.2f} {:.2f} {} {}", video->content_id, model.id, sighting.frame,
+                                      sighting.view_index, sighting.box.x, sighting.box.y, video->id, object.object.id);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto body,
+                              evidence_.Get(key, [&] { return MakeEvidence(sighting, *video, *record, model); }));
+  return TaggedResponse(call.request, "application/json", *body, 0);
+}
+
+}  // namespace victorious

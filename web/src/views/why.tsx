@@ -1,0 +1,133 @@
+// The dialog that shows why a sighting was reported: view and frame with the matches between them, stage by stage.
+import { useEffect, useRef, useState } from "preact/hooks";
+
+import { frameUrl, fullViewUrl } from "../api/client";
+import type { Evidence } from "../api/types";
+import { STAGES, SHEET, layOut, placeOn, sizeOf, verdictOf } from "../logic/evidence";
+import { formatTime } from "../logic/format";
+import * as state from "../state";
+import * as why from "../why";
+import { Icon } from "./icons";
+
+const pointsOf = (corners: readonly (readonly number[])[]) => corners.map((one) => one.join(",")).join(" ");
+
+function Sheet({ evidence, stage, isWhole }: { evidence: Evidence; stage: number; isWhole: boolean }) {
+  const { sighting } = evidence;
+  const video = state.videos.value.find((one) => one.id === sighting.video_id);
+  const [width, height] = [video?.width_px ?? 0, video?.height_px ?? 0];
+  const region = isWhole && width > 0 ? [0, 0, width, height] : evidence.region;
+  const { view, frame, lines, hidden } = layOut(evidence, stage, region);
+  const name = STAGES[evidence.stages[stage]?.name ?? "inliers"];
+  const outline = (evidence.pose?.outline ?? []).map((corner) => placeOn(frame, corner));
+  return (
+    <figure class="evidence">
+      <svg viewBox={`0 0 ${SHEET.width} ${SHEET.height}`} role="img" aria-label={`${lines.length} matches between view and frame`}>
+        <clipPath id="evidence-frame">
+          <rect x={frame.left} y={frame.top} {...sizeOf(frame)} />
+        </clipPath>
+        <rect class="ground" x={view.left} y={view.top} {...sizeOf(view)} />
+        <image href={fullViewUrl(sighting.model_id, evidence.view.index)} x={view.left} y={view.top} {...sizeOf(view)} preserveAspectRatio="none" />
+        <rect class="ground" x={frame.left} y={frame.top} {...sizeOf(frame)} />
+        <svg x={frame.left} y={frame.top} {...sizeOf(frame)} viewBox={region.join(" ")} preserveAspectRatio="none">
+          <image href={frameUrl(sighting.video_id, sighting.frame)} width={width} height={height} preserveAspectRatio="none" />
+        </svg>
+        <polygon class="outline under" points={pointsOf(outline)} clip-path="url(#evidence-frame)" />
+        <polygon class="outline" points={pointsOf(outline)} clip-path="url(#evidence-frame)" />
+        {lines.map(({ from, to, isInlier }, i) => (
+          <g key={i} class={isInlier ? "match inlier" : "match"}>
+            <line x1={from[0]} y1={from[1]} x2={to[0]} y2={to[1]} />
+            <circle cx={from[0]} cy={from[1]} r={isInlier ? 3 : 1.5} />
+            <circle cx={to[0]} cy={to[1]} r={isInlier ? 3 : 1.5} />
+          </g>
+        ))}
+      </svg>
+      <figcaption class="muted">
+        {name.what}
+        {hidden > 0 ? `; ${hidden.toLocaleString("en")} of them lie elsewhere in the frame` : ""}
+      </figcaption>
+    </figure>
+  );
+}
+
+function Stages({ evidence, stage, choose }: { evidence: Evidence; stage: number; choose: (stage: number) => void }) {
+  return (
+    <div class="stages" role="radiogroup" aria-label="Stage">
+      {evidence.stages.map((one, i) => (
+        <label key={one.name} class="stage-choice" data-chosen={i === stage}>
+          <input type="radio" name="stage" checked={i === stage} onChange={() => choose(i)} />
+          <strong>{one.matches.toLocaleString("en")}</strong>
+          <span>{STAGES[one.name].label}</span>
+        </label>
+      ))}
+    </div>
+  );
+}
+
+function Body({ evidence }: { evidence: Evidence }) {
+  const last = evidence.stages.length - 1;
+  const [stage, setStage] = useState(last);
+  const [isWhole, setIsWhole] = useState(false);
+  const { view } = evidence;
+  return (
+    <>
+      <p class="verdict-text">{verdictOf(evidence)}</p>
+      <Stages evidence={evidence} stage={stage} choose={setStage} />
+      <Sheet evidence={evidence} stage={stage} isWhole={isWhole} />
+      <div class="below">
+        <span class="muted">
+          {view.azimuth_deg === null || view.off_nadir_deg === null
+            ? `Photo ${view.index + 1} of the model`
+            : `View ${view.index}: azimuth ${view.azimuth_deg.toFixed(0)}°, ${view.off_nadir_deg.toFixed(0)}° off nadir`}
+        </span>
+        <label class="check">
+          <input type="checkbox" checked={isWhole} onChange={(event) => setIsWhole(event.currentTarget.checked)} />
+          Whole frame
+        </label>
+      </div>
+    </>
+  );
+}
+
+export function WhyDialog() {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const asked = why.asked.value;
+  const found = why.evidence.value;
+  const object = state.selected.value;
+  useEffect(() => {
+    if (asked) dialog.current?.showModal();
+    else dialog.current?.close();
+  }, [asked]);
+  const sighting = found.state === "ready" ? found.value.sighting : null;
+  return (
+    <dialog class="help why" ref={dialog} aria-labelledby="why-title" onClose={() => (why.asked.value = null)}>
+      <header>
+        <h2 id="why-title">
+          Why {object ? `${object.model} ${object.id}` : "it"} was found
+          {sighting && (
+            <small class="muted">
+              {" "}
+              {formatTime(sighting.time_s)}, frame {sighting.frame.toLocaleString("en")}
+              {asked?.at === null ? ", best sighting" : ""}
+            </small>
+          )}
+        </h2>
+        <button class="button icon plain" aria-label="Close" onClick={() => (why.asked.value = null)}>
+          <Icon name="close" />
+        </button>
+      </header>
+      {asked !== null && found.state === "loading" && (
+        <div class="skeleton" role="status">
+          <span class="hidden">Matching the frame again</span>
+        </div>
+      )}
+      {found.state === "failed" && (
+        <p class="problem" role="alert">
+          {found.message}
+        </p>
+      )}
+      {asked !== null && found.state === "ready" && (
+        <Body key={`${found.value.sighting.object_id} ${found.value.sighting.frame}`} evidence={found.value} />
+      )}
+    </dialog>
+  );
+}
