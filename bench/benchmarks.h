@@ -48,9 +48,19 @@ std::vector<Result> BenchGrowth(const Settings& settings);
 /// The search by image in one hour of video with one kept frame per second, on all cores.
 std::vector<Result> BenchSearch(const Settings& settings);
 
+/// The queue of tasks in PostgreSQL: claims and completions of 1 to 512 workers at once, each with a connection of its
+/// own, on a server that syncs every commit (median_ms is the time for each task, of all workers together); and of
+/// workers that hold each task for some time. Peer: two commits of one inserted row, the least that a durable claim and
+/// completion can take. Error: kUnsupported without PostgreSQL or PostGIS.
+[[nodiscard]] Expected<std::vector<Result>> BenchQueue(const Settings& settings);
+
 /// Geolocation from 1000 lines of sight with 40 % outliers: RANSAC alone, and complete methods. Also the numbers of
 /// 1000 random trials in which the place is within 3 sigma and 95 % of the inliers are kept.
 std::vector<Result> BenchLocate(const Settings& settings);
+
+/// Data association after one more video, in indexes of 10, 40 and 160 videos of 1000 sightings, on all cores. Peer:
+/// the first data association of the index, which makes all fits. Errors: those of the store.
+[[nodiscard]] Expected<std::vector<Result>> BenchAssociate(const Settings& settings);
 
 /// Tracking through 15 frames of 640 x 480 px: four regions of 50 points by Lucas-Kanade, and a user box; peers of the
 /// box: cv::TrackerCSRT, cv::TrackerKCF, cv::TrackerMIL.

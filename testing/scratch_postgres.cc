@@ -16,69 +16,58 @@ namespace {
 
 constexpr int kNotInstalled = 77;
 
-// The script, which serves until its standard input ends: at the end of this process, however that comes.
-class Server {
- public:
-  Server() {
-    std::array<int, 2> input{};
-    std::array<int, 2> output{};
-    if (::pipe2(input.data(), O_CLOEXEC) != 0 || ::pipe2(output.data(), O_CLOEXEC) != 0) {
-      url_ = std::unexpected(ErrorFromErrno(errno, "a pipe to the server"));
-      return;
-    }
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, input[0], STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, output[1], STDOUT_FILENO);
-    std::string script = VICTORIOUS_SOURCE_DIR "/tools/scratch_postgres.sh";
-    const std::array<char*, 2> arguments = {script.data(), nullptr};
-    const int fault = ::posix_spawn(&process_, script.c_str(), &actions, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    ::close(input[0]);
-    ::close(output[1]);
-    input_ = input[1];
-    if (fault != 0) {
-      process_ = -1;
-      url_ = std::unexpected(ErrorFromErrno(fault, script));
-    } else {
-      url_ = ReadUrl(output[0]);
-    }
-    ::close(output[0]);
-  }
-
-  ~Server() { Stop(); }
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
-
-  [[nodiscard]] const Expected<std::string>& url() const { return url_; }
-
- private:
-  Expected<std::string> ReadUrl(int output) {
-    std::string line;
-    for (char c = 0; ::read(output, &c, 1) == 1 && c != '\n';) line += c;
-    if (line.starts_with("postgresql://")) return line;
-    const int status = Stop();
-    if (WIFEXITED(status) && WEXITSTATUS(status) == kNotInstalled) return Fail(ErrorCode::kUnsupported, line);
-    return Fail(ErrorCode::kInternal, "tools/scratch_postgres.sh failed: its reason is on standard error");
-  }
-
-  // Ends the server. Returns the status of the script.
-  int Stop() {
-    int status = 0;
-    ::close(std::exchange(input_, -1));
-    if (process_ > 0) ::waitpid(std::exchange(process_, -1), &status, 0);
-    return status;
-  }
-
-  Expected<std::string> url_;
-  pid_t process_ = -1;
-  int input_ = -1;
-};
-
 }  // namespace
 
+// The script serves until its standard input ends: at the end of this process, however that comes.
+ScratchPostgres::ScratchPostgres(const std::vector<std::string>& settings) {
+  std::array<int, 2> input{};
+  std::array<int, 2> output{};
+  if (::pipe2(input.data(), O_CLOEXEC) != 0 || ::pipe2(output.data(), O_CLOEXEC) != 0) {
+    url_ = std::unexpected(ErrorFromErrno(errno, "a pipe to the server"));
+    return;
+  }
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, input[0], STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output[1], STDOUT_FILENO);
+  std::vector<std::string> words = {VICTORIOUS_SOURCE_DIR "/tools/scratch_postgres.sh"};
+  words.insert(words.end(), settings.begin(), settings.end());
+  std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const int fault = ::posix_spawn(&process_, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(input[0]);
+  ::close(output[1]);
+  input_ = input[1];
+  if (fault != 0) {
+    process_ = -1;
+    url_ = std::unexpected(ErrorFromErrno(fault, words[0]));
+  } else {
+    url_ = ReadUrl(output[0]);
+  }
+  ::close(output[0]);
+}
+
+Expected<std::string> ScratchPostgres::ReadUrl(int output) {
+  std::string line;
+  for (char c = 0; ::read(output, &c, 1) == 1 && c != '\n';) line += c;
+  if (line.starts_with("postgresql://")) return line;
+  const int status = Stop();
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kNotInstalled) return Fail(ErrorCode::kUnsupported, line);
+  return Fail(ErrorCode::kInternal, "tools/scratch_postgres.sh failed: its reason is on standard error");
+}
+
+int ScratchPostgres::Stop() {
+  int status = 0;
+  ::close(std::exchange(input_, -1));
+  if (process_ > 0) ::waitpid(std::exchange(process_, -1), &status, 0);
+  return status;
+}
+
 Expected<std::string> EmptyPostgresDatabase() {
-  static const Server server;
+  static const ScratchPostgres server;
   if (!server.url()) return server.url();
   const std::unique_ptr<PGconn, decltype(&PQfinish)> connection(PQconnectdb(server.url()->c_str()), &PQfinish);
   // Connections that a failed test left would keep its locks.

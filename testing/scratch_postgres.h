@@ -6,12 +6,36 @@
 #include <functional>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/types.h>
 
 #include "victorious/base/error.h"
 
 namespace victorious::testing {
+
+/// A server that runs as long as this object, or as this process, lives.
+class ScratchPostgres {
+ public:
+  /// @param settings  of the server, NAME=VALUE, before those of the script: it does not sync unless fsync=on is given
+  explicit ScratchPostgres(const std::vector<std::string>& settings = {});
+  ~ScratchPostgres() { Stop(); }
+  ScratchPostgres(const ScratchPostgres&) = delete;
+  ScratchPostgres& operator=(const ScratchPostgres&) = delete;
+
+  /// Of an empty database; its role is a superuser. Error: kUnsupported if PostgreSQL or PostGIS is not installed.
+  [[nodiscard]] const Expected<std::string>& url() const { return url_; }
+
+ private:
+  [[nodiscard]] Expected<std::string> ReadUrl(int output);
+  /// Ends the server. Returns the status of the script.
+  int Stop();
+
+  Expected<std::string> url_;
+  pid_t process_ = -1;
+  int input_ = -1;
+};
 
 /// Returns the URL of an empty database: starts the server at the first call, and removes the index of the former test.
 /// The role is a superuser. Error: kUnsupported if PostgreSQL or PostGIS is not installed.

@@ -31,6 +31,7 @@ TOPICS = (
     Topic("categories", "Categories", "categories.md"),
     Topic("navigation", "Navigation and telemetry", "navigation.md"),
     Topic("speed", "Speed", "speed.md"),
+    Topic("cluster", "Cluster", ""),
 )
 
 HEAD = """# Results

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <libpq-fe.h>
+#include <poll.h>
 
 #include "victorious/base/check.h"
 #include "victorious/store/sql/row.h"
@@ -62,12 +63,40 @@ std::string NumberParameters(std::string_view sql) {
   return numbered;
 }
 
+// Parameters as libpq takes them; refers to those given.
+struct ParameterArrays {
+  explicit ParameterArrays(const BoundValues& parameters) {
+    for (const BoundValues::Value& value : parameters.values()) {
+      types.push_back(value.type);
+      values.push_back(value.bytes ? value.bytes->data() : nullptr);
+      lengths.push_back(value.bytes ? static_cast<int>(value.bytes->size()) : 0);
+      formats.push_back(1);
+    }
+  }
+
+  [[nodiscard]] int count() const { return static_cast<int>(values.size()); }
+
+  std::vector<Oid> types;
+  std::vector<const char*> values;
+  std::vector<int> lengths;
+  std::vector<int> formats;
+};
+
 // The error of a connection that was not opened. libpq gives no code, only a text, which may be translated.
 Error ConnectionError(const std::string& name, const std::string& url, const std::string& text) {
   const std::array<const char*, 3> keywords = {"dbname", "connect_timeout", nullptr};
   const std::array<const char*, 3> values = {url.c_str(), "10", nullptr};
-  if (PQpingParams(keywords.data(), values.data(), 1) == PQPING_NO_RESPONSE) {
+  const PGPing ping = PQpingParams(keywords.data(), values.data(), 1);
+  if (ping == PQPING_NO_RESPONSE) {
     return {ErrorCode::kNotFound, fmt::format("{}: {}: start the server, or correct its host and port", name, text)};
+  }
+  if (ping == PQPING_REJECT) {
+    return {ErrorCode::kInternal, fmt::format("{}: {}: the server is starting or stopping: try again", name, text)};
+  }
+  const std::array<std::string_view, 3> no_room = {"too many clients", "too many connections", "connection slots"};
+  if (std::ranges::any_of(no_room, [&](std::string_view words) { return text.find(words) != std::string::npos; })) {
+    return {ErrorCode::kInternal,
+            fmt::format("{}: {}: raise the server's max_connections, three for each worker, or run fewer", name, text)};
   }
   if (text.find("database") != std::string::npos && text.find("does not exist") != std::string::npos) {
     return {ErrorCode::kNotFound, fmt::format("{}: {}: create it (createdb -E UTF8), or correct its name", name, text)};
@@ -90,7 +119,8 @@ std::string DatabaseName(const std::string& url) {
                      is_socket ? "?host=" + host : "");
 }
 
-Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, bool is_read_only) {
+Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, bool is_read_only,
+                                                       std::string_view settings) {
   char* fault = nullptr;
   const OptionsPtr options(PQconninfoParse(url.c_str(), &fault));
   if (!options) {
@@ -100,16 +130,16 @@ Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, b
                 fmt::format("not the URL of a database ({}): postgresql://user@host:port/database is", reason));
   }
   // What precedes dbname is a default, what follows it overrides the URL. A server that is gone is noticed in a minute.
-  const std::string settings =
-      fmt::format("-c jit=off -c lock_timeout=60s {} {}", is_read_only ? "-c default_transaction_read_only=on" : "",
-                  OptionValue(options.get(), "options"));
+  const std::string session =
+      fmt::format("-c jit=off -c lock_timeout=60s {} {} {}", is_read_only ? "-c default_transaction_read_only=on" : "",
+                  settings, OptionValue(options.get(), "options"));
   const std::array<std::pair<const char*, const char*>, 8> parameters = {{{"connect_timeout", "10"},
                                                                           {"application_name", "victorious"},
                                                                           {"tcp_user_timeout", "60000"},
                                                                           {"keepalives_idle", "30"},
                                                                           {"dbname", url.c_str()},
                                                                           {"client_encoding", "UTF8"},
-                                                                          {"options", settings.c_str()},
+                                                                          {"options", session.c_str()},
                                                                           {nullptr, nullptr}}};
   std::array<const char*, parameters.size()> keywords{};
   std::array<const char*, parameters.size()> values{};
@@ -158,7 +188,15 @@ Status Connection::PrepareSession() {
 
 bool Connection::IsLost() const { return PQstatus(handle_) != CONNECTION_OK; }
 
+void Connection::ReadNotices() {
+  pollfd socket = {.fd = PQsocket(handle_), .events = POLLIN, .revents = 0};
+  // The end of a connection can be read, too.
+  while (socket.fd >= 0 && ::poll(&socket, 1, 0) > 0 && PQconsumeInput(handle_) == 1 && !IsLost()) {
+  }
+}
+
 Status Connection::Reconnect() {
+  prepared_.clear();
   PQreset(handle_);
   if (IsLost()) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}: the connection was lost: {}: start the server again", name_,
@@ -196,19 +234,34 @@ Expected<Result> Connection::Run(const std::function<bool()>& send) {
 
 Expected<Result> Connection::Query(std::string_view sql, const BoundValues& parameters) {
   const std::string numbered = NumberParameters(sql);
-  std::vector<Oid> types;
-  std::vector<const char*> values;
-  std::vector<int> lengths;
-  for (const BoundValues::Value& value : parameters.values()) {
-    types.push_back(value.type);
-    values.push_back(value.bytes ? value.bytes->data() : nullptr);
-    lengths.push_back(value.bytes ? static_cast<int>(value.bytes->size()) : 0);
-  }
-  const std::vector<int> formats(values.size(), 1);
+  const ParameterArrays arrays(parameters);
   return Run([&] {
-    return PQsendQueryParams(handle_, numbered.c_str(), static_cast<int>(values.size()), types.data(), values.data(),
-                             lengths.data(), formats.data(), 1) == 1;
+    return PQsendQueryParams(handle_, numbered.c_str(), arrays.count(), arrays.types.data(), arrays.values.data(),
+                             arrays.lengths.data(), arrays.formats.data(), 1) == 1;
   });
+}
+
+Expected<std::string> Connection::Prepare(std::string_view sql, const BoundValues& parameters) {
+  if (const auto known = prepared_.find(sql); known != prepared_.end()) return known->second;
+  const std::string name = fmt::format("write_{}", prepared_.size());
+  const ParameterArrays arrays(parameters);
+  const bool is_sent =
+      PQsendPrepare(handle_, name.c_str(), NumberParameters(sql).c_str(), arrays.count(), arrays.types.data()) == 1;
+  const Expected<Result> result = is_sent ? Finish() : std::unexpected(ErrorFromResult(nullptr));
+  if (!result) return std::unexpected(result.error());
+  prepared_.emplace(sql, name);
+  return name;
+}
+
+Expected<Result> Connection::Write(std::string_view sql, const BoundValues& parameters) {
+  VICTORIOUS_CHECK(!is_in_transaction_ && cursors_ == 0);
+  ReadNotices();
+  if (IsLost()) VICTORIOUS_RETURN_IF_ERROR(Reconnect());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, Prepare(sql, parameters));
+  const ParameterArrays arrays(parameters);
+  const bool is_sent = PQsendQueryPrepared(handle_, name.c_str(), arrays.count(), arrays.values.data(),
+                                           arrays.lengths.data(), arrays.formats.data(), 1) == 1;
+  return is_sent ? Finish() : std::unexpected(ErrorFromResult(nullptr));
 }
 
 Status Connection::Execute(const std::string& sql) {

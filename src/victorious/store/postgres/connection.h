@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -32,9 +33,11 @@ class Connection {
   ///             what it does not say comes from PGPASSWORD, ~/.pgpass and the like. Connects within 10 s, unless
   ///             connect_timeout says otherwise.
   /// @param is_read_only  the server refuses to write
+  /// @param settings  of the session on the server: "-c name=value …"
   /// Errors: kInvalidArgument (not a URL); kNotFound (no such server or database); kPermissionDenied (role, password);
   /// kUnsupported (older than PostgreSQL 15, or a database not in UTF-8).
-  [[nodiscard]] static Expected<std::unique_ptr<Connection>> Open(const std::string& url, bool is_read_only);
+  [[nodiscard]] static Expected<std::unique_ptr<Connection>> Open(const std::string& url, bool is_read_only,
+                                                                  std::string_view settings = {});
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -47,6 +50,16 @@ class Connection {
     BoundValues parameters;
     parameters.BindAll(values...);
     return Query(sql, parameters);
+  }
+
+  /// Runs one statement that writes, as a transaction of its own, in one round trip; the server keeps its plan. If the
+  /// connection is lost while it runs, that is an error, and it may have taken effect.
+  [[nodiscard]] Expected<Result> Write(std::string_view sql, const BoundValues& parameters);
+  template <typename... Values>
+  [[nodiscard]] Expected<Result> Write(std::string_view sql, const Values&... values) {
+    BoundValues parameters;
+    parameters.BindAll(values...);
+    return Write(sql, parameters);
   }
 
   /// Runs all statements of `sql`; ignores their results. The same rule outside a transaction.
@@ -72,6 +85,10 @@ class Connection {
   [[nodiscard]] Status PrepareSession();
   [[nodiscard]] Status Reconnect();
   [[nodiscard]] bool IsLost() const;
+  /// Reads what the server has said unasked, as that it ends; IsLost() then knows.
+  void ReadNotices();
+  /// Returns the name of the statement in this session, which is prepared at first.
+  [[nodiscard]] Expected<std::string> Prepare(std::string_view sql, const BoundValues& parameters);
   /// Waits for the results of what was sent; the last one, or the first error.
   [[nodiscard]] Expected<Result> Finish();
   [[nodiscard]] Error ErrorFromResult(const pg_result* result) const;
@@ -83,7 +100,8 @@ class Connection {
   std::string name_;
   pg_conn* handle_;
   bool is_in_transaction_ = false;
-  int cursors_ = 0;  ///< open visits
+  int cursors_ = 0;                                           ///< open visits
+  std::map<std::string, std::string, std::less<>> prepared_;  ///< names by statement, of this session
 };
 
 /// What a transaction excludes until it ends.

@@ -5,9 +5,21 @@
 #include "victorious/store/postgres/migrations.h"
 
 namespace victorious::postgres {
+namespace {
+
+// Of a worker's session. Tasks are read in the order of their indexes, whatever the server's statistics say: after a
+// submission these are out of date, and every claim would sort all queued tasks. A scan of an index also learns which
+// entries are of tasks that changed their state, while a bitmap scan reads them again each time. Plans are kept: making
+// one takes longer than running it.
+constexpr std::string_view kPlans =
+    "-c enable_sort=off -c enable_bitmapscan=off -c enable_seqscan=off -c enable_hashjoin=off -c enable_mergejoin=off "
+    "-c plan_cache_mode=force_generic_plan";
+
+}  // namespace
 
 Expected<std::unique_ptr<TaskQueue>> TaskQueue::Open(const std::string& url, TaskQueueOptions options) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, Connection::Open(url, options.is_read_only));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection,
+                              Connection::Open(url, options.is_read_only, options.is_read_only ? "" : kPlans));
   VICTORIOUS_RETURN_IF_ERROR(CheckVersion(*connection));
   return std::unique_ptr<TaskQueue>(new TaskQueue(std::move(connection), std::move(options)));
 }
@@ -39,7 +51,7 @@ Expected<std::int64_t> TaskQueue::Submit(std::span<const NewTask> tasks) {
 Status TaskQueue::EndLostLeases() {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
-      connection_->Query(
+      connection_->Write(
           "WITH lost AS (SELECT id, worker FROM tasks WHERE state = 'running' AND leased_until < now() "
           "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET failures = t.failures + 1, "
           "leased_until = NULL, worker = NULL, "
@@ -52,16 +64,17 @@ Status TaskQueue::EndLostLeases() {
 }
 
 Expected<std::optional<Task>> TaskQueue::Claim() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_RETURN_IF_ERROR(EndLostLeases());
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result row,
-      connection_->Query("WITH next AS (SELECT id FROM tasks WHERE state = 'queued' AND program = ? AND "
-                         "(not_before IS NULL OR not_before <= now()) ORDER BY priority, id LIMIT 1 "
-                         "FOR UPDATE SKIP LOCKED) UPDATE tasks t SET state = 'running', attempt = t.attempt + 1, "
-                         "worker = ?, leased_until = now() + ? * interval '1 s' FROM next WHERE t.id = next.id "
-                         "RETURNING t.id, t.attempt, t.kind, t.key, t.payload",
-                         options_.program, options_.worker, static_cast<double>(options_.lease.count())));
+      Result row, connection_->Write(
+                      "WITH next AS (SELECT id FROM tasks WHERE state = 'queued' AND program = ? AND "
+                      "(not_before IS NULL OR not_before <= now()) ORDER BY priority, id LIMIT 1 "
+                      "FOR UPDATE SKIP LOCKED), claimed AS (UPDATE tasks t SET state = 'running', "
+                      "attempt = t.attempt + 1, worker = ?, leased_until = now() + ? * interval '1 s' FROM next "
+                      "WHERE t.id = next.id RETURNING t.id, t.attempt, t.kind, t.key, t.payload), logged AS ("
+                      "INSERT INTO task_log (task_id, attempt, event, worker) "
+                      "SELECT id, attempt, 'claimed', ? FROM claimed) SELECT * FROM claimed",
+                      options_.program, options_.worker, static_cast<double>(options_.lease.count()), options_.worker));
   std::optional<Task> task;
   if (row.Next()) {
     task = {.id = row.Integer(0),
@@ -69,21 +82,18 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
             .kind = row.Text(2),
             .key = row.Text(3),
             .payload = row.Text(4)};
-    VICTORIOUS_RETURN_IF_ERROR(Log(*task, "claimed"));
   }
-  VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return task;
 }
 
 Status TaskQueue::Renew(const Task& task, bool has_progress) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result renewed,
-      connection_->Query("UPDATE tasks SET leased_until = now() + ? * interval '1 s', failures = failures * ? "
+      connection_->Write("UPDATE tasks SET leased_until = now() + ? * interval '1 s', failures = failures * ? "
                          "WHERE id = ? AND attempt = ? AND state = 'running'",
                          static_cast<double>(options_.lease.count()), has_progress ? 0 : 1, task.id, task.attempt));
   if (renewed.Changes() != 1) return LostLease(task);
-  return transaction.Commit();
+  return {};
 }
 
 Status TaskQueue::Complete(const Task& task) { return EndLease(task, WorkState::kDone, std::nullopt, "done"); }
@@ -97,37 +107,31 @@ Status TaskQueue::Reject(const Task& task, const std::string& reason) {
 }
 
 Status TaskQueue::Fail(const Task& task, const std::string& reason) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
-      connection_->Query("UPDATE tasks SET failures = failures + 1, state = CASE WHEN failures + 1 < ? THEN 'queued' "
-                         "ELSE 'failed' END, reason = ?, worker = NULL, leased_until = NULL, "
+      connection_->Write("WITH ended AS (UPDATE tasks SET failures = failures + 1, state = CASE WHEN failures + 1 < ? "
+                         "THEN 'queued' ELSE 'failed' END, reason = ?, worker = NULL, leased_until = NULL, "
                          "not_before = now() + ? * power(4, failures) * interval '1 s' "
-                         "WHERE id = ? AND attempt = ? AND state = 'running'",
-                         kMaxAttempts, reason, static_cast<double>(options_.retry_delay.count()), task.id,
-                         task.attempt));
+                         "WHERE id = ? AND attempt = ? AND state = 'running' RETURNING id, attempt) "
+                         "INSERT INTO task_log (task_id, attempt, event, worker) "
+                         "SELECT id, attempt, 'failed', ? FROM ended",
+                         kMaxAttempts, reason, static_cast<double>(options_.retry_delay.count()), task.id, task.attempt,
+                         options_.worker));
   if (ended.Changes() != 1) return LostLease(task);
-  VICTORIOUS_RETURN_IF_ERROR(Log(task, "failed"));
-  return transaction.Commit();
+  return {};
 }
 
-Status TaskQueue::EndLease(const Task& task, WorkState state, std::optional<std::string> reason, std::string_view event,
-                           std::chrono::seconds delay) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
+Status TaskQueue::EndLease(const Task& task, WorkState state, const std::optional<std::string>& reason,
+                           std::string_view event, std::chrono::seconds delay) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
-      connection_->Query("UPDATE tasks SET state = ?, reason = ?, worker = NULL, leased_until = NULL, "
-                         "not_before = now() + ? * interval '1 s' WHERE id = ? AND attempt = ? AND state = 'running'",
-                         ToText(state), reason, static_cast<double>(delay.count()), task.id, task.attempt));
+      connection_->Write("WITH ended AS (UPDATE tasks SET state = ?, reason = ?, worker = NULL, leased_until = NULL, "
+                         "not_before = now() + ? * interval '1 s' "
+                         "WHERE id = ? AND attempt = ? AND state = 'running' RETURNING id, attempt) "
+                         "INSERT INTO task_log (task_id, attempt, event, worker) SELECT id, attempt, ?, ? FROM ended",
+                         ToText(state), reason, static_cast<double>(delay.count()), task.id, task.attempt, event,
+                         options_.worker));
   if (ended.Changes() != 1) return LostLease(task);
-  VICTORIOUS_RETURN_IF_ERROR(Log(task, event));
-  return transaction.Commit();
-}
-
-Status TaskQueue::Log(const Task& task, std::string_view event) {
-  VICTORIOUS_RETURN_IF_ERROR(
-      connection_->Query("INSERT INTO task_log (task_id, attempt, event, worker) VALUES (?, ?, ?, ?)", task.id,
-                         task.attempt, event, options_.worker));
   return {};
 }
 

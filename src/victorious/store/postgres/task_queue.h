@@ -127,10 +127,9 @@ class TaskQueue {
       : connection_(std::move(connection)), options_(std::move(options)) {}
 
   [[nodiscard]] Status EndLostLeases();
-  /// Ends the lease in a transaction: the task gets a new state and reason, the log an event.
-  [[nodiscard]] Status EndLease(const Task& task, WorkState state, std::optional<std::string> reason,
+  /// Ends the lease: the task gets a new state and reason, the log an event.
+  [[nodiscard]] Status EndLease(const Task& task, WorkState state, const std::optional<std::string>& reason,
                                 std::string_view event, std::chrono::seconds delay = {});
-  [[nodiscard]] Status Log(const Task& task, std::string_view event);
   [[nodiscard]] std::unexpected<Error> LostLease(const Task& task) const;
 
   std::unique_ptr<Connection> connection_;

@@ -103,6 +103,18 @@ TEST_F(PostgresTaskQueueTest, EachTaskEndsOnce) {
   EXPECT_EQ(*queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, "{}", ""}}), 0) << "it is done";
 }
 
+// As when the server was restarted: what a session had prepared is gone with it.
+TEST_F(PostgresTaskQueueTest, EndedSessionIsOpenedAgain) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}, {"index", "b", TaskPriority::kBatch, "{}", ""}});
+  ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
+  Run("SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity WHERE datname = current_database() AND "
+      "pid <> pg_backend_pid()");
+  const Task task = ClaimOrDie(*queue_);
+  EXPECT_EQ(task.key, "b");
+  EXPECT_TRUE(queue_->Complete(task));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 2}));
+}
+
 // A worker that stood still past its lease, while another did its task.
 TEST_F(PostgresTaskQueueTest, LateWorkerIsRefused) {
   Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
