@@ -94,11 +94,11 @@ class Server:
 class Worker:
     """`victorious work` on one thread. Its log is `log`."""
 
-    def __init__(self, url: str, log: Path, *flags: str):
-        command = [program.PROGRAM, "work", "--db", url, "--threads", "1", "--lease", LEASE_S, "--retry-delay", 0]
+    def __init__(self, url: str, log: Path, *flags: str | int):
+        command = [program.PROGRAM, "work", "--db", url, "--threads", 1, *flags]
         self.log = log
         with open(log, "a", encoding="utf-8") as file:
-            self.process = subprocess.Popen([*map(str, command), *flags], stderr=file, stdout=subprocess.DEVNULL)
+            self.process = subprocess.Popen(list(map(str, command)), stderr=file, stdout=subprocess.DEVNULL)
         self.is_killed = False
 
     def children(self) -> list[int]:
@@ -161,7 +161,8 @@ class Round:
 
     def start_worker(self) -> Worker:
         self.started += 1
-        return Worker(self.url, self.folder / f"worker{self.started}.log")
+        flags = ("--lease", LEASE_S, "--retry-delay", 0)
+        return Worker(self.url, self.folder / f"worker{self.started}.log", *flags)
 
     def counts(self) -> dict[str, int]:
         rows = self.server.query("SELECT state, count(*) FROM victorious.tasks GROUP BY state", self.url)

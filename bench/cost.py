@@ -10,7 +10,8 @@ database, which syncs every commit. Telemetry of VIDEO.mp4 is VIDEO.telemetry.cs
 Prints JSON: `rounds`, what each added; `growth`, the last round over the first one: 1 where the cost of a video does
 not depend on what the index holds; `per_hour`, of an hour of video, the mean of all rounds; `archives`: for some
 sizes what it takes to index them within D days on machines of C cores, as videos of M minutes. Prices are
-assumptions.
+assumptions. What a video costs once, whatever its length, counts for each: give videos as long as those of the
+archive.
 """
 
 import argparse
@@ -131,7 +132,7 @@ def per_hour(rounds: list[dict], minutes: float) -> dict:
         "megabytes": sum(kept.values()),
         "megabytes_of_kept_frames": kept["kept_frames"],
         "wal_megabytes": total["wal_bytes"] / hours / 1e6,
-        "commits": total["commits"] / hours,
+        "transactions": total["commits"] / hours,
     }
 
 
@@ -148,7 +149,7 @@ def archive(hours: int, hour: dict, arguments) -> dict:
         "machines": core_hours / (arguments.days * 24) / arguments.cores,
         "server_cores": hours * hour["server_core_hours"] / (arguments.days * 24),
         "tasks_per_s": hours * hour["tasks"] / seconds,
-        "commits_per_s": hours * hour["commits"] / seconds,
+        "transactions_per_s": hours * hour["transactions"] / seconds,
         "rows_per_s": hours * hour["rows"] / seconds,
         "wal_megabytes_per_s": hours * hour["wal_megabytes"] / seconds,
         "sightings": hours * hour["sightings"],
