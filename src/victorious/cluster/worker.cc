@@ -20,14 +20,11 @@ constexpr std::chrono::milliseconds kCancelPoll{200};
 constexpr std::chrono::minutes kMaxOutage{5};  // of the database, that a worker waits out
 
 // The positions of the searches of a video, summed over models: a measure of progress.
-Expected<std::int64_t> SumNextFrames(const std::string& video, IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+Expected<std::int64_t> SumNextFrames(std::int64_t video, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
-  const auto stored = std::ranges::find(videos, video, &VideoRecord::name);
   std::int64_t frames = 0;
-  if (stored == videos.end()) return frames;
   for (const ModelRecord& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(stored->id, model.id));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video, model.id));
     if (search) frames += search->next_frame;
   }
   return frames;
@@ -44,7 +41,7 @@ class LeaseKeeper {
   ChildControl Keep() {
     const auto now = std::chrono::steady_clock::now();
     if (!is_lost_ && now - renewed_ >= queue_.lease() / 4) {
-      const Expected<std::int64_t> frames = SumNextFrames(video_, store_);
+      const Expected<std::int64_t> frames = Progress();
       const bool has_progress = frames && frames_ && *frames > *frames_;
       const Status status = queue_.Renew(task_, has_progress);
       if (frames) frames_ = *frames;
@@ -60,6 +57,17 @@ class LeaseKeeper {
   [[nodiscard]] bool is_lost() const { return is_lost_; }
 
  private:
+  // All videos of the index are read only until this one is there.
+  Expected<std::int64_t> Progress() {
+    if (!video_id_) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store_.Videos());
+      const auto stored = std::ranges::find(videos, video_, &VideoRecord::name);
+      if (stored == videos.end()) return 0;
+      video_id_ = stored->id;
+    }
+    return SumNextFrames(*video_id_, store_);
+  }
+
   // Once for all failures in a row.
   void Report(const Status& status) {
     if (!status && !has_failed_) inform_(fmt::format("{}: {}", video_, status.error().message));
@@ -70,6 +78,7 @@ class LeaseKeeper {
   IndexStore& store_;
   const Task& task_;
   std::string video_;
+  std::optional<std::int64_t> video_id_;  ///< once it is in the index
   const std::function<void(const std::string&)>& inform_;
   const CancelToken& cancel_;
   std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
