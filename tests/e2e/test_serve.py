@@ -189,6 +189,11 @@ class ServeTest(program.ProgramTest):
             (self.scratch / "away.mp4").rename(self.video)
             (models / f"{found['model']}.vmodel").unlink()
             self.assertEqual(self.ask(server, route)[0], 404)
+        damaged = self.video.with_suffix(".srt")
+        damaged.write_bytes(b"no subtitles")
+        self.addCleanup(damaged.unlink)
+        with self.serve("--models", program.models()) as server:
+            self.described(self.ask(server, route)[2], "Evidence")
         with self.serve() as server:
             self.assertIn("--models", json.loads(self.ask(server, route)[2])["message"])
 

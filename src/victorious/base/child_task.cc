@@ -119,10 +119,13 @@ std::vector<std::string> ChildProcess::ReadLines(std::chrono::milliseconds patie
 }
 
 std::optional<int> ChildProcess::EndStatus() {
+  constexpr int kUnknownStatus = 255;  // the kernel kept none: this process was started with SIGCHLD ignored
   if (descriptor_ >= 0) return std::nullopt;
   int status = 0;
-  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  const pid_t ended = ::waitpid(pid_, &status, WNOHANG);
+  if (ended == 0) return std::nullopt;
   pid_ = -1;
+  if (ended < 0) return kUnknownStatus;
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
 

@@ -169,7 +169,7 @@ class Api {
                                                    const TelemetryOptions& options, const WarningSink& warn);
   /// The body of an answer, at most one at a time.
   [[nodiscard]] Expected<std::string> MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
-                                                   const ModelRecord& record, const ObjectModel& model);
+                                                   const std::string& options_json, const ObjectModel& model);
   [[nodiscard]] Expected<CameraPath> ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m);
 
   ApiOptions options_;
@@ -179,9 +179,9 @@ class Api {
   CopyFolder copies_;
   StaticFiles page_;
   OnceCache<std::string> camera_paths_;  ///< bodies of answers
-  OnceCache<CameraStates> cameras_;      ///< by the video's content
+  OnceCache<CameraStates> cameras_;      ///< by the video's content and the telemetry's options
   OnceCache<std::string> evidence_;      ///< bodies of answers
-  std::counting_semaphore<> evidence_turns_{1};
+  std::counting_semaphore<> evidence_slots_{1};
   UploadFolder uploads_;
   std::unique_ptr<LiveService> live_;  // last: its threads use what is above
 };

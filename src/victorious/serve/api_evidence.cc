@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/options.h"
 #include "victorious/image/image_file.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/view_surface.h"
@@ -17,16 +18,16 @@
 namespace victorious {
 namespace {
 
-// How long a request waits for those before it: an answer takes some tenths of a second.
-constexpr std::chrono::seconds kMaxWait{20};
+// How long a request waits for those before it. Each waits on one of the few threads that answer all requests.
+constexpr std::chrono::seconds kMaxWait{2};
 
-// A place among those that work, or none after kMaxWait.
-class Turn {
+// The right to search a frame, of which there are few; none if it is not free within kMaxWait.
+class SearchSlot {
  public:
-  explicit Turn(std::counting_semaphore<>& free) : free_(free), is_taken_(free.try_acquire_for(kMaxWait)) {}
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-  ~Turn() {
+  explicit SearchSlot(std::counting_semaphore<>& free) : free_(free), is_taken_(free.try_acquire_for(kMaxWait)) {}
+  SearchSlot(const SearchSlot&) = delete;
+  SearchSlot& operator=(const SearchSlot&) = delete;
+  ~SearchSlot() {
     if (is_taken_) free_.release();
   }
   [[nodiscard]] bool is_taken() const { return is_taken_; }
@@ -116,20 +117,14 @@ Expected<CameraStates> Api::LoadCameras(const VideoRecord& video, const std::fil
 }
 
 Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
-                                        const ModelRecord& record, const ObjectModel& model) {
-  const Turn turn(evidence_turns_);
-  if (!turn.is_taken()) return Fail(ErrorCode::kConflict, "others ask for evidence, too: ask again in a moment");
-  std::string options_json;
-  {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto search, reader->sightings->FindSearch(video.id, record.id));
-    if (!search) return Fail(ErrorCode::kNotFound, "the search that found it is not in the index any more");
-    options_json = search->options_json;
-  }
+                                        const std::string& options_json, const ObjectModel& model) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const TelemetryOptions telemetry, TelemetryOptionsOf(options_json));
+  const auto load = [&] { return LoadCameras(video, path, telemetry, [](const std::string& /*warning*/) {}); };
   VICTORIOUS_ASSIGN_OR_RETURN(const auto cameras,
-                              cameras_.Get(video.content_id, [&] { return LoadCameras(video, path, telemetry, {}); }));
+                              cameras_.Get(fmt::format("{} {}", video.content_id, OptionsToJsonText(telemetry)), load));
+  const SearchSlot slot(evidence_slots_);
+  if (!slot.is_taken()) return Fail(ErrorCode::kConflict, "others ask for evidence, too: ask again in a moment");
   VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat grey, videos_.GreyFrame(video, sighting.time_s));
   VICTORIOUS_ASSIGN_OR_RETURN(const MatchEvidence evidence,
                               ExplainSighting(sighting, options_json, model, grey, *cameras));
@@ -147,10 +142,17 @@ ApiExpected<HttpResponse> Api::Evidence(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, LoadModel(*record));
   // Asked before the cache, so that evidence ends with its video.
   VICTORIOUS_RETURN_IF_ERROR(videos_.Find(*video));
-  const std::string key = fmt::format("{} {} {} {} {:.2f} {:.2f} {} {}", video->content_id, model.id, sighting.frame,
-                                      sighting.view_index, sighting.box.x, sighting.box.y, video->id, object.object.id);
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto body,
-                              evidence_.Get(key, [&] { return MakeEvidence(sighting, *video, *record, model); }));
+  std::optional<SearchRecord> search;
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(search, reader->sightings->FindSearch(video->id, record->id));
+  }
+  if (!search) return NotFound("the search that found it is not in the index any more");
+  const std::string key = fmt::format("{} {} {} {} {:.2f} {:.2f} {} {} {}", video->content_id, model.id, sighting.frame,
+                                      sighting.view_index, sighting.box.x, sighting.box.y, video->id, object.object.id,
+                                      search->options_json);
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const auto body, evidence_.Get(key, [&] { return MakeEvidence(sighting, *video, search->options_json, model); }));
   return TaggedResponse(call.request, "application/json", *body, 0);
 }
 

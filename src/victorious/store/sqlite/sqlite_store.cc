@@ -352,6 +352,8 @@ Status SqliteStore::WriteObjects(std::span<const ObjectRecord> objects) {
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Execute("DELETE FROM objects WHERE NOT EXISTS (SELECT 1 FROM tracklets WHERE object_id = "
                            "objects.id)"));
+  // New sightings of the same objects: PutSightings has assigned their reviews.
+  if (changed.objects().empty() && changed.members().empty()) return {};
   return AssignAllReviews();
 }
 

@@ -188,6 +188,7 @@ TEST_F(SqliteStoreTest, EqualObjectsAreNotWritten) {
   objects[0].heading_rad = 1.25;
   objects[0].place_rejected = "";
   ASSERT_TRUE(writer->PutObjects(objects));
+  ASSERT_TRUE(writer->PutReview(objects[0].id, {.verdict = Verdict::kAccepted, .note = "", .reviewer = "ann"}));
   const auto other = OpenSqliteStore(path_, StoreMode::kCreate).value();
   const std::int64_t before = other->ChangeNumber().value();
   ASSERT_TRUE(writer->PutObjects(objects));
