@@ -14,7 +14,7 @@
 namespace victorious::testing {
 
 // Forwards all calls; calls `before_commit` before each commit, `before_sightings` before sightings are read.
-class FaultInjectingStore final : public IndexStore {
+class FaultInjectingStore : public IndexStore {
  public:
   FaultInjectingStore(
       IndexStore& store, std::function<Status()> before_commit,

@@ -23,19 +23,23 @@ std::int64_t ChecksumOf(std::string_view text) {
 }
 
 // What all fits depend on, but for the content of tracklets: every parameter that EstimatePlace and CorrectFlight read.
-// Empty if it cannot be told: the ground is not identified.
-Expected<std::string> ContextOf(const ObjectOptions& options) {
-  if (options.ground && options.ground_id.empty()) return std::string();
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
+// std::nullopt if it cannot be told, so that fits are not kept: the ground or the program is not identified.
+std::optional<std::string> ContextOf(const ObjectOptions& options) {
+  if (options.ground && options.ground_id.empty()) return std::nullopt;
+  const Expected<std::string> program = ProgramId();
+  if (!program) return std::nullopt;
   const CommonErrorOptions& common = options.locate.common;  // its fields that LocateOptions does not list
-  return fmt::format("{} {} {} {} {} {} {} {} {} ", program, OptionsToJsonText(options.locate),
+  return fmt::format("{} {} {} {} {} {} {} {} {} ", *program, OptionsToJsonText(options.locate),
                      common.boresight_side_deg, common.boresight_rise_deg, options.min_inlier_fraction,
                      options.motion_window_s, options.centre_height_m, options.centre_height_sigma_m,
                      options.ground ? options.ground_id : "");
 }
 
+// With the revision alone, sightings added by an older program, which does not count it, would be missed.
 std::string TextOf(const TrackletRecord& record) {
-  return fmt::format("{} {} {} {} ", record.id, record.video, record.model, record.revision);
+  return fmt::format("{} {} {} {} {} {} {} {} ", record.id, record.video, record.model, record.revision, record.frames,
+                     std::bit_cast<std::uint64_t>(record.score), std::bit_cast<std::uint64_t>(record.first_time_s),
+                     std::bit_cast<std::uint64_t>(record.last_time_s));
 }
 
 std::string TextOf(const ObservedTracklet& tracklet) {
@@ -55,13 +59,12 @@ ObjectPlace WithoutPath(ObjectPlace place) {
 
 }  // namespace
 
-KeptFits::KeptFits(const ObjectOptions& options, IndexStore& store, std::string context)
+KeptFits::KeptFits(const ObjectOptions& options, IndexStore& store, std::optional<std::string> context)
     : Fits(options), store_(store), context_(std::move(context)) {}
 
 Expected<std::unique_ptr<KeptFits>> KeptFits::Load(const ObjectOptions& options, IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(std::string context, ContextOf(options));
-  std::unique_ptr<KeptFits> fits(new KeptFits(options, store, std::move(context)));
-  if (fits->context_.empty()) return fits;
+  std::unique_ptr<KeptFits> fits(new KeptFits(options, store, ContextOf(options)));
+  if (!fits->context_) return fits;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFits([&](KeptFit&& kept) {
     Entry& entry = fits->entries_[kept.key];
     entry.bytes = std::move(kept.fit);
@@ -123,7 +126,7 @@ Status KeptFits::ReadContent(const SightingFilter& filter) {
 
 Status KeptFits::ReadTracklet(Known& known) {
   const TrackletRecord& record = known.tracklet->record;
-  VICTORIOUS_RETURN_IF_ERROR(ReadContent({.include_rejected = true, .tracklet = record.id}));
+  VICTORIOUS_RETURN_IF_ERROR(ReadContent({.include_rejected = true, .video = record.video, .tracklet = record.id}));
   known.has_content = true;
   Correct(errors_[record.video], std::span(known.tracklet, 1));
   return {};
@@ -154,7 +157,8 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
   if (tracklets.empty()) return {};
   if (content_ > kMaxContent) DropContent();
   const std::int64_t video = tracklets.front().record.video;
-  std::string flight_text = fmt::format("flight {} ", context_);
+  const std::string context = context_.value_or("");  // the keys of fits that are not kept count in this run only
+  std::string flight_text = fmt::format("flight {} ", context);
   for (ObservedTracklet& tracklet : tracklets) {
     known_[tracklet.record.id] = {.tracklet = &tracklet};
     flight_text += TextOf(tracklet);
@@ -190,7 +194,7 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
   for (std::size_t i = 0; i < tracklets.size(); ++i) {
     ObservedTracklet& tracklet = tracklets[i];
     Known& known = known_.at(tracklet.record.id);
-    known.key = ChecksumOf(context_ + TextOf(tracklet) + errors_text);
+    known.key = ChecksumOf(context + TextOf(tracklet) + errors_text);
     Entry& entry = EntryOf({tracklet.record.id, known.key});
     if (entry.fits->relative && entry.fits->absolute && entry.fits->tracklet) continue;
     if (!known.has_content) VICTORIOUS_RETURN_IF_ERROR(ReadTracklet(known));
@@ -262,7 +266,7 @@ const std::vector<std::int64_t>& KeptFits::Frames(const ObservedTracklet& trackl
 }
 
 void KeptFits::AddChanges(ObjectUpdate& update) const {
-  if (context_.empty()) return;
+  if (!context_) return;
   for (const auto& [key, entry] : entries_) {
     if (entry.is_changed) {
       update.put_fits.push_back({.key = key, .fit = entry.fits ? Pack(*entry.fits) : entry.bytes, .path = entry.path});

@@ -2,7 +2,8 @@
 // depends on the sightings of its tracklets, the errors of their flights, and some parameters. Its key is the checksum
 // of
 //
-//   the program, the parameters, and for each tracklet: id, revision, the kind of its model, the errors of its flight
+//   the program, the parameters, and for each tracklet: id, revision, frames, score, times, the kind of its model, the
+//   errors of its flight
 //
 // A key that is found therefore has the fit that would be made anew, to the last bit. Only the sightings of tracklets
 // without kept fits, and of those that take part in a new fit, are read. docs/adr/0023-kept-fits.md says more.
@@ -72,7 +73,7 @@ class KeptFits final : public Fits {
     bool has_content = false;
   };
 
-  KeptFits(const ObjectOptions& options, IndexStore& store, std::string context);
+  KeptFits(const ObjectOptions& options, IndexStore& store, std::optional<std::string> context);
 
   [[nodiscard]] FitKey KeyOf(const ObjectHypothesis& hypothesis) const;
   [[nodiscard]] Entry& EntryOf(const FitKey& key);
@@ -85,7 +86,7 @@ class KeptFits final : public Fits {
   void MakeSingle(const ObservedTracklet& tracklet, const RangeComparison& comparison, Entry& entry) const;
 
   IndexStore& store_;
-  std::string context_;  ///< the program and the parameters; empty: fits are not kept
+  std::optional<std::string> context_;  ///< the program and the parameters; std::nullopt: fits are not kept
   std::unordered_map<FitKey, Entry, KeyHash> entries_;
   std::unordered_map<std::int64_t, Known> known_;  ///< by tracklet
   std::map<std::int64_t, FlightErrors> errors_;    ///< by video

@@ -1,13 +1,29 @@
 #include "victorious/associate/packed_fit.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <type_traits>
+
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
+
+// Limits of what is read. A fit stays far below them; what is computed from numbers within them does not overflow.
+constexpr double kMaxNumber = 1e30;
+constexpr double kMaxAltitude_m = 1e9;
+constexpr double kMaxRangeFactor = 2;  // either way; EstimateRangeFactor gives at most 1.28
+constexpr std::int64_t kMaxOverlapFrames = std::numeric_limits<std::int32_t>::max();
+constexpr double kMinPositive = std::numeric_limits<double>::min();
+
+// The smallest packed items, bytes.
+constexpr std::size_t kFrameBytes = 1;
+constexpr std::size_t kOverlapBytes = 3 * sizeof(std::int64_t);
+constexpr std::size_t kGeolocationBytes = (6 + 9) * sizeof(double) + 2;  // without a velocity
 
 class Writer {
  public:
@@ -40,51 +56,76 @@ class Writer {
   std::vector<std::byte> bytes_;
 };
 
-// Reads 0 beyond the end, and remembers that.
+// Reads 0 beyond the end, and remembers that and every other fault of the bytes.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
+  /// A whole number in [low, high].
   template <typename T>
-  T Get() {
-    T value{};
-    GetInto(&value, sizeof(T));
+  T GetWhole(T low, T high) {
+    static_assert(std::is_integral_v<T>);
+    const T value = Get<T>();
+    if (value < low || value > high) Fail();
+    return value;
+  }
+  /// A number in [low, high]: never NaN or infinite.
+  double GetNumber(double low = -kMaxNumber, double high = kMaxNumber) {
+    const auto value = Get<double>();
+    if (!(value >= low && value <= high)) Fail();
     return value;
   }
   template <typename Matrix>
   Matrix GetMatrix() {
-    Matrix matrix = Matrix::Zero();
-    GetInto(matrix.data(), sizeof(double) * static_cast<std::size_t>(matrix.size()));
+    Matrix matrix;
+    for (double& value : matrix.reshaped()) value = GetNumber();
     return matrix;
   }
-  std::uint64_t GetCount() {
+  Eigen::Matrix3d GetCovariance() {
+    auto covariance = GetMatrix<Eigen::Matrix3d>();
+    if (!(covariance.diagonal().minCoeff() >= 0)) Fail();
+    return covariance;
+  }
+  /// A number of at most `most`, in the bytes of Writer::PutCount: no more than are needed, of at most 64 bits.
+  std::uint64_t GetCount(std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) {
     std::uint64_t value = 0;
     for (int shift = 0; shift < 64; shift += 7) {
       const auto byte = Get<std::uint8_t>();
-      value |= static_cast<std::uint64_t>(byte & 0x7F) << shift;
-      if (byte < 0x80) break;
+      const std::uint64_t bits = byte & 0x7F;
+      value |= bits << shift;
+      if (byte >= 0x80) continue;
+      if (value >> shift != bits || (bits == 0 && shift > 0) || value > most) Fail();
+      return value;
     }
-    return value;
+    Fail();
+    return 0;
   }
-  /// A number of items, of at least one byte each.
-  std::size_t GetSize() {
+  /// A number of items that the rest of the bytes can hold.
+  /// @param item_bytes  of the smallest item
+  std::size_t GetSize(std::size_t item_bytes) {
     const std::uint64_t size = GetCount();
-    if (size > bytes_.size()) failed_ = true;
+    if (size > bytes_.size() / item_bytes) Fail();
     return failed_ ? 0 : static_cast<std::size_t>(size);
   }
-  bool GetHas() { return Get<std::uint8_t>() != 0; }
+  bool GetHas() { return GetWhole<std::uint8_t>(0, 1) != 0; }
 
-  /// True if all bytes were read, and no more.
+  void Fail() { failed_ = true; }
+  [[nodiscard]] bool HasFailed() const { return failed_; }
+
+  /// True if all bytes were read, and no more, without a fault.
   [[nodiscard]] bool IsAtEnd() const { return !failed_ && bytes_.empty(); }
 
  private:
-  void GetInto(void* value, std::size_t size) {
-    if (failed_ || size > bytes_.size()) {
-      failed_ = true;
-      return;
+  template <typename T>
+  T Get() {
+    T value{};
+    if (failed_ || sizeof(T) > bytes_.size()) {
+      Fail();
+      return value;
     }
-    std::memcpy(value, bytes_.data(), size);
-    bytes_ = bytes_.subspan(size);
+    std::memcpy(&value, bytes_.data(), sizeof(T));
+    bytes_ = bytes_.subspan(sizeof(T));
+    return value;
   }
 
   std::span<const std::byte> bytes_;
@@ -103,13 +144,15 @@ void PutGeolocation(const Geolocation& place, Writer& writer) {
 
 Geolocation GetGeolocation(Reader& reader) {
   Geolocation place;
-  for (double* value : {&place.point.latitude_rad, &place.point.longitude_rad, &place.point.altitude_m, &place.time_s,
-                        &place.ce90_m, &place.le90_m}) {
-    *value = reader.Get<double>();
-  }
-  place.covariance_enu_m2 = reader.GetMatrix<Eigen::Matrix3d>();
+  place.point.latitude_rad = reader.GetNumber(-kPi / 2, kPi / 2);
+  place.point.longitude_rad = reader.GetNumber(-2 * kPi, 2 * kPi);
+  place.point.altitude_m = reader.GetNumber(-kMaxAltitude_m, kMaxAltitude_m);
+  place.time_s = reader.GetNumber();
+  place.ce90_m = reader.GetNumber(0);
+  place.le90_m = reader.GetNumber(0);
+  place.covariance_enu_m2 = reader.GetCovariance();
   if (reader.GetHas()) place.velocity_enu = reader.GetMatrix<Eigen::Vector3d>();
-  if (reader.GetHas()) place.velocity_covariance_enu = reader.GetMatrix<Eigen::Matrix3d>();
+  if (reader.GetHas()) place.velocity_covariance_enu = reader.GetCovariance();
   return place;
 }
 
@@ -125,12 +168,26 @@ void PutPlace(const ObjectPlace& place, Writer& writer) {
 ObjectPlace GetPlace(Reader& reader) {
   ObjectPlace place;
   place.path_size = static_cast<std::size_t>(reader.GetCount());
-  place.inlier_fraction = reader.Get<double>();
-  place.consistent_fraction = reader.Get<double>();
-  if (reader.GetHas()) place.heading_rad = reader.Get<double>();
-  if (reader.GetHas()) place.size_ratio = reader.Get<double>();
+  place.inlier_fraction = reader.GetNumber(0, 1);
+  place.consistent_fraction = reader.GetNumber(0, 1);
+  if (reader.GetHas()) place.heading_rad = reader.GetNumber(0, 2 * kPi);
+  if (reader.GetHas()) place.size_ratio = reader.GetNumber(kMinPositive);
   if (reader.GetHas()) place.place = GetGeolocation(reader);
+  if (place.HasPath() && !place.place) reader.Fail();
   return place;
+}
+
+std::vector<std::int64_t> GetFrames(Reader& reader) {
+  std::vector<std::int64_t> frames(reader.GetSize(kFrameBytes));
+  std::int64_t before = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const std::int64_t most = std::numeric_limits<std::int64_t>::max() - before;
+    const std::uint64_t step = reader.GetCount(static_cast<std::uint64_t>(most));
+    if (step == 0 && i > 0) reader.Fail();  // two sightings in one frame
+    if (reader.HasFailed()) return {};
+    frames[i] = before += static_cast<std::int64_t>(step);
+  }
+  return frames;
 }
 
 }  // namespace
@@ -166,18 +223,20 @@ std::optional<HypothesisFits> UnpackHypothesisFits(std::span<const std::byte> by
   if (reader.GetHas()) fits.absolute = GetPlace(reader);
   if (reader.GetHas()) {
     HypothesisFits::LevelFit& fit = fits.on_level.emplace();
-    fit.level.altitude_m = reader.Get<double>();
-    fit.level.sigma_m = reader.Get<double>();
+    fit.level.altitude_m = reader.GetNumber(-kMaxAltitude_m, kMaxAltitude_m);
+    fit.level.sigma_m = reader.GetNumber(kMinPositive);
     fit.place = GetPlace(reader);
   }
   if (reader.GetHas()) {
     HypothesisFits::Tracklet& tracklet = fits.tracklet.emplace();
-    tracklet.summary.log_odds = reader.Get<double>();
-    tracklet.summary.recognitions = static_cast<std::int64_t>(reader.GetCount());
-    tracklet.summary.observations = static_cast<std::int64_t>(reader.GetCount());
-    tracklet.frames.resize(reader.GetSize());
-    std::int64_t frame = 0;
-    for (std::int64_t& one : tracklet.frames) one = frame += static_cast<std::int64_t>(reader.GetCount());
+    tracklet.summary.log_odds = reader.GetNumber();
+    const std::uint64_t recognitions = reader.GetCount();
+    const std::uint64_t observations = reader.GetCount();
+    tracklet.frames = GetFrames(reader);
+    // A frame has one sighting.
+    if (std::max(recognitions, observations) > tracklet.frames.size()) reader.Fail();
+    tracklet.summary.recognitions = static_cast<std::int64_t>(recognitions);
+    tracklet.summary.observations = static_cast<std::int64_t>(observations);
   }
   if (!reader.IsAtEnd()) return std::nullopt;
   return fits;
@@ -207,19 +266,21 @@ std::optional<FlightFits> UnpackFlightFits(std::span<const std::byte> bytes) {
   FlightFits fits;
   if (reader.GetHas()) {
     HeadingError& error = fits.errors.heading.emplace();
-    error.error_rad = reader.Get<double>();
-    error.objects = reader.Get<int>();
+    error.error_rad = reader.GetNumber(-kPi, kPi);
+    error.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
   }
   if (reader.GetHas()) {
     RangeFactor& factor = fits.errors.range.emplace();
-    factor.factor = reader.Get<double>();
-    factor.objects = reader.Get<int>();
+    factor.factor = reader.GetNumber(1 / kMaxRangeFactor, kMaxRangeFactor);
+    factor.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
   }
-  fits.overlaps.resize(reader.GetSize());
+  fits.overlaps.resize(reader.GetSize(kOverlapBytes));
   for (PixelOverlap& overlap : fits.overlaps) {
-    overlap.first = reader.Get<std::int64_t>();
-    overlap.second = reader.Get<std::int64_t>();
-    overlap.frames = reader.Get<std::int64_t>();
+    constexpr std::int64_t kMaxId = std::numeric_limits<std::int64_t>::max();
+    overlap.first = reader.GetWhole<std::int64_t>(0, kMaxId);
+    overlap.second = reader.GetWhole<std::int64_t>(0, kMaxId);
+    overlap.frames = reader.GetWhole<std::int64_t>(1, kMaxOverlapFrames);
+    if (overlap.first >= overlap.second) reader.Fail();
   }
   if (!reader.IsAtEnd()) return std::nullopt;
   return fits;
@@ -234,7 +295,7 @@ std::vector<std::byte> Pack(std::span<const Geolocation> path) {
 
 std::optional<std::vector<Geolocation>> UnpackPath(std::span<const std::byte> bytes) {
   Reader reader(bytes);
-  std::vector<Geolocation> path(reader.GetSize());
+  std::vector<Geolocation> path(reader.GetSize(kGeolocationBytes));
   for (Geolocation& place : path) place = GetGeolocation(reader);
   if (!reader.IsAtEnd()) return std::nullopt;
   return path;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -244,6 +245,31 @@ TEST_F(UpdateObjectsTest, SightingsOfKeptFitsAreNotRead) {
   EXPECT_EQ(ObjectsOf(*store), before);
 }
 
+// A store as after an older version of the program, which does not count revisions.
+class UncountedStore final : public testing::FaultInjectingStore {
+ public:
+  explicit UncountedStore(IndexStore& store) : FaultInjectingStore(store, [] { return Status(); }) {}
+
+  [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override {
+    auto records = FaultInjectingStore::Tracklets();
+    if (!records) return records;
+    for (TrackletRecord& record : *records) record.revision = 0;
+    return records;
+  }
+};
+
+TEST_F(UpdateObjectsTest, TrackletsThatGrewWithoutARevisionAreFittedAgain) {
+  const World world(5);
+  const auto kept = MakeStore("kept.db");
+  const auto anew = MakeStore("anew.db");
+  UncountedStore uncounted(*kept);
+  world.AddVideo(1, *kept, [&] { EXPECT_TRUE(Update(uncounted)); });
+  ASSERT_TRUE(Update(uncounted));
+  world.AddVideo(1, *anew);
+  ASSERT_TRUE(Update(*anew));
+  EXPECT_EQ(ObjectsOf(*kept), ObjectsOf(*anew));
+}
+
 TEST_F(UpdateObjectsTest, UnreadableSearchOptionsAreDataLoss) {
   const auto store = MakeStore("index.db");
   const std::int64_t video = store->PutVideo({.content_id = "v", .name = "a.mp4", .width = 64, .height = 48})->id;
@@ -270,7 +296,7 @@ TEST(PackedFit, IsReadAsItWasWritten) {
       .relative = ObjectPlace{.place = place, .path_size = 300, .heading_rad = 0.25, .inlier_fraction = 0.5},
       .absolute = std::nullopt,
       .on_level = HypothesisFits::LevelFit{.level = {200, 1.5}, .place = {.size_ratio = 2}},
-      .tracklet = HypothesisFits::Tracklet{.summary = {1.5, 20, 300}, .frames = {0, 1, 500, 100'000}}};
+      .tracklet = HypothesisFits::Tracklet{.summary = {1.5, 2, 4}, .frames = {0, 1, 500, 100'000}}};
   const std::vector<std::byte> bytes = Pack(fits);
   const auto read = UnpackHypothesisFits(bytes);
   ASSERT_TRUE(read);
@@ -287,6 +313,125 @@ TEST(PackedFit, IsReadAsItWasWritten) {
   const FlightFits flight{.errors = {.heading = HeadingError{0.1, 3}, .range = {}}, .overlaps = {{1, 2, 30}}};
   EXPECT_EQ(UnpackFlightFits(Pack(flight))->overlaps.front().frames, 30);
   EXPECT_EQ(UnpackFlightFits(Pack(flight))->errors.heading->objects, 3);
+}
+
+// What a damaged or hostile index may hold: the bytes of fits that no run makes.
+class DamagedPackedFitTest : public ::testing::Test {
+ protected:
+  static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  static constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+
+  static Geolocation MakePlace() {
+    return {.point = {0.5, -1, 300}, .time_s = 4, .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  }
+
+  static bool IsRead(const ObjectPlace& place) {
+    const bool is_relative = UnpackHypothesisFits(Pack(HypothesisFits{.relative = place})).has_value();
+    const HypothesisFits on_level{.on_level = HypothesisFits::LevelFit{.level = {200, 1.5}, .place = place}};
+    EXPECT_EQ(UnpackHypothesisFits(Pack(on_level)).has_value(), is_relative);
+    return is_relative;
+  }
+  static bool IsRead(const Geolocation& place) {
+    const bool is_in_path = UnpackPath(Pack(std::vector<Geolocation>{place})).has_value();
+    EXPECT_EQ(IsRead(ObjectPlace{.place = place}), is_in_path);
+    return is_in_path;
+  }
+  static bool IsRead(const Level& level) {
+    const HypothesisFits fits{.on_level = HypothesisFits::LevelFit{.level = level, .place = {}}};
+    return UnpackHypothesisFits(Pack(fits)).has_value();
+  }
+  static bool IsRead(const TrackletSummary& summary, const std::vector<std::int64_t>& frames) {
+    const HypothesisFits fits{.tracklet = HypothesisFits::Tracklet{.summary = summary, .frames = frames}};
+    return UnpackHypothesisFits(Pack(fits)).has_value();
+  }
+  static bool IsRead(const FlightErrors& errors) {
+    return UnpackFlightFits(Pack(FlightFits{.errors = errors, .overlaps = {}})).has_value();
+  }
+  static bool IsRead(const PixelOverlap& overlap) {
+    return UnpackFlightFits(Pack(FlightFits{.errors = {}, .overlaps = {overlap}})).has_value();
+  }
+};
+
+TEST_F(DamagedPackedFitTest, APathNeedsAPlace) {
+  EXPECT_TRUE(IsRead(ObjectPlace{.place = MakePlace(), .path_size = 3}));
+  EXPECT_FALSE(IsRead(ObjectPlace{.path_size = 3}));
+}
+
+TEST_F(DamagedPackedFitTest, NumbersAreFiniteAndInTheirRange) {
+  ASSERT_TRUE(IsRead(MakePlace()));
+  for (const double bad : {kNan, kInfinity, -kInfinity, 1e300}) {
+    SCOPED_TRACE(bad);
+    const auto is_read_with = [&](auto&& set) {
+      Geolocation place = MakePlace();
+      set(place);
+      return IsRead(place);
+    };
+    EXPECT_FALSE(is_read_with([&](Geolocation& place) { place.point.latitude_rad = bad; }));
+    EXPECT_FALSE(is_read_with([&](Geolocation& place) { place.point.longitude_rad = bad; }));
+    EXPECT_FALSE(is_read_with([&](Geolocation& place) { place.point.altitude_m = bad; }));
+    EXPECT_FALSE(is_read_with([&](Geolocation& place) { place.time_s = bad; }));
+    EXPECT_FALSE(is_read_with([&](Geolocation& place) { place.ce90_m = bad; }));
+    EXPECT_FALSE(is_read_with([&](Geolocation& place) { place.le90_m = bad; }));
+    EXPECT_FALSE(is_read_with([&](Geolocation& place) { place.covariance_enu_m2(0, 1) = bad; }));
+    EXPECT_FALSE(is_read_with([&](Geolocation& place) { place.velocity_enu = Eigen::Vector3d(0, bad, 0); }));
+    EXPECT_FALSE(
+        is_read_with([&](Geolocation& place) { place.velocity_covariance_enu = Eigen::Matrix3d::Constant(bad); }));
+    EXPECT_FALSE(IsRead(ObjectPlace{.heading_rad = bad}));
+    EXPECT_FALSE(IsRead(ObjectPlace{.inlier_fraction = bad}));
+    EXPECT_FALSE(IsRead(ObjectPlace{.consistent_fraction = bad}));
+    EXPECT_FALSE(IsRead(ObjectPlace{.size_ratio = bad}));
+    EXPECT_FALSE(IsRead(Level{bad, 1}));
+    EXPECT_FALSE(IsRead(Level{200, bad}));
+    EXPECT_FALSE(IsRead(TrackletSummary{.log_odds = bad}, {}));
+    EXPECT_FALSE(IsRead(FlightErrors{.heading = HeadingError{bad, 3}, .range = {}}));
+    EXPECT_FALSE(IsRead(FlightErrors{.heading = {}, .range = RangeFactor{bad, 3}}));
+  }
+  Geolocation negative_variance = MakePlace();
+  negative_variance.covariance_enu_m2(2, 2) = -1;
+  EXPECT_FALSE(IsRead(negative_variance));
+  EXPECT_FALSE(IsRead(ObjectPlace{.inlier_fraction = 1.5}));
+  EXPECT_FALSE(IsRead(ObjectPlace{.size_ratio = 0}));
+  EXPECT_FALSE(IsRead(Level{200, 0}));
+  EXPECT_TRUE(IsRead(FlightErrors{.heading = HeadingError{-0.1, 2}, .range = RangeFactor{0.8, 2}}));
+  EXPECT_FALSE(IsRead(FlightErrors{.heading = {}, .range = RangeFactor{0, 2}}));
+  EXPECT_FALSE(IsRead(FlightErrors{.heading = {}, .range = RangeFactor{-1, 2}}));
+  EXPECT_FALSE(IsRead(FlightErrors{.heading = HeadingError{0.1, 0}, .range = {}}));
+}
+
+TEST_F(DamagedPackedFitTest, FramesAscend) {
+  EXPECT_TRUE(IsRead(TrackletSummary(), {0, 1, kMax}));
+  EXPECT_FALSE(IsRead(TrackletSummary(), {3, 3}));
+  EXPECT_FALSE(IsRead(TrackletSummary(), {3, 2})) << "a step beyond the largest frame";
+  EXPECT_FALSE(IsRead(TrackletSummary(), {-1}));
+  EXPECT_FALSE(IsRead(TrackletSummary{.recognitions = 2}, {3}));
+  EXPECT_FALSE(IsRead(TrackletSummary{.observations = -1}, {3}));
+}
+
+TEST_F(DamagedPackedFitTest, OverlapsAreOfTwoTracklets) {
+  EXPECT_TRUE(IsRead(PixelOverlap{1, 2, 30}));
+  EXPECT_FALSE(IsRead(PixelOverlap{2, 2, 30}));
+  EXPECT_FALSE(IsRead(PixelOverlap{-1, 2, 30}));
+  EXPECT_FALSE(IsRead(PixelOverlap{1, 2, 0}));
+  EXPECT_FALSE(IsRead(PixelOverlap{1, 2, kMax})) << "sums of them overflow";
+}
+
+// A size that the bytes cannot hold reserves no memory.
+TEST_F(DamagedPackedFitTest, SizesAreOfItemsInTheBytes) {
+  std::vector<std::byte> path = Pack(std::vector<Geolocation>{MakePlace(), MakePlace()});
+  ASSERT_EQ(path.front(), std::byte{2});
+  for (const std::uint8_t size : {0, 1, 3, 100}) {
+    path.front() = std::byte{size};
+    EXPECT_FALSE(UnpackPath(path)) << int{size};
+  }
+  // 2^63 places, a count of more than 64 bits, and one with a byte too many.
+  std::vector<std::byte> count(9, std::byte{0x80});
+  count.push_back(std::byte{1});
+  EXPECT_FALSE(UnpackPath(count));
+  count.back() = std::byte{2};
+  EXPECT_FALSE(UnpackPath(count));
+  EXPECT_FALSE(UnpackPath(std::vector<std::byte>{std::byte{0x80}, std::byte{0}}));
+  EXPECT_TRUE(UnpackPath(std::vector<std::byte>{std::byte{0}}));
 }
 
 }  // namespace

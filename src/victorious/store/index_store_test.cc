@@ -240,6 +240,14 @@ TEST_P(IndexStoreTest, BearingObservationRoundTrips) {
   EXPECT_EQ(observation.line.clock_shift->elevation_rad, -0.02);
 }
 
+TEST_P(IndexStoreTest, SightingsAreThoseOfATrackletInItsVideo) {
+  const std::int64_t first = CommitOne(MakeBatch(0, 2, 0.5));
+  CommitOne(MakeBatch(0, 3, 0.9));
+  EXPECT_THAT(Sightings({.tracklet = first}), SizeIs(2));
+  EXPECT_THAT(Sightings({.video = video_, .tracklet = first}), SizeIs(2));
+  EXPECT_THAT(Sightings({.video = video_ + 1, .tracklet = first}), SizeIs(0));
+}
+
 TEST_P(IndexStoreTest, TrackletsAreMergedToOneObjectWithAPlace) {
   const std::int64_t first = CommitOne(MakeBatch(0, 2, 0.5));
   const std::int64_t second = CommitOne(MakeBatch(10, 3, 0.9));

@@ -407,7 +407,12 @@ Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& f
 
 Status SqliteStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(*connection_, filter));
-  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::SightingConditions(*this, filter, near));
+  // By video and tracklet, SQLite would read all sightings of the video, to save the sort. The "+" excludes the video
+  // from the choice of the index, which leaves that of tracklets.
+  SightingFilter indexed = filter;
+  if (filter.tracklet) indexed.video.reset();
+  VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions, sql::SightingConditions(*this, indexed, near));
+  if (filter.tracklet && filter.video) conditions.Add("+s.video_id = ?", *filter.video);
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::SelectSightings() + conditions.text() +
                                                                      std::string(sql::kOrderSightings)));
   conditions.Bind(select);
