@@ -579,10 +579,10 @@ async function checkPersons(page, objects) {
   await page.keyboard.press("a");
   await page.waitForSelector(`#object-${second.id}[aria-selected=true]`);
   await page.keyboard.press("x");
-  await page.waitForSelector(`#object-${second.id} .verdict.contested:not(.pending)`);
+  await page.waitForSelector(`#object-${second.id} .verdict.disputed:not(.pending)`);
   assert.equal(await notGreyed(), objects.length - 2);
-  const { review, decisions, is_contested } = await api(page, `/objects/${second.id}`);
-  assert.deepEqual([review.reviewer, review.verdict, is_contested], ["Bob", "rejected", true]);
+  const { review, decisions, is_disputed } = await api(page, `/objects/${second.id}`);
+  assert.deepEqual([review.reviewer, review.verdict, is_disputed], ["Bob", "rejected", true]);
   assert.deepEqual(decisions.map((one) => `${one.reviewer} ${one.verdict}`), ["Bob rejected", "Ann accepted", " null"]);
   // All of them by Bob.
   await page.waitForFunction(() => /2 of \d+ reviewed$/.test(document.querySelector(".progress").innerText));
@@ -600,7 +600,7 @@ async function checkPersons(page, objects) {
   await page.request.put(`/api/v1/objects/${second.id}/review`, { data: { ...body, verdict: null, note: "" } });
   await page.waitForSelector(".decisions li:has-text('Cid')", { state: "detached" });
   await page.keyboard.press("u");
-  await page.waitForSelector(`#object-${second.id} .verdict.accepted:not(.contested):not(.pending)`);
+  await page.waitForSelector(`#object-${second.id} .verdict.accepted:not(.disputed):not(.pending)`);
   await page.keyboard.press("u");
   await page.waitForSelector(`#object-${first.id} .verdict.others:not(.pending)`);
   assert.equal((await api(page, "/objects/counts?review=own&reviewer=Bob")).objects, 0);

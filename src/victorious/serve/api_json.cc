@@ -128,7 +128,7 @@ Json ObjectToJson(const TriageObject& listed, const IndexLists& lists) {
           {"speed_m_s", OrNull(ComputeSpeed(object), &MetresJson)},
           {"review", ReviewToJson(listed.review)},
           {"decisions", DecisionsToJson(listed.decisions)},
-          {"is_contested", listed.is_contested}};
+          {"is_disputed", listed.is_disputed}};
 }
 
 Json CountsToJson(const ObjectCounts& counts) {

@@ -26,7 +26,7 @@ constexpr std::array<std::pair<std::string_view, ObjectQuery::ReviewState>, 6> k
      {"rejected", ObjectQuery::ReviewState::kRejected},
      {"own", ObjectQuery::ReviewState::kOwn},
      {"not_own", ObjectQuery::ReviewState::kNotOwn},
-     {"conflicting", ObjectQuery::ReviewState::kConflicting}}};
+     {"disputed", ObjectQuery::ReviewState::kDisputed}}};
 
 // The value of one of the texts of a table. Error: kInvalidArgument that lists them.
 template <typename Value, std::size_t count>
@@ -336,7 +336,7 @@ ApiExpected<HttpResponse> Api::PutReview(const Call& call) {
   return JsonResponse({{"object_id", reviewed.object.id},
                        {"review", ReviewToJson(reviewed.review)},
                        {"decisions", DecisionsToJson(reviewed.decisions)},
-                       {"is_contested", reviewed.is_contested}});
+                       {"is_disputed", reviewed.is_disputed}});
 }
 
 }  // namespace victorious

@@ -278,12 +278,12 @@ TEST_F(ApiTest, DecisionsArePersons) {
   EXPECT_EQ(Review(ids_[1], R"({"verdict": "accepted", "reviewer": "ann"})").status, 200);
   const json put = json::parse(Review(ids_[1], R"({"verdict": "rejected", "note": "no", "reviewer": "bob"})").body);
   EXPECT_EQ(put["review"]["reviewer"], "bob");
-  EXPECT_EQ(put["is_contested"], true);
+  EXPECT_EQ(put["is_disputed"], true);
   EXPECT_EQ(put["decisions"].size(), 2U);
   EXPECT_THAT(Listed("review=own&reviewer=ann"), ElementsAre(ids_[0], ids_[1]));
   EXPECT_THAT(Listed("review=own&reviewer=bob"), ElementsAre(ids_[1]));
   EXPECT_THAT(Listed("review=not_own&reviewer=bob"), ElementsAre(ids_[0], ids_[2]));
-  EXPECT_THAT(Listed("review=conflicting"), ElementsAre(ids_[1]));
+  EXPECT_THAT(Listed("review=disputed"), ElementsAre(ids_[1]));
   const json list = Get("/api/v1/objects/" + std::to_string(ids_[1]) + "/decisions");
   EXPECT_EQ(list["object_id"], ids_[1]);
   ASSERT_EQ(list["decisions"].size(), 2U);

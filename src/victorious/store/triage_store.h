@@ -27,8 +27,8 @@ struct GeoPolygon {
 /// Selects objects. All conditions that are set must hold. Rejected objects (ObjectRecord::rejected) never match.
 struct ObjectQuery {
   /// kNone to kRejected: of the team's review. kOwn: `reviewer` has decided; kNotOwn: `reviewer` has not, whether
-  /// others have or not; kConflicting: persons disagree.
-  enum class ReviewState { kAny, kNone, kAccepted, kRejected, kOwn, kNotOwn, kConflicting };
+  /// others have or not; kDisputed: some accepted it, some rejected it.
+  enum class ReviewState { kAny, kNone, kAccepted, kRejected, kOwn, kNotOwn, kDisputed };
 
   std::vector<std::string> models;    ///< names; empty: all
   std::optional<std::int64_t> video;  ///< seen in this video
@@ -73,7 +73,7 @@ struct TriageObject {
   ObjectRecord object;                  ///< `videos` and `tracklets` are empty: see `moments`
   Review review;                        ///< the team's (IndexStore::Reviews)
   std::vector<Review> decisions;        ///< of persons: the kMaxDecisions latest, latest first
-  bool is_contested = false;            ///< persons disagree about its verdict
+  bool is_disputed = false;             ///< persons disagree about its verdict
   std::vector<TrackletRecord> moments;  ///< its tracklets, by video and time
 
   static constexpr int kMaxDecisions = 10;

@@ -213,19 +213,19 @@ TEST_F(TriageStoreTest, DecisionsOfPersonsSelect) {
   EXPECT_THAT(of(State::kOwn, ""), IsEmpty());
   EXPECT_THAT(of(State::kNotOwn, "ann"), ElementsAre(ids_[2], ids_[3], ids_[4], ids_[5]));
   EXPECT_THAT(of(State::kNotOwn, "bob"), ElementsAre(ids_[0], ids_[3], ids_[4], ids_[5])) << "a note decides nothing";
-  EXPECT_THAT(of(State::kConflicting, ""), ElementsAre(ids_[1]));
-  EXPECT_EQ(store_->Count({.review = State::kConflicting})->objects, 1);
+  EXPECT_THAT(of(State::kDisputed, ""), ElementsAre(ids_[1]));
+  EXPECT_EQ(store_->Count({.review = State::kDisputed})->objects, 1);
   const auto rows = store_->ObjectsById(ids_);
   ASSERT_TRUE(rows) << rows.error().message;
-  const TriageObject& contested = *std::ranges::find(*rows, ids_[1], [](const auto& one) { return one.object.id; });
-  EXPECT_TRUE(contested.is_contested);
-  EXPECT_EQ(contested.review.verdict, Verdict::kRejected) << "the latest";
-  ASSERT_THAT(contested.decisions, SizeIs(2));
-  EXPECT_EQ(contested.decisions.front().reviewer, "bob");
-  EXPECT_EQ(contested.decisions.front().note, "no");
+  const TriageObject& disputed = *std::ranges::find(*rows, ids_[1], [](const auto& one) { return one.object.id; });
+  EXPECT_TRUE(disputed.is_disputed);
+  EXPECT_EQ(disputed.review.verdict, Verdict::kRejected) << "the latest";
+  ASSERT_THAT(disputed.decisions, SizeIs(2));
+  EXPECT_EQ(disputed.decisions.front().reviewer, "bob");
+  EXPECT_EQ(disputed.decisions.front().note, "no");
   // They agree again.
   ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kAccepted, "", 20, "bob"}));
-  EXPECT_THAT(of(State::kConflicting, ""), IsEmpty());
+  EXPECT_THAT(of(State::kDisputed, ""), IsEmpty());
 }
 
 TEST_F(TriageStoreTest, RowsHaveTheLatestDecisionsOnly) {

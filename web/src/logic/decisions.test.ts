@@ -4,19 +4,19 @@ import type { Review } from "../api/types";
 import { type Reviews, describeDecisions, ownDecision, summarise, withDecision } from "./decisions";
 
 const say = (reviewer: string, verdict: Review["verdict"], at: number, note = ""): Review => ({ reviewer, verdict, note, updated_utc_us: at });
-const NONE: Reviews = { review: null, decisions: [], is_contested: false };
+const NONE: Reviews = { review: null, decisions: [], is_disputed: false };
 const all = (...decisions: Review[]) => decisions.reduce(withDecision, NONE);
 const two = all(say("ann", "accepted", 1), say("bob", "rejected", 2));
 
 describe("decisions of persons", () => {
   it("are one a person; the latest with a verdict is the team's", () => {
     expect(two.review?.reviewer).toBe("bob");
-    expect(two.is_contested).toBe(true);
+    expect(two.is_disputed).toBe(true);
     const noted = withDecision(two, say("cid", null, 3, "who knows"));
     expect(noted.review?.reviewer).toBe("bob");
     expect(noted.decisions.map((one) => one.reviewer)).toEqual(["cid", "bob", "ann"]);
     const agreed = withDecision(two, say("ann", "rejected", 4));
-    expect(agreed.is_contested).toBe(false);
+    expect(agreed.is_disputed).toBe(false);
     expect(agreed.decisions).toHaveLength(2);
     expect(all(say("cid", null, 3, "who knows")).review?.note).toBe("who knows");
   });
@@ -28,7 +28,7 @@ describe("decisions of persons", () => {
   it("are taken back alone", () => {
     const one = withDecision(two, say("bob", null, 3));
     expect(one.review?.reviewer).toBe("ann");
-    expect(one.is_contested).toBe(false);
+    expect(one.is_disputed).toBe(false);
     expect(withDecision(one, say("ann", null, 4))).toEqual(NONE);
   });
 

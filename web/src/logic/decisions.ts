@@ -2,12 +2,12 @@
 import type { FoundObject, Review, Verdict } from "../api/types";
 
 /** What reviews say of an object. */
-export type Reviews = Pick<FoundObject, "review" | "decisions" | "is_contested">;
+export type Reviews = Pick<FoundObject, "review" | "decisions" | "is_disputed">;
 
 /** The server sends the decisions of so many persons with an object. */
 export const MAX_DECISIONS = 10;
 
-export const reviewsOf = ({ review, decisions, is_contested }: Reviews): Reviews => ({ review, decisions, is_contested });
+export const reviewsOf = ({ review, decisions, is_disputed }: Reviews): Reviews => ({ review, decisions, is_disputed });
 
 export const ownDecision = (object: Reviews, me: string): Review | null =>
   object.decisions.find((one) => one.reviewer === me) ?? null;
@@ -23,7 +23,7 @@ export function withDecision(before: Reviews, decision: Review): Reviews {
   return {
     decisions,
     review: decisions.find((one) => one.verdict !== null) ?? decisions[0] ?? null,
-    is_contested: verdicts.size > 1,
+    is_disputed: verdicts.size > 1,
   };
 }
 
@@ -43,7 +43,7 @@ export function describeDecisions(object: Reviews, me: string): string {
 export function summarise(object: Reviews, me: string): { verdict: Exclude<Verdict, null>; text: string; isOthers: boolean } | null {
   const verdict = object.review?.verdict ?? null;
   if (verdict === null) return null;
-  if (object.is_contested) return { verdict, text: "disputed", isOthers: false };
+  if (object.is_disputed) return { verdict, text: "disputed", isOthers: false };
   const decided = object.decisions.filter((one) => one.verdict !== null);
   const names = decided.flatMap((one) => (one.reviewer === "" ? [] : [one.reviewer]));
   const isOthers = !decided.some((one) => one.reviewer === me);

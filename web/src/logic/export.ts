@@ -24,7 +24,7 @@ const COLUMNS: [string, (object: FoundObject) => string | number | null][] = [
   ["verdict", (one) => one.review?.verdict ?? null],
   ["reviewer", (one) => one.review?.reviewer ?? null],
   ["note", (one) => one.review?.note ?? null],
-  ["is_contested", (one) => (one.is_contested ? 1 : 0)],
+  ["is_disputed", (one) => (one.is_disputed ? 1 : 0)],
   ["decisions", (one) => listDecisions(one) || null],
 ];
 

@@ -10,9 +10,9 @@ export interface Circle {
 }
 
 /**
- * none, accepted, rejected: of the team; own, not_own: whether the reader has decided; conflicting: persons disagree.
+ * none, accepted, rejected: of the team; own, not_own: whether the reader has decided; disputed: some accepted it, some rejected it.
  */
-export type ReviewFilter = "all" | "none" | Exclude<Verdict, null> | "own" | "not_own" | "conflicting";
+export type ReviewFilter = "all" | "none" | Exclude<Verdict, null> | "own" | "not_own" | "disputed";
 
 export interface Filters {
   /** Words of the model's name, or "near 52.52,13.40 200 m". */
@@ -68,8 +68,8 @@ function matchesReview(object: FoundObject, wanted: ReviewFilter, me: string): b
     case "own":
     case "not_own":
       return ((ownDecision(object, me)?.verdict ?? null) !== null) === (wanted === "own");
-    case "conflicting":
-      return object.is_contested;
+    case "disputed":
+      return object.is_disputed;
     default:
       return (object.review?.verdict ?? "none") === wanted;
   }
@@ -77,7 +77,7 @@ function matchesReview(object: FoundObject, wanted: ReviewFilter, me: string): b
 
 /** What the reader goes on to after a decision: what the filter is for, else what nobody has decided. */
 export const nextReview = (shown: ReviewFilter): ReviewFilter =>
-  shown === "own" || shown === "not_own" || shown === "conflicting" ? shown : "none";
+  shown === "own" || shown === "not_own" || shown === "disputed" ? shown : "none";
 
 /** @param me whose decisions `own` and `not_own` mean */
 export function makeMatcher(filters: Filters, me: string): (object: FoundObject) => boolean {

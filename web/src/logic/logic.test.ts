@@ -39,7 +39,7 @@ const found = (id: number, change: Partial<FoundObject> = {}): FoundObject => ({
   speed_m_s: null,
   review: null,
   decisions: [],
-  is_contested: false,
+  is_disputed: false,
   ...change,
 });
 
@@ -93,14 +93,14 @@ describe("filters", () => {
   it("match by who decided", () => {
     const reviewed = (...decisions: Review[]) => found(1, decisions.reduce(withDecision, found(1)));
     const [ann, bob] = [{ ...accepted, reviewer: "ann" }, { ...accepted, verdict: "rejected" as const, reviewer: "bob" }];
-    const states = ["none", "accepted", "rejected", "own", "not_own", "conflicting"] as const;
+    const states = ["none", "accepted", "rejected", "own", "not_own", "disputed"] as const;
     const matched = (object: FoundObject) => states.filter((review) => matches({ review }, object));
     expect(matched(reviewed())).toEqual(["none", "not_own"]);
     expect(matched(reviewed(ann))).toEqual(["accepted", "own"]);
     expect(matched(reviewed(bob))).toEqual(["rejected", "not_own"]);
-    expect(matched(reviewed(ann, { ...bob, updated_utc_us: 1 }))).toEqual(["rejected", "own", "conflicting"]);
+    expect(matched(reviewed(ann, { ...bob, updated_utc_us: 1 }))).toEqual(["rejected", "own", "disputed"]);
     expect(matched(reviewed({ ...ann, verdict: null, note: "?" }))).toEqual(["none", "not_own"]);
-    expect((["all", ...states] as const).map(nextReview)).toEqual(["none", "none", "none", "none", "own", "not_own", "conflicting"]);
+    expect((["all", ...states] as const).map(nextReview)).toEqual(["none", "none", "none", "none", "own", "not_own", "disputed"]);
   });
 
   it("match words of the name and the note", () => {
@@ -142,7 +142,7 @@ describe("filters", () => {
   it("are sent to the server", () => {
     expect(filterParams(NO_FILTERS, "ann").toString()).toBe("");
     expect(filterParams({ ...NO_FILTERS, review: "not_own" }, "ann").toString()).toBe("review=not_own&reviewer=ann");
-    expect(filterParams({ ...NO_FILTERS, review: "conflicting" }, "ann").toString()).toBe("review=conflicting");
+    expect(filterParams({ ...NO_FILTERS, review: "disputed" }, "ann").toString()).toBe("review=disputed");
     const all = { text: "Jeep near 52,13 2 km", models: ["a", "b"], video: 3, review: "none" as const, minScore: 0.5, area: rectangle([13, 52], [14, 53]) };
     expect(Object.fromEntries(filterParams(all, "ann"))).toEqual({
       model: "a,b",
@@ -376,7 +376,7 @@ describe("keys", () => {
 describe("saved lists", () => {
   const review = { ...accepted, note: 'a "shed", red', reviewer: "=1+1" };
   const decisions = [review, { ...accepted, verdict: "rejected" as const, reviewer: "ann" }];
-  const placed = found(7, { place: place(52.5, 13.25), heading_deg: 90, review, decisions, is_contested: true });
+  const placed = found(7, { place: place(52.5, 13.25), heading_deg: 90, review, decisions, is_disputed: true });
 
   it("are tables that spreadsheets read, without formulas", () => {
     const rows = toCsv([placed, found(8)]).split("\r\n");

@@ -7,7 +7,7 @@ const PATHS = {
   previous: "M12 3 7 8l5 5M4 3v10",
   next: "M4 3l5 5-5 5M12 3v10",
   accept: "M2.5 8.5 6 12l7.5-8",
-  contested: "M3 6h10M3 10h10M11 2.5 5 13.5",
+  disputed: "M3 6h10M3 10h10M11 2.5 5 13.5",
   reject: "M3.5 3.5l9 9M12.5 3.5l-9 9",
   sun: "M8 5a3 3 0 1 0 0 6 3 3 0 0 0 0-6zM8 1v1.5M8 13.5V15M1 8h1.5M13.5 8H15M3 3l1 1M12 12l1 1M3 13l1-1M12 4l1-1",
   moon: "M13 9.5A5.5 5.5 0 0 1 6.5 3 5.5 5.5 0 1 0 13 9.5z",

@@ -192,7 +192,7 @@ function Decisions({ object }: { object: FoundObject }) {
   const team = object.review?.verdict ?? "undecided";
   return (
     <div class="decisions">
-      <h3>{object.is_contested ? `Disputed. Team: ${team} (the latest)` : `Team: ${team}`}</h3>
+      <h3>{object.is_disputed ? `Disputed. Team: ${team} (the latest)` : `Team: ${team}`}</h3>
       <ul aria-label="Who decided what">
         {shown.map((one) => (
           <li key={one.reviewer}>

@@ -51,10 +51,10 @@ export function VerdictMark({ object }: { object: FoundObject }) {
   if (!summary) return null;
   const { verdict, text, isOthers } = summary;
   const isPending = objects.pendingReviews.value.has(object.id);
-  const icon = object.is_contested ? "contested" : verdict === "accepted" ? "accept" : "reject";
+  const icon = object.is_disputed ? "disputed" : verdict === "accepted" ? "accept" : "reject";
   return (
     <span
-      class={`verdict ${verdict} ${isPending ? "pending" : ""} ${object.is_contested ? "contested" : ""} ${isOthers ? "others" : ""}`}
+      class={`verdict ${verdict} ${isPending ? "pending" : ""} ${object.is_disputed ? "disputed" : ""} ${isOthers ? "others" : ""}`}
       title={describeDecisions(object, me.value)}
     >
       <Icon name={icon} />
@@ -123,7 +123,7 @@ const REVIEWS: [ReviewFilter, string, string][] = [
   ["rejected", "rejected", "By the team: the latest decision"],
   ["own", "by you", "You have decided"],
   ["not_own", "not by you", "You have not decided, whether others have or not"],
-  ["conflicting", "disputed", "Some accepted it, some rejected it"],
+  ["disputed", "disputed", "Some accepted it, some rejected it"],
 ];
 
 function Chips() {

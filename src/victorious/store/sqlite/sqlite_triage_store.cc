@@ -69,7 +69,7 @@ Expected<TriageObject> ReadListed(const Statement& row, std::string_view name) {
   TriageObject listed;
   VICTORIOUS_ASSIGN_OR_RETURN(listed.object, ReadObjectRow(row, name));
   VICTORIOUS_ASSIGN_OR_RETURN(listed.review, ReadReview(row, kReviewColumns, name));
-  listed.is_contested = row.Integer(kReviewColumns + 4) != 0;
+  listed.is_disputed = row.Integer(kReviewColumns + 4) != 0;
   return listed;
 }
 
@@ -361,7 +361,7 @@ class SqliteTriageStore final : public TriageStore {
         conditions.Add("o.id NOT IN (SELECT object_id FROM decisions WHERE reviewer = ? AND verdict IS NOT NULL)",
                        query.reviewer);
         break;
-      case ReviewState::kConflicting:
+      case ReviewState::kDisputed:
         conditions.Add("o.id IN (SELECT id FROM objects WHERE is_contested = 1)");
         break;
     }
