@@ -3,7 +3,7 @@ import { batch, signal } from "@preact/signals";
 
 import { countObjects, listObjects } from "./api/client";
 import type { Counts, FoundObject, Review } from "./api/types";
-import { type Reviews, ownDecision, reviewsOf } from "./logic/decisions";
+import { type Reviews, isOwnKnown, ownDecision, reviewsOf, withStored } from "./logic/decisions";
 import { type Filters, filterParams, isFiltered } from "./logic/filters";
 import { PagedList } from "./logic/paged_list";
 import { me } from "./me";
@@ -55,9 +55,15 @@ function remember(objects: readonly FoundObject[]) {
   for (const one of objects) {
     const before = known.get(one.id);
     const isNewer = before !== undefined && pendingReviews.peek().has(one.id);
-    known.set(one.id, isNewer ? { ...one, ...reviewsOf(before) } : one);
+    if (isNewer) known.set(one.id, { ...one, ...reviewsOf(before) });
+    else known.set(one.id, before === undefined || isOwnKnown(one, me.peek()) ? one : { ...one, ...withOwnOf(before, one) });
   }
   version.value = version.peek() + 1;
+}
+
+/** The reader's decision stays where the server's answer leaves it out, because others have decided later. */
+function withOwnOf(before: FoundObject, answer: FoundObject): Reviews {
+  return withStored(reviewsOf(answer), me.peek(), ownDecision(before, me.peek()));
 }
 
 function paramsOf(sort: Sort, filters: Filters | null): URLSearchParams {
@@ -252,4 +258,12 @@ export function setReviews(id: number, reviews: Reviews) {
     change(review?.verdict, 1);
     counts.value = next;
   });
+}
+
+/** Adds a person's decision as the server has it; null: there is none. */
+export function setStored(id: number, reviewer: string, own: Review | null) {
+  const before = known.get(id);
+  if (!before || ownDecision(before, reviewer)?.updated_utc_us === own?.updated_utc_us) return;
+  known.set(id, { ...before, ...withStored(reviewsOf(before), reviewer, own) });
+  version.value++;
 }

@@ -1,9 +1,9 @@
 // Decisions about objects: shown at once, then confirmed by the server; one or some together; with undo.
 import { computed, signal } from "@preact/signals";
 
-import { ApiFailure, putReview } from "./api/client";
-import type { FoundObject, Verdict } from "./api/types";
-import { ownDecision, reviewsOf, withDecision } from "./logic/decisions";
+import { ApiFailure, listDecisions, putReview } from "./api/client";
+import type { Review, Verdict } from "./api/types";
+import { type Reviews, isOwnKnown, ownDecision, ownOf, reviewsOf, withDecision } from "./logic/decisions";
 import { messageOf } from "./logic/errors";
 import { nextReview } from "./logic/filters";
 import { plural } from "./logic/format";
@@ -11,7 +11,7 @@ import { me } from "./me";
 import { notify, notifyError } from "./notices";
 import * as objects from "./objects";
 import { neighbour, select } from "./selection";
-import { account } from "./session";
+import { account, session } from "./session";
 import { filters, isConnected, matcher, project, selected, selectedId } from "./state";
 
 const RETRY_MS = 3000;
@@ -32,43 +32,80 @@ interface Decision {
   verdict: Verdict;
   note: string;
 }
-/** What was decided before. */
-const undoStack: Decision[][] = [];
-const pendingReviews = objects.pendingReviews;
-const latestWrite = new Map<number, number>();
-let writes = 0;
+/** What was decided before, of each person; those who share a page do not take back each other's decisions. */
+const undoSteps = new Map<string, Promise<Decision[]>[]>();
+/** What the server does not have yet, by person and object: of several decisions the latest. */
+const pending = signal<ReadonlyMap<string, Decision>>(new Map());
 
-async function writeReview({ id, reviewer, verdict, note }: Decision) {
+/** With accounts the server stores a review as that of the account, whoever the page says. */
+const canSend = (reviewer: string) => session.value?.has_accounts !== true || account.value?.name === reviewer;
+
+/** How many reviews wait until their person has logged in. */
+export const waiting = computed(() => {
+  const counts = new Map<string, number>();
+  for (const { reviewer } of pending.value.values()) {
+    if (!canSend(reviewer)) counts.set(reviewer, (counts.get(reviewer) ?? 0) + 1);
+  }
+  return counts;
+});
+
+const keyOf = (reviewer: string, id: number) => `${id} ${reviewer}`;
+
+function setPending(key: string, decision: Decision | null) {
+  const next = new Map(pending.peek());
+  if (decision) next.set(key, decision);
+  else next.delete(key);
+  pending.value = next;
+  objects.pendingReviews.value = new Set([...next.values()].map((one) => one.id));
+}
+
+const asReview = ({ reviewer, verdict, note }: Decision): Review => ({ verdict, note, reviewer, updated_utc_us: Date.now() * 1000 });
+
+/** The reviews of an object with what other persons of this page have decided and the server does not have yet. */
+function withPending(id: number, reviews: Reviews): Reviews {
+  const others = [...pending.peek().values()].filter((one) => one.id === id);
+  return others.reduce((before, one) => withDecision(before, asReview(one)), reviews);
+}
+
+async function writeReview(wanted: Decision) {
+  const decision = { ...wanted };
+  const { id, reviewer, verdict, note } = decision;
   const object = objects.objectOf(id);
   if (!object) return;
-  const write = ++writes;
-  const stored = reviewsOf(object);
-  const isLatest = () => latestWrite.get(id) === write;
-  latestWrite.set(id, write);
-  pendingReviews.value = new Set([...pendingReviews.value, id]);
-  objects.setReviews(id, withDecision(stored, { verdict, note, reviewer, updated_utc_us: Date.now() * 1000 }));
+  const key = keyOf(reviewer, id);
+  const stored = ownDecision(object, reviewer);
+  let isTold = false;
+  const isLatest = () => pending.peek().get(key) === decision;
+  setPending(key, decision);
+  objects.setReviews(id, withDecision(reviewsOf(object), asReview(decision)));
   while (isLatest()) {
-    try {
-      const reviewed = await putReview(id, verdict, note, reviewer);
-      isConnected.value = true;
-      if (isLatest()) objects.setReviews(id, reviewed);
-      break;
-    } catch (error) {
-      if (!isLatest()) return;
-      if (!(error instanceof ApiFailure && (error.status === 0 || error.status === 401))) {
-        notify(`The review is not stored: ${messageOf(error)}`, "error");
-        objects.setReviews(id, stored);
-        break;
+    if (canSend(reviewer)) {
+      try {
+        const reviewed = await putReview(id, verdict, note, reviewer);
+        isConnected.value = true;
+        if (!isLatest()) return;
+        setPending(key, null);
+        objects.setReviews(id, withPending(id, reviewed));
+        return;
+      } catch (error) {
+        if (!isLatest()) return;
+        if (!(error instanceof ApiFailure && (error.status === 0 || error.status === 401))) {
+          setPending(key, null);
+          notify(`The review is not stored: ${messageOf(error)}`, "error");
+          const shown = objects.objectOf(id) ?? object;
+          objects.setReviews(id, withDecision(reviewsOf(shown), stored ?? asReview({ id, reviewer, verdict: null, note: "" })));
+          return;
+        }
+        if (error.status === 0) isConnected.value = false;
       }
-      // Nothing typed is lost: the review is kept and sent again once the server answers, or the user has logged in.
-      if (error.status === 0) isConnected.value = false;
-      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
     }
+    // Nothing typed is lost: the review is kept and sent again once the server answers, or its person has logged in.
+    if (!canSend(reviewer) && !isTold) {
+      notify(`What ${reviewer || "a reviewer without a name"} decided is kept, and stored after a log-in with that name.`, "error");
+      isTold = true;
+    }
+    await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
   }
-  if (!isLatest()) return;
-  const left = new Set(pendingReviews.value);
-  left.delete(id);
-  pendingReviews.value = left;
 }
 
 function canReview() {
@@ -78,17 +115,40 @@ function canReview() {
 }
 
 export function review(id: number, verdict: Verdict, note?: string) {
-  const object = objects.objectOf(id);
-  if (!object) return;
-  if (!canReview()) return;
-  const before = presentDecision(object);
-  undoStack.push([before]);
-  void writeReview({ ...before, verdict, note: note ?? before.note });
+  if (!objects.objectOf(id) || !canReview()) return;
+  void change([id], (before) => ({ ...before, verdict, note: note ?? before.note }));
 }
 
-function presentDecision(object: FoundObject): Decision {
-  const own = ownDecision(object, me.peek());
-  return { id: object.id, reviewer: me.peek(), verdict: own?.verdict ?? null, note: own?.note ?? "" };
+/** Replaces what the reader decided about objects; one step of undo. Returns whether what to replace was known. */
+async function change(ids: readonly number[], next: (before: Decision) => Decision): Promise<boolean> {
+  const reviewer = me.peek();
+  const step = Promise.all(ids.map((id) => presentDecision(id, reviewer)));
+  const steps = () => undoSteps.get(reviewer) ?? [];
+  undoSteps.set(reviewer, [...steps(), step]);
+  try {
+    for (const before of await step) void writeReview(next(before));
+    return true;
+  } catch (error) {
+    undoSteps.set(reviewer, steps().filter((one) => one !== step));
+    notify(`The review is not stored: ${messageOf(error)}`, "error");
+    return false;
+  }
+}
+
+async function presentDecision(id: number, reviewer: string): Promise<Decision> {
+  const isKnown = () => pending.peek().has(keyOf(reviewer, id)) || isOwnKnown(objects.objectOf(id), reviewer);
+  if (!isKnown()) {
+    const decisions = await listDecisions(id);
+    // Not if the reader has decided meanwhile.
+    if (!isKnown()) setStored(id, reviewer, decisions);
+  }
+  const own = ownOf(objects.objectOf(id)?.decisions ?? [], reviewer);
+  return { id, reviewer, verdict: own?.verdict ?? null, note: own?.note ?? "" };
+}
+
+/** Shows a person's decision as the server has it, unless a later one is on its way there. */
+export function setStored(id: number, reviewer: string, decisions: readonly Review[]) {
+  if (!pending.peek().has(keyOf(reviewer, id))) objects.setStored(id, reviewer, ownOf(decisions, reviewer));
 }
 
 /** Marks the selected object, or takes its mark back. */
@@ -115,11 +175,12 @@ export function markRange(from: number, to: number) {
 
 /** One decision about all marked objects; one step of undo. */
 function decideMarked(verdict: Exclude<Verdict, null>) {
-  const all = [...marked.value].flatMap((id) => objects.objectOf(id) ?? []).map(presentDecision);
-  undoStack.push(all);
-  for (const before of all) void writeReview({ ...before, verdict });
+  const ids = [...marked.value].filter((id) => objects.objectOf(id) !== undefined);
   marked.value = new Set();
-  notify(`${plural(all.length, "object")} ${verdict}. U takes it back.`);
+  notify(`${plural(ids.length, "object")} ${verdict}. U takes it back.`);
+  void change(ids, (before) => ({ ...before, verdict })).then((isDone) => {
+    if (!isDone) marked.value = new Set([...marked.value, ...ids]);
+  });
 }
 
 /** Decides about the selected object and goes on to the next one to review. */
@@ -138,12 +199,18 @@ export function decide(verdict: Exclude<Verdict, null>) {
     .catch(notifyError);
 }
 
+/** Takes back the reader's last step. */
 export function undo() {
-  const last = undoStack.pop();
+  const last = undoSteps.get(me.peek())?.pop();
   if (!last) {
     notify("There is nothing to take back.");
     return;
   }
-  for (const before of last) void writeReview(before);
-  if (last[0]) select(last[0].id);
+  last
+    .then((all) => {
+      for (const before of all) void writeReview(before);
+      if (all[0]) select(all[0].id);
+    })
+    // change() has said it.
+    .catch(() => {});
 }

@@ -84,8 +84,8 @@ export const putReview = (object: number, verdict: Verdict, note: string, review
   send<ReviewedObject>(`/objects/${object}/review`, "PUT", { verdict, note, reviewer });
 
 /** Of all persons. */
-export const listDecisions = async (object: number, signal: AbortSignal): Promise<Review[]> =>
-  (await request<components["schemas"]["DecisionList"]>(`/objects/${object}/decisions`, { signal })).decisions;
+export const listDecisions = async (object: number, signal?: AbortSignal): Promise<Review[]> =>
+  (await request<components["schemas"]["DecisionList"]>(`/objects/${object}/decisions`, signal ? { signal } : undefined)).decisions;
 
 export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
 export const videoCopyUrl = (video: number) => `${ROOT}/videos/${video}/copy`;

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { Review } from "../api/types";
-import { type Reviews, describeDecisions, ownDecision, summarise, withDecision } from "./decisions";
+import { MAX_DECISIONS, type Reviews, describeDecisions, isOwnKnown, ownDecision, summarise, withDecision, withStored } from "./decisions";
 
 const say = (reviewer: string, verdict: Review["verdict"], at: number, note = ""): Review => ({ reviewer, verdict, note, updated_utc_us: at });
 const NONE: Reviews = { review: null, decisions: [], is_disputed: false };
@@ -38,6 +38,18 @@ describe("decisions of persons", () => {
     expect(describeDecisions(two, "ann")).toBe("rejected by bob, accepted by you");
     expect(describeDecisions(all(say("", "accepted", 1)), "")).toBe("accepted");
     expect(describeDecisions(all(say("", "accepted", 1), say("ann", "accepted", 2)), "ann")).toBe("accepted by you, accepted by somebody");
+  });
+
+  it("may come without one's own, which is added", () => {
+    const crowd = all(...Array.from({ length: MAX_DECISIONS }, (_, i) => say(`other ${i}`, "rejected", 10 + i)));
+    expect(isOwnKnown(two, "cid")).toBe(true);
+    expect(isOwnKnown(crowd, "other 3")).toBe(true);
+    expect(isOwnKnown(crowd, "ann")).toBe(false);
+    const whole = withStored(crowd, "ann", say("ann", "accepted", 1));
+    expect(isOwnKnown(whole, "ann")).toBe(true);
+    expect(whole.decisions.at(-1)?.reviewer).toBe("ann");
+    expect(whole.review).toEqual(crowd.review);
+    expect(withStored(whole, "ann", null)).toEqual(crowd);
   });
 
   it("are told in a word", () => {

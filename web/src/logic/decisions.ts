@@ -4,13 +4,24 @@ import type { FoundObject, Review, Verdict } from "../api/types";
 /** What reviews say of an object. */
 export type Reviews = Pick<FoundObject, "review" | "decisions" | "is_disputed">;
 
-/** The server sends the decisions of so many persons with an object. */
+/** The server sends the latest decisions of so many persons with an object. */
 export const MAX_DECISIONS = 10;
 
 export const reviewsOf = ({ review, decisions, is_disputed }: Reviews): Reviews => ({ review, decisions, is_disputed });
 
-export const ownDecision = (object: Reviews, me: string): Review | null =>
-  object.decisions.find((one) => one.reviewer === me) ?? null;
+export const ownOf = (decisions: readonly Review[], me: string): Review | null =>
+  decisions.find((one) => one.reviewer === me) ?? null;
+export const ownDecision = (object: Reviews, me: string) => ownOf(object.decisions, me);
+
+/** False: others have decided later, so that the object may have come without the reader's decision. */
+export const isOwnKnown = (object: Reviews | undefined, me: string) =>
+  object === undefined || object.decisions.length < MAX_DECISIONS || ownDecision(object, me) !== null;
+
+/** The reviews with a person's decision as it is stored, null: there is none. The team's review remains. */
+export function withStored(before: Reviews, reviewer: string, own: Review | null): Reviews {
+  const others = before.decisions.filter((one) => one.reviewer !== reviewer);
+  return { ...before, decisions: own === null ? others : [...others, own].sort(latestFirst) };
+}
 
 const latestFirst = (a: Review, b: Review) => b.updated_utc_us - a.updated_utc_us || (a.reviewer < b.reviewer ? -1 : 1);
 

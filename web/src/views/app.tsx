@@ -2,6 +2,7 @@
 import { useEffect } from "preact/hooks";
 
 import { type Action, actionOf } from "../logic/keys";
+import { pendingReviews } from "../objects";
 import { needsLogIn, session } from "../session";
 import * as reviews from "../reviews";
 import * as selection from "../selection";
@@ -114,8 +115,20 @@ function useKeys() {
   }, []);
 }
 
+/** The browser asks before it leaves a page whose reviews are not stored yet, also when another person logs in. */
+function useUnloadGuard() {
+  useEffect(() => {
+    const guard = (event: BeforeUnloadEvent) => {
+      if (pendingReviews.peek().size > 0) event.preventDefault();
+    };
+    window.addEventListener("beforeunload", guard);
+    return () => window.removeEventListener("beforeunload", guard);
+  }, []);
+}
+
 export function App() {
   useKeys();
+  useUnloadGuard();
   // Before a log-in there is nothing to show, and nothing to ask the server for; later the page stays below the form.
   const isOpen = state.project.value.state === "ready" || (session.value !== null && !needsLogIn.value);
   return (

@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 
 import { listDecisions, thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail, Review } from "../api/types";
-import { MAX_DECISIONS, nameOf, ownDecision } from "../logic/decisions";
+import { MAX_DECISIONS, isOwnKnown, nameOf, ownDecision } from "../logic/decisions";
 import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatSpan, formatTime, plural } from "../logic/format";
 import { askForClip, canAdd } from "../jobs";
 import { me } from "../me";
@@ -173,21 +173,27 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
 
 const formatWhen = (utc_us: number) => new Date(utc_us / 1000).toLocaleString([], { dateStyle: "short", timeStyle: "short" });
 
-/** Who decided what and when, beside one's own decision; nothing where nobody else did. */
-function Decisions({ object }: { object: FoundObject }) {
-  const [all, setAll] = useState<Review[] | null>(null);
-  // An object of the list has those of some persons only.
+/** All decisions about an object that has come with the latest ones only; null: not read yet, or all have come. */
+function useAllDecisions(object: FoundObject): Review[] | null {
+  const reader = me.value;
+  const [read, setRead] = useState<{ id: number; reader: string; decisions: Review[] } | null>(null);
   const isCut = object.decisions.length >= MAX_DECISIONS;
   useEffect(() => {
-    setAll(null);
     if (!isCut) return;
     const abort = new AbortController();
     listDecisions(object.id, abort.signal)
-      .then(setAll)
+      .then((decisions) => {
+        reviews.setStored(object.id, reader, decisions);
+        setRead({ id: object.id, reader, decisions });
+      })
       .catch((error: unknown) => !abort.signal.aborted && notices.notifyError(error));
     return () => abort.abort();
-  }, [object.id, isCut, object.decisions]);
-  const shown = all ?? object.decisions;
+  }, [object.id, isCut, object.decisions, reader]);
+  return isCut && read?.id === object.id && read.reader === reader ? read.decisions : null;
+}
+
+/** Who decided what and when, beside one's own decision; nothing where nobody else did. */
+function Decisions({ object, shown }: { object: FoundObject; shown: readonly Review[] }) {
   if (!shown.some((one) => one.reviewer !== me.value)) return null;
   const team = object.review?.verdict ?? "undecided";
   return (
@@ -211,7 +217,9 @@ function Decisions({ object }: { object: FoundObject }) {
 
 /** The reader's own decision, and those of others. */
 function ReviewPanel({ object }: { object: FoundObject }) {
+  const all = useAllDecisions(object);
   const own = ownDecision(object, me.value);
+  const isKnown = all !== null || isOwnKnown(object, me.value);
   const verdict = own?.verdict ?? null;
   const stored = own?.note ?? "";
   const [note, setNote] = useState(stored);
@@ -221,22 +229,20 @@ function ReviewPanel({ object }: { object: FoundObject }) {
   const save = () => {
     if (note !== stored) reviews.review(object.id, verdict, note);
   };
-  const status = isPending
-    ? "Saving"
-    : own
-      ? `Saved ${formatWhen(own.updated_utc_us)}`
-      : canReview
-        ? object.review
-          ? "Not reviewed by you"
-          : "Not reviewed"
-        : reviews.whyNoReview.value;
+  const statusOf = () => {
+    if (isPending) return "Saving";
+    if (own) return `Saved ${formatWhen(own.updated_utc_us)}`;
+    if (!canReview) return reviews.whyNoReview.value;
+    if (!isKnown) return "Loading what you decided";
+    return object.review ? "Not reviewed by you" : "Not reviewed";
+  };
   return (
     <div class="review">
       <div class="buttons">
         <button
           class="button accept"
           aria-pressed={verdict === "accepted"}
-          disabled={!canReview}
+          disabled={!canReview || !isKnown}
           onClick={() => reviews.review(object.id, verdict === "accepted" ? null : "accepted", note)}
         >
           <Icon name="accept" /> Accept <kbd>A</kbd>
@@ -244,7 +250,7 @@ function ReviewPanel({ object }: { object: FoundObject }) {
         <button
           class="button reject"
           aria-pressed={verdict === "rejected"}
-          disabled={!canReview}
+          disabled={!canReview || !isKnown}
           onClick={() => reviews.review(object.id, verdict === "rejected" ? null : "rejected", note)}
         >
           <Icon name="reject" /> Reject <kbd>X</kbd>
@@ -258,15 +264,15 @@ function ReviewPanel({ object }: { object: FoundObject }) {
         class="field"
         placeholder="Note (N)"
         maxLength={2000}
-        disabled={!canReview}
+        disabled={!canReview || !isKnown}
         value={note}
         onInput={(event) => setNote(event.currentTarget.value)}
         onBlur={save}
       />
       <div class="status" role="status">
-        {status}
+        {statusOf()}
       </div>
-      <Decisions object={object} />
+      <Decisions object={object} shown={all ?? object.decisions} />
     </div>
   );
 }

@@ -2,6 +2,8 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { messageOf } from "../logic/errors";
+import { plural } from "../logic/format";
+import { waiting } from "../reviews";
 import { logIn, needsLogIn } from "../session";
 
 export function LogIn() {
@@ -60,6 +62,11 @@ export function LogIn() {
           value={password}
           onInput={(event) => setPassword(event.currentTarget.value)}
         />
+        {[...waiting.value].map(([reviewer, count]) => (
+          <p key={reviewer}>
+            {plural(count, "review")} of {reviewer || "a reviewer without a name"}: kept, and stored after a log-in with that name.
+          </p>
+        ))}
         <p class="problem" role="alert">
           {problem}
         </p>

@@ -1,0 +1,185 @@
+import { beforeEach, describe, expect, it, vi } from "vitest";
+
+import type { FoundObject, Review } from "./api/types";
+
+const server = vi.hoisted(() => {
+  vi.stubGlobal("localStorage", { getItem: () => null, setItem: () => {} });
+  return { putReview: vi.fn(), listDecisions: vi.fn(), listObjects: vi.fn() };
+});
+
+vi.mock("./api/client", () => ({
+  ...server,
+  ApiFailure: class extends Error {
+    constructor(message: string, readonly status: number) {
+      super(message);
+    }
+  },
+  onUnauthenticated: () => {},
+}));
+vi.mock("./selection", () => ({ neighbour: () => Promise.resolve(null), select: () => {} }));
+vi.mock("./state", async () => {
+  const { signal } = await import("@preact/signals");
+  return {
+    filters: signal({ review: "all" }),
+    isConnected: signal(true),
+    matcher: signal(() => true),
+    project: signal({ state: "ready", value: { can_review: true } }),
+    selected: signal(null),
+    selectedId: signal(null),
+  };
+});
+
+const { ApiFailure } = await import("./api/client");
+const { MAX_DECISIONS, ownDecision } = await import("./logic/decisions");
+const { givenName } = await import("./me");
+const objects = await import("./objects");
+const reviews = await import("./reviews");
+const { session } = await import("./session");
+
+const say = (reviewer: string, verdict: Review["verdict"], note = "", at = 1): Review => ({ reviewer, verdict, note, updated_utc_us: at });
+const logIn = (name: string | null) => (session.value = { has_accounts: true, account: name === null ? null : { name, role: "analyst" } } as typeof session.value);
+const sent = () => server.putReview.mock.calls.map((call) => call as unknown[]);
+const settle = () => vi.advanceTimersByTimeAsync(0);
+const own = (id: number, name: string) => {
+  const object = objects.objectOf(id);
+  return object ? ownDecision(object, name) : null;
+};
+
+let nextId = 1;
+/** An object as the list has it; `stored`: all that was decided about it, latest first. */
+async function show(stored: Review[]) {
+  const id = nextId++;
+  const decisions = stored.slice(0, MAX_DECISIONS);
+  const object = { id, model: "jet", moments: [], review: stored[0] ?? null, decisions, is_disputed: false };
+  server.listObjects.mockResolvedValue({ objects: [object as unknown as FoundObject] });
+  server.listDecisions.mockResolvedValue(stored);
+  await objects.needObjects([id]);
+  return id;
+}
+const crowd = Array.from({ length: MAX_DECISIONS }, (_, i) => say(`other ${i}`, "rejected", "", 100 - i));
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  for (const one of Object.values(server)) one.mockReset();
+  server.putReview.mockImplementation((id: number, verdict: Review["verdict"], note: string, reviewer: string) =>
+    Promise.resolve({ object_id: id, review: say(reviewer, verdict, note), decisions: [say(reviewer, verdict, note)], is_disputed: false }),
+  );
+  session.value = { has_accounts: false, account: null };
+  givenName.value = "ann";
+});
+
+describe("a decision that came without the reader's own", () => {
+  it("keeps the stored note, and undo restores all of it", async () => {
+    const id = await show([...crowd, say("ann", "accepted", "by the barn")]);
+    reviews.review(id, "rejected");
+    await settle();
+    expect(sent()).toEqual([[id, "rejected", "by the barn", "ann"]]);
+    reviews.undo();
+    await settle();
+    expect(sent()[1]).toEqual([id, "accepted", "by the barn", "ann"]);
+  });
+
+  it("is not sent while the own one cannot be read", async () => {
+    const id = await show([...crowd, say("ann", "accepted", "by the barn")]);
+    server.listDecisions.mockRejectedValue(new ApiFailure("away", 0));
+    reviews.review(id, "rejected");
+    await settle();
+    expect(sent()).toEqual([]);
+    expect(objects.pendingReviews.value.size).toBe(0);
+  });
+
+  it("is not asked for where all have come", async () => {
+    const id = await show([say("bob", "accepted"), say("ann", null, "look again")]);
+    reviews.review(id, "accepted");
+    await settle();
+    expect(server.listDecisions).not.toHaveBeenCalled();
+    expect(sent()).toEqual([[id, "accepted", "look again", "ann"]]);
+  });
+
+  it("remains when the object is read again", async () => {
+    const id = await show([...crowd, say("ann", "accepted", "by the barn")]);
+    reviews.setStored(id, "ann", [say("ann", "accepted", "by the barn")]);
+    await objects.reread(id);
+    expect(own(id, "ann")?.note).toBe("by the barn");
+    expect(objects.objectOf(id)?.review?.reviewer).toBe("other 0");
+  });
+});
+
+describe("a review that is not stored yet", () => {
+  it("waits for its own person after the session has ended", async () => {
+    logIn("ann");
+    const id = await show([]);
+    server.putReview.mockImplementationOnce(() => {
+      logIn(null);
+      return Promise.reject(new ApiFailure("log in", 401));
+    });
+    reviews.review(id, "accepted");
+    await settle();
+    expect(sent()).toHaveLength(1);
+    expect([...reviews.waiting.value]).toEqual([["ann", 1]]);
+    logIn("bob");
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(sent()).toHaveLength(1);
+    expect(objects.pendingReviews.value.has(id)).toBe(true);
+    logIn("ann");
+    await vi.advanceTimersByTimeAsync(5000);
+    expect(sent()[1]).toEqual([id, "accepted", "", "ann"]);
+    expect(objects.pendingReviews.value.size).toBe(0);
+    expect(reviews.waiting.value.size).toBe(0);
+  });
+
+  it("is not dropped by that of another person", async () => {
+    logIn("ann");
+    const id = await show([]);
+    server.putReview.mockRejectedValueOnce(new ApiFailure("away", 0));
+    reviews.review(id, "accepted", "ann's");
+    await settle();
+    logIn("bob");
+    reviews.review(id, "rejected", "bob's");
+    await settle();
+    expect(sent()[1]).toEqual([id, "rejected", "bob's", "bob"]);
+    expect(own(id, "ann")?.note).toBe("ann's");
+    expect(objects.pendingReviews.value.has(id)).toBe(true);
+    logIn("ann");
+    await vi.advanceTimersByTimeAsync(5000);
+    expect(sent()[2]).toEqual([id, "accepted", "ann's", "ann"]);
+  });
+
+  it("without accounts is sent in the name that made it", async () => {
+    const id = await show([]);
+    server.putReview.mockRejectedValueOnce(new ApiFailure("away", 0));
+    reviews.review(id, "accepted");
+    await settle();
+    givenName.value = "bob";
+    await vi.advanceTimersByTimeAsync(5000);
+    expect(sent()[1]).toEqual([id, "accepted", "", "ann"]);
+  });
+
+  it("that is refused leaves what others decided", async () => {
+    const id = await show([say("bob", "accepted")]);
+    server.putReview.mockRejectedValueOnce(new ApiFailure("no", 403));
+    reviews.review(id, "rejected");
+    await settle();
+    expect(objects.objectOf(id)?.decisions).toEqual([say("bob", "accepted")]);
+    expect(objects.pendingReviews.value.size).toBe(0);
+  });
+});
+
+describe("undo", () => {
+  it("takes back one's own steps only", async () => {
+    const [first, second] = [await show([]), await show([])];
+    givenName.value = "cid";
+    reviews.review(first, "accepted");
+    await settle();
+    givenName.value = "dan";
+    reviews.undo();
+    await settle();
+    expect(sent()).toHaveLength(1);
+    reviews.review(second, "rejected");
+    await settle();
+    givenName.value = "cid";
+    reviews.undo();
+    await settle();
+    expect(sent()[2]).toEqual([first, null, "", "cid"]);
+  });
+});
