@@ -66,7 +66,7 @@ Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, co
   if (arguments.most > 0) objects.resize(std::min(objects.size(), static_cast<std::size_t>(arguments.most)));
   std::string text;
   if (arguments.json) {
-    for (const ListedObject& object : objects) text += Dump(ObjectJson(object)) + "\n";
+    for (const ListedObject& object : objects) text += DumpJson(ObjectJson(object)) + "\n";
   } else if (objects.empty()) {
     text = "nothing found\n";
   } else {

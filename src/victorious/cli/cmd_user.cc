@@ -14,6 +14,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -136,7 +137,7 @@ AuditRecord EntryOf(const Arguments& arguments, const char* action, const Json& 
           .actor = "victorious user",
           .action = action,
           .subject = "account " + arguments.name,
-          .detail = Dump(detail)};
+          .detail = DumpJson(detail)};
 }
 
 Status Add(const Arguments& arguments) {
@@ -202,8 +203,9 @@ Status List(const Arguments& arguments) {
       if (!arguments.json) text += fmt::format("  token {} ({}) until {}\n", token.id, OneLine(token.label), until);
     }
     if (!arguments.json) continue;
-    text +=
-        Dump({{"name", account.name}, {"role", ToText(account.role)}, {"created", created}, {"tokens", rows}}) + "\n";
+    text += DumpJson(Json(
+                {{"name", account.name}, {"role", ToText(account.role)}, {"created", created}, {"tokens", rows}})) +
+            "\n";
   }
   return WriteOutput("", text);
 }
@@ -240,12 +242,12 @@ Status PrintLog(const Arguments& arguments) {
   std::string text;
   for (const AuditRecord& one : log) {
     const std::string time = FormatUtc(one.time_utc_us);
-    text += arguments.json ? Dump({{"id", one.id},
-                                   {"time", time},
-                                   {"actor", one.actor},
-                                   {"action", one.action},
-                                   {"subject", one.subject},
-                                   {"detail", one.detail}})
+    text += arguments.json ? DumpJson(Json({{"id", one.id},
+                                            {"time", time},
+                                            {"actor", one.actor},
+                                            {"action", one.action},
+                                            {"subject", one.subject},
+                                            {"detail", one.detail}}))
                            : fmt::format("{} {:<16} {:<14} {} {}", time, one.actor.empty() ? "-" : OneLine(one.actor),
                                          one.action, OneLine(one.subject), OneLine(one.detail));
     text += "\n";

@@ -15,6 +15,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "victorious/base/log.h"
 #include "victorious/base/one_line.h"
 #include "victorious/base/program_events.h"
 #include "victorious/cli/arguments.h"
@@ -41,7 +42,7 @@ class EventSink final : public spdlog::sinks::base_sink<spdlog::details::null_mu
 
 void ReportError(const Error& error) {
   if (HasEventOutput()) return ReportEvent(ErrorEvent{error});
-  spdlog::error("{}", OneLine(error.message));
+  LogError(OneLine(error.message));
 }
 
 Status SendLogToEvents(int descriptor) {

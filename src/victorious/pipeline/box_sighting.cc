@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/index_store.h"
 
@@ -34,7 +35,7 @@ std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const 
     line["ce90_m"] = place ? MetresJson(place->ce90_m) : Json();
     line["le90_m"] = place ? MetresJson(place->le90_m) : Json();
     line["speed_m_s"] = place && place->velocity_enu ? MetresJson(place->velocity_enu->norm()) : Json();
-    text += Dump(line) + "\n";
+    text += DumpJson(line) + "\n";
   }
   return text;
 }

@@ -193,7 +193,7 @@ ApiExpected<HttpResponse> AccessControl::RefuseLogIn(const HttpRequest& request,
     VICTORIOUS_ASSIGN_OR_RETURN(known, reader_->Find(name));
   }
   VICTORIOUS_RETURN_IF_ERROR(Log({}, "log_in_refused", known ? "account " + known->name : "an unknown account",
-                                 Dump({{"client", request.client}})));
+                                 DumpJson(Json({{"client", request.client}}))));
   return Unauthenticated("name or password is wrong");
 }
 
@@ -233,7 +233,8 @@ ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int p
                                                          .now_us = NowUtcMicroseconds(),
                                                          .lifetime_us = kLifetimeS * 1'000'000,
                                                          .proved_hash = checked->hash}));
-      return MakeRecord(account.name, "log_in", "account " + account.name, Dump({{"client", request.client}}));
+      return MakeRecord(account.name, "log_in", "account " + account.name,
+                        DumpJson(Json({{"client", request.client}})));
     });
   }();
   if (!session) {

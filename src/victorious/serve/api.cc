@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/base/median.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/camera_states.h"
@@ -261,7 +262,7 @@ ApiExpected<HttpResponse> Api::VideoCamera(const Call& call) {
   const std::string key = fmt::format("{} {} {}", video.content_id, ground_m.value_or(NAN), video.id);
   VICTORIOUS_ASSIGN_OR_RETURN(const auto body, camera_paths_.Get(key, [&]() -> Expected<std::string> {
     VICTORIOUS_ASSIGN_OR_RETURN(const CameraPath path, ReadCameraPath(video, ground_m));
-    return Dump(CameraPathToJson(path)) + "\n";
+    return DumpJson(CameraPathToJson(path)) + "\n";
   }));
   return HttpResponse{
       .content_type = "application/json", .headers = {{"Cache-Control", "no-store"}}, .body = *body, .file = {}};

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/store/export_json.h"
 
 namespace victorious {
@@ -36,7 +37,7 @@ HttpResponse ErrorResponse(int status, std::string_view code, std::string_view m
   return {.status = status,
           .content_type = "application/json",
           .headers = {{"Cache-Control", "no-store"}},
-          .body = Dump(body) + "\n",
+          .body = DumpJson(body) + "\n",
           .file = {}};
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/base/options.h"
 #include "victorious/image/image_file.h"
 #include "victorious/model/model_library.h"
@@ -129,7 +130,7 @@ Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const Vi
   VICTORIOUS_ASSIGN_OR_RETURN(const MatchEvidence evidence,
                               ExplainSighting(sighting, options_json, model, grey, *cameras));
   const ModelView& view = model.views[static_cast<std::size_t>(sighting.view_index)];
-  return Dump(EvidenceToJson(evidence, sighting, view, CropRegion(sighting.box, grey.cols, grey.rows))) + "\n";
+  return DumpJson(EvidenceToJson(evidence, sighting, view, CropRegion(sighting.box, grey.cols, grey.rows))) + "\n";
 }
 
 ApiExpected<HttpResponse> Api::Evidence(const Call& call) {

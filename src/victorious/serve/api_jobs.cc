@@ -70,7 +70,7 @@ ApiExpected<HttpResponse> Api::Upload(const Call& call) {
   if (error) return std::unexpected(ApiError(ErrorFromErrno(error.value(), request.upload->string())));
   const Json upload = {
       {"id", UploadFolder::IdOf(*request.upload)}, {"name", request.upload->filename().string()}, {"bytes", bytes}};
-  VICTORIOUS_RETURN_IF_ERROR(access_->Log(call.caller, "upload", upload["name"].get<std::string>(), Dump(upload)));
+  VICTORIOUS_RETURN_IF_ERROR(access_->Log(call.caller, "upload", upload["name"].get<std::string>(), DumpJson(upload)));
   return JsonResponse(upload);
 }
 
@@ -217,7 +217,7 @@ ApiExpected<Json> Api::ClipInput(const Body& body) {
   for (const TrackletRecord& moment : found.front().moments) {
     content["moments"].push_back({moment.id, moment.first_time_s, moment.last_time_s, moment.frames, moment.score});
   }
-  const std::string text = Dump(content);
+  const std::string text = DumpJson(content);
   VICTORIOUS_RETURN_IF_ERROR(copies_.Create());
   input["clip"] = copies_.PathOf(fmt::format("clip-{:016x}.mp4", Checksum(std::as_bytes(std::span(text))))).string();
   return input;
@@ -272,10 +272,10 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body));
   const NewJob asked{.kind = *kind,
-                     .input_json = Dump(input),
+                     .input_json = DumpJson(input),
                      .now_us = NowUtcMicroseconds(),
                      .actor = call.caller.name(),
-                     .logged = *kind == JobKind::kLive ? Dump({{"title", input["title"]}}) : ""};
+                     .logged = *kind == JobKind::kLive ? DumpJson(Json({{"title", input["title"]}})) : ""};
   // Several viewers ask for the same file.
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, MakesFile(*kind) ? live_->SubmitOnce(asked) : live_->Submit(asked));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
 #include "victorious/serve/byte_range.h"
 
 namespace victorious {
@@ -14,7 +15,7 @@ namespace victorious {
 HttpResponse JsonResponse(const Json& json) {
   return {.content_type = "application/json",
           .headers = {{"Cache-Control", "no-store"}},
-          .body = Dump(json) + "\n",
+          .body = DumpJson(json) + "\n",
           .file = {}};
 }
 

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/base/utc.h"
 #include "victorious/serve/api_json.h"
@@ -137,15 +138,15 @@ Status LiveService::PublishNewIndex() {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto newest,
                               reader->objects->Objects({}, {.order = ObjectOrder::kNewest, .limit = 1}));
   published_version_ = lists->version;
-  hub_->Publish("index", Dump({{"version", published_version_},
-                               {"newest_object", newest.empty() ? 0 : newest.front().object.id}}));
+  hub_->Publish("index", DumpJson(Json({{"version", published_version_},
+                                        {"newest_object", newest.empty() ? 0 : newest.front().object.id}})));
   return {};
 }
 
 void LiveService::PublishJobs() {
   const auto jobs = Jobs();
   if (!jobs) return LogWarning("the queue of jobs: {}", jobs.error().message);
-  hub_->Publish("jobs", Dump(JobsToJson(*jobs, NowUtcMicroseconds())));
+  hub_->Publish("jobs", DumpJson(JobsToJson(*jobs, NowUtcMicroseconds())));
 }
 
 }  // namespace victorious

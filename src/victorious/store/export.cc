@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/base/json.h"
 #include "victorious/store/catalogue.h"
 #include "victorious/store/export_coco.h"
 #include "victorious/store/export_gpkg.h"
@@ -54,7 +55,7 @@ Json SightingJson(const SightingRecord& sighting, const VideoRecord& video, cons
 
 Status ExportObjects(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
-  for (const ListedObject& object : objects) out << Dump(ObjectJson(object)) << '\n';
+  for (const ListedObject& object : objects) out << DumpJson(ObjectJson(object)) << '\n';
   return {};
 }
 
@@ -64,7 +65,7 @@ Status ExportSightings(IndexStore& store, const Catalogue& catalogue, const Sigh
   return store.VisitSightings(filter, [&](SightingRecord&& sighting) {
     const VideoRecord* video = catalogue.Video(sighting.video);
     const ModelRecord* model = catalogue.Model(sighting.model);
-    if (video != nullptr && model != nullptr) out << Dump(SightingJson(sighting, *video, *model)) << '\n';
+    if (video != nullptr && model != nullptr) out << DumpJson(SightingJson(sighting, *video, *model)) << '\n';
     return out.good();
   });
 }

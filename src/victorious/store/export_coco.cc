@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/store/export_json.h"
 
 namespace victorious {
@@ -61,7 +62,7 @@ Json AnnotationJson(const SightingRecord& sighting, const VideoRecord& video, st
 }  // namespace
 
 Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
-  out << R"({"categories":)" << Dump(CategoriesJson(catalogue.models())) << R"(,"annotations":[)";
+  out << R"({"categories":)" << DumpJson(CategoriesJson(catalogue.models())) << R"(,"annotations":[)";
   std::vector<Image> images;
   std::size_t annotations = 0;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
@@ -72,12 +73,12 @@ Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingF
     }
     out << (annotations > 0 ? ",\n" : "\n");
     ++annotations;
-    out << Dump(AnnotationJson(sighting, *video, annotations, images.size()));
+    out << DumpJson(AnnotationJson(sighting, *video, annotations, images.size()));
     return out.good();
   }));
   out << R"(],"images":[)";
   for (std::size_t i = 0; i < images.size(); ++i) {
-    out << (i > 0 ? ",\n" : "\n") << Dump(ImageJson(images[i], i + 1, *catalogue.Video(images[i].video)));
+    out << (i > 0 ? ",\n" : "\n") << DumpJson(ImageJson(images[i], i + 1, *catalogue.Video(images[i].video)));
   }
   out << "]}\n";
   return {};

@@ -136,7 +136,7 @@ void SetFields(const Json& json, OGRFeature& feature) {
     } else if (value->is_number()) {
       feature.SetField(field, value->get<double>());
     } else {
-      feature.SetField(field, Dump(*value).c_str());
+      feature.SetField(field, DumpJson(*value).c_str());
     }
   }
 }

@@ -4,7 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -46,7 +45,5 @@ Json MatrixJson(const Eigen::Matrix3d& matrix) {
 }
 
 Json OrNull(const std::optional<double>& value, Json (*convert)(double)) { return value ? convert(*value) : Json(); }
-
-std::string Dump(const Json& json) { return DumpJson(json); }
 
 }  // namespace victorious

@@ -37,7 +37,4 @@ double RoundPixels(double value_px);
 /// Converts the value, or returns null for std::nullopt.
 Json OrNull(const std::optional<double>& value, Json (*convert)(double));
 
-/// JSON text on one line; bytes that are not UTF-8 become U+FFFD.
-std::string Dump(const Json& json);
-
 }  // namespace victorious

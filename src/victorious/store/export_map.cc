@@ -120,7 +120,7 @@ Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const Sighti
   const char* between = "\n";
   for (const ListedObject& object : objects) {
     if (!object.object.place) continue;
-    out << std::exchange(between, ",\n") << Dump(FeatureJson(object));
+    out << std::exchange(between, ",\n") << DumpJson(FeatureJson(object));
   }
   out << "]}\n";
   return {};

@@ -87,7 +87,7 @@ class Connection {
   [[nodiscard]] bool IsLost() const;
   /// Reads what the server has said unasked, as that it ends; IsLost() then knows.
   void ReadNotices();
-  /// Returns the name of the statement in this session, which is prepared at first.
+  /// Returns the name of the statement on this connection, which is prepared at first.
   [[nodiscard]] Expected<std::string> Prepare(std::string_view sql, const BoundValues& parameters);
   /// Waits for the results of what was sent; the last one, or the first error.
   [[nodiscard]] Expected<Result> Finish();
@@ -101,7 +101,7 @@ class Connection {
   pg_conn* handle_;
   bool is_in_transaction_ = false;
   int cursors_ = 0;                                           ///< open visits
-  std::map<std::string, std::string, std::less<>> prepared_;  ///< names by statement, of this session
+  std::map<std::string, std::string, std::less<>> prepared_;  ///< names by statement
 };
 
 /// What a transaction excludes until it ends.

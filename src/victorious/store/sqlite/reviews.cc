@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/base/json.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/sql/records.h"
 #include "victorious/store/sqlite/sqlite_store.h"
@@ -118,7 +119,7 @@ Status LogReview(Connection& connection, std::int64_t object, const Review& revi
   VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
                               connection.Prepare("INSERT INTO audit (time_utc_us, actor, action, subject, detail) "
                                                  "VALUES (?, ?, 'review', ?, ?)"));
-  insert.Bind(review.updated_utc_us, review.reviewer, fmt::format("object {}", object), Dump(detail));
+  insert.Bind(review.updated_utc_us, review.reviewer, fmt::format("object {}", object), DumpJson(detail));
   return insert.Run();
 }
 
