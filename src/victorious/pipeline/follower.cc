@@ -1,6 +1,7 @@
 #include "victorious/pipeline/follower.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include <oneapi/tbb/parallel_for_each.h>
@@ -54,14 +55,22 @@ std::vector<TrackStep>::iterator FindMatchingStep(const Box& box, std::vector<Tr
 }  // namespace
 
 Expected<Follower> Follower::Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
-                                    double impulse_fraction, const FollowOptions& options) {
+                                    double impulse_fraction, const FollowOptions& options, FrameOrder order) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker tracker, RegionTracker::Create(options.track));
-  return Follower(recognizer, extractor, impulse_fraction, options, std::move(tracker));
+  return Follower(recognizer, extractor, impulse_fraction, options, order, std::move(tracker));
+}
+
+void Follower::Stop(std::int64_t track) {
+  const auto is_it = [&](const auto& entry) { return entry.second.number == track; };
+  const auto found = std::ranges::find_if(tracks_, is_it);
+  if (found == tracks_.end()) return;
+  tracker_.Stop(found->first);
+  tracks_.erase(found);
 }
 
 std::vector<TrackStep> Follower::Step(const Frame& frame) {
-  if (frame.index % options_.restart_interval_frames == 0) {
+  if (order_ == FrameOrder::kForward && frame.index % options_.restart_interval_frames == 0) {
     for (const auto& [id, followed] : tracks_) tracker_.Stop(id);
     tracks_.clear();
     constexpr std::int64_t kMaxTracks = 1'000'000;  // upper bound of tracks between two restarts
@@ -91,12 +100,13 @@ void Follower::Confirm(std::uint64_t track, const Detection& detection, const Fe
 bool Follower::IsSearchDue(const TrackStep& step, const Frame& frame) const {
   const TrackRecord& followed = tracks_.at(step.track);
   return !step.seen() || followed.recognised < options_.min_recognised_frames ||
-         frame.index - followed.searched_frame >= options_.search_interval_frames;
+         std::abs(frame.index - followed.searched_frame) >= options_.search_interval_frames;
 }
 
 // Assigns a detection of a full-frame search to an open step of the same model, or starts a track.
-std::optional<std::int64_t> Follower::AssignToTrack(const Detection& detection, const FeatureSet& features,
-                                                    std::int64_t frame, std::vector<TrackStep>& open) {
+ObservedObject Follower::AssignToTrack(const Detection& detection, const FeatureSet& features, std::int64_t frame,
+                                       std::vector<TrackStep>& open) {
+  ObservedObject seen{.detection = detection, .features = features, .track = {}};
   std::vector<TrackStep> alike;
   std::ranges::copy_if(open, std::back_inserter(alike), [&](const TrackStep& step) {
     return tracks_.at(step.track).last.model_index == detection.model_index;
@@ -107,16 +117,19 @@ std::optional<std::int64_t> Follower::AssignToTrack(const Detection& detection, 
     max_full_frame_score = std::max(max_full_frame_score, detection.score);
     const std::uint64_t track = step->track;
     std::erase_if(open, [&](const TrackStep& other) { return other.track == track; });
-    return tracks_.at(track).number;
+    seen.track = tracks_.at(track).number;
+    return seen;
   }
   const TrackStep step = tracker_.Start(detection.outline, MatchedPoints(detection, features));
-  if (step.state != TrackState::kActive) return std::nullopt;
+  if (step.state != TrackState::kActive) return seen;
   tracks_[step.track] = {.last = detection,
                          .max_full_frame_score = detection.score,
                          .number = ++last_number_,
                          .recognised = 1,
                          .searched_frame = frame};
-  return last_number_;
+  seen.track = last_number_;
+  seen.starts_track = true;
+  return seen;
 }
 
 // Extracts features of the region only, in frame coordinates; then matches the last view and its neighbours.
@@ -139,6 +152,11 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
     region.found = std::move(detection);
     return;
   }
+}
+
+bool AreOneObject(const ObservedObject& a, const ObservedObject& b) {
+  return a.detection.model_index == b.detection.model_index &&
+         IntersectionOverUnion(a.detection.box, b.detection.box) >= kMinTrackOverlap;
 }
 
 ObservedObject Follower::MakeTrackedObject(const TrackStep& step, const Frame& frame) const {
@@ -174,8 +192,7 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
   std::vector<ObservedObject> seen;
   if (whole) {
     for (const Detection& detection : whole->detections) {
-      const auto number = AssignToTrack(detection, whole->features, frame.index, open);
-      seen.push_back({.detection = detection, .features = whole->features, .track = number});
+      seen.push_back(AssignToTrack(detection, whole->features, frame.index, open));
     }
   }
   std::vector<Region> regions;
@@ -195,17 +212,12 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
     } else {
       continue;
     }
+    next.track = tracks_.at(track).number;
     // Two tracks of one object: keep the first.
-    const bool is_duplicate = std::ranges::any_of(seen, [&](const ObservedObject& other) {
-      return other.detection.model_index == next.detection.model_index &&
-             IntersectionOverUnion(other.detection.box, next.detection.box) >= kMinTrackOverlap;
-    });
-    if (is_duplicate) {
-      tracker_.Stop(track);
-      tracks_.erase(track);
+    if (std::ranges::any_of(seen, [&](const ObservedObject& other) { return AreOneObject(other, next); })) {
+      Stop(*next.track);
       continue;
     }
-    next.track = tracks_.at(track).number;
     if (!next.tracked()) Confirm(track, next.detection, next.features, frame.index);
     seen.push_back(std::move(next));
   }

@@ -32,6 +32,9 @@ struct FollowOptions {
   /// Frames in which a track must have been recognised before a tracked sighting counts: false recognitions seldom
   /// repeat. Not a user parameter.
   int min_recognised_frames = 2;
+  /// Number of frames before the first detection of a track in which it is followed backward (backward_follower.h); 0:
+  /// none. As many frames are held in memory. Not a user parameter.
+  int backward_frames = 30;
   int search_interval_frames = 1;  ///< frames between searches of a visible track's region
   TrackOptions track;
 
@@ -44,6 +47,7 @@ struct ObservedObject {
   FeatureSet features;  ///< features that the detection's matches index; if tracked: points without descriptors
   std::optional<std::int64_t> track;  ///< track id, unique within the video; std::nullopt if no track could be started
   int followed_frames = 0;            ///< frames since the last recognition; 0: recognised in this frame
+  bool starts_track = false;          ///< a detection of the full-frame search that no track explained
 
   [[nodiscard]] bool tracked() const { return followed_frames > 0; }
 };
@@ -54,12 +58,22 @@ struct FullFrameResult {
   const std::vector<Detection>& detections;  ///< best first
 };
 
+/// True if two observations in one frame show one object: the same model, in boxes that overlap.
+[[nodiscard]] bool AreOneObject(const ObservedObject& a, const ObservedObject& b);
+
+/// The order of the frames that a Follower takes.
+enum class FrameOrder {
+  kForward,
+  kBackward,  ///< against time; tracks do not restart
+};
+
 /// Takes frames in order. Deterministic. Not thread-safe; searches the regions of a frame on all cores.
 class Follower {
  public:
   /// The references outlive it. Errors: options out of range.
   [[nodiscard]] static Expected<Follower> Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
-                                                 double impulse_fraction, const FollowOptions& options);
+                                                 double impulse_fraction, const FollowOptions& options,
+                                                 FrameOrder order = FrameOrder::kForward);
 
   /// Processes the next frame.
   /// @param whole  result of the full-frame search; std::nullopt if only regions are searched
@@ -68,6 +82,12 @@ class Follower {
   [[nodiscard]] Expected<std::vector<ObservedObject>> Follow(const Frame& frame,
                                                              const std::optional<FullFrameResult>& whole,
                                                              const FrameConditions& conditions);
+
+  /// True if a track is active.
+  [[nodiscard]] bool HasTracks() const { return !tracks_.empty(); }
+
+  /// Ends the active track of an id (ObservedObject::track); without effect if there is none.
+  void Stop(std::int64_t track);
 
  private:
   // State of an active track, apart from its position.
@@ -86,17 +106,18 @@ class Follower {
   };
 
   Follower(const Recognizer& recognizer, const FeatureExtractor& extractor, double impulse_fraction,
-           const FollowOptions& options, RegionTracker tracker)
+           const FollowOptions& options, FrameOrder order, RegionTracker tracker)
       : recognizer_(recognizer),
         extractor_(extractor),
         impulse_fraction_(impulse_fraction),
         options_(options),
+        order_(order),
         tracker_(std::move(tracker)) {}
 
   std::vector<TrackStep> Step(const Frame& frame);
-  /// Assigns a detection of a full-frame search to an open track, or starts one. Returns the track id.
-  std::optional<std::int64_t> AssignToTrack(const Detection& detection, const FeatureSet& features, std::int64_t frame,
-                                            std::vector<TrackStep>& open);
+  /// Assigns a detection of a full-frame search to an open track, or starts one.
+  ObservedObject AssignToTrack(const Detection& detection, const FeatureSet& features, std::int64_t frame,
+                               std::vector<TrackStep>& open);
   void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, std::int64_t frame);
   void Search(const Frame& frame, const FrameConditions& conditions, Region& region) const;
   [[nodiscard]] ObservedObject MakeTrackedObject(const TrackStep& step, const Frame& frame) const;
@@ -106,6 +127,7 @@ class Follower {
   const FeatureExtractor& extractor_;
   double impulse_fraction_;
   FollowOptions options_;
+  FrameOrder order_;
   RegionTracker tracker_;
   std::map<std::uint64_t, TrackRecord> tracks_;
   std::int64_t last_number_ = 0;

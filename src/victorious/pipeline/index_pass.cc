@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +16,7 @@
 #include "victorious/calibrate/sun_direction.h"
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
+#include "victorious/pipeline/backward_follower.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/track/camera_motion.h"
 #include "victorious/video/frame_loop.h"
@@ -23,7 +26,7 @@ namespace {
 
 // A frame on its way through the stages.
 struct FrameTask {
-  Frame frame;
+  FollowedFrame now;
   bool whole = true;                           // full-frame search
   bool keep = false;                           // keep its features
   bool already_stored = false;                 // results are stored already: only updates the trackers
@@ -81,7 +84,8 @@ class FrameSelector {
     if (index < first_frame_ || (!whole && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
     task.camera = pass_.cameras.At(frame.time_s);
-    task.frame = std::move(frame);
+    task.now.conditions = MakeFrameConditions(task.camera, frame.image.size(), pass_.sun);
+    task.now.frame = std::move(frame);
     task.already_stored = index < next_frame_;
     task.motion_only = index < follow_from_;
     task.whole = whole && !task.motion_only;
@@ -137,11 +141,11 @@ SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const Featu
 
 SightingRecord ToSighting(const IndexPass& pass, const FrameTask& work, const FoundCategory& found) {
   const CameraState known = work.camera.value_or(CameraState{});
-  const auto object_pose = EstimateBoxDirection(found.box, work.frame.image.size(), known, kCategoryCentreFraction);
+  const auto object_pose = EstimateBoxDirection(found.box, work.now.frame.image.size(), known, kCategoryCentreFraction);
   return {.video = pass.video.id,
           .model = *pass.category_ids[found.category],
-          .frame = work.frame.index,
-          .time_s = work.frame.time_s,
+          .frame = work.now.frame.index,
+          .time_s = work.now.frame.time_s,
           .box = found.box,
           .score = found.probability,
           .observation = object_pose ? MakeBearingObservation(*object_pose, known) : std::nullopt};
@@ -156,41 +160,16 @@ Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Fr
 Status Search(const IndexPass& pass, FrameTask& work) {
   if (!work.whole) return {};
   if (pass.categories != nullptr && !work.already_stored) {
-    VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->Find(work.frame.image));
+    VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->Find(work.now.frame.image));
     std::erase_if(work.categories, [&](const FoundCategory& one) { return !pass.category_ids[one.category]; });
   }
   if (work.keep) {
-    VICTORIOUS_ASSIGN_OR_RETURN(work.kept, ExtractFeatures(pass.kept_extractor, work.frame));
+    VICTORIOUS_ASSIGN_OR_RETURN(work.kept, ExtractFeatures(pass.kept_extractor, work.now.frame));
   }
   if (pass.recognizer.models().empty()) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.frame));
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      work.detections,
-      pass.recognizer.Recognize(work.features, MakeFrameConditions(work.camera, work.frame.image.size(), pass.sun),
-                                work.frame.image));
-  return {};
-}
-
-// Makes sightings of detections, through the follower if there is one. Serial, in the order of frames.
-Status Follow(const IndexPass& pass, std::optional<Follower>& follower, ImageMotionEstimator& motion, FrameTask& work) {
-  const StageScope scope(Stage::kTracking);
-  work.now_from_before = motion.Step(work.frame.image);
-  if (work.motion_only) return {};
-  if (!follower) {
-    for (const Detection& detection : work.detections) {
-      work.sightings.push_back(ToSighting(pass, work.frame, work.features, work.camera, {.detection = detection}));
-    }
-  } else {
-    std::optional<FullFrameResult> whole;
-    if (work.whole) whole.emplace(work.features, work.detections);
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        const std::vector<ObservedObject> all,
-        follower->Follow(work.frame, whole, MakeFrameConditions(work.camera, work.frame.image.size(), pass.sun)));
-    for (const ObservedObject& one : all)
-      work.sightings.push_back(ToSighting(pass, work.frame, one.features, work.camera, one));
-  }
-  for (const FoundCategory& found : work.categories) work.sightings.push_back(ToSighting(pass, work, found));
-  work.frame.image.release();
+  VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
+  VICTORIOUS_ASSIGN_OR_RETURN(work.detections,
+                              pass.recognizer.Recognize(work.features, work.now.conditions, work.now.frame.image));
   return {};
 }
 
@@ -236,7 +215,7 @@ class ResultWriter {
 
   Status Add(FrameTask& work) {
     const StageScope scope(Stage::kStore);
-    linker_.Step(work.frame.index, work.now_from_before);
+    linker_.Step(work.now.frame.index, work.now_from_before);
     if (work.already_stored) return {};
     report_.frames_searched += work.whole ? 1 : 0;
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
@@ -244,11 +223,11 @@ class ResultWriter {
     if (work.keep) {
       InformOfSize(work.kept);
       batch_.kept_frames.push_back({.video = pass_.video.id,
-                                    .frame = work.frame.index,
-                                    .time_s = work.frame.time_s,
+                                    .frame = work.now.frame.index,
+                                    .time_s = work.now.frame.time_s,
                                     .features = std::move(work.kept)});
     }
-    next_frame_ = work.frame.index + 1;
+    next_frame_ = work.now.frame.index + 1;
     constexpr auto kInterval = std::chrono::seconds(2);
     constexpr std::size_t kKeptFrames = 32;
     // Somebody may be watching a live source.
@@ -316,6 +295,90 @@ class ResultWriter {
   bool can_commit_ = true;
 };
 
+// Tracks the objects of frames, forward and backward, and passes the frames on to the writer. Serial, in the order of
+// frames. Frames are held until later ones can no longer add to them: with a live source, whose finds somebody may be
+// watching for, not at all.
+class TrackingStage {
+ public:
+  [[nodiscard]] static Expected<TrackingStage> Create(const IndexPass& pass, bool is_live, ResultWriter& writer) {
+    TrackingStage stage(pass, is_live, writer);
+    if (IsTrackingEnabled(pass)) {
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          Follower follower, Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_fraction,
+                                              pass.options.follow));
+      stage.follower_.emplace(std::move(follower));
+    }
+    return stage;
+  }
+
+  Status Add(FrameTask& task) {
+    FollowedFrame& now = task.now;
+    if (now.frame.index % pass_.options.follow.restart_interval_frames == 0) VICTORIOUS_RETURN_IF_ERROR(Finish());
+    {
+      const StageScope scope(Stage::kTracking);
+      task.now_from_before = motion_.Step(now.frame.image);
+      if (!task.motion_only) VICTORIOUS_RETURN_IF_ERROR(Track(task));
+      task.features = {};
+    }
+    const std::size_t image_bytes = now.frame.image.total() * now.frame.image.elemSize();
+    const std::size_t max_held = follower_ && !is_live_ ? HeldFrameCount(pass_.options.follow, image_bytes) : 0;
+    held_.push_back(std::move(task));
+    while (held_.size() > max_held) VICTORIOUS_RETURN_IF_ERROR(PassOn());
+    return {};
+  }
+
+  // Passes on what is held, at the end of the video.
+  Status Finish() {
+    while (!held_.empty()) VICTORIOUS_RETURN_IF_ERROR(PassOn());
+    return {};
+  }
+
+ private:
+  TrackingStage(const IndexPass& pass, bool is_live, ResultWriter& writer)
+      : pass_(pass), is_live_(is_live), writer_(writer) {}
+
+  // Sets the objects of a frame, and adds to those of the held frames.
+  Status Track(FrameTask& task) {
+    FollowedFrame& now = task.now;
+    if (!follower_) {
+      for (const Detection& detection : task.detections) {
+        now.objects.push_back({.detection = detection, .features = task.features, .track = {}});
+      }
+      return {};
+    }
+    std::optional<FullFrameResult> whole;
+    if (task.whole) whole.emplace(task.features, task.detections);
+    VICTORIOUS_ASSIGN_OR_RETURN(now.objects, follower_->Follow(now.frame, whole, now.conditions));
+    std::vector<FollowedFrame*> before;
+    for (FrameTask& held : held_ | std::views::reverse) before.push_back(&held.now);
+    return FollowBackward(pass_.recognizer, pass_.extractor, pass_.options.features.impulse_fraction,
+                          pass_.options.follow, now, task.features, before);
+  }
+
+  // Makes the sightings of the oldest held frame.
+  Status PassOn() {
+    FrameTask oldest = std::move(held_.front());
+    held_.pop_front();
+    {
+      const StageScope scope(Stage::kTracking);
+      for (const ObservedObject& one : oldest.now.objects) {
+        oldest.sightings.push_back(ToSighting(pass_, oldest.now.frame, one.features, oldest.camera, one));
+      }
+      for (const FoundCategory& found : oldest.categories) {
+        oldest.sightings.push_back(ToSighting(pass_, oldest, found));
+      }
+    }
+    return writer_.Add(oldest);
+  }
+
+  const IndexPass& pass_;
+  bool is_live_;
+  ResultWriter& writer_;
+  ImageMotionEstimator motion_;
+  std::optional<Follower> follower_;
+  std::deque<FrameTask> held_;  // oldest first
+};
+
 }  // namespace
 
 Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
@@ -323,14 +386,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
   ResultWriter sink(pass, reader.info(), store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
   FrameSelector selector(pass, sink.FirstRequiredFrame());
-  ImageMotionEstimator motion;
-  std::optional<Follower> follower;
-  if (IsTrackingEnabled(pass)) {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Follower made,
-        Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_fraction, pass.options.follow));
-    follower.emplace(std::move(made));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(TrackingStage tracking, TrackingStage::Create(pass, reader.info().live, sink));
   FrameLoop loop(reader, cancel,
                  {.label = pass.video.name, .threads = pass.threads, .packets = pass.cameras.packet_receiver()});
   const Expected<FrameLoopEnd> end = loop.Run<FrameTask>(
@@ -340,8 +396,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
         return std::nullopt;
       },
       {Parallel<FrameTask>([&](FrameTask& task) { return Search(pass, task); }),
-       InOrder<FrameTask>([&](FrameTask& task) { return Follow(pass, follower, motion, task); }),
-       InOrder<FrameTask>([&](FrameTask& task) { return sink.Add(task); })});
+       InOrder<FrameTask>([&](FrameTask& task) { return tracking.Add(task); })});
   if (warn) {
     std::ranges::for_each(reader.warnings(), warn);
     for (const std::string& warning : pass.cameras.LiveWarnings()) warn("telemetry: " + warning);
@@ -352,6 +407,8 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
     return std::unexpected(end.error());
   }
   const bool cancelled = *end == FrameLoopEnd::kCancelled;
+  // What is held of a cancelled video is searched again: frames that would have come might add to it.
+  if (!cancelled) VICTORIOUS_RETURN_IF_ERROR(tracking.Finish());
   report.stopped_live = cancelled && reader.info().live;  // cannot be resumed
   VICTORIOUS_RETURN_IF_ERROR(sink.Commit(!cancelled || report.stopped_live));
   if (cancelled && !report.stopped_live) {

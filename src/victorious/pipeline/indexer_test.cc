@@ -53,10 +53,12 @@ IndexReport Index(const std::string& video, std::vector<ObjectModel> models, Ind
   return report.value_or(IndexReport{});
 }
 
-// A commit every 32 kept frames and every two seconds: with all frames kept, these runs have several.
+// A commit every 32 kept frames and every two seconds: with all frames kept, and passed on soon, these runs have
+// several.
 RunSetup ManyCommits() {
   RunSetup run;
   run.options.keep.interval_s = 0;
+  run.options.follow.restart_interval_frames = 8;
   return run;
 }
 
@@ -232,8 +234,7 @@ TEST(Indexer, SearchesEveryNthFrame) {
 TEST(Indexer, ResumedRunEqualsUninterruptedRun) {
   constexpr int kFrames = 80;  // two commits, each after 32 kept frames and those in flight, and the end
   const DrawnFlight flight(ShortFlight(kFrames));
-  RunSetup run = ManyCommits();
-  run.options.follow.restart_interval_frames = 8;  // a run that goes on tracks at most seven frames again
+  const RunSetup run = ManyCommits();  // a run that goes on tracks at most seven frames again
   const auto whole = flight.Store("whole.db");
   Index(flight.video(), flight.Models(), *whole, run);
 
@@ -262,6 +263,31 @@ TEST(Indexer, ResumedRunEqualsUninterruptedRun) {
   }
   EXPECT_GE(runs, 3);
   EXPECT_EQ(Contents(*store), Contents(*whole));
+}
+
+// A full-frame search that comes late finds an object in the frames before, too.
+TEST(Indexer, ObjectsAreFollowedBackward) {
+  constexpr std::int64_t kSearched = 20;
+  const DrawnFlight flight(ShortFlight(40));
+  RunSetup run;
+  run.options.every = kSearched;
+  // The sightings of the frames between the first two full-frame searches.
+  const auto sightings_between = [&](int backward_frames, const char* name) {
+    run.options.follow.backward_frames = backward_frames;
+    const auto store = flight.Store(name);
+    Index(flight.video(), flight.Models(), *store, run);
+    std::multiset<std::int64_t> frames;
+    for (const SightingRecord& one : SightingsOf(*store, {.include_rejected = true})) {
+      if (one.frame < kSearched) frames.insert(one.frame);
+    }
+    return frames;
+  };
+  const std::multiset<std::int64_t> forward = sightings_between(0, "forward.db");
+  const std::multiset<std::int64_t> both = sightings_between(30, "both.db");
+  const std::multiset<std::int64_t> one = sightings_between(1, "one.db");
+  EXPECT_GT(both.size(), forward.size() + 3);
+  EXPECT_EQ(one.size(), forward.size() + 1);
+  EXPECT_EQ(one.count(kSearched - 1), forward.count(kSearched - 1) + 1) << "the frame before the search";
 }
 
 // Between full-frame searches the result depends on earlier frames: those since the last restart of tracking are
@@ -436,17 +462,18 @@ TEST(Indexer, TrackedSightingsHaveALineOfSight) {
   run.options.follow.search_interval_frames = 10;
   const auto store = flight.Store("index.db");
   Index(flight.video(), flight.Models(), *store, run);
+  const std::vector<SightingRecord> sightings = SightingsOf(*store, {.include_rejected = true});
   std::map<std::int64_t, double> recognised_rad;  // by tracklet
-  int followed = 0;
-  for (const SightingRecord& sighting : SightingsOf(*store, {.include_rejected = true})) {
+  for (const SightingRecord& sighting : sightings) {
     ASSERT_TRUE(sighting.observation) << sighting.frame;
-    const double sigma_rad = sighting.observation->line.sigma_rad.value();
-    if (sighting.source == SightingSource::kRecognised) {
-      recognised_rad[sighting.tracklet] = sigma_rad;
-    } else {
-      ++followed;
-      EXPECT_NEAR(sigma_rad / recognised_rad.at(sighting.tracklet), 1, 0.3);
-    }
+    if (sighting.source != SightingSource::kRecognised) continue;
+    recognised_rad[sighting.tracklet] = sighting.observation->line.sigma_rad.value();
+  }
+  int followed = 0;
+  for (const SightingRecord& sighting : sightings) {
+    if (sighting.source == SightingSource::kRecognised) continue;
+    ++followed;
+    EXPECT_NEAR(sighting.observation->line.sigma_rad.value() / recognised_rad.at(sighting.tracklet), 1, 0.3);
   }
   EXPECT_GT(followed, 5);
 }
