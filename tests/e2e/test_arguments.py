@@ -65,7 +65,7 @@ class ArgumentsTest(program.ProgramTest):
         db, out = self.scratch / "new.db", self.scratch / "out"
         index = ("index", VIDEO, "--models", MODELS, "--db", db)
         for words, arguments in (
-            ("--every = 0: must be", (*index, "--every", "0")),
+            ("--every = -1: must be", (*index, "--every", "-1")),
             ("--every = -3: must be", (*index, "--every", "-3")),
             ("--every two: give a whole number from 1", (*index, "--every", "two")),
             ("--every 2.5: give a whole number from 1", (*index, "--every", "2.5")),

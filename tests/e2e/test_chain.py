@@ -255,7 +255,7 @@ class IndexTest(program.ProgramTest):
         first = self.succeeds("index", video, "--models", models, "--db", db)
         self.assertEqual(first.out, "")
         self.assertEqual(len(first.messages()), 1, first.err)
-        self.assertIn(f"{program.FRAMES} frames searched", first.err)
+        self.assertIn(f"{program.SEARCHED_FRAMES} frames searched", first.err)
         trucks = self.export(db, "sightings")
 
         again = self.succeeds("index", video, "--models", models, "--db", db)
@@ -287,7 +287,7 @@ class IndexTest(program.ProgramTest):
         self.assertIn("recognised", sources)
 
         before = self.export(db, "sightings")
-        for flag, words in ((["--params", params], "every was 7, is 1"), (["--every", "7"], "match.ratio was 0.75")):
+        for flag, words in ((["--params", params], "every was 7, is 3"), (["--every", "7"], "match.ratio was 0.75")):
             self.refuses(2, [words, "--redo", "flight.mkv"], *flags, *flag)
             self.assertEqual(self.export(db, "sightings"), before)
         self.succeeds(*flags, "--redo")

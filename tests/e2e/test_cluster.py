@@ -130,7 +130,7 @@ class ClusterTest(program.ProgramTest):
         self.refuses(2, "nothing to search for", "submit", self.videos[0], "--db", self.url)
         self.refuses(2, "no models", "submit", self.videos[0], "--models", self.scratch, "--db", self.url)
         self.refuses(2, "none.mkv", "submit", "none.mkv", "--models", models, "--db", self.url)
-        self.refuses(2, "--every", "submit", self.videos[0], "--models", models, "--db", self.url, "--every", 0)
+        self.refuses(2, "--every", "submit", self.videos[0], "--models", models, "--db", self.url, "--every", -1)
         self.refuses(2, "quality", "submit", self.videos[0], "--models", models, "--db", self.url, "--quality", "best")
         self.refuses(2, "no index in this database", "work", "--db", self.url)
         done = program.run("submit", "none.mkv", self.videos[0], "--models", models, "--db", self.url)

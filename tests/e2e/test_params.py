@@ -31,7 +31,7 @@ class ParamsTest(program.ProgramTest):
         self.refuses_params('{"every": 2.5}', ["every = 2.5", "a whole number"])
         self.refuses_params('{"features": {"engine": "nobody"}}', ["features.engine", "one of sift"])
         self.refuses_params(
-            '{"every": 0, "match": {"ratio": 7}, "tracklets": {"gap": 1}}', ["every = 0", "match.ratio = 7", "tracklets.gap"]
+            '{"every": -1, "match": {"ratio": 7}, "tracklets": {"gap": 1}}', ["every = -1", "match.ratio = 7", "tracklets.gap"]
         )
 
     def test_files(self):

@@ -64,7 +64,7 @@ class RunsTest(program.ProgramTest):
         last = [event for event in events if event["event"] == "progress"][-1]
         self.assertEqual((last["done"], last["total"], last["unit"]), (program.FRAMES, program.FRAMES, "frames"))
         self.assertGreater(last["elapsed_s"], 0)
-        self.assertIn(f"{program.FRAMES} frames searched", events[-1]["message"])
+        self.assertIn(f"{program.SEARCHED_FRAMES} frames searched", events[-1]["message"])
         self.assertEqual({event["event"] for event in events}, {"progress", "info"})
         # As if another process stored progress of the second model when this one stores that of the first.
         self.query("CREATE TRIGGER other AFTER INSERT ON searches WHEN (SELECT count(*) FROM searches) = 1 BEGIN "
@@ -112,7 +112,7 @@ class RunsTest(program.ProgramTest):
 
     def test_interval_of_time(self):
         done = self.index(VIDEO, "--from", "1", "--to", "0:02")
-        self.assertIn("11 frames searched", done.err)
+        self.assertIn("4 frames searched", done.err)
         frames = {row["frame"] for row in self.rows()}
         self.assertTrue(frames and min(frames) >= 10 and max(frames) <= 20, frames)
         self.assertIn("0 frames searched", self.index(VIDEO, "--from", "1", "--to", "2").err)
@@ -123,10 +123,10 @@ class RunsTest(program.ProgramTest):
 
     def test_quality(self):
         fast = self.index(VIDEO, "--quality", "fast")
-        self.assertIn("8 frames searched", fast.err)
-        self.assertTrue(any(row["frame"] % 5 for row in self.rows()), "objects are tracked in between")
+        self.assertIn("7 frames searched", fast.err)
+        self.assertTrue(any(row["frame"] % 6 for row in self.rows()), "objects are tracked in between")
         command = ("index", VIDEO, "--models", MODELS, "--db", self.db)
-        self.refuses(2, ["every was 5, is 1", "search.nearest was 4, is 8"], *command, "--quality", "thorough")
+        self.refuses(2, ["every was 6, is 1", "search.nearest was 4, is 8"], *command, "--quality", "thorough")
         self.refuses(2, ["--quality best", "fast, normal, thorough"], *command, "--quality", "best")
         # A flag overrides the quality; normal is the default.
         self.assertIn("4 frames searched", self.index(VIDEO, "--quality", "fast", "--every", "10", "--redo").err)

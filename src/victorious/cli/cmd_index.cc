@@ -254,12 +254,12 @@ Action SetUpIndex(ArgumentParser& parser) {
   AddParams(parser, arguments->params, "index");
   parser
       .Add("--quality", arguments->quality,
-           "fast: whole frames at every fifth, found objects tracked in between, CAD models by proposals; normal "
-           "(default); thorough: more candidates of each match (docs/tutorial.md)")
+           "fast: a whole frame each 0.6 s, found objects tracked in between, CAD models by proposals; normal "
+           "(default): each 0.3 s; thorough: all frames, more candidates of each match (docs/tutorial.md)")
       .TypeName("NAME");
   parser
       .Add("--every", arguments->every,
-           "Search every N-th frame completely; in between, only regions around tracked objects")
+           "Search every N-th frame completely; in between, only regions around tracked objects; default: by --quality")
       .TypeName("N");
   parser.Add("--from", arguments->from_s, "Search only from this video time on: seconds, or as 1:30 or 1:02:03.5")
       .TypeName("TIME")

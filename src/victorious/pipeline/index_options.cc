@@ -1,5 +1,8 @@
 #include "victorious/pipeline/index_options.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace victorious {
 
 void KeepOptions::ListFields(FieldList& fields) {
@@ -43,11 +46,20 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("tracklets", tracklets);
   fields.AddGroup("keep", keep);
   fields.Add("every", every,
-             {.min = 1,
+             {.min = 0,
               .max = 1e6,
               .unit = "frames",
               .reason = "interval between full-frame searches; in between, objects are tracked and searched for in "
-                        "their regions only"});
+                        "their regions only; 0 chooses it by the frame rate: 0.3 s for models, every frame for "
+                        "categories"});
+}
+
+SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info) {
+  if (options.every > 0) return {options.every, options.every};
+  if (!options.follow.enabled || info.of_images || !(info.frame_rate > 0)) return {};
+  constexpr double kMaxFrames = 1e6;
+  const double frames = std::clamp(options.search_interval_s * info.frame_rate, 1.0, kMaxFrames);
+  return {.models = static_cast<int>(std::lround(frames)), .categories = 1};
 }
 
 }  // namespace victorious

@@ -13,6 +13,7 @@
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/terrain/terrain.h"
+#include "victorious/video/video_reader.h"
 
 namespace victorious {
 
@@ -48,7 +49,9 @@ struct IndexOptions {
   ObjectOptions objects;
   GroundOptions ground;
   KeepOptions keep;
-  int every = 1;  ///< frames between full-frame searches
+  int every = 0;  ///< frames between full-frame searches; 0: MakeSearchIntervals() chooses
+  /// Between full-frame searches for models where `every` is 0. Not a user parameter.
+  double search_interval_s = 0.3;
 
   void ListFields(FieldList& fields);
 
@@ -56,5 +59,19 @@ struct IndexOptions {
   /// (update_objects.h), so they may change without a new search.
   void ListSearchFields(FieldList& fields);
 };
+
+/// The numbers of frames between two full-frame searches.
+struct SearchIntervals {
+  int models = 1;
+  int categories = 1;
+
+  bool operator==(const SearchIntervals&) const = default;
+};
+
+/// The intervals of a video: `every` for both, if it is set. Else the models, which are tracked between two searches, are
+/// searched for each `search_interval_s`, by the frame rate, and the categories, which are not, in each frame. Images of a
+/// folder, which need not follow each other closely, and frames of an unknown rate are all searched, as are those of a
+/// search without tracking.
+[[nodiscard]] SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info);
 
 }  // namespace victorious

@@ -27,7 +27,8 @@ namespace {
 // A frame on its way through the stages.
 struct FrameTask {
   FollowedFrame now;
-  bool whole = true;                           // full-frame search
+  bool whole = true;                           // full-frame search for models
+  bool classify = false;                       // search for categories
   bool keep = false;                           // keep its features
   bool already_stored = false;                 // results are stored already: only updates the trackers
   bool motion_only = false;                    // before the restart of tracking: only camera motion is needed
@@ -77,11 +78,13 @@ class FrameSelector {
   }
 
   std::optional<FrameTask> Select(Frame frame) {
-    const std::int64_t index = frame.index;
-    const bool whole = IsWhole(index);
-    const bool keep = whole && kept_frames_.IsSelected(frame.time_s);
     if (pass_.from_s && frame.time_s < *pass_.from_s - 1e-6) return std::nullopt;
-    if (index < first_frame_ || (!whole && !IsTrackingEnabled(pass_))) return std::nullopt;
+    const std::int64_t index = frame.index;
+    const bool is_first_wanted = pass_.from_s && !std::exchange(has_started_, true);
+    const bool whole = is_first_wanted || IsDue(index, pass_.intervals.models);
+    const bool classify = pass_.categories != nullptr && IsDue(index, pass_.intervals.categories);
+    const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);
+    if (index < first_frame_ || (!whole && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
     task.camera = pass_.cameras.At(frame.time_s);
     task.now.conditions = MakeFrameConditions(task.camera, frame.image.size(), pass_.sun);
@@ -89,15 +92,16 @@ class FrameSelector {
     task.already_stored = index < next_frame_;
     task.motion_only = index < follow_from_;
     task.whole = whole && !task.motion_only;
+    task.classify = classify && !task.motion_only && !task.already_stored;
     task.keep = keep;
     return task;
   }
 
  private:
   // Tracks restart with a full-frame search.
-  [[nodiscard]] bool IsWhole(std::int64_t index) const {
+  [[nodiscard]] bool IsDue(std::int64_t index, int interval) const {
     const FollowOptions& follow = pass_.options.follow;
-    return index % pass_.options.every == 0 || (follow.enabled && index % follow.restart_interval_frames == 0);
+    return index % interval == 0 || (follow.enabled && index % follow.restart_interval_frames == 0);
   }
 
   KeptFrameSelector kept_frames_;
@@ -105,6 +109,7 @@ class FrameSelector {
   std::int64_t next_frame_;
   std::int64_t follow_from_;
   std::int64_t first_frame_;
+  bool has_started_ = false;  // a frame from pass_.from_s on has come
 };
 
 SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const FeatureSet& features,
@@ -158,15 +163,14 @@ Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Fr
 
 // Features, recognition and categories of full frames. Parallel.
 Status Search(const IndexPass& pass, FrameTask& work) {
-  if (!work.whole) return {};
-  if (pass.categories != nullptr && !work.already_stored) {
+  if (work.classify) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->Find(work.now.frame.image));
     std::erase_if(work.categories, [&](const FoundCategory& one) { return !pass.category_ids[one.category]; });
   }
   if (work.keep) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.kept, ExtractFeatures(pass.kept_extractor, work.now.frame));
   }
-  if (pass.recognizer.models().empty()) return {};
+  if (!work.whole || pass.recognizer.models().empty()) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
   VICTORIOUS_ASSIGN_OR_RETURN(work.detections,
                               pass.recognizer.Recognize(work.features, work.now.conditions, work.now.frame.image));
@@ -177,7 +181,7 @@ Status Search(const IndexPass& pass, FrameTask& work) {
 TrackletOptions MakeTrackletOptions(const IndexPass& pass, double frame_rate) {
   constexpr double kFrames = 2.5;
   TrackletOptions tracklets = pass.options.tracklets;
-  const double frames = std::max(kFrames * pass.options.every,
+  const double frames = std::max(kFrames * pass.intervals.models,
                                  IsTrackingEnabled(pass) ? pass.options.follow.track.missed_frames + 1.5 : 0.0);
   if (frame_rate > 0) tracklets.gap_s = std::max(tracklets.gap_s, frames / frame_rate);
   return tracklets;
@@ -217,7 +221,7 @@ class ResultWriter {
     const StageScope scope(Stage::kStore);
     linker_.Step(work.now.frame.index, work.now_from_before);
     if (work.already_stored) return {};
-    report_.frames_searched += work.whole ? 1 : 0;
+    report_.frames_searched += work.whole || work.classify ? 1 : 0;
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
     linker_.Link(std::move(work.sightings), batch_);
     if (work.keep) {

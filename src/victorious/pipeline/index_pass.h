@@ -33,6 +33,7 @@ struct IndexPass {
   const FeatureExtractor& extractor;
   const FeatureExtractor& kept_extractor;  ///< of the features that are kept
   const IndexOptions& options;
+  SearchIntervals intervals;
   CameraStates& cameras;
   std::optional<Sun> sun;             ///< sun direction, if known (sun_direction.h)
   int threads = 0;                    ///< 0: one per hardware thread

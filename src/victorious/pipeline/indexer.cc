@@ -64,8 +64,13 @@ Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& 
 
 // The parameters as the store keeps them, as JSON.
 struct StoredParameters {
-  std::string all;
+  std::string models;      // of a search for a model
+  std::string categories;  // of a search for a category
   std::string features;
+
+  [[nodiscard]] const std::string& Of(const ModelRecord& target) const {
+    return target.IsCategory() ? categories : models;
+  }
 };
 
 // Fails if a model was searched for with other parameters, before anything is changed.
@@ -88,13 +93,15 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
     });
     if (!is_searched) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record.id));
-    if (before && before->options_json != now.all) return refuse(before->options_json, now.all);
+    if (before && before->options_json != now.Of(record)) return refuse(before->options_json, now.Of(record));
   }
   return {};
 }
 
-// @param job  its interval of time belongs to what was searched
-std::string SearchOptionsText(IndexOptions options, const IndexJob& job) {
+// @param every  the interval that was chosen
+// @param job    its interval of time belongs to what was searched
+std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job) {
+  options.every = every;
   FieldList fields;
   options.ListSearchFields(fields);
   std::string text = ToJsonText(fields.fields());
@@ -187,6 +194,7 @@ struct Indexer::OpenedVideo {
   std::unique_ptr<VideoReader> reader;  // null after a pass that read it
   CameraStates cameras;
   VideoRecord record;
+  SearchIntervals intervals;
 };
 
 // The searches of one pass over the video.
@@ -217,8 +225,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(targets_, models_before));
   VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans,
-                              PlanPasses(job, video.record, models_before, store, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans, PlanPasses(job, video, models_before, store, warn));
   if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectClockOf(job, cancel, store, warn, video));
   IndexReport report;
   for (const PlannedPass& plan : plans) {
@@ -252,6 +259,7 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   OpenedVideo video;
   VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
   const VideoInfo& info = video.reader->info();
+  video.intervals = MakeSearchIntervals(options_, info);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*video.reader, job.video, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, job.telemetry, options_.telemetry,
                                                                 "nothing will get a place", warn));
@@ -278,35 +286,37 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   return video;
 }
 
-Expected<std::vector<Indexer::PlannedPass>> Indexer::PlanPasses(const IndexJob& job, const VideoRecord& video,
+Expected<std::vector<Indexer::PlannedPass>> Indexer::PlanPasses(const IndexJob& job, const OpenedVideo& video,
                                                                 const std::vector<ModelRecord>& models_before,
                                                                 IndexStore& store, const WarningSink& warn) const {
-  const StoredParameters parameters{SearchOptionsText(options_, job),
+  const SearchIntervals& intervals = video.intervals;
+  const StoredParameters parameters{SearchOptionsText(options_, intervals.models, job),
+                                    SearchOptionsText(options_, intervals.categories, job),
                                     OptionsToJsonText(MakeKeptFeatureOptions(options_.features))};
   if (job.redo) {
     // The frames to be kept, and their features, may now be others.
-    VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.id));
+    VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.record.id));
   } else {
-    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(video, targets_, parameters, store));
+    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(video.record, targets_, parameters, store));
   }
   std::map<std::int64_t, PlannedPass> passes;  // by first frame
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const ModelRecord& target = targets_[t];
     WarnIfChanged(target, models_before, warn);
     VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored, store.PutModel(target));
-    if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(video.id, stored.id));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, stored.id));
+    if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(video.record.id, stored.id));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.record.id, stored.id));
     if (before && before->finished) continue;
     const std::int64_t next_frame = before ? before->next_frame : 0;
     passes[next_frame].targets.push_back(t);
-    passes[next_frame].searches.push_back({.video = video.id,
+    passes[next_frame].searches.push_back({.video = video.record.id,
                                            .model = stored.id,
                                            .next_frame = next_frame,
                                            .finished = false,
-                                           .options_json = parameters.all,
+                                           .options_json = parameters.Of(target),
                                            .program_version = kVersion});
   }
-  VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(video.id, parameters.features));
+  VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(video.record.id, parameters.features));
   const auto plans = std::views::values(passes);
   return std::vector<PlannedPass>(plans.begin(), plans.end());
 }
@@ -357,6 +367,7 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
                        .extractor = *extractor_,
                        .kept_extractor = *kept_extractor_,
                        .options = options_,
+                       .intervals = video.intervals,
                        .cameras = video.cameras,
                        .sun = report.sun,
                        .threads = job.threads,

@@ -59,7 +59,7 @@ class Indexer {
   [[nodiscard]] Status CorrectClockOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                       const WarningSink& warn, OpenedVideo& video) const;
   // Groups the searches that are not finished by their first frame.
-  [[nodiscard]] Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const VideoRecord& video,
+  [[nodiscard]] Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const OpenedVideo& video,
                                                               const std::vector<ModelRecord>& models_before,
                                                               IndexStore& store, const WarningSink& warn) const;
   [[nodiscard]] Expected<Recognizer> MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const;

@@ -32,8 +32,14 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
+IndexOptions SearchingEveryFrame() {
+  IndexOptions options;
+  options.every = 1;
+  return options;
+}
+
 struct RunSetup {
-  IndexOptions options = {};
+  IndexOptions options = SearchingEveryFrame();
   bool redo = false;
   int threads = 2;
   std::optional<std::string> telemetry = {};
@@ -554,13 +560,13 @@ TEST(Indexer, SearchesWithTheEngineOfTheModels) {
 TEST(Indexer, RefusesInvalidModelsAndOptions) {
   const DrawnFlight flight(ShortFlight(2));
   IndexOptions options;
-  options.every = 0;
+  options.every = -1;
   options.tracklets.gap_s = -1;
   const Expected<Indexer> out_of_range = Indexer::Create(flight.Models(), options);
   ASSERT_FALSE(out_of_range);
   EXPECT_EQ(out_of_range.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(out_of_range.error().message,
-              AllOf(HasSubstr("every = 0"), HasSubstr("tracklets.gap_s = -1"), Not(HasSubstr("\n"))));
+              AllOf(HasSubstr("every = -1"), HasSubstr("tracklets.gap_s = -1"), Not(HasSubstr("\n"))));
   ObjectModel other = flight.Model(0);
   other.engine = "someone-elses";
   const Expected<Indexer> other_engine = Indexer::Create({other}, {});

@@ -140,17 +140,19 @@ Expected<Quality> ParseQuality(std::string_view name) {
 }
 
 void ApplyQuality(Quality quality, bool cad_only, IndexOptions& options) {
-  constexpr int kFastInterval_frames = 5;
+  constexpr double kFastInterval_s = 0.6;
+  constexpr int kFastRegionInterval_frames = 5;
   constexpr int kThoroughNearest = 8;
   switch (quality) {
     case Quality::kFast:
-      options.every = kFastInterval_frames;
-      options.follow.search_interval_frames = kFastInterval_frames;
+      options.search_interval_s = kFastInterval_s;
+      options.follow.search_interval_frames = kFastRegionInterval_frames;
       if (cad_only) options.recognize.method = SearchMethod::kShortlist;
       return;
     case Quality::kNormal:
       return;
     case Quality::kThorough:
+      options.every = 1;
       options.recognize.search.nearest = kThoroughNearest;
       if (cad_only) options.recognize.method = SearchMethod::kVotes;
       return;

@@ -67,11 +67,11 @@ inline constexpr auto kQualityTexts = std::to_array<EnumText<Quality>>(
 
 /// Sets the parameters that trade time for completeness.
 ///
-/// | quality  | every | region searches | CAD models by | matches per template keypoint |
-/// | -------- | ----- | --------------- | ------------- | ----------------------------- |
-/// | fast     | 5     | every 5 frames  | shortlist     | 4                             |
-/// | normal   | 1     | every frame     | auto          | 4                             |
-/// | thorough | 1     | every frame     | votes         | 8                             |
+/// | quality  | full-frame searches | region searches | CAD models by | matches per template keypoint |
+/// | -------- | ------------------- | --------------- | ------------- | ----------------------------- |
+/// | fast     | each 0.6 s          | every 5 frames  | shortlist     | 4                             |
+/// | normal   | each 0.3 s          | every frame     | auto          | 4                             |
+/// | thorough | every frame         | every frame     | votes         | 8                             |
 ///
 /// @param cad_only  all models are CAD models: the method stays auto if there are models of photos, which the grammar
 ///                  searches

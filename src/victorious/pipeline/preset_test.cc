@@ -105,7 +105,7 @@ TEST(Quality, TradesTimeForCompleteness) {
   EXPECT_EQ(OptionsToJsonText(normal), OptionsToJsonText(defaults));
   IndexOptions fast;
   ApplyQuality(Quality::kFast, true, fast);
-  EXPECT_GT(fast.every, defaults.every);
+  EXPECT_GT(fast.search_interval_s, defaults.search_interval_s);
   EXPECT_GT(fast.follow.search_interval_frames, defaults.follow.search_interval_frames);
   EXPECT_EQ(fast.recognize.method, SearchMethod::kShortlist);
   IndexOptions fast_for_photos;
@@ -115,6 +115,7 @@ TEST(Quality, TradesTimeForCompleteness) {
   ApplyQuality(Quality::kThorough, true, thorough);
   EXPECT_GT(thorough.recognize.search.nearest, defaults.recognize.search.nearest);
   EXPECT_EQ(thorough.recognize.method, SearchMethod::kVotes);
+  EXPECT_EQ(thorough.every, 1);
   IndexOptions thorough_for_photos;
   ApplyQuality(Quality::kThorough, false, thorough_for_photos);
   EXPECT_EQ(thorough_for_photos.recognize.method, SearchMethod::kAuto);

@@ -96,6 +96,7 @@ Status ImageSequenceReader::Start(const fs::path& source) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: none of its {} images can be read, the first: {}",
                                                   source.string(), files_.size(), reason));
   }
+  info_.of_images = true;
   info_.container = sequence_ == Sequence::kFolder ? "folder of images" : "image";
   info_.frame_rate = options_.folder_frame_rate;
   info_.frame_count = static_cast<std::int64_t>(files_.size() - first_file_);

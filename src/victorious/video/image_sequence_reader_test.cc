@@ -63,6 +63,7 @@ TEST(ImageSequenceReader, FolderInNaturalOrder) {
   const auto reader = MustOpen(folder.path(), {.folder_frame_rate = 4});
   ASSERT_TRUE(reader);
   EXPECT_EQ(reader->info().container, "folder of images");
+  EXPECT_TRUE(reader->info().of_images);
   EXPECT_EQ(reader->info().codec, "png");
   EXPECT_EQ(reader->info().frame_count, 4);
   EXPECT_EQ(reader->info().width, 80);

@@ -61,6 +61,7 @@ struct VideoInfo {
   std::optional<double> duration_s;         ///< as given by the container
   std::optional<std::int64_t> frame_count;  ///< as given by the container, or an estimate; for progress display only
   bool live = false;                        ///< true for a URL of unknown length, which cannot be read twice
+  bool of_images = false;                   ///< a folder of images or one image: they may be far apart in time
   std::vector<StreamInfo> streams;
 };
 
