@@ -9,6 +9,59 @@
 
 namespace victorious {
 
+namespace {
+
+constexpr std::size_t kMinStateBytes = 4 * sizeof(double) + sizeof(VerticalDatum);
+
+void PackState(const CameraState& state, ByteWriter& writer) {
+  for (const double value :
+       {state.time_s, state.place.latitude_rad, state.place.longitude_rad, state.place.altitude_m}) {
+    writer.Put(value);
+  }
+  writer.Put(state.datum);
+  if (writer.PutHas(state.attitude)) {
+    for (const double value : {state.attitude->yaw_rad, state.attitude->pitch_rad, state.attitude->roll_rad})
+      writer.Put(value);
+  }
+  for (const auto& value : {state.hfov_rad, state.sigma_position_m, state.sigma_attitude_rad})
+    writer.PutOptional(value);
+  writer.PutOptional(state.utc_us);
+  if (writer.PutHas(state.clock_error)) {
+    for (const double value : state.clock_error->moved_enu_m) writer.Put(value);
+    for (const double value : state.clock_error->turned_enu_rad) writer.Put(value);
+  }
+  if (writer.PutHas(state.distortion)) {
+    for (const double value : *state.distortion) writer.Put(value);
+  }
+}
+
+CameraState UnpackState(ByteReader& reader) {
+  CameraState state;
+  for (double* value :
+       {&state.time_s, &state.place.latitude_rad, &state.place.longitude_rad, &state.place.altitude_m}) {
+    *value = reader.Get<double>();
+  }
+  state.datum = reader.GetEnum(VerticalDatum::kUnknown);
+  if (reader.Get<bool>()) {
+    Attitude& attitude = state.attitude.emplace();
+    for (double* value : {&attitude.yaw_rad, &attitude.pitch_rad, &attitude.roll_rad}) *value = reader.Get<double>();
+  }
+  for (auto* value : {&state.hfov_rad, &state.sigma_position_m, &state.sigma_attitude_rad})
+    *value = reader.GetOptional<double>();
+  state.utc_us = reader.GetOptional<std::int64_t>();
+  if (reader.Get<bool>()) {
+    ClockError& error = state.clock_error.emplace();
+    for (double& value : error.moved_enu_m) value = reader.Get<double>();
+    for (double& value : error.turned_enu_rad) value = reader.Get<double>();
+  }
+  if (reader.Get<bool>()) {
+    for (double& value : state.distortion.emplace()) value = reader.Get<double>();
+  }
+  return state;
+}
+
+}  // namespace
+
 std::optional<double> GivenFieldOfView(const TelemetryOptions& options) {
   return options.hfov_deg.transform(RadiansFromDegrees);
 }
@@ -79,6 +132,35 @@ std::optional<CameraState> CameraStates::At(double time_s) const {
   if (!camera) camera.emplace(CameraState{.time_s = time_s});
   if (!camera->hfov_rad) camera->hfov_rad = fallback_hfov_rad_;
   return camera;
+}
+
+void CameraStates::Pack(ByteWriter& writer) const {
+  if (writer.PutHas(trajectory_)) {
+    writer.Put(std::uint64_t{trajectory_->states().size()});
+    for (const CameraState& state : trajectory_->states()) PackState(state, writer);
+  }
+  writer.Put(is_of_photos_);
+  for (const double value : {max_gap_s_, unknown_clock_sigma_s_, clock_sigma_s_}) writer.Put(value);
+  writer.PutOptional(fallback_hfov_rad_);
+  writer.PutOptional(first_hfov_rad_);
+  writer.PutOptional(start_utc_us_);
+}
+
+CameraStates CameraStates::Unpack(ByteReader& reader) {
+  CameraStates cameras;
+  std::optional<std::vector<CameraState>> states;
+  if (reader.Get<bool>()) {
+    states.emplace(reader.GetCount(kMinStateBytes));
+    for (CameraState& state : *states) state = UnpackState(reader);
+  }
+  cameras.is_of_photos_ = reader.Get<bool>();
+  for (double* value : {&cameras.max_gap_s_, &cameras.unknown_clock_sigma_s_, &cameras.clock_sigma_s_})
+    *value = reader.Get<double>();
+  cameras.fallback_hfov_rad_ = reader.GetOptional<double>();
+  cameras.first_hfov_rad_ = reader.GetOptional<double>();
+  cameras.start_utc_us_ = reader.GetOptional<std::int64_t>();
+  if (states && !reader.HasFailed()) cameras.trajectory_.emplace(*std::move(states), cameras.max_gap_s_);
+  return cameras;
 }
 
 std::vector<std::string> CameraStates::LiveWarnings() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/base/packed_bytes.h"
 #include "victorious/base/warning_sink.h"
 #include "victorious/pipeline/live_cameras.h"
 #include "victorious/telemetry/camera_track.h"
@@ -70,6 +71,11 @@ class CameraStates {
 
   /// To be given to the FrameLoop of a live source; null if no telemetry arrives with its frames.
   [[nodiscard]] PacketReceiver* packet_receiver() { return live_ ? &*live_ : nullptr; }
+  /// Writes all but what belongs to a live source.
+  void Pack(ByteWriter& writer) const;
+  /// What Pack wrote. `reader` remembers faults.
+  static CameraStates Unpack(ByteReader& reader);
+
   /// Warnings about the telemetry of a live source, one line each.
   [[nodiscard]] std::vector<std::string> LiveWarnings() const;
 

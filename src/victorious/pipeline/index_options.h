@@ -68,10 +68,10 @@ struct SearchIntervals {
   bool operator==(const SearchIntervals&) const = default;
 };
 
-/// The intervals of a video: `every` for both, if it is set. Else the models, which are tracked between two searches, are
-/// searched for each `search_interval_s`, by the frame rate, and the categories, which are not, in each frame. Images of a
-/// folder, which need not follow each other closely, and frames of an unknown rate are all searched, as are those of a
-/// search without tracking.
+/// The intervals of a video: `every` for both, if it is set. Else the models, which are tracked between two searches,
+/// are searched for each `search_interval_s`, by the frame rate, and the categories, which are not, in each frame.
+/// Images of a folder, which need not follow each other closely, and frames of an unknown rate are all searched, as are
+/// those of a search without tracking.
 [[nodiscard]] SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info);
 
 }  // namespace victorious

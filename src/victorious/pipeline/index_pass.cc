@@ -63,8 +63,10 @@ bool IsTrackingEnabled(const IndexPass& pass) {
   return pass.options.follow.enabled && !pass.recognizer.models().empty();
 }
 
-// True if the frame lies beyond the interval of time to search.
-bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) { return pass.to_s && frame.time_s > *pass.to_s + 1e-6; }
+// True if the frame lies beyond the interval of time to search, or the segment.
+bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
+  return (pass.to_s && frame.time_s > *pass.to_s + 1e-6) || (pass.segment && frame.index >= pass.segment->frames.to);
+}
 
 // Selects the frames to search or track. Called in frame order.
 class FrameSelector {
@@ -202,7 +204,7 @@ class ResultWriter {
 
   // Restores the tracklets that may still grow.
   Status Resume() {
-    if (next_frame_ == 0) return {};
+    if (next_frame_ == 0 || pass_.segment) return {};
     VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> tracklets, store_.Tracklets());
     std::erase_if(tracklets, [&](const TrackletRecord& tracklet) {
       return tracklet.video != pass_.video.id ||
@@ -217,7 +219,9 @@ class ResultWriter {
     return {};
   }
 
-  Status Add(FrameTask& work) {
+  Status Add(FrameTask& work) { return pass_.segment ? AddToSegment(work) : Link(work); }
+
+  Status Link(FrameTask& work) {
     const StageScope scope(Stage::kStore);
     linker_.Step(work.now.frame.index, work.now_from_before);
     if (work.already_stored) return {};
@@ -241,6 +245,7 @@ class ResultWriter {
   }
 
   Status Commit(bool finished) {
+    if (pass_.segment) return {};
     const StageScope scope(Stage::kStore);
     for (const SearchRecord& search : pass_.searches) {
       SearchRecord record = search;
@@ -263,9 +268,32 @@ class ResultWriter {
   /// False after a failed commit.
   [[nodiscard]] bool can_commit() const { return can_commit_; }
   [[nodiscard]] std::int64_t next_frame() const { return next_frame_; }
-  [[nodiscard]] std::optional<std::int64_t> FirstRequiredFrame() const { return linker_.FirstRequiredFrame(); }
+  [[nodiscard]] std::optional<std::int64_t> FirstRequiredFrame() const {
+    return pass_.segment ? pass_.segment->first_read : linker_.FirstRequiredFrame();
+  }
 
  private:
+  // Another process links the segments.
+  Status AddToSegment(FrameTask& work) {
+    if (work.already_stored) return {};
+    report_.frames_searched += work.whole ? 1 : 0;
+    report_.sightings += static_cast<std::int64_t>(work.sightings.size());
+    std::optional<KeptFrame> kept;
+    if (work.keep) {
+      kept = {.video = pass_.video.id,
+              .frame = work.frame.index,
+              .time_s = work.frame.time_s,
+              .features = std::move(work.kept)};
+    }
+    next_frame_ = work.frame.index + 1;
+    pass_.segment->add({.frame = work.frame.index,
+                        .is_whole = work.whole,
+                        .now_from_before = work.now_from_before,
+                        .sightings = std::move(work.sightings)},
+                       std::move(kept));
+    return {};
+  }
+
   // Tells the expected size of the features, once, if it matters.
   void InformOfSize(const FeatureSet& kept) {
     constexpr double kBytesPerFeature = 80;  // docs/formats/index.md
@@ -419,8 +447,42 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
     return Fail(ErrorCode::kCancelled,
                 fmt::format("{}: stopped at frame {}; run again to resume", pass.video.name, sink.next_frame()));
   }
-  if (*end == FrameLoopEnd::kStopped) return {};  // the video goes on
+  if (*end == FrameLoopEnd::kStopped || pass.segment) return {};  // the video goes on
   return store.SetVideoLength(pass.video.id, loop.frames_read(), loop.last_time_s());
+}
+
+Expected<std::int64_t> FirstLinkedFrame(const IndexPass& pass, const VideoInfo& info, IndexStore& store) {
+  IndexReport unused;
+  ResultWriter sink(pass, info, store, unused);
+  VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
+  return std::min(sink.next_frame(), sink.FirstRequiredFrame().value_or(sink.next_frame()));
+}
+
+Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
+                  const std::function<Status(const std::function<Status(std::vector<FrameResult>)>& add)>& visit,
+                  const CancelToken& cancel, IndexStore& store, IndexReport& report) {
+  ResultWriter sink(pass, info, store, report);
+  VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
+  const std::int64_t next_frame = sink.next_frame();
+  const Status joined = visit([&](std::vector<FrameResult> results) -> Status {
+    for (FrameResult& result : results) {
+      if (cancel.IsCancelled()) {
+        return Fail(ErrorCode::kCancelled,
+                    fmt::format("{}: stopped at frame {}; run again to resume", pass.video.name, sink.next_frame()));
+      }
+      FrameTask task;
+      task.frame.index = result.frame;
+      task.whole = result.is_whole;
+      task.already_stored = result.frame < next_frame;
+      task.now_from_before = result.now_from_before;
+      task.sightings = std::move(result.sightings);
+      VICTORIOUS_RETURN_IF_ERROR(sink.Add(task));
+    }
+    return {};
+  });
+  if (joined) return sink.Commit(true);
+  if (sink.can_commit()) VICTORIOUS_RETURN_IF_ERROR(sink.Commit(false));
+  return joined;
 }
 
 }  // namespace victorious

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -12,14 +13,24 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/sun.h"
 #include "victorious/pipeline/camera_states.h"
+#include "victorious/pipeline/frame_results.h"
 #include "victorious/pipeline/index_job.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
+#include "victorious/store/segment_store.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
+
+/// Where a pass over one segment of a video writes its results.
+struct SegmentOutput {
+  std::int64_t first_read = 0;  ///< the last frame before the segment that is searched as a whole, or the first of it
+  FrameInterval frames;         ///< of the segment; the pass ends with it
+  /// Receives the results in the order of frames.
+  std::function<void(FrameResult result, std::optional<KeptFrame> kept)> add;
+};
 
 /// Input of a pass. The references outlive it.
 struct IndexPass {
@@ -41,6 +52,8 @@ struct IndexPass {
   std::optional<double> to_s = {};
   std::optional<double> duration_s = {};  ///< of the video, if it is known before
   WarningSink inform = {};
+  /// Of a segment, whose `searches` begin at its first frame; null: all frames. Nothing is written to the store then.
+  const SegmentOutput* segment = nullptr;
 };
 
 /// Reads `reader` to its end, commits to `store` on the way, and adds the counts to `report`. A cancelled live source
@@ -48,5 +61,18 @@ struct IndexPass {
 /// Errors: those of reading, of feature extraction and of the store; kCancelled, after what was done is stored.
 [[nodiscard]] Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToken& cancel,
                                   IndexStore& store, const WarningSink& warn, IndexReport& report);
+
+/// The first frame whose results a pass needs: that of the searches, or an earlier one whose camera motion affects the
+/// linking of tracklets. Error: that of the store.
+[[nodiscard]] Expected<std::int64_t> FirstLinkedFrame(const IndexPass& pass, const VideoInfo& info, IndexStore& store);
+
+/// Links the results of the frames of a video from FirstLinkedFrame on, which were searched in segments, and commits
+/// them: the same as RunIndexPass on all frames, but for the length of the video.
+/// @param visit  calls its argument with the results of one segment after the other
+/// Errors: those of `visit` and of the store; kCancelled, after what was linked is stored.
+[[nodiscard]] Status JoinFrames(
+    const IndexPass& pass, const VideoInfo& info,
+    const std::function<Status(const std::function<Status(std::vector<FrameResult>)>& add)>& visit,
+    const CancelToken& cancel, IndexStore& store, IndexReport& report);
 
 }  // namespace victorious

@@ -20,7 +20,7 @@
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/clock_offset.h"
-#include "victorious/pipeline/index_pass.h"
+#include "victorious/pipeline/indexer_parts.h"
 #include "victorious/pipeline/model_engine.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/terrain/terrain.h"
@@ -98,20 +98,6 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
   return {};
 }
 
-// @param every  the interval that was chosen
-// @param job    its interval of time belongs to what was searched
-std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job) {
-  options.every = every;
-  FieldList fields;
-  options.ListSearchFields(fields);
-  std::string text = ToJsonText(fields.fields());
-  if (!job.from_s && !job.to_s) return text;
-  nlohmann::json json = ParseStrictJson(text).value();
-  if (job.from_s) json["searched"]["from_s"] = *job.from_s;
-  if (job.to_s) json["searched"]["to_s"] = *job.to_s;
-  return DumpJson(json);
-}
-
 // The folder that a relative name is relative to; empty for absolute names and URLs.
 std::string FolderOf(const std::string& name) {
   if (name.contains("://") || std::filesystem::path(name).is_absolute()) return "";
@@ -155,6 +141,18 @@ void WarnIfChanged(const ModelRecord& target, const std::vector<ModelRecord>& mo
 
 }  // namespace
 
+std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job) {
+  options.every = every;
+  FieldList fields;
+  options.ListSearchFields(fields);
+  std::string text = ToJsonText(fields.fields());
+  if (!job.from_s && !job.to_s) return text;
+  nlohmann::json json = ParseStrictJson(text).value();
+  if (job.from_s) json["searched"]["from_s"] = *job.from_s;
+  if (job.to_s) json["searched"]["to_s"] = *job.to_s;
+  return DumpJson(json);
+}
+
 Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
                  std::unique_ptr<const FeatureExtractor> extractor,
                  std::unique_ptr<const FeatureExtractor> kept_extractor, std::optional<CategoryFinder> categories)
@@ -189,31 +187,26 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   return indexer;
 }
 
-// A video that was opened for indexing.
-struct Indexer::OpenedVideo {
-  std::unique_ptr<VideoReader> reader;  // null after a pass that read it
-  CameraStates cameras;
-  VideoRecord record;
-  SearchIntervals intervals;
-};
-
-// The searches of one pass over the video.
-struct Indexer::PlannedPass {
-  std::vector<std::size_t> targets;    // indices into targets_, ascending: models, then categories
-  std::vector<SearchRecord> searches;  // one per target, all with the same next_frame
-};
-
 Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                      const WarningSink& warn) const {
   const WarningSink emit_warning = warn ? warn : [](const std::string&) {};
   Expected<IndexReport> report = Search(job, cancel, store, emit_warning);
   if (report || report.error().code == ErrorCode::kCancelled) {
-    const auto warn_of_own = [&](const VideoRecord& video, const std::string& warning) {
-      if (video.name == job.video) emit_warning(warning);
-    };
-    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store, cancel, warn_of_own));
+    VICTORIOUS_RETURN_IF_ERROR(UpdateObjectsOf(job, cancel, store, emit_warning));
   }
   return report;
+}
+
+Status Indexer::UpdateObjectsOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                const WarningSink& warn) const {
+  const auto warn_of_own = [&](const VideoRecord& video, const std::string& warning) {
+    if (video.name == job.video) warn(warning);
+  };
+  return UpdateObjects(options_.objects, store, cancel, warn_of_own);
+}
+
+Status Indexer::CheckNamesOf(const std::vector<ModelRecord>& models_before) const {
+  return CheckNames(targets_, models_before);
 }
 
 Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
@@ -223,7 +216,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to resume", job.video));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
-  VICTORIOUS_RETURN_IF_ERROR(CheckNames(targets_, models_before));
+  VICTORIOUS_RETURN_IF_ERROR(CheckNamesOf(models_before));
   VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans, PlanPasses(job, video, models_before, store, warn));
   if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectClockOf(job, cancel, store, warn, video));
@@ -335,46 +328,62 @@ Expected<Recognizer> Indexer::MakeRecognizer(const PlannedPass& plan, const Inde
   return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, relit_templates);
 }
 
+std::vector<std::optional<std::int64_t>> Indexer::CategoryIds(const PlannedPass& plan) const {
+  std::vector<std::optional<std::int64_t>> ids(targets_.size() - models_.size());
+  for (std::size_t i = 0; i < plan.targets.size(); ++i) {
+    if (plan.targets[i] >= models_.size()) ids[plan.targets[i] - models_.size()] = plan.searches[i].model;
+  }
+  return ids;
+}
+
+IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognizer,
+                            std::span<const std::optional<std::int64_t>> category_ids, const IndexJob& job,
+                            OpenedVideo& video) const {
+  const bool with_categories = plan.searches.size() > recognizer.models().size();
+  return {.video = video.record,
+          .searches = plan.searches,
+          .recognizer = recognizer,
+          .categories = with_categories ? &*categories_ : nullptr,
+          .category_ids = category_ids,
+          .extractor = *extractor_,
+          .kept_extractor = *kept_extractor_,
+          .options = options_,
+          .intervals = video.intervals,
+          .cameras = video.cameras,
+          .sun = {},
+          .threads = job.threads,
+          .from_s = job.from_s,
+          .to_s = job.to_s,
+          .inform = job.inform};
+}
+
+Status Indexer::EstimateSun(const Recognizer& recognizer, const IndexJob& job, OpenedVideo& video,
+                            const CancelToken& cancel, const WarningSink& warn, IndexReport& report) const {
+  const CameraTrajectory* trajectory = video.cameras.trajectory();
+  report.sun.reset();
+  report.sun_by_clock =
+      trajectory != nullptr &&
+      std::ranges::any_of(trajectory->states(), [](const CameraState& state) { return state.utc_us.has_value(); });
+  if (trajectory == nullptr || recognizer.models().empty()) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      report.sun, EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.sun_direction}, *video.reader,
+                                       cancel, warn));
+  if (video.reader->info().live) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
+  return {};
+}
+
 Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video, const CancelToken& cancel,
                         IndexStore& store, const WarningSink& warn, IndexReport& report) const {
   if (!video.reader) {
     VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer, MakeRecognizer(plan, job));
-  std::vector<std::optional<std::int64_t>> category_ids(targets_.size() - models_.size());
-  for (std::size_t i = 0; i < plan.targets.size(); ++i) {
-    if (plan.targets[i] >= models_.size()) category_ids[plan.targets[i] - models_.size()] = plan.searches[i].model;
-  }
-  const CameraTrajectory* trajectory = video.cameras.trajectory();
-  report.sun.reset();
-  report.sun_by_clock =
-      trajectory != nullptr &&
-      std::ranges::any_of(trajectory->states(), [](const CameraState& state) { return state.utc_us.has_value(); });
-  if (trajectory != nullptr && !recognizer.models().empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        report.sun, EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.sun_direction}, *video.reader,
-                                         cancel, warn));
-    if (!video.reader->info().live) {
-      VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
-    }
-  }
-  const bool with_categories = plan.searches.size() > recognizer.models().size();
-  const IndexPass pass{.video = video.record,
-                       .searches = plan.searches,
-                       .recognizer = recognizer,
-                       .categories = with_categories ? &*categories_ : nullptr,
-                       .category_ids = category_ids,
-                       .extractor = *extractor_,
-                       .kept_extractor = *kept_extractor_,
-                       .options = options_,
-                       .intervals = video.intervals,
-                       .cameras = video.cameras,
-                       .sun = report.sun,
-                       .threads = job.threads,
-                       .from_s = job.from_s,
-                       .to_s = job.to_s,
-                       .duration_s = video.reader->info().duration_s,
-                       .inform = job.inform};
+  VICTORIOUS_RETURN_IF_ERROR(EstimateSun(recognizer, job, video, cancel, warn, report));
+  const std::vector<std::optional<std::int64_t>> category_ids = CategoryIds(plan);
+  IndexPass pass = MakePass(plan, recognizer, category_ids, job, video);
+  pass.sun = report.sun;
+  pass.duration_s = video.reader->info().duration_s;
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *video.reader, cancel, store, warn, report));
   video.reader.reset();
   return {};

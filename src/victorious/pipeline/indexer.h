@@ -4,8 +4,11 @@
 // depend on the number of threads.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "victorious/base/cancel.h"
@@ -14,13 +17,21 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/pipeline/index_job.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/index_pass.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
+#include "victorious/store/segment_store.h"
 #include "victorious/types/object_model.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
+
+/// What one call of Indexer::IndexBySegments did.
+struct SegmentedReport {
+  IndexReport index;
+  bool is_waiting = false;  ///< segments are open: IndexSegment searches them, then IndexBySegments is called again
+};
 
 /// Searches videos, one at a time, for a set of models and categories, and stores what it finds.
 class Indexer {
@@ -45,9 +56,26 @@ class Indexer {
   [[nodiscard]] Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                             const WarningSink& warn = {}) const;
 
+  /// Does the same with help of other processes. At first it prepares the video (telemetry, clock, the sun's direction)
+  /// and cuts it into segments (video_cut.h); once all of these are searched, it joins their results. What is then in
+  /// the index equals what Index writes, to the last bit. A video that is too short for two segments, or that cannot be
+  /// cut, is indexed at once. Each call goes as far as it can.
+  /// @param segment_s  length of a segment, s
+  /// Errors: as Index.
+  [[nodiscard]] Expected<SegmentedReport> IndexBySegments(const IndexJob& job, double segment_s,
+                                                          const CancelToken& cancel, IndexStore& store,
+                                                          SegmentStore& segments, const WarningSink& warn = {}) const;
+
+  /// Searches one open segment, and stores its results in `segments` at its end. No effect on one that is done.
+  /// Errors: as Index; kConflict if the video has no such segment for these models and parameters.
+  [[nodiscard]] Expected<IndexReport> IndexSegment(const IndexJob& job, FrameInterval frames, const CancelToken& cancel,
+                                                   IndexStore& store, SegmentStore& segments,
+                                                   const WarningSink& warn = {}) const;
+
  private:
   struct OpenedVideo;
   struct PlannedPass;
+  struct PlannedCut;
 
   // All steps before data association.
   [[nodiscard]] Expected<IndexReport> Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
@@ -63,11 +91,44 @@ class Indexer {
                                                               const std::vector<ModelRecord>& models_before,
                                                               IndexStore& store, const WarningSink& warn) const;
   [[nodiscard]] Expected<Recognizer> MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const;
+  // Database ids of the categories of the finder, for those that the plan searches for.
+  [[nodiscard]] std::vector<std::optional<std::int64_t>> CategoryIds(const PlannedPass& plan) const;
+  // The references outlive the pass.
+  [[nodiscard]] IndexPass MakePass(const PlannedPass& plan, const Recognizer& recognizer,
+                                   std::span<const std::optional<std::int64_t>> category_ids, const IndexJob& job,
+                                   OpenedVideo& video) const;
+  // Sets the sun of the report. The reader is then at its first frame.
+  [[nodiscard]] Status EstimateSun(const Recognizer& recognizer, const IndexJob& job, OpenedVideo& video,
+                                   const CancelToken& cancel, const WarningSink& warn, IndexReport& report) const;
+  // Updates the objects of the whole index, and passes on the warnings about the job's video.
+  [[nodiscard]] Status UpdateObjectsOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                       const WarningSink& warn) const;
+  [[nodiscard]] Status CheckNamesOf(const std::vector<ModelRecord>& models_before) const;
   // Estimates the sun's direction, and searches the video.
   [[nodiscard]] Status RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video,
                                const CancelToken& cancel, IndexStore& store, const WarningSink& warn,
                                IndexReport& report) const;
   [[nodiscard]] VideoReaderOptions MakeReaderOptions(const IndexJob& job) const;
+
+  // indexer_segments.cc
+  [[nodiscard]] Expected<SegmentedReport> SearchBySegments(const IndexJob& job, double segment_s,
+                                                           const CancelToken& cancel, IndexStore& store,
+                                                           SegmentStore& segments, const WarningSink& warn) const;
+  // The text that identifies a pass: VideoCut::plan.
+  [[nodiscard]] Expected<std::string> CutPlan(const PlannedPass& pass, const IndexJob& job) const;
+  [[nodiscard]] Expected<std::optional<PlannedPass>> ReadCutPlan(const VideoCut& cut, const IndexJob& job,
+                                                                 IndexStore& store) const;
+  // The cut of the job's video by this indexer, or one like it.
+  [[nodiscard]] Expected<std::optional<PlannedCut>> FindCut(const IndexJob& job, IndexStore& store,
+                                                            SegmentStore& segments) const;
+  [[nodiscard]] Expected<bool> IsFinished(const VideoRecord& video, IndexStore& store) const;
+  // Returns false if the pass is not to be cut.
+  [[nodiscard]] Expected<bool> CutPass(const PlannedPass& plan, const std::string& text, const IndexJob& job,
+                                       double segment_s, OpenedVideo& video, const CancelToken& cancel,
+                                       IndexStore& store, SegmentStore& segments, const WarningSink& warn,
+                                       IndexReport& report) const;
+  [[nodiscard]] Status JoinSegments(const PlannedCut& found, const IndexJob& job, const CancelToken& cancel,
+                                    IndexStore& store, SegmentStore& segments, IndexReport& report) const;
 
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
           std::unique_ptr<const FeatureExtractor> extractor, std::unique_ptr<const FeatureExtractor> kept_extractor,

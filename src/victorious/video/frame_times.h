@@ -22,4 +22,14 @@ namespace victorious {
                                                            std::optional<std::int64_t> frame_count,
                                                            const CancelToken& cancel);
 
+/// The frames of a video as its container lists them.
+struct FrameTable {
+  std::vector<double> times_s;      ///< of all frames, strictly increasing; the first is 0
+  std::vector<double> key_times_s;  ///< of those from which a decoder can start
+};
+
+/// Reads the packets of the file once, as ReadFrameTimes; std::nullopt if they do not tell the times of all frames, and
+/// for what is no file. Errors: kCancelled.
+[[nodiscard]] Expected<std::optional<FrameTable>> ReadFrameTable(const std::string& source, const CancelToken& cancel);
+
 }  // namespace victorious

@@ -1,0 +1,70 @@
+#include "victorious/base/packed_bytes.h"
+
+#include <array>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+
+enum class Colour { kRed, kGreen };
+
+std::vector<std::byte> Written() {
+  ByteWriter writer;
+  writer.Put(std::int64_t{-5});
+  writer.PutOptional(std::optional(0.1));
+  writer.PutOptional(std::optional<double>());
+  writer.Put(Colour::kGreen);
+  writer.PutItems(std::span<const double>(std::array{1.5, std::numeric_limits<double>::denorm_min()}));
+  return writer.Take();
+}
+
+TEST(PackedBytes, ComeBackAsTheyWereWritten) {
+  const std::vector<std::byte> bytes = Written();
+  ByteReader reader(bytes);
+  EXPECT_EQ(reader.Get<std::int64_t>(), -5);
+  EXPECT_EQ(reader.GetOptional<double>(), 0.1);
+  EXPECT_EQ(reader.GetOptional<double>(), std::nullopt);
+  EXPECT_EQ(reader.GetEnum(Colour::kGreen), Colour::kGreen);
+  EXPECT_THAT(reader.GetItems<double>(), ElementsAre(1.5, std::numeric_limits<double>::denorm_min()));
+  EXPECT_TRUE(reader.IsAtEnd());
+}
+
+TEST(PackedBytes, FaultsAreRemembered) {
+  const std::vector<std::byte> bytes = Written();
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    ByteReader reader(std::span(bytes).first(size));
+    reader.Get<std::int64_t>();
+    reader.GetOptional<double>();
+    reader.GetOptional<double>();
+    reader.GetEnum(Colour::kGreen);
+    reader.GetItems<double>();
+    EXPECT_FALSE(reader.IsAtEnd()) << size;
+  }
+  ByteReader longer(bytes);
+  longer.Get<std::int64_t>();
+  EXPECT_FALSE(longer.IsAtEnd());
+  ByteWriter writer;
+  writer.Put(std::int32_t{2});
+  const std::vector<std::byte> two = writer.Take();
+  ByteReader enumerator(two);
+  EXPECT_EQ(enumerator.GetEnum(Colour::kGreen), Colour::kRed);
+  EXPECT_TRUE(enumerator.HasFailed());
+}
+
+// A damaged number of items must not allocate.
+TEST(PackedBytes, HugeNumberOfItemsIsAFault) {
+  ByteWriter writer;
+  writer.Put(std::numeric_limits<std::uint64_t>::max());
+  const std::vector<std::byte> bytes = writer.Take();
+  ByteReader reader(bytes);
+  EXPECT_TRUE(reader.GetItems<double>().empty());
+  EXPECT_TRUE(reader.HasFailed());
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,43 @@
+// Private to pipeline/: what the sources of Indexer share.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "victorious/pipeline/camera_states.h"
+#include "victorious/pipeline/indexer.h"
+#include "victorious/store/segment_store.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+
+// A video that was opened for indexing.
+struct Indexer::OpenedVideo {
+  std::unique_ptr<VideoReader> reader;  // null after a pass that read it
+  CameraStates cameras;
+  VideoRecord record;
+  SearchIntervals intervals;
+};
+
+// The searches of one pass over the video.
+struct Indexer::PlannedPass {
+  std::vector<std::size_t> targets;    // indices into targets_, ascending: models, then categories
+  std::vector<SearchRecord> searches;  // one per target, all with the same next_frame
+};
+
+// A pass that is cut into segments.
+struct Indexer::PlannedCut {
+  VideoRecord video;
+  VideoCut cut;
+  PlannedPass pass;
+  SearchIntervals intervals;
+};
+
+// The search options as the store keeps them, as JSON.
+// @param every  the interval that was chosen
+// @param job    its interval of time belongs to what was searched
+std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job);
+
+}  // namespace victorious

@@ -1,0 +1,290 @@
+// The part of Indexer that searches a video in segments.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <ranges>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/associate/update_objects.h"
+#include "victorious/base/json.h"
+#include "victorious/base/program_id.h"
+#include "victorious/base/version.h"
+#include "victorious/pipeline/index_pass.h"
+#include "victorious/pipeline/indexer.h"
+#include "victorious/pipeline/indexer_parts.h"
+#include "victorious/pipeline/segment_reader.h"
+#include "victorious/pipeline/video_cut.h"
+#include "victorious/video/frame_times.h"
+
+namespace victorious {
+namespace {
+
+// Frames whose features a segment keeps at most, 0.6 MB each: it stores them together, at its end.
+constexpr double kMaxKeptFrames = 256;
+
+// Of a file; 0 of anything else.
+std::int64_t FileBytes(const std::string& video) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(video, error)) return 0;
+  const auto bytes = std::filesystem::file_size(video, error);
+  return error ? 0 : static_cast<std::int64_t>(bytes);
+}
+
+// The last frame before `frame` that is searched as a whole; `frame` if there is none. The selection of kept frames
+// and, without tracking, the camera motion refer to it.
+std::int64_t WholeFrameBefore(std::int64_t frame, const IndexOptions& options) {
+  const auto last_multiple = [&](std::int64_t step) { return (frame - 1) / step * step; };
+  if (frame == 0) return 0;
+  std::int64_t before = last_multiple(options.every);
+  if (options.follow.enabled) before = std::max(before, last_multiple(options.follow.restart_interval_frames));
+  return before;
+}
+
+double SegmentSeconds(double wanted_s, const IndexOptions& options, double frame_rate) {
+  if (options.keep.interval_s < 0) return wanted_s;
+  const double whole_frames_s = frame_rate > 0 ? options.every / frame_rate : 0;
+  const double kept_s = kMaxKeptFrames * std::max(options.keep.interval_s, whole_frames_s);
+  return kept_s > 0 ? std::min(wanted_s, kept_s) : wanted_s;
+}
+
+std::vector<CoverageGap> GapsOf(const VideoCut& cut, const std::vector<double>& times_s) {
+  std::vector<CoverageGap> gaps;
+  for (const Segment& segment : cut.segments) {
+    if (segment.state != SegmentState::kQuarantined) continue;
+    gaps.push_back({.video = cut.video,
+                    .frames = segment.frames,
+                    .from_s = times_s.at(static_cast<std::size_t>(segment.frames.from)),
+                    .to_s = times_s.at(static_cast<std::size_t>(segment.frames.to - 1)),
+                    .reason = segment.reason});
+  }
+  return gaps;
+}
+
+std::vector<std::int64_t> ModelsOf(const std::vector<SearchRecord>& searches) {
+  std::vector<std::int64_t> models;
+  for (const SearchRecord& search : searches) models.push_back(search.model);
+  return models;
+}
+
+}  // namespace
+
+Expected<SegmentedReport> Indexer::IndexBySegments(const IndexJob& job, double segment_s, const CancelToken& cancel,
+                                                   IndexStore& store, SegmentStore& segments,
+                                                   const WarningSink& warn) const {
+  const WarningSink emit_warning = warn ? warn : [](const std::string&) {};
+  Expected<SegmentedReport> report = SearchBySegments(job, segment_s, cancel, store, segments, emit_warning);
+  const bool is_ended = report ? !report->is_waiting : report.error().code == ErrorCode::kCancelled;
+  if (is_ended) VICTORIOUS_RETURN_IF_ERROR(UpdateObjectsOf(job, cancel, store, emit_warning));
+  return report;
+}
+
+Expected<SegmentedReport> Indexer::SearchBySegments(const IndexJob& job, double segment_s, const CancelToken& cancel,
+                                                    IndexStore& store, SegmentStore& segments,
+                                                    const WarningSink& warn) const {
+  SegmentedReport result;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> found, FindCut(job, store, segments));
+  std::string whole_plan;
+  if (found && found->cut.is_whole) {
+    whole_plan = found->cut.plan;
+  } else if (found) {
+    const auto& cut = found->cut.segments;
+    result.is_waiting = std::ranges::find(cut, SegmentState::kOpen, &Segment::state) != cut.end();
+    if (result.is_waiting) return result;
+    VICTORIOUS_RETURN_IF_ERROR(JoinSegments(*found, job, cancel, store, segments, result.index));
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool is_finished, IsFinished(found->video, store));
+    if (is_finished) return result;
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
+  VICTORIOUS_RETURN_IF_ERROR(CheckNamesOf(models_before));
+  VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans,
+                              PlanPasses(job, video.record, models_before, store, warn));
+  if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectClockOf(job, cancel, store, warn, video));
+  for (const PlannedPass& plan : plans) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, CutPlan(plan, job));
+    if (text != whole_plan) {
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          result.is_waiting, CutPass(plan, text, job, segment_s, video, cancel, store, segments, warn, result.index));
+      if (result.is_waiting) return result;
+    }
+    VICTORIOUS_RETURN_IF_ERROR(RunPass(plan, job, video, cancel, store, warn, result.index));
+    if (text == whole_plan) VICTORIOUS_RETURN_IF_ERROR(segments.Finish(video.record.id, text, {}, {}));
+  }
+  return result;
+}
+
+Expected<std::string> Indexer::CutPlan(const PlannedPass& pass, const IndexJob& job) const {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
+  const nlohmann::ordered_json plan = {
+      {"models", ModelsOf(pass.searches)}, {"options", SearchOptionsText(options_, job)}, {"program", program}};
+  return DumpJson(plan);
+}
+
+Expected<bool> Indexer::IsFinished(const VideoRecord& video, IndexStore& store) const {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
+  for (const ModelRecord& target : targets_) {
+    const auto stored = std::ranges::find_if(models, [&](const ModelRecord& model) {
+      return model.name == target.name && model.content_id == target.content_id;
+    });
+    if (stored == models.end()) return false;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, stored->id));
+    if (!search || !search->finished) return false;
+  }
+  return true;
+}
+
+// The searches of a plan that this indexer made, or one like it; std::nullopt for another plan.
+Expected<std::optional<Indexer::PlannedPass>> Indexer::ReadCutPlan(const VideoCut& cut, const IndexJob& job,
+                                                                   IndexStore& store) const {
+  const Expected<nlohmann::json> plan = ParseStrictJson(cut.plan);
+  if (!plan || !plan->is_object() || !plan->contains("models") || !(*plan)["models"].is_array()) return std::nullopt;
+  const nlohmann::json& of_plan = (*plan)["models"];
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
+  PlannedPass pass;
+  for (std::size_t t = 0; t < targets_.size(); ++t) {
+    for (const ModelRecord& model : models) {
+      const bool is_target = model.name == targets_[t].name && model.content_id == targets_[t].content_id;
+      if (!is_target || std::ranges::find(of_plan, nlohmann::json(model.id)) == of_plan.end()) continue;
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(cut.video, model.id));
+      pass.targets.push_back(t);
+      pass.searches.push_back({.video = cut.video,
+                               .model = model.id,
+                               .next_frame = before ? before->next_frame : 0,
+                               .finished = before && before->finished,
+                               .options_json = SearchOptionsText(options_, job),
+                               .program_version = kVersion});
+    }
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string own, CutPlan(pass, job));
+  if (own != cut.plan) return std::nullopt;
+  return pass;
+}
+
+Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& job, IndexStore& store,
+                                                              SegmentStore& segments) const {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  for (const VideoRecord& video : videos) {
+    if (video.name != job.video) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<VideoCut> cut, segments.Find(video.id));
+    if (!cut) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedPass> pass, ReadCutPlan(*cut, job, store));
+    if (!pass) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(video.id));
+    VICTORIOUS_ASSIGN_OR_RETURN(const PreparedVideo prepared, UnpackPreparedVideo(bytes));
+    if (prepared.file_bytes != FileBytes(job.video)) continue;  // another file of this name
+    return PlannedCut{video, *std::move(cut), *std::move(pass)};
+  }
+  return std::nullopt;
+}
+
+Expected<bool> Indexer::CutPass(const PlannedPass& plan, const std::string& text, const IndexJob& job, double segment_s,
+                                OpenedVideo& video, const CancelToken& cancel, IndexStore& store,
+                                SegmentStore& segments, const WarningSink& warn, IndexReport& report) const {
+  if (!video.reader) {
+    VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
+  }
+  const VideoInfo info = video.reader->info();
+  if (info.live || video.cameras.is_of_photos() || job.from_s || job.to_s) return false;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<FrameTable> table, ReadFrameTable(job.video, cancel));
+  if (!table) return false;
+  VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer, MakeRecognizer(plan, job));
+  const IndexPass pass = MakePass(plan, recognizer, {}, job, video);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t first_frame, FirstLinkedFrame(pass, info, store));
+  const std::int64_t step = options_.follow.restart_interval_frames;
+  const std::vector<FrameInterval> cuts = CutVideo(
+      *table,
+      {.first_frame = first_frame, .step = step, .segment_s = SegmentSeconds(segment_s, options_, info.frame_rate)});
+  if (cuts.size() < 2) return false;
+  VICTORIOUS_RETURN_IF_ERROR(EstimateSun(recognizer, job, video, cancel, warn, report));
+  VideoCut cut{.video = video.record.id, .plan = text, .step = step};
+  for (const FrameInterval& frames : cuts) cut.segments.push_back({.frames = frames, .state = {}, .reason = {}});
+  const std::vector<std::byte> prepared = PackPreparedVideo({.times_s = std::move(table->times_s),
+                                                             .cameras = std::move(video.cameras),
+                                                             .sun = report.sun,
+                                                             .is_sun_by_clock = report.sun_by_clock,
+                                                             .file_bytes = FileBytes(job.video)});
+  VICTORIOUS_RETURN_IF_ERROR(segments.Put(cut, prepared));
+  return true;
+}
+
+Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval frames, const CancelToken& cancel,
+                                            IndexStore& store, SegmentStore& segments, const WarningSink& warn) const {
+  IndexReport report;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> found, FindCut(job, store, segments));
+  const auto segment =
+      found ? std::ranges::find(found->cut.segments, frames, &Segment::frames) : std::vector<Segment>::iterator();
+  if (!found || segment == found->cut.segments.end()) {
+    return Fail(ErrorCode::kConflict,
+                fmt::format("{}: frames {} to {} are no segment of it for these models and parameters: it was cut "
+                            "anew, or changed; submit it again",
+                            job.video, frames.from, frames.to - 1));
+  }
+  if (segment->state != SegmentState::kOpen || found->cut.is_whole) return report;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(found->video.id));
+  VICTORIOUS_ASSIGN_OR_RETURN(PreparedVideo prepared, UnpackPreparedVideo(bytes));
+  report.sun = prepared.sun;
+  report.sun_by_clock = prepared.is_sun_by_clock;
+  const std::int64_t first_read = WholeFrameBefore(frames.from, options_);
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::unique_ptr<SegmentReader> reader,
+      SegmentReader::Open(job.video, MakeReaderOptions(job), prepared.times_s, {first_read, frames.to}));
+  std::vector<FrameResult> results;
+  IndexBatch kept;
+  const SegmentOutput output{
+      .first_read = first_read, .frames = frames, .add = [&](FrameResult result, std::optional<KeptFrame> kept_frame) {
+        results.push_back(std::move(result));
+        if (kept_frame) kept.kept_frames.push_back(*std::move(kept_frame));
+      }};
+  for (SearchRecord& search : found->pass.searches) search.next_frame = frames.from;
+  VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer, MakeRecognizer(found->pass, job));
+  const std::vector<std::optional<std::int64_t>> category_ids = CategoryIds(found->pass);
+  OpenedVideo video{.reader = nullptr, .cameras = std::move(prepared.cameras), .record = found->video};
+  IndexPass pass = MakePass(found->pass, recognizer, category_ids, job, video);
+  pass.sun = prepared.sun;
+  pass.segment = &output;
+  VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *reader, cancel, store, warn, report));
+  if (!reader->IsExact()) {
+    if (job.inform) job.inform("its frames are not those that its container lists: it is indexed by one process");
+    VICTORIOUS_RETURN_IF_ERROR(segments.SetWhole(found->video.id, found->cut.plan));
+    return report;
+  }
+  if (!kept.kept_frames.empty()) VICTORIOUS_RETURN_IF_ERROR(store.Commit(kept));
+  VICTORIOUS_RETURN_IF_ERROR(segments.Complete(found->video.id, found->cut.plan, frames, PackFrameResults(results)));
+  return report;
+}
+
+Status Indexer::JoinSegments(const PlannedCut& found, const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                             SegmentStore& segments, IndexReport& report) const {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(found.video.id));
+  VICTORIOUS_ASSIGN_OR_RETURN(PreparedVideo prepared, UnpackPreparedVideo(bytes));
+  report.sun = prepared.sun;
+  report.sun_by_clock = prepared.is_sun_by_clock;
+  if (!found.pass.searches.front().finished) {
+    std::vector<ObjectModel> models;
+    for (const std::size_t target : found.pass.targets) {
+      if (target < models_.size()) models.push_back(models_[target]);
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
+    VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
+                                Recognizer::Create(std::move(models), options_.features.engine, options_.recognize));
+    OpenedVideo video{.reader = nullptr, .cameras = std::move(prepared.cameras), .record = found.video};
+    const IndexPass pass = MakePass(found.pass, recognizer, {}, job, video);
+    const auto visit = [&](const std::function<Status(std::vector<FrameResult>)>& add) {
+      return segments.VisitResults(found.video.id, [&](FrameInterval, std::span<const std::byte> packed) -> Status {
+        VICTORIOUS_ASSIGN_OR_RETURN(std::vector<FrameResult> results, UnpackFrameResults(packed));
+        return add(std::move(results));
+      });
+    };
+    VICTORIOUS_RETURN_IF_ERROR(JoinFrames(pass, reader->info(), visit, cancel, store, report));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(
+      store.SetVideoLength(found.video.id, std::ssize(prepared.times_s), prepared.times_s.back()));
+  return segments.Finish(found.video.id, found.cut.plan, ModelsOf(found.pass.searches),
+                         GapsOf(found.cut, prepared.times_s));
+}
+
+}  // namespace victorious

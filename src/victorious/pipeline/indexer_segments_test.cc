@@ -1,0 +1,212 @@
+// Segments of a video that are searched apart, in any order, give what one pass gives.
+#include <algorithm>
+#include <functional>
+#include <ranges>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/drawn_flight.h"
+#include "testing/fault_injecting_store.h"
+#include "testing/memory_segment_store.h"
+#include "victorious/base/file.h"
+#include "victorious/pipeline/indexer.h"
+
+namespace victorious {
+namespace {
+
+using testing::Contents;
+using testing::DrawnFlight;
+using testing::FaultInjectingStore;
+using ::testing::HasSubstr;
+using testing::MemorySegmentStore;
+using testing::ShortFlight;
+using ::testing::SizeIs;
+using testing::VideosOf;
+
+constexpr double kSegment_s = 1;
+
+// Tracks restart every 5 frames; 10 frames per second.
+IndexOptions ManyRestarts() {
+  IndexOptions options;
+  options.follow.restart_interval_frames = 5;
+  options.keep.interval_s = 0.7;
+  return options;
+}
+
+// One video, and workers that share its segments.
+class IndexerSegmentsTest : public ::testing::Test {
+ protected:
+  Indexer MakeIndexer(std::vector<ObjectModel> models) const {
+    return Indexer::Create(std::move(models), options_).value();
+  }
+  IndexJob Job() const { return {.video = flight_.video(), .telemetry = {}, .threads = 2}; }
+
+  SegmentedReport Begin(const Indexer& indexer, IndexStore& store) {
+    const auto report = indexer.IndexBySegments(Job(), kSegment_s, CancelToken(), store, segments_);
+    EXPECT_TRUE(report) << report.error().message;
+    return report.value_or(SegmentedReport{});
+  }
+
+  std::vector<FrameInterval> OpenSegments(IndexStore& store) {
+    std::vector<FrameInterval> open;
+    const auto cut = segments_.Find(VideosOf(store).at(0).id).value();
+    for (const Segment& segment : cut ? cut->segments : std::vector<Segment>()) {
+      if (segment.state == SegmentState::kOpen) open.push_back(segment.frames);
+    }
+    return open;
+  }
+
+  void SearchAll(const Indexer& indexer, IndexStore& store) {
+    std::vector<FrameInterval> open = OpenSegments(store);
+    std::ranges::reverse(open);
+    for (const FrameInterval& frames : open) {
+      const auto report = indexer.IndexSegment(Job(), frames, CancelToken(), store, segments_);
+      EXPECT_TRUE(report) << report.error().message;
+    }
+  }
+
+  std::string OnePass(std::vector<ObjectModel> models) const {
+    const auto store = flight_.Store("one.db");
+    EXPECT_TRUE(MakeIndexer(std::move(models)).Index(Job(), CancelToken(), *store));
+    return Contents(*store);
+  }
+
+  DrawnFlight flight_{ShortFlight(40)};
+  IndexOptions options_ = ManyRestarts();
+  MemorySegmentStore segments_;
+};
+
+TEST_F(IndexerSegmentsTest, GiveWhatOnePassGives) {
+  for (const int every : {1, 3, 7}) {
+    for (const bool follow : {true, false}) {
+      options_.every = every;
+      options_.follow.enabled = follow;
+      const auto store = flight_.Store("segments.db");
+      const Indexer indexer = MakeIndexer(flight_.Models());
+      EXPECT_TRUE(Begin(indexer, *store).is_waiting);
+      EXPECT_THAT(OpenSegments(*store), SizeIs(4)) << "of a second each";
+      EXPECT_TRUE(Begin(indexer, *store).is_waiting) << "until they are searched";
+      SearchAll(indexer, *store);
+      const SegmentedReport end = Begin(indexer, *store);
+      EXPECT_FALSE(end.is_waiting);
+      const std::string contents = Contents(*store);
+      EXPECT_EQ(contents, OnePass(flight_.Models())) << every << (follow ? ", followed" : "");
+      EXPECT_THAT(contents, HasSubstr("finished"));
+      EXPECT_EQ(segments_.Find(1).value(), std::nullopt);
+      std::filesystem::remove(flight_ / "segments.db");
+      std::filesystem::remove(flight_ / "one.db");
+    }
+  }
+}
+
+TEST_F(IndexerSegmentsTest, ShortVideoIsIndexedAtOnce) {
+  const auto store = flight_.Store("segments.db");
+  const auto report =
+      MakeIndexer(flight_.Models()).IndexBySegments(Job(), 60, CancelToken(), *store, segments_).value();
+  EXPECT_FALSE(report.is_waiting);
+  EXPECT_EQ(report.index.frames_searched, 40);
+  EXPECT_EQ(Contents(*store), OnePass(flight_.Models()));
+}
+
+// Stopped in its middle, a pass goes on in segments; those are joined by a process that is killed, and by the next one.
+TEST_F(IndexerSegmentsTest, InterruptedPassAndJoinGoOn) {
+  options_.keep.interval_s = 0;  // a commit every 32 frames
+  const auto store = flight_.Store("segments.db");
+  const Indexer indexer = MakeIndexer(flight_.Models());
+  int commits = 0;
+  FaultInjectingStore failing(
+      *store, [&]() -> Status { return ++commits > 1 ? Fail(ErrorCode::kInternal, "killed") : Status(); });
+  EXPECT_FALSE(indexer.Index(Job(), CancelToken(), failing));
+  const auto next_frame = store->FindSearch(1, 1).value()->next_frame;
+  EXPECT_GT(next_frame, 0);
+  EXPECT_LT(next_frame, 40);
+  const double segment_s = 0.5;
+  ASSERT_TRUE(indexer.IndexBySegments(Job(), segment_s, CancelToken(), *store, segments_)->is_waiting);
+  EXPECT_LE(OpenSegments(*store).front().from, next_frame);
+  SearchAll(indexer, *store);
+  commits = 1;
+  EXPECT_FALSE(indexer.IndexBySegments(Job(), segment_s, CancelToken(), failing, segments_));
+  EXPECT_FALSE(indexer.IndexBySegments(Job(), segment_s, CancelToken(), *store, segments_)->is_waiting);
+  EXPECT_EQ(Contents(*store), OnePass(flight_.Models()));
+}
+
+TEST_F(IndexerSegmentsTest, NewModelIsSearchedAlone) {
+  const auto store = flight_.Store("segments.db");
+  const auto index = [&](const std::vector<ObjectModel>& models) {
+    const Indexer indexer = MakeIndexer(models);
+    ASSERT_TRUE(Begin(indexer, *store).is_waiting);
+    SearchAll(indexer, *store);
+    ASSERT_FALSE(Begin(indexer, *store).is_waiting);
+    ASSERT_FALSE(Begin(indexer, *store).is_waiting) << "nothing is left to do";
+  };
+  index({flight_.Model(0)});
+  index(flight_.Models());
+  const auto one = flight_.Store("one.db");
+  ASSERT_TRUE(MakeIndexer({flight_.Model(0)}).Index(Job(), CancelToken(), *one));
+  ASSERT_TRUE(MakeIndexer(flight_.Models()).Index(Job(), CancelToken(), *one));
+  EXPECT_EQ(Contents(*store), Contents(*one));
+}
+
+TEST_F(IndexerSegmentsTest, OtherModelsOrFramesAreRefused) {
+  const auto store = flight_.Store("segments.db");
+  const Indexer indexer = MakeIndexer(flight_.Models());
+  ASSERT_TRUE(Begin(indexer, *store).is_waiting);
+  const auto refused = indexer.IndexSegment(Job(), {0, 11}, CancelToken(), *store, segments_);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  EXPECT_THAT(refused.error().message, HasSubstr("frames 0 to 10"));
+  const auto other = MakeIndexer({flight_.Model(0)}).IndexSegment(Job(), {0, 10}, CancelToken(), *store, segments_);
+  EXPECT_EQ(other.error().code, ErrorCode::kConflict);
+  EXPECT_TRUE(indexer.IndexSegment(Job(), {0, 10}, CancelToken(), *store, segments_));
+  const auto again = indexer.IndexSegment(Job(), {0, 10}, CancelToken(), *store, segments_);
+  EXPECT_EQ(again->frames_searched, 0) << "it is done";
+}
+
+// The rest is what one pass finds there; the gap is told.
+TEST_F(IndexerSegmentsTest, QuarantinedSegmentIsAGap) {
+  const auto store = flight_.Store("segments.db");
+  const Indexer indexer = MakeIndexer(flight_.Models());
+  ASSERT_TRUE(Begin(indexer, *store).is_waiting);
+  ASSERT_TRUE(segments_.GiveUp(1, {10, 20}, "signal 11"));
+  SearchAll(indexer, *store);
+  ASSERT_FALSE(Begin(indexer, *store).is_waiting);
+  const std::vector<CoverageGap> gaps = segments_.Gaps().value();
+  ASSERT_THAT(gaps, SizeIs(1));
+  EXPECT_EQ(gaps[0].frames, (FrameInterval{10, 20}));
+  EXPECT_NEAR(gaps[0].from_s, 1, 1e-9);
+  EXPECT_NEAR(gaps[0].to_s, 1.9, 1e-9);
+  EXPECT_EQ(gaps[0].reason, "signal 11");
+  const auto one = flight_.Store("one.db");
+  ASSERT_TRUE(indexer.Index(Job(), CancelToken(), *one));
+  const auto boxes = [](IndexStore& index, bool with_gap) {
+    std::vector<std::string> lines;
+    for (const SightingRecord& sighting : testing::SightingsOf(index, {.include_rejected = true})) {
+      if (!with_gap && sighting.frame >= 10 && sighting.frame < 20) continue;
+      lines.push_back(fmt::format("{} {} {} {}", sighting.frame, sighting.model, sighting.box.x, sighting.score));
+    }
+    std::ranges::sort(lines);
+    return lines;
+  };
+  EXPECT_EQ(boxes(*store, true), boxes(*one, false));
+  EXPECT_TRUE(store->FindSearch(1, 1).value()->finished);
+}
+
+// A file whose middle is damaged: frames are missing that its container lists.
+TEST_F(IndexerSegmentsTest, DamagedVideoIsIndexedAsAWhole) {
+  std::string bytes = ReadFile(flight_.video()).value();
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2),
+            bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2) + 600, '\0');
+  ASSERT_TRUE(WriteFileAtomically(flight_.video(), bytes));
+  const auto store = flight_.Store("segments.db");
+  const Indexer indexer = MakeIndexer(flight_.Models());
+  if (Begin(indexer, *store).is_waiting) {
+    SearchAll(indexer, *store);
+    EXPECT_TRUE(segments_.Find(1).value()->is_whole);
+    EXPECT_FALSE(Begin(indexer, *store).is_waiting);
+  }
+  EXPECT_EQ(segments_.Find(1).value(), std::nullopt);
+  EXPECT_EQ(Contents(*store), OnePass(flight_.Models()));
+}
+
+}  // namespace
+}  // namespace victorious

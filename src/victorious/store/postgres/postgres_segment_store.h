@@ -1,0 +1,16 @@
+// SegmentStore in a PostgreSQL database.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "victorious/store/index_store.h"
+#include "victorious/store/postgres/connection.h"
+#include "victorious/store/segment_store.h"
+
+namespace victorious {
+
+/// Opens the segments of an index that exists. Errors: those of OpenPostgresStore.
+[[nodiscard]] Expected<std::unique_ptr<SegmentStore>> OpenPostgresSegmentStore(const std::string& url, StoreMode mode);
+
+}  // namespace victorious

@@ -1,0 +1,114 @@
+// The segments of videos that several workers search at once. A video is prepared once and cut into segments of frames;
+// each is searched by itself, in any order; then their results are joined in the order of frames (pipeline/segments.h).
+//
+//   Put ---> open --Complete--> done --------> VisitResults, Finish
+//             |                                    ^
+//             '--GiveUp--> two halves, or quarantined, a gap
+//
+// What a worker prepares and finds is stored here as bytes of its build (base/packed_bytes.h), and deleted by Finish.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "victorious/base/error.h"
+
+namespace victorious {
+
+/// The frames [from, to) of a video.
+struct FrameInterval {
+  std::int64_t from = 0;
+  std::int64_t to = 0;
+
+  [[nodiscard]] std::int64_t size() const { return to - from; }
+  [[nodiscard]] bool Contains(std::int64_t frame) const { return frame >= from && frame < to; }
+  auto operator<=>(const FrameInterval&) const = default;
+};
+
+enum class SegmentState {
+  kOpen,         ///< to be searched
+  kDone,         ///< its results are stored
+  kQuarantined,  ///< kills who searches it: left out
+};
+
+struct Segment {
+  FrameInterval frames;
+  SegmentState state = SegmentState::kOpen;
+  std::string reason;  ///< of the quarantine; else empty
+
+  bool operator==(const Segment&) const = default;
+};
+
+/// A video that is cut.
+struct VideoCut {
+  std::int64_t video = 0;
+  std::string plan;       ///< what is searched for and how, and by which build: one text for each
+  std::int64_t step = 1;  ///< frames between the places where a segment may be cut
+  bool is_whole = false;  ///< its frames are not those that its container lists: one process must search it
+  std::vector<Segment> segments = {};  ///< by frame, without a gap
+};
+
+/// No segment is cut shorter, frames.
+inline constexpr std::int64_t kMinSegmentFrames = 60;
+
+/// Frames of a video that were left out of the search for a model.
+struct CoverageGap {
+  std::int64_t video = 0;
+  FrameInterval frames;
+  double from_s = 0;  ///< time of the first frame
+  double to_s = 0;    ///< of the last one
+  std::string reason;
+
+  bool operator==(const CoverageGap&) const = default;
+};
+
+/// Not thread-safe: use from one thread at a time. Other processes may write at the same time.
+class SegmentStore {
+ public:
+  virtual ~SegmentStore() = default;
+
+  /// Stores a cut in place of the video's present one. Without effect if that has the same plan.
+  /// @param prepared  what each segment needs to know of the video
+  [[nodiscard]] virtual Status Put(const VideoCut& cut, std::span<const std::byte> prepared) = 0;
+
+  /// The cut of a video; std::nullopt if it has none.
+  [[nodiscard]] virtual Expected<std::optional<VideoCut>> Find(std::int64_t video) = 0;
+
+  /// What was prepared for the video's segments. Error: kNotFound without a cut.
+  [[nodiscard]] virtual Expected<std::vector<std::byte>> Prepared(std::int64_t video) = 0;
+
+  /// Stores the results of a segment: it is done. Without effect if it is done already. Error: kConflict if the cut has
+  /// another plan now, or no such segment.
+  [[nodiscard]] virtual Status Complete(std::int64_t video, const std::string& plan, FrameInterval frames,
+                                        std::span<const std::byte> results) = 0;
+
+  /// Visits the results of the segments that are done, by frame.
+  [[nodiscard]] virtual Status VisitResults(
+      std::int64_t video, const std::function<Status(FrameInterval, std::span<const std::byte>)>& visit) = 0;
+
+  /// Says that one process must search the video as a whole.
+  [[nodiscard]] virtual Status SetWhole(std::int64_t video, const std::string& plan) = 0;
+
+  /// Gives up an open segment that kills who searches it: cuts it in halves, at a multiple of the cut's step; one of
+  /// less than two steps, or of kMinSegmentFrames or less, is quarantined. Without effect on any other segment.
+  [[nodiscard]] virtual Status GiveUp(std::int64_t video, FrameInterval frames, const std::string& reason) = 0;
+
+  /// Deletes the cut, and stores the gaps of the searches for these models, in place of their former ones, in one
+  /// transaction. A gap is deleted with its search. Without effect if the cut has another plan now.
+  [[nodiscard]] virtual Status Finish(std::int64_t video, const std::string& plan, std::span<const std::int64_t> models,
+                                      std::span<const CoverageGap> gaps) = 0;
+
+  /// The stored gaps of all videos, by video and frame; a gap of several models once.
+  [[nodiscard]] virtual Expected<std::vector<CoverageGap>> Gaps() = 0;
+};
+
+/// Where GiveUp cuts a segment; std::nullopt: not at all.
+[[nodiscard]] std::optional<std::int64_t> MiddleOf(FrameInterval frames, std::int64_t step);
+
+}  // namespace victorious
