@@ -1,6 +1,8 @@
 """Videos shared out to workers: what N workers write is what one process writes, whoever dies meanwhile."""
 
+import contextlib
 import json
+import os
 import signal
 import subprocess
 import time
@@ -43,10 +45,10 @@ class ClusterTest(program.ProgramTest):
     def status(self) -> dict:
         return json.loads(self.succeeds("cluster", "status", "--db", self.url, "--json").out)
 
-    def assert_same_as_one_process(self):
+    def assert_same_as_one_process(self, *flags):
         """Objects and sightings are those of one process; the objects have other ids."""
         db = self.scratch / "one.db"
-        self.succeeds("index", *self.videos, "--models", program.models(), "--db", db)
+        self.succeeds("index", *self.videos, "--models", program.models(), "--db", db, *flags)
         for form in ("objects", "sightings"):
             of_workers, of_one = (self.numbered(self.exported(index, form)) for index in (self.url, db))
             self.assertEqual(of_workers, of_one, form)
@@ -94,6 +96,64 @@ class ClusterTest(program.ProgramTest):
         self.assertEqual(self.status()["done"], 3)
         self.assert_same_as_one_process()
 
+    def test_workers_share_one_video(self):
+        params = self.write("params.json", '{"follow": {"restart_interval_frames": 5}}')
+        self.videos = self.videos[:2]
+        self.submit(*self.videos, "--params", params, "--segment", 1)
+        workers = [self.start_worker() for _ in range(3)]
+        self.wait_until(lambda: self.events_of(workers[0]).count("claimed") > 1)
+        workers[0].kill()
+        workers[0].communicate(timeout=program.TIMEOUT_S)
+        self.sql("UPDATE victorious.tasks SET leased_until = now() - interval '1 s' WHERE state = 'running'")
+        self.wait_until(lambda: self.status()["done"] == 2)
+        for worker in workers[1:]:
+            worker.send_signal(signal.SIGINT)
+        self.finish(*workers[1:])
+        status = self.status()
+        self.assertEqual((status["queued"], status["waiting"], status["failed"]), (0, 0, 0), status)
+        self.assertEqual(status["segments"], {"queued": 0, "running": 0, "done": 6, "failed": 0})
+        self.assertGreater(status["seconds_per_segment"], 0)
+        self.assertEqual(status["gaps"], [])
+        self.assertEqual(self.sql("SELECT count(*) FROM victorious.video_cuts"), ["0"])
+        self.assert_same_as_one_process("--params", params)
+
+    def test_frames_that_kill_are_left_out(self):
+        self.videos = [program.flight(130) / "flight.mkv"]
+        self.submit(*self.videos, "--segment", 6)
+        worker = self.start_worker("--until-empty", "--retry-delay", "0")
+        while worker.poll() is None:
+            self.kill_who_searches(70)
+            time.sleep(0.01)
+        self.finish(worker)
+        status = self.status()
+        self.assertEqual((status["done"], status["segments"]["failed"]), (1, 1), status)
+        (gap,) = status["gaps"]
+        self.assertEqual((gap["video"], gap["segment"]), (str(self.videos[0]), [60, 120]))
+        self.assertIn("signal 9", gap["reason"])
+        self.assertIn("frames 60 to 119, 6.0 to 11.9 s", self.succeeds("cluster", "status", "--db", self.url).out)
+        db = self.scratch / "one.db"
+        self.succeeds("index", *self.videos, "--models", program.models(), "--db", db)
+        found, all_found = (self.seen_in(index) for index in (self.url, db))
+        self.assertEqual(found, [row for row in all_found if not 60 <= row[0] < 120])
+        self.assertGreater(len(all_found), len(found))
+
+    def kill_who_searches(self, frame):
+        for process in Path("/proc").iterdir():
+            try:
+                words = (process / "cmdline").read_bytes().decode().split("\0")
+            except OSError:
+                continue
+            if "--frames" not in words or self.url not in words:
+                continue
+            begin, _, end = words[words.index("--frames") + 1].partition(":")
+            if int(begin) <= frame < int(end):
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(int(process.name), signal.SIGKILL)
+
+    def seen_in(self, db) -> list[tuple]:
+        rows = [json.loads(line) for line in self.exported(db, "sightings").splitlines()]
+        return sorted((row["frame"], row["model"], row["score"]) for row in rows)
+
     def sql(self, statement) -> list[str]:
         command = ["psql", self.url, "--quiet", "--no-align", "--tuples-only", "--command", statement]
         return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
@@ -132,6 +192,11 @@ class ClusterTest(program.ProgramTest):
         self.refuses(2, "none.mkv", "submit", "none.mkv", "--models", models, "--db", self.url)
         self.refuses(2, "--every", "submit", self.videos[0], "--models", models, "--db", self.url, "--every", -1)
         self.refuses(2, "quality", "submit", self.videos[0], "--models", models, "--db", self.url, "--quality", "best")
+        self.refuses(2, "--db postgresql://", "index", self.videos[0], "--models", models, "--db", "x.db", "--cut", 60)
+        index = ("index", self.videos[0], "--models", models, "--db", self.url)
+        for frames in ("5", "5:", "5:5", "-1:5", "a:b"):
+            self.refuses(2, "FROM:TO", *index, f"--frames={frames}")
+        self.refuses(2, "one whole video", *index, "--cut", 60, "--from", 1)
         self.refuses(2, "no index in this database", "work", "--db", self.url)
         done = program.run("submit", "none.mkv", self.videos[0], "--models", models, "--db", self.url)
         self.assertEqual(done.status, 2)

@@ -20,13 +20,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-enum class EventKind { kProgress, kInfo, kWarning, kError, kVideoLeft };
+enum class EventKind { kProgress, kInfo, kWarning, kError, kVideoLeft, kVideoCut };
 
 constexpr auto kEventKindTexts = std::to_array<EnumText<EventKind>>({{EventKind::kProgress, "progress"},
                                                                      {EventKind::kInfo, "info"},
                                                                      {EventKind::kWarning, "warning"},
                                                                      {EventKind::kError, "error"},
-                                                                     {EventKind::kVideoLeft, "video_left"}});
+                                                                     {EventKind::kVideoLeft, "video_left"},
+                                                                     {EventKind::kVideoCut, "video_cut"}});
 
 std::string EventText(const std::string& text) { return OneLine(text.substr(0, kMaxEventTextBytes)); }
 
@@ -52,13 +53,15 @@ struct EventWriter {
     return json;
   }
 
-  Json operator()(const VideoLeftEvent& event) const {
-    Json json = NewEvent(EventKind::kVideoLeft);
-    json["video"] = EventText(event.video);
-    return json;
-  }
+  Json operator()(const VideoLeftEvent& event) const { return Video(EventKind::kVideoLeft, event.video); }
+  Json operator()(const VideoCutEvent& event) const { return Video(EventKind::kVideoCut, event.video); }
 
  private:
+  static Json Video(EventKind kind, const std::string& video) {
+    Json json = NewEvent(kind);
+    json["video"] = EventText(video);
+    return json;
+  }
   static Json Message(EventKind kind, const std::string& message) {
     Json json = NewEvent(kind);
     json["message"] = EventText(message);
@@ -162,8 +165,10 @@ Expected<ProgramEvent> ParseEvent(std::string_view line) {
       return ReadProgress(reader);
     case EventKind::kError:
       return ReadError(reader);
-    case EventKind::kVideoLeft: {
+    case EventKind::kVideoLeft:
+    case EventKind::kVideoCut: {
       VICTORIOUS_ASSIGN_OR_RETURN(std::string video, reader.Text("video"));
+      if (*kind == EventKind::kVideoCut) return VideoCutEvent{std::move(video)};
       return VideoLeftEvent{std::move(video)};
     }
     case EventKind::kInfo:

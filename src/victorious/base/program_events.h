@@ -51,7 +51,14 @@ struct VideoLeftEvent {
   bool operator==(const VideoLeftEvent&) const = default;
 };
 
-using ProgramEvent = std::variant<ProgressEvent, InfoEvent, WarningEvent, ErrorEvent, VideoLeftEvent>;
+/// `victorious index --cut` ends before the video is indexed: its segments are to be searched first.
+struct VideoCutEvent {
+  std::string video;
+
+  bool operator==(const VideoCutEvent&) const = default;
+};
+
+using ProgramEvent = std::variant<ProgressEvent, InfoEvent, WarningEvent, ErrorEvent, VideoLeftEvent, VideoCutEvent>;
 
 /// No line is longer: the writer cuts texts to kMaxEventTextBytes.
 inline constexpr std::size_t kMaxEventBytes = std::size_t{1} << 20;

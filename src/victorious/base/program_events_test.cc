@@ -26,13 +26,14 @@ TEST(ProgramEvents, LinesAreThoseOfTheFormat) {
   EXPECT_EQ(FormatEvent(ErrorEvent{{ErrorCode::kNoSpace, "x"}}),
             R"({"event":"error","message":"x","code":"no_space"})");
   EXPECT_EQ(FormatEvent(VideoLeftEvent{"x"}), R"({"event":"video_left","video":"x"})");
+  EXPECT_EQ(FormatEvent(VideoCutEvent{"x"}), R"({"event":"video_cut","video":"x"})");
 }
 
 TEST(ProgramEvents, ComeBackAsTheyWereWritten) {
   for (const ProgramEvent& event : std::initializer_list<ProgramEvent>{
            ProgressEvent{.label = "a \"b\"\\", .done = 12, .total = 40, .unit = "frames", .elapsed_s = 0.1},
            ProgressEvent{.label = "", .done = 0, .total = {}, .unit = "", .elapsed_s = 0}, InfoEvent{"é"},
-           WarningEvent{"{\"event\":\"info\"}"}, VideoLeftEvent{"rtsp://a"}}) {
+           WarningEvent{"{\"event\":\"info\"}"}, VideoLeftEvent{"rtsp://a"}, VideoCutEvent{"/a.mp4"}}) {
     EXPECT_EQ(ParseEvent(FormatEvent(event)), event) << FormatEvent(event);
   }
   for (int code = 0; code <= static_cast<int>(ErrorCode::kInternal); ++code) {

@@ -1,5 +1,6 @@
 // victorious index VIDEO... --models DIR --categories FILE --db DB
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,6 +26,7 @@
 #include "victorious/pipeline/indexer.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/store/open_store.h"
+#include "victorious/store/postgres/postgres_segment_store.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -49,6 +51,16 @@ struct Arguments {
   bool json = false;
   int threads = 0;
   std::string draw;
+  std::optional<double> cut_s;
+  std::string frames;
+};
+
+// What is done with one video.
+struct Work {
+  IndexStore& store;
+  SegmentStore* segments = nullptr;  // of --cut and --frames
+  std::optional<double> cut_s;
+  std::optional<FrameInterval> frames;
 };
 
 Error CombineErrors(const std::optional<Error>& one, const Error& other) {
@@ -121,6 +133,16 @@ Status CheckArguments(const Arguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--from {:g} is after --to {:g}: --to must be the later time",
                                                          *arguments.from_s, *arguments.to_s));
   }
+  if (!arguments.cut_s && arguments.frames.empty()) return {};
+  if (!IsDatabaseUrl(arguments.db)) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "--cut and --frames are for workers, which share a database: give --db postgresql://USER@HOST/DATABASE");
+  }
+  if (arguments.videos.size() > 1 || arguments.redo || arguments.from_s || arguments.to_s || !arguments.draw.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--cut and --frames apply to one whole video: leave out --redo, --from, --to and --draw");
+  }
   return {};
 }
 
@@ -159,6 +181,35 @@ nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& repor
           {"sun", std::move(sun)}};
 }
 
+// "FROM:TO", as `work` gives it.
+Expected<std::optional<FrameInterval>> ReadFrames(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  FrameInterval frames;
+  const char* const end = text.data() + text.size();
+  const auto from = std::from_chars(text.data(), end, frames.from);
+  const bool has_from = from.ec == std::errc() && from.ptr != end && *from.ptr == ':';
+  const auto to = std::from_chars(has_from ? from.ptr + 1 : end, end, frames.to);
+  if (!has_from || to.ec != std::errc() || to.ptr != end || frames.from < 0 || frames.from >= frames.to) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("--frames {}: give FROM:TO, the first frame of a segment and the one after it", OneLine(text)));
+  }
+  return frames;
+}
+
+Expected<SegmentedReport> IndexVideo(const Indexer& indexer, const IndexJob& job, const Work& work,
+                                     const WarningSink& warn) {
+  if (work.cut_s) return indexer.IndexBySegments(job, *work.cut_s, Interrupt(), work.store, *work.segments, warn);
+  SegmentedReport report;
+  if (work.frames) {
+    VICTORIOUS_ASSIGN_OR_RETURN(report.index,
+                                indexer.IndexSegment(job, *work.frames, Interrupt(), work.store, *work.segments, warn));
+  } else {
+    VICTORIOUS_ASSIGN_OR_RETURN(report.index, indexer.Index(job, Interrupt(), work.store, warn));
+  }
+  return report;
+}
+
 // Warns of objects whose place was rejected: their telemetry may be of another flight.
 Status WarnOfRejectedPlaces(IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects({}));
@@ -177,6 +228,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
       CheckOutputs(parser, {{"--db", arguments.db, std::nullopt}, {"--draw", arguments.draw, FileKind::kVideo}}));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<FrameInterval> frames, ReadFrames(arguments.frames));
   std::vector<ObjectModel> models;
   if (!arguments.models.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
@@ -201,6 +253,11 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
   if (std::ranges::none_of(arguments.videos, can_be_read)) return std::unexpected(*std::move(failure));
   for (const auto& [video, error] : unreadable) LogWarning("left out: {}", OneLine(error.message));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
+  std::unique_ptr<SegmentStore> segments;
+  if (arguments.cut_s || frames) {
+    VICTORIOUS_ASSIGN_OR_RETURN(segments, OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate));
+  }
+  const Work work{.store = *store, .segments = segments.get(), .cut_s = arguments.cut_s, .frames = frames};
   for (const std::string& video : arguments.videos) {
     if (!can_be_read(video)) continue;
     const auto warn = [&](const std::string& warning) { LogWarning("{}: {}", video, warning); };
@@ -211,7 +268,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
                        .from_s = arguments.from_s,
                        .to_s = arguments.to_s,
                        .inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); }};
-    const Expected<IndexReport> report = indexer.Index(job, Interrupt(), *store, warn);
+    const Expected<SegmentedReport> report = IndexVideo(indexer, job, work, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
       LogInfo("{}; the video is left to it", OneLine(report.error().message));
       ReportEvent(VideoLeftEvent{video});
@@ -222,8 +279,13 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
       if (report.error().code == ErrorCode::kCancelled) break;
       continue;
     }
-    LogReport(video, *report);
-    if (arguments.json) VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", DumpJson(ToJson(video, *report)) + "\n"));
+    if (report->is_waiting) {
+      LogInfo("{}: cut into segments, which are to be searched first", OneLine(video));
+      ReportEvent(VideoCutEvent{video});
+      return {};
+    }
+    LogReport(video, report->index);
+    if (arguments.json) VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", DumpJson(ToJson(video, report->index)) + "\n"));
   }
   if (failure) return std::unexpected(*std::move(failure));
   if (!arguments.draw.empty()) {
@@ -233,7 +295,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
                                          {.folder_frame_rate = options.video.folder_frame_rate}, arguments.draw,
                                          Interrupt()));
   }
-  return WarnOfRejectedPlaces(*store);
+  return frames ? Status() : WarnOfRejectedPlaces(*store);
 }
 
 }  // namespace
@@ -271,6 +333,13 @@ Action SetUpIndex(ArgumentParser& parser) {
       .Add("--keep-features", arguments->keep_features,
            "Seconds between the frames whose features are kept for `search --image` (default 1), or none")
       .TypeName("SECONDS");
+  parser
+      .Add("--cut", arguments->cut_s,
+           "For workers: cut a long video into segments of so many seconds and end; once they are searched, join them")
+      .Range(0.001, 1e6)
+      .TypeName("SECONDS");
+  parser.Add("--frames", arguments->frames, "For workers: search only this segment, which --cut made")
+      .TypeName("FROM:TO");
   AddFieldOfView(parser, arguments->hfov_deg);
   AddCamera(parser, arguments->camera);
   AddGround(parser, arguments->ground);

@@ -34,6 +34,7 @@ struct Arguments {
   std::string params;
   std::string quality;
   std::optional<int> every;
+  double segment_s = 60;
   bool urgent = false;
 };
 
@@ -111,7 +112,10 @@ Status Run(const Arguments& arguments) {
   std::vector<VideoRecord> videos;
   std::optional<Error> failure;
   for (const std::string& video : arguments.videos) {
-    const IndexTask task{.video = AbsolutePath(video), .options = IndexOptionsOf(arguments), .program = program};
+    const IndexTask task{.video = AbsolutePath(video),
+                         .options = IndexOptionsOf(arguments),
+                         .program = program,
+                         .segment_s = arguments.segment_s};
     Expected<VideoRecord> record = DescribeVideo(video, task.video);
     if (!record) {  // the others are submitted all the same
       if (record.error().code == ErrorCode::kCancelled) return std::unexpected(record.error());
@@ -150,6 +154,12 @@ Action SetUpSubmit(ArgumentParser& parser) {
   AddParams(parser, arguments->params, "index");
   parser.Add("--quality", arguments->quality, "fast, normal or thorough, as of `victorious index`").TypeName("NAME");
   parser.Add("--every", arguments->every, "Search every N-th frame completely").TypeName("N");
+  parser
+      .Add("--segment", arguments->segment_s,
+           "Seconds of video that a worker takes at a time, so that several index one video; 0: whole videos")
+      .ShowDefault()
+      .Range(0.0, 86'400.0)
+      .TypeName("SECONDS");
   parser.AddFlag("--urgent", arguments->urgent, "Before what was submitted without this flag");
   return [=] { return Run(*arguments); };
 }

@@ -14,6 +14,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/cluster/worker.h"
 #include "victorious/store/open_store.h"
+#include "victorious/store/postgres/postgres_segment_store.h"
 
 namespace victorious::cli {
 namespace {
@@ -40,6 +41,8 @@ Status Run(const Arguments& arguments) {
   }
   const CancelToken& interrupt = Interrupt();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<SegmentStore> segments,
+                              OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate));
   const std::string name = WorkerName();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
   VICTORIOUS_ASSIGN_OR_RETURN(
@@ -60,9 +63,10 @@ Status Run(const Arguments& arguments) {
   LogInfo("worker {} of {}", name, StoreName(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::int64_t done,
-      Work(*queue, *store, RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform),
+      Work(*queue, *store, *segments,
+           RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform),
            {.until_empty = arguments.until_empty, .inform = inform}, interrupt));
-  LogInfo("{} done", CountText(done, "video"));
+  LogInfo("{} done", CountText(done, "task"));
   return {};
 }
 

@@ -1,8 +1,12 @@
 #include "victorious/cluster/index_task.h"
 
+#include <cstdint>
+#include <span>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/base/one_line.h"
 
@@ -16,6 +20,32 @@ bool IsArgument(const std::string& text) {
 
 bool IsArgument(const nlohmann::json& value) { return value.is_string() && IsArgument(value.get<std::string>()); }
 
+nlohmann::ordered_json PayloadOf(const IndexTask& task) {
+  nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
+  if (task.segment_s > 0) payload["segment_s"] = task.segment_s;
+  if (task.part) {
+    payload["video_id"] = task.part->video;
+    payload["from"] = task.part->frames.from;
+    payload["to"] = task.part->frames.to;
+  }
+  return payload;
+}
+
+// A whole number of at least 0.
+std::optional<std::int64_t> CountOf(const nlohmann::json& fields, const char* name) {
+  if (!fields.contains(name) || !fields[name].is_number_integer()) return std::nullopt;
+  const auto value = fields[name].get<std::int64_t>();
+  return value >= 0 ? std::optional(value) : std::nullopt;
+}
+
+std::optional<SegmentPart> PartOf(const nlohmann::json& fields) {
+  const auto video = CountOf(fields, "video_id");
+  const auto from = CountOf(fields, "from");
+  const auto to = CountOf(fields, "to");
+  if (!video || !from || !to || *from >= *to) return std::nullopt;
+  return SegmentPart{*video, {*from, *to}};
+}
+
 }  // namespace
 
 Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& content,
@@ -27,16 +57,31 @@ Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& co
   for (const std::string& option : task.options) {
     if (!IsArgument(option)) return invalid(option);
   }
-  const nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
   return postgres::NewTask{.kind = std::string(kIndexTaskKind),
                            .key = fmt::format("{} {}", content, DumpJson(nlohmann::json(task.options))),
                            .priority = priority,
-                           .payload = DumpJson(payload),
+                           .payload = DumpJson(PayloadOf(task)),
                            .program = task.program};
 }
 
+std::vector<postgres::NewTask> PartsOf(const IndexTask& video, const std::string& key, const VideoCut& cut) {
+  std::vector<postgres::NewTask> parts;
+  const std::uint64_t plan = Checksum(std::as_bytes(std::span(cut.plan)));
+  for (const Segment& segment : cut.segments) {
+    if (segment.state != SegmentState::kOpen) continue;
+    IndexTask part = video;
+    part.segment_s = 0;
+    part.part = SegmentPart{cut.video, segment.frames};
+    parts.push_back({.kind = std::string(kSegmentTaskKind),
+                     .key = fmt::format("{} {:016x} {} {}", key, plan, segment.frames.from, segment.frames.to),
+                     .payload = DumpJson(PayloadOf(part)),
+                     .program = video.program});
+  }
+  return parts;
+}
+
 Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
-  if (kind != kIndexTaskKind) {
+  if (kind != kIndexTaskKind && kind != kSegmentTaskKind) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("a task of the kind \"{}\", which this program cannot do", OneLine(std::string(kind))));
   }
@@ -54,6 +99,15 @@ Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
   for (const nlohmann::json& option : (*fields)["options"]) {
     if (!IsArgument(option)) return invalid(kOptionsRule);
     task.options.push_back(option);
+  }
+  if (fields->contains("segment_s")) {
+    const nlohmann::json& seconds = (*fields)["segment_s"];
+    if (!seconds.is_number() || !(seconds.get<double>() > 0)) return invalid("segment_s must be a number above 0");
+    task.segment_s = seconds;
+  }
+  if (kind == kSegmentTaskKind) {
+    task.part = PartOf(*fields);
+    if (!task.part) return invalid("video_id, from and to must be the frames of a segment");
   }
   return task;
 }

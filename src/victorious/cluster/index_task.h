@@ -1,21 +1,32 @@
-// One video to be indexed, as a task of the queue.
+// One video to be indexed, or one segment of it, as a task of the queue.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "victorious/base/error.h"
 #include "victorious/store/postgres/task_queue.h"
+#include "victorious/store/segment_store.h"
 
 namespace victorious {
 
 inline constexpr std::string_view kIndexTaskKind = "index";
+inline constexpr std::string_view kSegmentTaskKind = "segment";
+
+/// A part of a video that is cut (store/segment_store.h).
+struct SegmentPart {
+  std::int64_t video = 0;  ///< its id in the index
+  FrameInterval frames;
+};
 
 struct IndexTask {
   std::string video;                 ///< absolute path, the same on all machines
   std::vector<std::string> options;  ///< of `victorious index`, but for --db: "--models", "/data/models", …
   std::string program;               ///< ProgramId() of the program that submitted it: others may find other things
+  double segment_s = 0;              ///< length of the segments into which the video is cut; 0: it is not cut
+  std::optional<SegmentPart> part = std::nullopt;  ///< only this segment
 };
 
 /// The task for the queue.
@@ -24,6 +35,11 @@ struct IndexTask {
 /// Error: kInvalidArgument for a text that a task cannot hold: not UTF-8, or with a zero byte.
 [[nodiscard]] Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& content,
                                                   postgres::TaskPriority priority);
+
+/// The task of each open segment of a cut video.
+/// @param video  the task of the video; the key of that in the queue is `key`
+[[nodiscard]] std::vector<postgres::NewTask> PartsOf(const IndexTask& video, const std::string& key,
+                                                     const VideoCut& cut);
 
 /// Safe for any bytes. Error: kInvalidArgument, in one line, for a task of another kind, or a payload that is not
 /// valid.

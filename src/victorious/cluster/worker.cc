@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/child_task.h"
+#include "victorious/base/count_text.h"
 
 namespace victorious {
 namespace {
@@ -18,6 +19,8 @@ using postgres::TaskQueue;
 
 constexpr std::chrono::milliseconds kCancelPoll{200};
 constexpr std::chrono::minutes kMaxOutage{5};  // of the database, that a worker waits out
+constexpr int kSignalStatus = 128;             // and the number of the signal that killed a process
+constexpr double kShorterSegments = 8;         // to the last attempt of a video
 
 // The positions of the searches of a video, summed over models: a measure of progress.
 Expected<std::int64_t> SumNextFrames(std::int64_t video, IndexStore& store) {
@@ -87,16 +90,58 @@ class LeaseKeeper {
   bool is_lost_ = false;
 };
 
+// For messages: the video, and the frames of a segment.
+std::string NameOf(const IndexTask& work) {
+  if (!work.part) return work.video;
+  return fmt::format("{}, frames {} to {}", work.video, work.part->frames.from, work.part->frames.to - 1);
+}
+
+bool IsKilled(const ChildEnd& end) { return end.status > kSignalStatus; }
+
+// Lets the task of a video wait for its segments.
+Status WaitForSegments(const Task& task, const IndexTask& work, TaskQueue& queue, IndexStore& store,
+                       SegmentStore& segments, const WorkerOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  for (const VideoRecord& video : videos) {
+    if (video.name != work.video) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoCut> cut, segments.Find(video.id));
+    if (!cut) continue;
+    const std::vector<postgres::NewTask> parts = PartsOf(work, task.key, *cut);
+    options.inform(fmt::format("{}: cut, {} to be searched", work.video, CountText(parts.size(), "segment")));
+    return queue.Wait(task, parts);
+  }
+  return queue.Release(task);  // cut anew, or deleted, at this moment
+}
+
+// The segments that killed whoever searched them: cut in halves, or left out.
+Status GiveUpFatalSegments(const Task& task, TaskQueue& queue, SegmentStore& segments, const WorkerOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<postgres::TaskRecord> failed, queue.FatalParts(task));
+  for (const postgres::TaskRecord& record : failed) {
+    const Expected<IndexTask> work = FromQueue(record.kind, record.payload);
+    if (!work || !work->part) continue;
+    VICTORIOUS_RETURN_IF_ERROR(segments.GiveUp(work->part->video, work->part->frames, record.reason));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoCut> cut, segments.Find(work->part->video));
+    const bool is_left_out =
+        cut && std::ranges::any_of(cut->segments, [&](const Segment& segment) {
+          return segment.frames == work->part->frames && segment.state == SegmentState::kQuarantined;
+        });
+    options.inform(fmt::format("{}: {}: {}", NameOf(*work), is_left_out ? "left out" : "cut in halves", record.reason));
+    // What is left out stays in the list of failures.
+    if (!is_left_out) VICTORIOUS_RETURN_IF_ERROR(queue.CloseFailed(record.id));
+  }
+  return {};
+}
+
 // Ends a task in the queue by how its process ended. Returns whether it is done.
 Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
-                       const WorkerOptions& options) {
+                       IndexStore& store, SegmentStore& segments, const WorkerOptions& options) {
   if (is_cancelled && end.child.status != 0) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Release(task));
     return false;
   }
   if (end.child.status != 0) {
-    options.inform(fmt::format("{}: attempt {} failed: {}", work.video, task.attempt, DescribeFailure(end.child)));
-    VICTORIOUS_RETURN_IF_ERROR(queue.Fail(task, DescribeFailure(end.child)));
+    options.inform(fmt::format("{}: attempt {} failed: {}", NameOf(work), task.attempt, DescribeFailure(end.child)));
+    VICTORIOUS_RETURN_IF_ERROR(queue.Fail(task, DescribeFailure(end.child), IsKilled(end.child)));
     return false;
   }
   if (end.is_left) {
@@ -104,20 +149,27 @@ Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& e
     VICTORIOUS_RETURN_IF_ERROR(queue.Release(task, options.left_delay));
     return false;
   }
+  if (end.is_cut) {
+    VICTORIOUS_RETURN_IF_ERROR(WaitForSegments(task, work, queue, store, segments, options));
+    return false;
+  }
   VICTORIOUS_RETURN_IF_ERROR(queue.Complete(task));
-  options.inform(fmt::format("{}: done", work.video));
+  options.inform(fmt::format("{}: done", NameOf(work)));
   return true;
 }
 
 // Does one task. Returns whether it is done.
-Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, const RunTask& run,
+Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, SegmentStore& segments, const RunTask& run,
                       const WorkerOptions& options, const CancelToken& cancel) {
-  const Expected<IndexTask> work = FromQueue(task.kind, task.payload);
+  Expected<IndexTask> work = FromQueue(task.kind, task.payload);
   if (!work) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Reject(task, work.error().message));
     return false;
   }
-  options.inform(fmt::format("{}: begun (attempt {})", work->video, task.attempt));
+  if (!work->part) VICTORIOUS_RETURN_IF_ERROR(GiveUpFatalSegments(task, queue, segments, options));
+  // The last attempt must not kill this worker, too: only a short segment can.
+  if (task.failures + 1 == kMaxAttempts) work->segment_s /= kShorterSegments;
+  options.inform(fmt::format("{}: begun (attempt {})", NameOf(*work), task.attempt));
   LeaseKeeper keeper(queue, store, task, work->video, options.inform, cancel);
   const Expected<TaskEnd> end = run(*work, [&] { return keeper.Keep(); });
   if (!end) {
@@ -125,9 +177,9 @@ Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, con
     return std::unexpected(end.error());
   }
   Expected<bool> done = false;
-  if (!keeper.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, options);
+  if (!keeper.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, store, segments, options);
   if (!keeper.is_lost() && (done || done.error().code != ErrorCode::kConflict)) return done;
-  options.inform(fmt::format("{}: its lease was lost: left to another worker", work->video));
+  options.inform(fmt::format("{}: its lease was lost: left to another worker", NameOf(*work)));
   return false;
 }
 
@@ -138,11 +190,11 @@ enum class Step {
   kEmpty,  ///< no task is open
 };
 
-Expected<Step> DoNext(TaskQueue& queue, IndexStore& store, const RunTask& run, const WorkerOptions& options,
-                      const CancelToken& cancel) {
+Expected<Step> DoNext(TaskQueue& queue, IndexStore& store, SegmentStore& segments, const RunTask& run,
+                      const WorkerOptions& options, const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Task> task, queue.Claim());
   if (task) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const bool is_done, DoTask(*task, queue, store, run, options, cancel));
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool is_done, DoTask(*task, queue, store, segments, run, options, cancel));
     return is_done ? Step::kDone : Step::kEnded;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue.HasOpenTasks());
@@ -165,12 +217,18 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
     std::vector<std::string> arguments = {"index"};
     arguments.insert(arguments.end(), task.options.begin(), task.options.end());
     arguments.insert(arguments.end(), more.begin(), more.end());
+    if (task.segment_s > 0) arguments.insert(arguments.end(), {"--cut", fmt::format("{}", task.segment_s)});
+    if (task.part) {
+      arguments.insert(arguments.end(),
+                       {"--frames", fmt::format("{}:{}", task.part->frames.from, task.part->frames.to)});
+    }
     // "--" ends the options, so that the name of a file may begin with a dash.
     arguments.insert(arguments.end(), {"--", task.video});
     TaskEnd end;
     const auto read = [&](const ProgramEvent& event) {
       if (const auto* const warning = std::get_if<WarningEvent>(&event)) inform("warning: " + warning->message);
       end.is_left |= std::holds_alternative<VideoLeftEvent>(event);
+      end.is_cut |= std::holds_alternative<VideoCutEvent>(event);
     };
     // Renewed also while the process ends: its lease must not run out meanwhile.
     VICTORIOUS_ASSIGN_OR_RETURN(end.child,
@@ -179,12 +237,12 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
   };
 }
 
-Expected<std::int64_t> Work(TaskQueue& queue, IndexStore& store, const RunTask& run, const WorkerOptions& options,
-                            const CancelToken& cancel) {
+Expected<std::int64_t> Work(TaskQueue& queue, IndexStore& store, SegmentStore& segments, const RunTask& run,
+                            const WorkerOptions& options, const CancelToken& cancel) {
   std::int64_t done = 0;
   auto answered = std::chrono::steady_clock::now();
   while (!cancel.IsCancelled()) {
-    const Expected<Step> step = DoNext(queue, store, run, options, cancel);
+    const Expected<Step> step = DoNext(queue, store, segments, run, options, cancel);
     if (!step) {
       if (std::chrono::steady_clock::now() - answered > kMaxOutage) return std::unexpected(step.error());
       options.inform(step.error().message);

@@ -1,5 +1,9 @@
 // A worker: claims tasks of the queue, one at a time, and does each by `victorious index` as a child process. A video
 // that crashes a decoder ends its attempt, not the worker.
+//
+// A long video is cut into segments. Its task prepares it, waits for the segments, which any workers search, and then
+// joins them. A segment that kills whoever searches it is cut in halves, and its smallest part left out
+// (SegmentStore::GiveUp).
 #pragma once
 
 #include <chrono>
@@ -14,6 +18,7 @@
 #include "victorious/cluster/index_task.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/postgres/task_queue.h"
+#include "victorious/store/segment_store.h"
 
 namespace victorious {
 
@@ -21,6 +26,7 @@ namespace victorious {
 struct TaskEnd {
   ChildEnd child;
   bool is_left = false;  ///< another process indexes the same video
+  bool is_cut = false;   ///< the video's segments are to be searched first
 };
 
 struct WorkerOptions {
@@ -39,16 +45,19 @@ using RunTask =
 RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform);
 
 /// Does tasks until `cancel` is set, or until there are none left. A task
-/// - whose process ends well is done, unless another process indexes the same video: then it is released;
+/// - whose process ends well is done, unless another process indexes the same video: then it is released; or the video
+///   is cut: then it waits for its segments;
 /// - whose process fails or crashes is queued again; after kMaxAttempts attempts without progress it has failed, with
 ///   the reason;
-/// - that runs when `cancel` is set is released, and resumed by the next worker.
+/// - that runs when `cancel` is set is released, and resumed by the next worker;
+/// - of a whole video that killed its process or its worker twice is cut into short segments at its last attempt.
 /// Renews the lease while a task runs; once it is lost (this worker stood still too long), kills the task's process:
 /// another worker has the task, and two must not write the same results.
 /// Waits up to 5 minutes for a database that does not answer.
-/// @param store  the index of the queue, to be read
+/// @param store     the index of the queue, to be read
+/// @param segments  of the same index
 /// Returns the number of tasks done. Errors: those of the database.
-[[nodiscard]] Expected<std::int64_t> Work(postgres::TaskQueue& queue, IndexStore& store, const RunTask& run,
-                                          const WorkerOptions& options, const CancelToken& cancel);
+[[nodiscard]] Expected<std::int64_t> Work(postgres::TaskQueue& queue, IndexStore& store, SegmentStore& segments,
+                                          const RunTask& run, const WorkerOptions& options, const CancelToken& cancel);
 
 }  // namespace victorious

@@ -2,11 +2,14 @@
 // tests/e2e/test_cluster.py has the real one.
 #include "victorious/cluster/worker.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/scratch_postgres.h"
 #include "victorious/store/open_store.h"
+#include "victorious/store/postgres/postgres_segment_store.h"
 
 namespace victorious {
 namespace {
@@ -25,6 +28,9 @@ class PostgresWorkerTest : public ::testing::Test {
     auto store = OpenStore(url_, StoreMode::kCreate);
     ASSERT_TRUE(store) << store.error().message;
     store_ = *std::move(store);
+    auto segments = OpenPostgresSegmentStore(url_, StoreMode::kCreate);
+    ASSERT_TRUE(segments) << segments.error().message;
+    segments_ = *std::move(segments);
     auto queue = TaskQueue::Open(url_, {.worker = "worker", .program = "this", .retry_delay = {}});
     ASSERT_TRUE(queue) << queue.error().message;
     queue_ = *std::move(queue);
@@ -36,8 +42,15 @@ class PostgresWorkerTest : public ::testing::Test {
     ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
   }
 
+  void SubmitCut() {
+    const NewTask task =
+        ToQueue({.video = "/a.mp4", .options = {}, .program = "this", .segment_s = 60}, "c", TaskPriority::kBatch)
+            .value();
+    ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
+  }
+
   Expected<std::int64_t> WorkUntilEmpty(const RunTask& run) {
-    return Work(*queue_, *store_, run,
+    return Work(*queue_, *store_, *segments_, run,
                 {.until_empty = true,
                  .poll = std::chrono::milliseconds(1),
                  .left_delay = {},
@@ -51,6 +64,7 @@ class PostgresWorkerTest : public ::testing::Test {
 
   std::string url_;
   std::unique_ptr<IndexStore> store_;
+  std::unique_ptr<SegmentStore> segments_;
   std::unique_ptr<TaskQueue> queue_;
   std::vector<std::string> lines_;
   CancelToken cancel_;
@@ -113,7 +127,7 @@ TEST_F(PostgresWorkerTest, LostLeaseKillsTheProcess) {
   WorkerOptions options;
   options.until_empty = true;
   options.poll = std::chrono::milliseconds(1);
-  const auto done = Work(**queue, *store_, run, options, cancel_);
+  const auto done = Work(**queue, *store_, *segments_, run, options, cancel_);
   EXPECT_EQ(control, ChildControl::kKill);
   EXPECT_EQ(done.value_or(-1), 0) << "done by the other";
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
@@ -135,6 +149,115 @@ TEST_F(PostgresWorkerTest, TaskOfAnotherBuildIsNotTouched) {
   Submit("/a.mp4", "another");
   EXPECT_EQ(WorkUntilEmpty(EndWith({})).value_or(-1), 0);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
+}
+
+// Stands for `victorious index` on a video of 480 frames, of which those of a process that touches `fatal` are killed.
+class CutVideo {
+ public:
+  CutVideo(IndexStore& store, SegmentStore& segments, std::optional<std::int64_t> fatal)
+      : segments_(segments), fatal_(fatal) {
+    video_ = store.PutVideo({.content_id = "c", .name = "/a.mp4", .width = 64, .height = 48})->id;
+  }
+
+  Expected<TaskEnd> Run(const IndexTask& task) {
+    if (task.part) return Search(task.part->frames);
+    if (task.segment_s == 0) return Killed();
+    cut_lengths.push_back(task.segment_s);
+    const std::optional<VideoCut> cut = segments_.Find(video_).value();
+    if (!cut) {
+      EXPECT_TRUE(segments_.Put(
+          {.video = video_, .plan = "plan", .step = 60, .segments = {{{0, 240}, {}, {}}, {{240, 480}, {}, {}}}}, {}));
+      return TaskEnd{.is_cut = true};
+    }
+    if (std::ranges::find(cut->segments, SegmentState::kOpen, &Segment::state) != cut->segments.end())
+      return TaskEnd{.is_cut = true};
+    joined = cut->segments;
+    EXPECT_TRUE(segments_.Finish(video_, "plan", {}, {}));
+    return TaskEnd{};
+  }
+
+  std::vector<double> cut_lengths;
+  std::vector<FrameInterval> searched;
+  std::vector<Segment> joined;
+
+ private:
+  static TaskEnd Killed() { return {.child = {.status = 128 + 11}}; }
+
+  Expected<TaskEnd> Search(FrameInterval frames) {
+    if (fatal_ && frames.Contains(*fatal_)) return Killed();
+    searched.push_back(frames);
+    EXPECT_TRUE(segments_.Complete(video_, "plan", frames, {}));
+    return TaskEnd{};
+  }
+
+  SegmentStore& segments_;
+  std::optional<std::int64_t> fatal_;
+  std::int64_t video_ = 0;
+};
+
+TEST_F(PostgresWorkerTest, CutVideoWaitsForItsSegments) {
+  CutVideo video(*store_, *segments_, std::nullopt);
+  SubmitCut();
+  Submit("/b.mp4");
+  std::vector<std::string> order;
+  const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<ChildControl()>&) {
+    order.push_back(task.part ? "segment" : task.video);
+    return task.video == "/b.mp4" ? TaskEnd{} : video.Run(task);
+  });
+  EXPECT_EQ(done.value_or(0), 4) << "two videos, two segments";
+  EXPECT_EQ(order, (std::vector<std::string>{"/a.mp4", "segment", "segment", "/a.mp4", "/b.mp4"}))
+      << "a video that was begun is ended before the next one";
+  EXPECT_EQ(video.searched, (std::vector<FrameInterval>{{0, 240}, {240, 480}}));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 2}));
+  EXPECT_EQ(*queue_->CountParts(), (TaskCounts{.done = 2}));
+}
+
+TEST_F(PostgresWorkerTest, SegmentThatKillsIsHalvedUntilTheRestIsSearched) {
+  CutVideo video(*store_, *segments_, 130);
+  SubmitCut();
+  const auto done =
+      WorkUntilEmpty([&](const IndexTask& task, const std::function<ChildControl()>&) { return video.Run(task); });
+  EXPECT_TRUE(done) << done.error().message;
+  EXPECT_EQ(video.searched, (std::vector<FrameInterval>{{240, 480}, {0, 120}, {180, 240}}));
+  ASSERT_EQ(video.joined.size(), 4U);
+  EXPECT_EQ(video.joined[1].frames, (FrameInterval{120, 180}));
+  EXPECT_EQ(video.joined[1].state, SegmentState::kQuarantined);
+  EXPECT_THAT(video.joined[1].reason, HasSubstr("signal 11"));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
+  EXPECT_EQ(*queue_->CountParts(), (TaskCounts{.done = 5, .failed = 1})) << "the halved ones are done by others";
+  EXPECT_THAT(lines_, Contains(HasSubstr("frames 120 to 179: left out")));
+}
+
+// A video that is not cut at first kills its worker: its last attempt only cuts it.
+TEST_F(PostgresWorkerTest, LastAttemptOfAVideoCutsItShort) {
+  SubmitCut();
+  std::vector<double> lengths;
+  const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<ChildControl()>&) {
+    lengths.push_back(task.segment_s);
+    return lengths.size() < 3 ? TaskEnd{.child = {.status = 128 + 9}} : TaskEnd{};
+  });
+  EXPECT_EQ(done.value_or(0), 1);
+  EXPECT_EQ(lengths, (std::vector<double>{60, 60, 7.5}));
+}
+
+// A segment that cannot be read is no reason to cut it: the video has failed, until it is submitted again.
+TEST_F(PostgresWorkerTest, SegmentThatFailsFailsItsVideo) {
+  CutVideo video(*store_, *segments_, std::nullopt);
+  SubmitCut();
+  bool is_gone = true;
+  const auto run = [&](const IndexTask& task, const std::function<ChildControl()>&) -> Expected<TaskEnd> {
+    if (is_gone && task.part && task.part->frames.from > 0)
+      return TaskEnd{.child = {.status = 2, .error = Error{ErrorCode::kNotFound, "/a.mp4: no such file"}}};
+    return video.Run(task);
+  };
+  ASSERT_TRUE(WorkUntilEmpty(run));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.failed = 1}));
+  EXPECT_THAT(queue_->List(10)->front().reason, HasSubstr("no such file"));
+  is_gone = false;
+  SubmitCut();
+  ASSERT_TRUE(WorkUntilEmpty(run));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
+  EXPECT_EQ(video.searched, (std::vector<FrameInterval>{{0, 240}, {240, 480}})) << "what was done stays";
 }
 
 TEST_F(PostgresWorkerTest, InvalidTaskIsRejected) {

@@ -43,7 +43,12 @@ Expected<std::int64_t> TaskQueue::Submit(std::span<const NewTask> tasks) {
           "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, reason = NULL, not_before = NULL, "
           "payload = excluded.payload, program = excluded.program, "
           "priority = least(tasks.priority, excluded.priority) WHERE tasks.state = 'failed' OR "
-          "(tasks.state = 'queued' AND (tasks.program <> excluded.program OR excluded.priority < tasks.priority))"));
+          "(tasks.state = 'queued' AND (tasks.program <> excluded.program OR excluded.priority < tasks.priority)) OR "
+          "(tasks.state = 'waiting' AND tasks.program <> excluded.program)"));
+  // The parts that another build was to do.
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+      "UPDATE tasks c SET state = 'done', reason = 'taken over by another build' FROM tasks p JOIN new_tasks n "
+      "USING (kind, key) WHERE c.parent = p.id AND c.state IN ('queued', 'failed') AND c.program <> p.program"));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return added.Changes();
 }
@@ -55,34 +60,58 @@ Status TaskQueue::EndLostLeases() {
           "WITH lost AS (SELECT id, worker FROM tasks WHERE state = 'running' AND leased_until < now() "
           "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET failures = t.failures + 1, "
           "leased_until = NULL, worker = NULL, "
-          "state = CASE WHEN t.failures + 1 < ? THEN 'queued' ELSE 'failed' END, "
+          "state = CASE WHEN t.failures + 1 < ? THEN 'queued' ELSE 'failed' END, is_fatal = true, "
           "reason = 'its worker did not answer any more' FROM lost WHERE t.id = lost.id "
           "RETURNING t.id, t.attempt, lost.worker) "
           "INSERT INTO task_log (task_id, attempt, event, worker) SELECT id, attempt, 'lost', worker FROM ended",
           kMaxAttempts));
+  return ended.Changes() > 0 ? Wake(std::nullopt) : Status();
+}
+
+// A part of another build does not count: the task was submitted again by this one.
+Status TaskQueue::Wake(std::optional<std::int64_t> task) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result woken,
+      connection_->Write(
+          "UPDATE tasks p SET failures = 0, is_fatal = false, not_before = NULL, "
+          "state = CASE WHEN EXISTS (SELECT FROM tasks c WHERE c.parent = p.id AND c.program = p.program AND "
+          "c.state = 'failed' AND NOT c.is_fatal) THEN 'failed' ELSE 'queued' END, "
+          "reason = (SELECT c.reason FROM tasks c WHERE c.parent = p.id AND c.program = p.program AND "
+          "c.state = 'failed' AND NOT c.is_fatal ORDER BY c.id LIMIT 1) "
+          "WHERE p.state = 'waiting' AND p.id = coalesce(?, p.id) AND NOT EXISTS (SELECT FROM tasks c WHERE "
+          "c.parent = p.id AND c.program = p.program AND c.state IN ('queued', 'running'))",
+          task));
   return {};
 }
+
+Status TaskQueue::WakeParent(const Task& part) { return part.parent ? Wake(part.parent) : Status(); }
 
 Expected<std::optional<Task>> TaskQueue::Claim() {
   VICTORIOUS_RETURN_IF_ERROR(EndLostLeases());
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result row, connection_->Write(
-                      "WITH next AS (SELECT id FROM tasks WHERE state = 'queued' AND program = ? AND "
-                      "(not_before IS NULL OR not_before <= now()) ORDER BY priority, id LIMIT 1 "
-                      "FOR UPDATE SKIP LOCKED), claimed AS (UPDATE tasks t SET state = 'running', "
-                      "attempt = t.attempt + 1, worker = ?, leased_until = now() + ? * interval '1 s' FROM next "
-                      "WHERE t.id = next.id RETURNING t.id, t.attempt, t.kind, t.key, t.payload), logged AS ("
-                      "INSERT INTO task_log (task_id, attempt, event, worker) "
-                      "SELECT id, attempt, 'claimed', ? FROM claimed) SELECT * FROM claimed",
-                      options_.program, options_.worker, static_cast<double>(options_.lease.count()), options_.worker));
+      Result row,
+      connection_->Write(
+          "WITH next AS (SELECT id FROM tasks WHERE state = 'queued' AND program = ? AND "
+          "(not_before IS NULL OR not_before <= now()) ORDER BY priority, coalesce(parent, id), id LIMIT 1 "
+          "FOR UPDATE SKIP LOCKED), claimed AS (UPDATE tasks t SET state = 'running', "
+          "attempt = t.attempt + 1, worker = ?, leased_until = now() + ? * interval '1 s' FROM next "
+          "WHERE t.id = next.id RETURNING t.id, t.attempt, t.kind, t.key, t.payload, t.failures, t.parent), logged AS ("
+          "INSERT INTO task_log (task_id, attempt, event, worker) "
+          "SELECT id, attempt, 'claimed', ? FROM claimed) SELECT * FROM claimed",
+          options_.program, options_.worker, static_cast<double>(options_.lease.count()), options_.worker));
   std::optional<Task> task;
   if (row.Next()) {
     task = {.id = row.Integer(0),
             .attempt = row.Integer(1),
             .kind = row.Text(2),
             .key = row.Text(3),
-            .payload = row.Text(4)};
+            .payload = row.Text(4),
+            .failures = row.Integer(5),
+            .parent = row.OptionalInteger(6)};
+    return task;
   }
+  // A worker that ended a part may have died before it woke the task.
+  VICTORIOUS_RETURN_IF_ERROR(Wake(std::nullopt));
   return task;
 }
 
@@ -96,28 +125,84 @@ Status TaskQueue::Renew(const Task& task, bool has_progress) {
   return {};
 }
 
-Status TaskQueue::Complete(const Task& task) { return EndLease(task, WorkState::kDone, std::nullopt, "done"); }
+Status TaskQueue::Complete(const Task& task) {
+  VICTORIOUS_RETURN_IF_ERROR(EndLease(task, WorkState::kDone, std::nullopt, "done"));
+  return WakeParent(task);
+}
 
 Status TaskQueue::Release(const Task& task, std::chrono::seconds delay) {
   return EndLease(task, WorkState::kQueued, std::nullopt, "released", delay);
 }
 
 Status TaskQueue::Reject(const Task& task, const std::string& reason) {
-  return EndLease(task, WorkState::kFailed, reason, "failed");
+  VICTORIOUS_RETURN_IF_ERROR(EndLease(task, WorkState::kFailed, reason, "failed"));
+  return WakeParent(task);
 }
 
-Status TaskQueue::Fail(const Task& task, const std::string& reason) {
+Status TaskQueue::Fail(const Task& task, const std::string& reason, bool is_fatal) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
       connection_->Write("WITH ended AS (UPDATE tasks SET failures = failures + 1, state = CASE WHEN failures + 1 < ? "
-                         "THEN 'queued' ELSE 'failed' END, reason = ?, worker = NULL, leased_until = NULL, "
+                         "THEN 'queued' ELSE 'failed' END, reason = ?, is_fatal = ?::bigint <> 0, worker = NULL, "
+                         "leased_until = NULL, "
                          "not_before = now() + ? * power(4, failures) * interval '1 s' "
                          "WHERE id = ? AND attempt = ? AND state = 'running' RETURNING id, attempt) "
                          "INSERT INTO task_log (task_id, attempt, event, worker) "
                          "SELECT id, attempt, 'failed', ? FROM ended",
-                         kMaxAttempts, reason, static_cast<double>(options_.retry_delay.count()), task.id, task.attempt,
-                         options_.worker));
+                         kMaxAttempts, reason, is_fatal ? 1 : 0, static_cast<double>(options_.retry_delay.count()),
+                         task.id, task.attempt, options_.worker));
   if (ended.Changes() != 1) return LostLease(task);
+  return WakeParent(task);
+}
+
+Status TaskQueue::Wait(const Task& task, std::span<const NewTask> parts) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result ended,
+      connection_->Query("WITH ended AS (UPDATE tasks SET state = 'waiting', reason = NULL, worker = NULL, "
+                         "leased_until = NULL, failures = 0, is_fatal = false WHERE id = ? AND attempt = ? AND "
+                         "state = 'running' RETURNING id, attempt, priority), logged AS ("
+                         "INSERT INTO task_log (task_id, attempt, event, worker) "
+                         "SELECT id, attempt, 'released', ? FROM ended) SELECT priority FROM ended",
+                         task.id, task.attempt, options_.worker));
+  if (!ended.Next()) return LostLease(task);
+  const std::int64_t priority = ended.Integer(0);
+  for (const NewTask& part : parts) {
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+        "INSERT INTO tasks (kind, key, priority, payload, program, parent) VALUES (?, ?, ?, ?, ?, ?) "
+        "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, is_fatal = false, reason = NULL, "
+        "not_before = NULL, payload = excluded.payload, priority = excluded.priority, program = excluded.program, "
+        "parent = excluded.parent WHERE tasks.state IN ('done', 'failed')",
+        part.kind, part.key, priority, part.payload, part.program, task.id));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+  return Wake(task.id);  // all parts may have ended before
+}
+
+Expected<std::vector<TaskRecord>> TaskQueue::FatalParts(const Task& task) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result rows, connection_->Query("SELECT id, kind, payload, attempt, reason, program FROM tasks WHERE parent = ? "
+                                      "AND state = 'failed' AND is_fatal ORDER BY id",
+                                      task.id));
+  std::vector<TaskRecord> parts;
+  while (rows.Next()) {
+    parts.push_back({.id = rows.Integer(0),
+                     .kind = rows.Text(1),
+                     .payload = rows.Text(2),
+                     .state = WorkState::kFailed,
+                     .attempt = rows.Integer(3),
+                     .worker = {},
+                     .lease_left_s = {},
+                     .reason = rows.Text(4),
+                     .program = rows.Text(5)});
+  }
+  return parts;
+}
+
+Status TaskQueue::CloseFailed(std::int64_t task) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result closed,
+      connection_->Write("UPDATE tasks SET state = 'done' WHERE id = ? AND state = 'failed'", task));
   return {};
 }
 
@@ -143,13 +228,19 @@ std::unexpected<Error> TaskQueue::LostLease(const Task& task) const {
                   connection_->name(), task.attempt, task.id, options_.lease.count()));
 }
 
-Expected<TaskCounts> TaskQueue::Count() {
+Expected<TaskCounts> TaskQueue::Count() { return Count(false); }
+
+Expected<TaskCounts> TaskQueue::CountParts() { return Count(true); }
+
+Expected<TaskCounts> TaskQueue::Count(bool of_parts) {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result row, connection_->Query("SELECT count(*) FILTER (WHERE state = 'queued'), count(*) FILTER (WHERE state = "
-                                     "'running'), count(*) FILTER (WHERE state = 'done'), count(*) FILTER (WHERE state "
-                                     "= 'failed') FROM tasks"));
+      Result row, connection_->Query(fmt::format(
+                      "SELECT count(*) FILTER (WHERE state = 'queued'), count(*) FILTER (WHERE state = 'waiting'), "
+                      "count(*) FILTER (WHERE state = 'running'), count(*) FILTER (WHERE state = 'done'), "
+                      "count(*) FILTER (WHERE state = 'failed') FROM tasks WHERE parent IS {}NULL",
+                      of_parts ? "NOT " : "")));
   if (!row.Next()) return TaskCounts{};
-  return TaskCounts{row.Integer(0), row.Integer(1), row.Integer(2), row.Integer(3)};
+  return TaskCounts{row.Integer(0), row.Integer(1), row.Integer(2), row.Integer(3), row.Integer(4)};
 }
 
 Expected<std::vector<TaskRecord>> TaskQueue::List(std::int64_t limit) {
@@ -178,17 +269,21 @@ Expected<std::vector<TaskRecord>> TaskQueue::List(std::int64_t limit) {
 Expected<bool> TaskQueue::HasOpenTasks() {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result row, connection_->Query("SELECT EXISTS (SELECT FROM tasks WHERE state = 'queued' AND program = ?) OR "
-                                     "EXISTS (SELECT FROM tasks WHERE state = 'running' AND program = ?)",
-                                     options_.program, options_.program));
+                                     "EXISTS (SELECT FROM tasks WHERE state = 'running' AND program = ?) OR "
+                                     "EXISTS (SELECT FROM tasks WHERE state = 'waiting' AND program = ?)",
+                                     options_.program, options_.program, options_.program));
   return row.Next() && row.Integer(0) != 0;
 }
 
-Expected<std::optional<double>> TaskQueue::MeanSeconds() {
+Expected<std::optional<double>> TaskQueue::MeanSeconds(bool of_parts) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result row,
-      connection_->Query("SELECT avg(extract(epoch FROM d.at - c.at))::double precision FROM (SELECT task_id, "
-                         "attempt, at FROM task_log WHERE event = 'done' ORDER BY at DESC LIMIT 1000) d "
-                         "JOIN task_log c USING (task_id, attempt) WHERE c.event = 'claimed'"));
+      connection_->Query(fmt::format(
+          "SELECT avg(extract(epoch FROM d.at - c.at))::double precision FROM (SELECT l.task_id, l.attempt, l.at FROM "
+          "task_log l JOIN tasks t ON t.id = l.task_id WHERE l.event = 'done' AND {} ORDER BY l.at DESC LIMIT 1000) d "
+          "JOIN task_log c USING (task_id, attempt) WHERE c.event = 'claimed'",
+          of_parts ? "t.parent IS NOT NULL"
+                   : "t.parent IS NULL AND NOT EXISTS (SELECT FROM tasks p WHERE p.parent = t.id)")));
   return row.Next() ? row.OptionalReal(0) : std::nullopt;
 }
 

@@ -5,6 +5,9 @@
 // kMaxAttempts of them without progress the task has failed. Submitted again, it is queued again. Results are stored
 // with the progress by compare-and-swap (IndexStore::Commit), so that each task takes effect once. No transaction is
 // open while a worker computes.
+//
+// A task may be done in parts, tasks of their own: it waits until none of them is open, and is then queued again. A
+// part that failed by its own error fails the task, too; one that killed who did it is left to the task (FatalParts).
 #pragma once
 
 #include <chrono>
@@ -43,11 +46,14 @@ struct Task {
   std::string kind;
   std::string key;
   std::string payload;
+  std::int64_t failures = 0;           ///< attempts before this one that failed, since the last progress
+  std::optional<std::int64_t> parent;  ///< the task of which it is a part
 };
 
 /// Numbers of tasks by state.
 struct TaskCounts {
   std::int64_t queued = 0;
+  std::int64_t waiting = 0;  ///< for their parts
   std::int64_t running = 0;
   std::int64_t done = 0;
   std::int64_t failed = 0;
@@ -89,8 +95,8 @@ class TaskQueue {
   /// higher priority. Returns the number of those that are new or changed.
   [[nodiscard]] Expected<std::int64_t> Submit(std::span<const NewTask> tasks);
 
-  /// Claims the queued task of this program with the highest priority, of these the one that was added first;
-  /// std::nullopt if there is none. Ends the leases of dead workers first.
+  /// Claims the queued task of this program with the highest priority, of these the one that was added first, or whose
+  /// parent was; std::nullopt if there is none. Ends the leases of dead workers first.
   [[nodiscard]] Expected<std::optional<Task>> Claim();
 
   /// Renews the lease from now on. Error: kConflict if it was lost.
@@ -102,7 +108,18 @@ class TaskQueue {
 
   /// Ends an attempt that failed: the task is queued again, for `retry_delay` from now or later, or has failed. Error:
   /// kConflict if the lease was lost.
-  [[nodiscard]] Status Fail(const Task& task, const std::string& reason);
+  /// @param is_fatal  the attempt killed its process
+  [[nodiscard]] Status Fail(const Task& task, const std::string& reason, bool is_fatal = false);
+
+  /// Ends an attempt whose task goes on in parts: the task waits, and its parts are queued with its priority, also
+  /// those that had ended before. Error: kConflict if the lease was lost; then no part is added.
+  [[nodiscard]] Status Wait(const Task& task, std::span<const NewTask> parts);
+
+  /// The parts of a task that have failed because every attempt killed its process or its worker.
+  [[nodiscard]] Expected<std::vector<TaskRecord>> FatalParts(const Task& task);
+
+  /// Sets a part that has failed aside: others do its work. It is done.
+  [[nodiscard]] Status CloseFailed(std::int64_t task);
 
   /// Fails a task that no attempt can do. Error: kConflict if the lease was lost.
   [[nodiscard]] Status Reject(const Task& task, const std::string& reason);
@@ -111,7 +128,9 @@ class TaskQueue {
   /// lost.
   [[nodiscard]] Status Release(const Task& task, std::chrono::seconds delay = {});
 
+  /// Of the tasks that are no parts.
   [[nodiscard]] Expected<TaskCounts> Count();
+  [[nodiscard]] Expected<TaskCounts> CountParts();
 
   /// Returns the tasks that run, then those that have failed, by id; at most `limit` of each.
   [[nodiscard]] Expected<std::vector<TaskRecord>> List(std::int64_t limit);
@@ -119,14 +138,23 @@ class TaskQueue {
   /// Whether a task of this program is open.
   [[nodiscard]] Expected<bool> HasOpenTasks();
 
-  /// Returns the mean time from claim to end of the last 1000 tasks done; std::nullopt if none was done.
-  [[nodiscard]] Expected<std::optional<double>> MeanSeconds();
+  /// Returns the mean time from claim to end of the last 1000 tasks done, of those without parts; std::nullopt if none
+  /// was done.
+  [[nodiscard]] Expected<std::optional<double>> MeanSeconds() { return MeanSeconds(false); }
+  /// The same of parts.
+  [[nodiscard]] Expected<std::optional<double>> MeanPartSeconds() { return MeanSeconds(true); }
 
  private:
   TaskQueue(std::unique_ptr<Connection> connection, TaskQueueOptions options)
       : connection_(std::move(connection)), options_(std::move(options)) {}
 
+  [[nodiscard]] Expected<TaskCounts> Count(bool of_parts);
+  [[nodiscard]] Expected<std::optional<double>> MeanSeconds(bool of_parts);
   [[nodiscard]] Status EndLostLeases();
+  /// Queues the waiting tasks without an open part, or one of them.
+  [[nodiscard]] Status Wake(std::optional<std::int64_t> task);
+  /// Wakes the task of a part that has ended.
+  [[nodiscard]] Status WakeParent(const Task& part);
   /// Ends the lease: the task gets a new state and reason, the log an event.
   [[nodiscard]] Status EndLease(const Task& task, WorkState state, const std::optional<std::string>& reason,
                                 std::string_view event, std::chrono::seconds delay = {});

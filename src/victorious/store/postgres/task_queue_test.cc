@@ -92,6 +92,98 @@ TEST_F(PostgresTaskQueueTest, ClaimsByPriorityThenByAge) {
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.running = 5}));
 }
 
+TEST_F(PostgresTaskQueueTest, TaskWaitsForItsParts) {
+  Submit({{"index", "a", TaskPriority::kPerson, "{}", ""}, {"index", "b", TaskPriority::kPerson, "{}", ""}});
+  const Task task = ClaimOrDie(*queue_);
+  const std::vector<NewTask> parts = {{"segment", "a 0", TaskPriority::kBatch, "{}", ""},
+                                      {"segment", "a 1", TaskPriority::kBatch, "{}", ""}};
+  ASSERT_TRUE(queue_->Wait(task, parts));
+  EXPECT_EQ(queue_->Wait(task, parts).error().code, ErrorCode::kConflict) << "it does not run any more";
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1, .waiting = 1}));
+  EXPECT_EQ(*queue_->CountParts(), (TaskCounts{.queued = 2}));
+  const Task first = ClaimOrDie(*queue_);
+  const auto other = OpenOrDie("other");
+  const Task second = ClaimOrDie(*other);
+  EXPECT_EQ(first.key + second.key, "a 0a 1") << "before the next task, with the priority of theirs";
+  EXPECT_EQ(first.parent, task.id);
+  ASSERT_TRUE(queue_->Complete(first));
+  EXPECT_EQ(queue_->Count()->waiting, 1);
+  ASSERT_TRUE(other->Complete(second));
+  const Task again = ClaimOrDie(*queue_);
+  EXPECT_EQ(again.id, task.id);
+  EXPECT_EQ(again.attempt, 2);
+  EXPECT_FALSE(again.parent);
+  ASSERT_TRUE(queue_->Wait(again, {})) << "nothing left to wait for";
+  ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1, .done = 1}));
+}
+
+// Its worker died between the end of the last part and the waking of the task.
+TEST_F(PostgresTaskQueueTest, WaitingTaskIsNotForgotten) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  ASSERT_TRUE(
+      queue_->Wait(ClaimOrDie(*queue_), std::vector<NewTask>{{"segment", "a 0", TaskPriority::kBatch, "{}", ""}}));
+  Run("UPDATE tasks SET state = 'done' WHERE kind = 'segment'");
+  EXPECT_TRUE(*queue_->HasOpenTasks());
+  EXPECT_FALSE(queue_->Claim()->has_value()) << "it wakes the task";
+  EXPECT_EQ(ClaimOrDie(*queue_).key, "a");
+}
+
+TEST_F(PostgresTaskQueueTest, FatalPartsAreLeftToTheirTask) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  const Task task = ClaimOrDie(*queue_);
+  ASSERT_TRUE(queue_->Wait(task, std::vector<NewTask>{{"segment", "a 0", TaskPriority::kBatch, "{}", ""},
+                                                      {"segment", "a 1", TaskPriority::kBatch, "{}", ""}}));
+  for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
+    const Task part = ClaimOrDie(*queue_);
+    EXPECT_EQ(part.failures, attempt - 1);
+    EXPECT_EQ(part.key, "a 0");
+    if (attempt == kMaxAttempts) {
+      EndLeases();
+    } else {
+      ASSERT_TRUE(queue_->Fail(part, "signal 9", true));
+    }
+  }
+  ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
+  const Task again = ClaimOrDie(*queue_);
+  ASSERT_EQ(again.key, "a");
+  const auto fatal = queue_->FatalParts(again);
+  ASSERT_EQ(fatal->size(), 1U);
+  EXPECT_THAT(fatal->front().reason, HasSubstr("did not answer"));
+  ASSERT_TRUE(queue_->CloseFailed(fatal->front().id));
+  EXPECT_TRUE(queue_->FatalParts(again)->empty());
+  EXPECT_EQ(*queue_->CountParts(), (TaskCounts{.done = 2}));
+}
+
+TEST_F(PostgresTaskQueueTest, FailedPartFailsItsTaskUntilItIsSubmittedAgain) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  const std::vector<NewTask> parts = {{"segment", "a 0", TaskPriority::kBatch, "{}", ""}};
+  ASSERT_TRUE(queue_->Wait(ClaimOrDie(*queue_), parts));
+  ASSERT_TRUE(queue_->Reject(ClaimOrDie(*queue_), "no such file"));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.failed = 1}));
+  EXPECT_EQ(queue_->List(10)->front().reason, "no such file");
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  ASSERT_TRUE(queue_->Wait(ClaimOrDie(*queue_), parts));
+  EXPECT_EQ(*queue_->CountParts(), (TaskCounts{.queued = 1})) << "it is tried again";
+  ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
+  ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
+}
+
+// The program was updated while a video was cut.
+TEST_F(PostgresTaskQueueTest, AnotherBuildTakesOverAWaitingTask) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  ASSERT_TRUE(
+      queue_->Wait(ClaimOrDie(*queue_), std::vector<NewTask>{{"segment", "a 0", TaskPriority::kBatch, "{}", ""}}));
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", "new"}});
+  EXPECT_FALSE(queue_->Claim()->has_value()) << "nothing of the old build";
+  auto updated = TaskQueue::Open(url_, {.worker = "new", .program = "new"});
+  const Task task = ClaimOrDie(**updated);
+  EXPECT_EQ(task.key, "a");
+  ASSERT_TRUE((*updated)->Complete(task));
+  EXPECT_EQ(*queue_->CountParts(), (TaskCounts{.done = 1}));
+}
+
 TEST_F(PostgresTaskQueueTest, EachTaskEndsOnce) {
   Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
   const Task task = ClaimOrDie(*queue_);
