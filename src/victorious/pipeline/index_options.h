@@ -11,6 +11,7 @@
 #include "victorious/pipeline/follower.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
+#include "victorious/store/index_store.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/terrain/terrain.h"
 #include "victorious/video/video_reader.h"
@@ -64,6 +65,8 @@ struct IndexOptions {
 struct SearchIntervals {
   int models = 1;
   int categories = 1;
+
+  [[nodiscard]] int Of(const ModelRecord& target) const { return target.IsCategory() ? categories : models; }
 
   bool operator==(const SearchIntervals&) const = default;
 };

@@ -276,18 +276,18 @@ class ResultWriter {
   // Another process links the segments.
   Status AddToSegment(FrameTask& work) {
     if (work.already_stored) return {};
-    report_.frames_searched += work.whole ? 1 : 0;
+    report_.frames_searched += work.whole || work.classify ? 1 : 0;
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
     std::optional<KeptFrame> kept;
     if (work.keep) {
       kept = {.video = pass_.video.id,
-              .frame = work.frame.index,
-              .time_s = work.frame.time_s,
+              .frame = work.now.frame.index,
+              .time_s = work.now.frame.time_s,
               .features = std::move(work.kept)};
     }
-    next_frame_ = work.frame.index + 1;
-    pass_.segment->add({.frame = work.frame.index,
-                        .is_whole = work.whole,
+    next_frame_ = work.now.frame.index + 1;
+    pass_.segment->add({.frame = work.now.frame.index,
+                        .is_whole = work.whole || work.classify,
                         .now_from_before = work.now_from_before,
                         .sightings = std::move(work.sightings)},
                        std::move(kept));
@@ -471,7 +471,7 @@ Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
                     fmt::format("{}: stopped at frame {}; run again to resume", pass.video.name, sink.next_frame()));
       }
       FrameTask task;
-      task.frame.index = result.frame;
+      task.now.frame.index = result.frame;
       task.whole = result.is_whole;
       task.already_stored = result.frame < next_frame;
       task.now_from_before = result.now_from_before;

@@ -64,8 +64,8 @@ Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& 
 
 // The parameters as the store keeps them, as JSON.
 struct StoredParameters {
-  std::string models;      // of a search for a model
-  std::string categories;  // of a search for a category
+  std::string models;      // of a search for models
+  std::string categories;  // of a search for categories
   std::string features;
 
   [[nodiscard]] const std::string& Of(const ModelRecord& target) const {

@@ -115,9 +115,11 @@ class Indexer {
                                                            const CancelToken& cancel, IndexStore& store,
                                                            SegmentStore& segments, const WarningSink& warn) const;
   // The text that identifies a pass: VideoCut::plan.
-  [[nodiscard]] Expected<std::string> CutPlan(const PlannedPass& pass, const IndexJob& job) const;
-  [[nodiscard]] Expected<std::optional<PlannedPass>> ReadCutPlan(const VideoCut& cut, const IndexJob& job,
-                                                                 IndexStore& store) const;
+  [[nodiscard]] Expected<std::string> CutPlan(const PlannedPass& pass, const SearchIntervals& intervals,
+                                              const IndexJob& job) const;
+  [[nodiscard]] Expected<std::optional<PlannedCut>> ReadCutPlan(const VideoRecord& video, const VideoCut& cut,
+                                                                const IndexJob& job, IndexStore& store) const;
+  [[nodiscard]] int MinInterval(const PlannedPass& pass, const SearchIntervals& intervals) const;
   // The cut of the job's video by this indexer, or one like it.
   [[nodiscard]] Expected<std::optional<PlannedCut>> FindCut(const IndexJob& job, IndexStore& store,
                                                             SegmentStore& segments) const;

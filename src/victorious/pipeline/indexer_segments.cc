@@ -36,17 +36,17 @@ std::int64_t FileBytes(const std::string& video) {
 
 // The last frame before `frame` that is searched as a whole; `frame` if there is none. The selection of kept frames
 // and, without tracking, the camera motion refer to it.
-std::int64_t WholeFrameBefore(std::int64_t frame, const IndexOptions& options) {
+std::int64_t WholeFrameBefore(std::int64_t frame, int every, const IndexOptions& options) {
   const auto last_multiple = [&](std::int64_t step) { return (frame - 1) / step * step; };
   if (frame == 0) return 0;
-  std::int64_t before = last_multiple(options.every);
+  std::int64_t before = last_multiple(every);
   if (options.follow.enabled) before = std::max(before, last_multiple(options.follow.restart_interval_frames));
   return before;
 }
 
-double SegmentSeconds(double wanted_s, const IndexOptions& options, double frame_rate) {
+double SegmentSeconds(double wanted_s, int every, const IndexOptions& options, double frame_rate) {
   if (options.keep.interval_s < 0) return wanted_s;
-  const double whole_frames_s = frame_rate > 0 ? options.every / frame_rate : 0;
+  const double whole_frames_s = frame_rate > 0 ? every / frame_rate : 0;
   const double kept_s = kMaxKeptFrames * std::max(options.keep.interval_s, whole_frames_s);
   return kept_s > 0 ? std::min(wanted_s, kept_s) : wanted_s;
 }
@@ -62,6 +62,18 @@ std::vector<CoverageGap> GapsOf(const VideoCut& cut, const std::vector<double>& 
                     .reason = segment.reason});
   }
   return gaps;
+}
+
+// The intervals that CutPlan wrote; std::nullopt if there are none.
+std::optional<SearchIntervals> IntervalsOf(const nlohmann::json& plan) {
+  const auto found = plan.find("intervals");
+  if (found == plan.end() || !found->is_array() || found->size() != 2) return std::nullopt;
+  for (const nlohmann::json& one : *found) {
+    if (!one.is_number_integer() || one.get<std::int64_t>() < 1 || one.get<std::int64_t>() > 1'000'000) {
+      return std::nullopt;
+    }
+  }
+  return SearchIntervals{.models = (*found)[0].get<int>(), .categories = (*found)[1].get<int>()};
 }
 
 std::vector<std::int64_t> ModelsOf(const std::vector<SearchRecord>& searches) {
@@ -101,11 +113,10 @@ Expected<SegmentedReport> Indexer::SearchBySegments(const IndexJob& job, double 
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
   VICTORIOUS_RETURN_IF_ERROR(CheckNamesOf(models_before));
   VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans,
-                              PlanPasses(job, video.record, models_before, store, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans, PlanPasses(job, video, models_before, store, warn));
   if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectClockOf(job, cancel, store, warn, video));
   for (const PlannedPass& plan : plans) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, CutPlan(plan, job));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, CutPlan(plan, video.intervals, job));
     if (text != whole_plan) {
       VICTORIOUS_ASSIGN_OR_RETURN(
           result.is_waiting, CutPass(plan, text, job, segment_s, video, cancel, store, segments, warn, result.index));
@@ -117,10 +128,20 @@ Expected<SegmentedReport> Indexer::SearchBySegments(const IndexJob& job, double 
   return result;
 }
 
-Expected<std::string> Indexer::CutPlan(const PlannedPass& pass, const IndexJob& job) const {
+// Between two frames that are searched as a whole for any target.
+int Indexer::MinInterval(const PlannedPass& pass, const SearchIntervals& intervals) const {
+  int every = intervals.models;
+  for (const std::size_t target : pass.targets) every = std::min(every, intervals.Of(targets_[target]));
+  return every;
+}
+
+Expected<std::string> Indexer::CutPlan(const PlannedPass& pass, const SearchIntervals& intervals,
+                                       const IndexJob& job) const {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
-  const nlohmann::ordered_json plan = {
-      {"models", ModelsOf(pass.searches)}, {"options", SearchOptionsText(options_, job)}, {"program", program}};
+  const nlohmann::ordered_json plan = {{"models", ModelsOf(pass.searches)},
+                                       {"options", SearchOptionsText(options_, options_.every, job)},
+                                       {"intervals", {intervals.models, intervals.categories}},
+                                       {"program", program}};
   return DumpJson(plan);
 }
 
@@ -138,11 +159,13 @@ Expected<bool> Indexer::IsFinished(const VideoRecord& video, IndexStore& store) 
 }
 
 // The searches of a plan that this indexer made, or one like it; std::nullopt for another plan.
-Expected<std::optional<Indexer::PlannedPass>> Indexer::ReadCutPlan(const VideoCut& cut, const IndexJob& job,
-                                                                   IndexStore& store) const {
+Expected<std::optional<Indexer::PlannedCut>> Indexer::ReadCutPlan(const VideoRecord& video, const VideoCut& cut,
+                                                                  const IndexJob& job, IndexStore& store) const {
   const Expected<nlohmann::json> plan = ParseStrictJson(cut.plan);
   if (!plan || !plan->is_object() || !plan->contains("models") || !(*plan)["models"].is_array()) return std::nullopt;
   const nlohmann::json& of_plan = (*plan)["models"];
+  const std::optional<SearchIntervals> intervals = IntervalsOf(*plan);
+  if (!intervals) return std::nullopt;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
   PlannedPass pass;
   for (std::size_t t = 0; t < targets_.size(); ++t) {
@@ -155,13 +178,13 @@ Expected<std::optional<Indexer::PlannedPass>> Indexer::ReadCutPlan(const VideoCu
                                .model = model.id,
                                .next_frame = before ? before->next_frame : 0,
                                .finished = before && before->finished,
-                               .options_json = SearchOptionsText(options_, job),
+                               .options_json = SearchOptionsText(options_, intervals->Of(targets_[t]), job),
                                .program_version = kVersion});
     }
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string own, CutPlan(pass, job));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string own, CutPlan(pass, *intervals, job));
   if (own != cut.plan) return std::nullopt;
-  return pass;
+  return PlannedCut{video, cut, std::move(pass), *intervals};
 }
 
 Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& job, IndexStore& store,
@@ -171,12 +194,12 @@ Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& jo
     if (video.name != job.video) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<VideoCut> cut, segments.Find(video.id));
     if (!cut) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedPass> pass, ReadCutPlan(*cut, job, store));
-    if (!pass) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> planned, ReadCutPlan(video, *cut, job, store));
+    if (!planned) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(video.id));
     VICTORIOUS_ASSIGN_OR_RETURN(const PreparedVideo prepared, UnpackPreparedVideo(bytes));
     if (prepared.file_bytes != FileBytes(job.video)) continue;  // another file of this name
-    return PlannedCut{video, *std::move(cut), *std::move(pass)};
+    return planned;
   }
   return std::nullopt;
 }
@@ -196,8 +219,9 @@ Expected<bool> Indexer::CutPass(const PlannedPass& plan, const std::string& text
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t first_frame, FirstLinkedFrame(pass, info, store));
   const std::int64_t step = options_.follow.restart_interval_frames;
   const std::vector<FrameInterval> cuts = CutVideo(
-      *table,
-      {.first_frame = first_frame, .step = step, .segment_s = SegmentSeconds(segment_s, options_, info.frame_rate)});
+      *table, {.first_frame = first_frame,
+               .step = step,
+               .segment_s = SegmentSeconds(segment_s, MinInterval(plan, video.intervals), options_, info.frame_rate)});
   if (cuts.size() < 2) return false;
   VICTORIOUS_RETURN_IF_ERROR(EstimateSun(recognizer, job, video, cancel, warn, report));
   VideoCut cut{.video = video.record.id, .plan = text, .step = step};
@@ -228,7 +252,7 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   VICTORIOUS_ASSIGN_OR_RETURN(PreparedVideo prepared, UnpackPreparedVideo(bytes));
   report.sun = prepared.sun;
   report.sun_by_clock = prepared.is_sun_by_clock;
-  const std::int64_t first_read = WholeFrameBefore(frames.from, options_);
+  const std::int64_t first_read = WholeFrameBefore(frames.from, MinInterval(found->pass, found->intervals), options_);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::unique_ptr<SegmentReader> reader,
       SegmentReader::Open(job.video, MakeReaderOptions(job), prepared.times_s, {first_read, frames.to}));
@@ -242,7 +266,8 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   for (SearchRecord& search : found->pass.searches) search.next_frame = frames.from;
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer, MakeRecognizer(found->pass, job));
   const std::vector<std::optional<std::int64_t>> category_ids = CategoryIds(found->pass);
-  OpenedVideo video{.reader = nullptr, .cameras = std::move(prepared.cameras), .record = found->video};
+  OpenedVideo video{
+      .reader = nullptr, .cameras = std::move(prepared.cameras), .record = found->video, .intervals = found->intervals};
   IndexPass pass = MakePass(found->pass, recognizer, category_ids, job, video);
   pass.sun = prepared.sun;
   pass.segment = &output;
@@ -271,7 +296,8 @@ Status Indexer::JoinSegments(const PlannedCut& found, const IndexJob& job, const
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
     VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                                 Recognizer::Create(std::move(models), options_.features.engine, options_.recognize));
-    OpenedVideo video{.reader = nullptr, .cameras = std::move(prepared.cameras), .record = found.video};
+    OpenedVideo video{
+        .reader = nullptr, .cameras = std::move(prepared.cameras), .record = found.video, .intervals = found.intervals};
     const IndexPass pass = MakePass(found.pass, recognizer, {}, job, video);
     const auto visit = [&](const std::function<Status(std::vector<FrameResult>)>& add) {
       return segments.VisitResults(found.video.id, [&](FrameInterval, std::span<const std::byte> packed) -> Status {
