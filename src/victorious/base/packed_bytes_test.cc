@@ -37,7 +37,8 @@ TEST(PackedBytes, ComeBackAsTheyWereWritten) {
 TEST(PackedBytes, FaultsAreRemembered) {
   const std::vector<std::byte> bytes = Written();
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    ByteReader reader(std::span(bytes).first(size));
+    const std::span<const std::byte> shorter(bytes.data(), size);
+    ByteReader reader(shorter);
     reader.Get<std::int64_t>();
     reader.GetOptional<double>();
     reader.GetOptional<double>();

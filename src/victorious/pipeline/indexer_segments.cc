@@ -121,6 +121,9 @@ Expected<SegmentedReport> Indexer::SearchBySegments(const IndexJob& job, double 
       VICTORIOUS_ASSIGN_OR_RETURN(
           result.is_waiting, CutPass(plan, text, job, segment_s, video, cancel, store, segments, warn, result.index));
       if (result.is_waiting) return result;
+    } else if (plan.searches.front().next_frame == 0) {
+      // Segments that were searched before may have kept frames under other numbers.
+      VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.record.id));
     }
     VICTORIOUS_RETURN_IF_ERROR(RunPass(plan, job, video, cancel, store, warn, result.index));
     if (text == whole_plan) VICTORIOUS_RETURN_IF_ERROR(segments.Finish(video.record.id, text, {}, {}));

@@ -40,7 +40,7 @@ class IndexerSegmentsTest : public ::testing::Test {
   Indexer MakeIndexer(std::vector<ObjectModel> models) const {
     return Indexer::Create(std::move(models), options_).value();
   }
-  IndexJob Job() const { return {.video = flight_.video(), .telemetry = {}, .threads = 2}; }
+  IndexJob Job() const { return {.video = flight_.video(), .telemetry = {}, .threads = threads_}; }
 
   SegmentedReport Begin(const Indexer& indexer, IndexStore& store) {
     const auto report = indexer.IndexBySegments(Job(), kSegment_s, CancelToken(), store, segments_);
@@ -75,6 +75,7 @@ class IndexerSegmentsTest : public ::testing::Test {
   DrawnFlight flight_{ShortFlight(40)};
   IndexOptions options_ = ManyRestarts();
   MemorySegmentStore segments_;
+  int threads_ = 2;
 };
 
 TEST_F(IndexerSegmentsTest, GiveWhatOnePassGives) {
@@ -93,6 +94,8 @@ TEST_F(IndexerSegmentsTest, GiveWhatOnePassGives) {
       const std::string contents = Contents(*store);
       EXPECT_EQ(contents, OnePass(flight_.Models())) << every << (follow ? ", followed" : "");
       EXPECT_THAT(contents, HasSubstr("finished"));
+      const auto one = flight_.Store("one.db");
+      EXPECT_EQ(store->FindSearch(1, 1).value()->options_json, one->FindSearch(1, 1).value()->options_json);
       EXPECT_EQ(segments_.Find(1).value(), std::nullopt);
       std::filesystem::remove(flight_ / "segments.db");
       std::filesystem::remove(flight_ / "one.db");
@@ -191,8 +194,9 @@ TEST_F(IndexerSegmentsTest, QuarantinedSegmentIsAGap) {
   EXPECT_TRUE(store->FindSearch(1, 1).value()->finished);
 }
 
-// A file whose middle is damaged: frames are missing that its container lists.
+// A file whose middle is damaged. By several threads, a decoder does not repair it in the same way each time.
 TEST_F(IndexerSegmentsTest, DamagedVideoIsIndexedAsAWhole) {
+  threads_ = 1;
   std::string bytes = ReadFile(flight_.video()).value();
   std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2),
             bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2) + 600, '\0');
