@@ -28,6 +28,11 @@ set(CPACK_PACKAGE_NAME victorious)
 set(CPACK_PACKAGE_VENDOR "VICTORIOUS")
 set(CPACK_PACKAGE_CONTACT "VICTORIOUS maintainers <maintainers@victorious.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "finds objects in video and places them on Earth")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "finds objects in video and places them on Earth
+ VICTORIOUS takes photos or a CAD model of an object and hours of video. It
+ reports the frames in which the object is visible, its outline, and with
+ telemetry its place on Earth with covariance. Rendering needs neither a
+ display nor a graphics card.")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -37,4 +42,6 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl-mesa0, libgl1-mesa-dri")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "proj-data")
+# They show the manual page and load the completion.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "bash-completion, man-db")
 include(CPack)
