@@ -10,10 +10,10 @@ import program
 OBJECT_KEYS = {
     "object_id", "model", "category", "rank", "score", "videos", "frames", "first_time_s", "last_time_s",
     "place_time_s", "latitude_deg", "longitude_deg", "altitude_m", "covariance_enu_m2", "ce90_m", "le90_m",
-    "heading_deg", "speed_m_s", "sigma_speed_m_s", "course_deg", "sigma_course_deg",
+    "heading_deg", "speed_m_s", "sigma_speed_m_s", "course_deg", "sigma_course_deg", "against", "evidence",
 }  # fmt: skip
 UNKNOWN_WITHOUT_TELEMETRY = OBJECT_KEYS - {
-    "object_id", "model", "rank", "score", "videos", "frames", "first_time_s", "last_time_s",
+    "object_id", "model", "rank", "score", "videos", "frames", "first_time_s", "last_time_s", "against", "evidence",
 }  # fmt: skip
 SIGHTING_KEYS = {
     "object_id", "model", "category", "video", "frame", "time_s", "box", "score", "source", "matches", "view",
@@ -207,6 +207,11 @@ class FindsTest(program.ProgramTest):
         self.assertGreater(score["sighting_recall"], 0.8)
         self.assertGreater(score["sighting_precision"], 0.95)
         self.assertIn("findable", self.succeeds("evaluate", *flags).out)
+        judged = json.loads(self.succeeds("evaluate", *flags, "--scores", "--json").out)["reliability"]
+        self.assertEqual((judged["right"], judged["wrong"]), (2, 0))
+        self.assertGreater(judged["mean_score_right"], 0.9)
+        self.assertEqual({row["model"] for row in judged["objects"]}, {"crate", "truck"})
+        self.assertIn("calibration_error", self.succeeds("evaluate", *flags, "--scores").out)
         # The third object has no model.
         everything = json.loads(self.succeeds("evaluate", *flags[:4], "--json").out)
         self.assertEqual((everything["findable"], everything["found"]), (3, 2))

@@ -14,6 +14,7 @@
 #include "victorious/associate/fits.h"
 #include "victorious/associate/object_hypothesis.h"
 #include "victorious/associate/object_rejection.h"
+#include "victorious/associate/object_score.h"
 
 namespace victorious {
 namespace {
@@ -95,6 +96,15 @@ std::map<std::int64_t, std::vector<const ObjectHypothesis*>> ByFlight(const std:
   return of_flight;
 }
 
+void Score(const ObjectHypothesis& hypothesis, std::int64_t frames_searched, const ObjectOptions& options,
+           ObjectRecord& object) {
+  if (hypothesis.tracklets[0]->is_category) return;  // its score is the classifier's
+  const ObjectEvidence evidence = CollectEvidence(hypothesis, object, frames_searched, options);
+  object.object_score = ScoreObject(evidence);
+  object.against = SpeaksAgainst(evidence);
+  object.evidence_json = ToJsonText(evidence);
+}
+
 }  // namespace
 
 std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
@@ -143,7 +153,10 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
     objects.push_back(std::move(object));
   }
   const std::map<std::int64_t, double> median_heights_m = heights.Medians();
-  for (std::size_t i = 0; i < objects.size(); ++i) RejectFloating(hypotheses[i], median_heights_m, options, objects[i]);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    RejectFloating(hypotheses[i], median_heights_m, options, objects[i]);
+    Score(hypotheses[i], frames_searched, options, objects[i]);
+  }
   RejectOccluded(objects, by_id, overlaps);
   RejectCoincident(objects, by_id);
   std::ranges::sort(objects, {}, &ObjectRecord::id);
@@ -166,10 +179,29 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
   return AssociateTracklets(pointers, overlaps, frames_searched, fits);
 }
 
+void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet) {
+  tracklet.scores.push_back(sighting.score);
+  if (!sighting.view) return;
+  const double level = std::sin(sighting.view->off_nadir_rad);
+  tracklet.views.push_back(
+      {.time_s = sighting.time_s,
+       .direction = {level * std::cos(sighting.view->azimuth_rad), level * std::sin(sighting.view->azimuth_rad),
+                     std::cos(sighting.view->off_nadir_rad)}});
+}
+
 TrackletSummary Summarise(const ObservedTracklet& tracklet) {
-  return {.log_odds = SumLogOdds(tracklet.scores),
-          .recognitions = static_cast<std::int64_t>(tracklet.scores.size()),
-          .observations = static_cast<std::int64_t>(tracklet.observations.size())};
+  TrackletSummary summary{.log_odds = SumLogOdds(tracklet.scores),
+                          .recognitions = static_cast<std::int64_t>(tracklet.scores.size()),
+                          .observations = static_cast<std::int64_t>(tracklet.observations.size()),
+                          .views = static_cast<std::int64_t>(tracklet.views.size())};
+  for (std::size_t i = 0; i < tracklet.views.size(); ++i) {
+    const SightingView& view = tracklet.views[i];
+    summary.view_sum += view.direction;
+    if (i == 0 || tracklet.is_of_photos || view.time_s - tracklet.views[i - 1].time_s > kMaxViewStep_s) continue;
+    ++summary.view_steps;
+    if (view.direction.dot(tracklet.views[i - 1].direction) < std::cos(kViewJump_rad)) ++summary.view_jumps;
+  }
+  return summary;
 }
 
 }  // namespace victorious

@@ -30,7 +30,7 @@
 namespace victorious {
 
 /// Associates tracklets to objects. Deterministic and independent of the order of `tracklets`. Returns the objects by
-/// id; sets id, model, tracklets, place, heading and the reasons of rejection.
+/// id; sets id, model, tracklets, place, heading, the reasons of rejection, and the score with what speaks against it.
 /// @param frames_searched  number of full-frame searches, summed over videos and models: the number of tests of the a
 ///                         contrario decision. The more tests, the more significant an object must be
 std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,

@@ -100,6 +100,7 @@ void KeptFits::DropContent() {
     known.tracklet->frames = {};
     known.tracklet->boxes = {};
     known.tracklet->scores = {};
+    known.tracklet->views = {};
     known.tracklet->observations = {};
   }
   content_ = 0;
@@ -114,7 +115,7 @@ Status KeptFits::ReadContent(const SightingFilter& filter) {
     ++content_;
     tracklet.frames.push_back(sighting.frame);
     tracklet.boxes.push_back(sighting.box);
-    if (sighting.source == SightingSource::kRecognised) tracklet.scores.push_back(sighting.score);
+    if (sighting.source == SightingSource::kRecognised) AddRecognition(sighting, tracklet);
     if (!sighting.observation) return true;
     std::vector<BearingObservation>& observations = tracklet.observations;
     sighting.observation->recognition_id =

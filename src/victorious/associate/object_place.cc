@@ -168,22 +168,26 @@ std::optional<SizeRatio> CompareWithRanges(std::vector<LineOfSight> lines, Locat
 
 // Number of inliers whose headings agree: with the common heading for a static object and for one on a path, whose
 // headings are turned to its end; else with the previous heading. Subtracts the observations that a moving model fits
-// in any case: two with ranges, three without.
-int CountConsistent(std::span<const BearingObservation> observations,
-                    const std::vector<std::optional<double>>& headings_rad, const GeoFix& fix, bool has_path,
-                    std::optional<double> heading_rad) {
-  if (!fix.place) return 0;
+// in any case: two with ranges, three without. Sets those fields of `result`, of which the others are known.
+void CountConsistent(std::span<const BearingObservation> observations,
+                     const std::vector<std::optional<double>>& headings_rad, const GeoFix& fix, ObjectPlace& result) {
+  result.consistent_fraction = 0;
+  if (!fix.place) return;
+  std::optional<double> heading_rad = result.heading_rad;
   bool ranged = false;
   int consistent = 0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     if (!fix.inliers[i]) continue;
     ranged = ranged || observations[i].line.range_m;
     const std::optional<double>& own_rad = headings_rad[i];
-    if (!own_rad || std::abs(WrapAngle(*own_rad - *heading_rad)) <= kHeadingGate_rad) ++consistent;
-    if (own_rad && fix.place->IsMoving() && !has_path) heading_rad = own_rad;
+    const bool agrees = !own_rad || std::abs(WrapAngle(*own_rad - *heading_rad)) <= kHeadingGate_rad;
+    if (agrees) ++consistent;
+    if (own_rad) ++result.headings;
+    if (!agrees) ++result.contradicting_headings;
+    if (own_rad && fix.place->IsMoving() && !result.HasPath()) heading_rad = own_rad;
   }
   const int needed = fix.place->IsMoving() ? (ranged ? 1 : 2) : 0;
-  return std::max(1, consistent - needed);
+  result.consistent_fraction = std::max(1, consistent - needed) / static_cast<double>(observations.size());
 }
 
 // The motion of an object whose ranges place each observation; std::nullopt for any other, and for one that is static
@@ -384,9 +388,7 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
     if (headings_at_end[i] && (fix.inliers[i] || !fix.place)) headings.push_back(*headings_at_end[i]);
   }
   result.heading_rad = EstimateHeadingMode(headings);
-  result.consistent_fraction =
-      CountConsistent(observations, headings_at_end, fix, !result.path.empty(), result.heading_rad) /
-      static_cast<double>(lines.size());
+  CountConsistent(observations, headings_at_end, fix, result);
   return result;
 }
 

@@ -29,6 +29,8 @@ struct ObjectPlace {
   double inlier_fraction = 0;         ///< fraction of observations that are inliers of the place
   double consistent_fraction = 0;  ///< fraction of observations that are inliers and agree in heading, less those that
                                    ///< the motion model fits by its degrees of freedom
+  std::int64_t headings = 0;       ///< inliers with a heading
+  std::int64_t contradicting_headings = 0;  ///< those of them that do not agree with the common, or the previous one
   std::optional<double> size_ratio;  ///< ratio of the distance by intersection to the range by apparent size (median):
                                      ///< above 1 the object appears too large for its distance. std::nullopt if an
                                      ///< observation has no range or the lines do not intersect

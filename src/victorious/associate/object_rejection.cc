@@ -52,11 +52,32 @@ double LogOdds(double score) {
 // p). The expected number of false detections with odds above x is about 1/x of that with even odds (`false_alarm_rate`
 // per frame and model), and they last one frame. An object in n consistent frames is therefore n times less likely to
 // be false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be
-// biased.
+// biased. The strength is the logarithm of one over the expected number of false objects as strong.
 //
 // kMaxFalseAlarms: maximum expected number of false detections as strong, over the whole search. Chosen: one search in
 // ten has one.
 constexpr double kMaxFalseAlarms = 0.1;
+
+struct SignificanceTest {
+  double log_odds = 0;  // of a typical frame
+  double frames = 0;    // that are consistent
+  double false_alarms_at_even_odds = 0;
+};
+
+SignificanceTest TestOf(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
+                        const ObjectOptions& options) {
+  SignificanceTest test;
+  double recognised = 0;
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
+    test.frames += static_cast<double>(tracklet->record.frames);
+    test.log_odds += tracklet->summary.log_odds;
+    recognised += static_cast<double>(tracklet->summary.recognitions);
+  }
+  if (recognised > 0) test.log_odds /= recognised;
+  if (placed) test.frames = std::max(1.0, test.frames * hypothesis.estimate.consistent_fraction);
+  test.false_alarms_at_even_odds = options.false_alarm_rate * static_cast<double>(frames_searched);
+  return test;
+}
 
 // The lowest land is the shore of the Dead Sea, about 440 m below sea level; a place is below any ground if it is so by
 // two standard deviations.
@@ -109,20 +130,18 @@ void RejectPlace(std::string reason, ObjectRecord& object) {
   object.heading_rad.reset();
 }
 
+double StrengthOf(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
+                  const ObjectOptions& options) {
+  constexpr double kMin = 1e-9;  // nothing was searched, or no false alarms are expected
+  const SignificanceTest test = TestOf(hypothesis, placed, frames_searched, options);
+  return test.log_odds + std::log(std::max(test.frames, kMin)) -
+         std::log(std::max(test.false_alarms_at_even_odds, kMin));
+}
+
 bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
                      const ObjectOptions& options) {
-  double log_odds = 0;
-  double recognised = 0;
-  double frames = 0;
-  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
-    frames += static_cast<double>(tracklet->record.frames);
-    log_odds += tracklet->summary.log_odds;
-    recognised += static_cast<double>(tracklet->summary.recognitions);
-  }
-  if (recognised > 0) log_odds /= recognised;
-  if (placed) frames = std::max(1.0, frames * hypothesis.estimate.consistent_fraction);
-  const double false_alarms_at_even_odds = options.false_alarm_rate * static_cast<double>(frames_searched);
-  return std::exp(log_odds) * frames * kMaxFalseAlarms < false_alarms_at_even_odds;
+  const SignificanceTest test = TestOf(hypothesis, placed, frames_searched, options);
+  return std::exp(test.log_odds) * test.frames * kMaxFalseAlarms < test.false_alarms_at_even_odds;
 }
 
 // If a place of another size fits its lines, the object does not drive at that height, but stands and is of that size.

@@ -49,6 +49,11 @@ struct PixelOverlap {
 /// Removes the place, and the heading, which rests on the same telemetry.
 void RejectPlace(std::string reason, ObjectRecord& object);
 
+/// Natural logarithm of one over the number of false detections as strong that are expected by chance.
+/// @param placed, frames_searched  as for IsInsignificant()
+[[nodiscard]] double StrengthOf(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
+                                const ObjectOptions& options);
+
 /// The a contrario test: true if as strong a false detection is expected by chance.
 /// @param placed           false: the object has no place, and the test rests on recognition alone
 /// @param frames_searched  number of tests

@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "victorious/geometry/angles.h"
 #include "victorious/geometry/box.h"
 #include "victorious/store/index_store.h"
 #include "victorious/types/bearing_observation.h"
@@ -15,7 +18,24 @@ struct TrackletSummary {
   double log_odds = 0;            ///< sum of the log odds of the recognised sightings
   std::int64_t recognitions = 0;  ///< their number
   std::int64_t observations = 0;  ///< number of bearing observations
+  std::int64_t view_steps = 0;  ///< pairs of recognised sightings in a row, with views, less than kMaxViewStep_s apart
+  std::int64_t view_jumps = 0;  ///< those of them whose views are more than kViewJump_rad apart
+  /// Sum of the directions of view (unit vectors) of the recognised sightings: with their number it tells how far they
+  /// spread.
+  Eigen::Vector3d view_sum = Eigen::Vector3d::Zero();
+  std::int64_t views = 0;  ///< number of recognised sightings with a view
 };
+
+/// The direction of view of a recognised sighting.
+struct SightingView {
+  double time_s = 0;
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit length, to the camera, in axes fixed to the object
+};
+
+/// No object turns so far before the camera in so short a time: one of two such views is wrong. Chosen: a car that
+/// turns on the spot takes longer.
+inline constexpr double kMaxViewStep_s = 2;
+inline constexpr double kViewJump_rad = RadiansFromDegrees(50);
 
 /// A tracklet with its observations. Category tracklets form objects in the same way, but are never rejected and reject
 /// no other object: a category sighting does not identify an instance.
@@ -29,10 +49,14 @@ struct ObservedTracklet {
   std::vector<std::int64_t> frames;              ///< ascending
   std::vector<Box> boxes;                        ///< one per frame
   std::vector<double> scores;                    ///< scores of the recognised (not tracked) sightings
+  std::vector<SightingView> views;               ///< views of those that have one, by time
   std::vector<BearingObservation> observations;  ///< bearing observations, by time; only of sightings that have one
 
   TrackletSummary summary;
 };
+
+/// Adds a recognised sighting's score, and its view if it has one.
+void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet);
 
 /// The summary of a tracklet with its content.
 [[nodiscard]] TrackletSummary Summarise(const ObservedTracklet& tracklet);

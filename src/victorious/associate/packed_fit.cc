@@ -160,6 +160,8 @@ void PutPlace(const ObjectPlace& place, Writer& writer) {
   writer.PutCount(place.path_size);
   writer.Put(place.inlier_fraction);
   writer.Put(place.consistent_fraction);
+  writer.PutCount(static_cast<std::uint64_t>(place.headings));
+  writer.PutCount(static_cast<std::uint64_t>(place.contradicting_headings));
   if (writer.PutHas(place.heading_rad)) writer.Put(*place.heading_rad);
   if (writer.PutHas(place.size_ratio)) writer.Put(*place.size_ratio);
   if (writer.PutHas(place.place)) PutGeolocation(*place.place, writer);
@@ -170,6 +172,9 @@ ObjectPlace GetPlace(Reader& reader) {
   place.path_size = static_cast<std::size_t>(reader.GetCount());
   place.inlier_fraction = reader.GetNumber(0, 1);
   place.consistent_fraction = reader.GetNumber(0, 1);
+  constexpr std::uint64_t kMaxCount = std::numeric_limits<std::int32_t>::max();
+  place.headings = static_cast<std::int64_t>(reader.GetCount(kMaxCount));
+  place.contradicting_headings = static_cast<std::int64_t>(reader.GetCount(static_cast<std::uint64_t>(place.headings)));
   if (reader.GetHas()) place.heading_rad = reader.GetNumber(0, 2 * kPi);
   if (reader.GetHas()) place.size_ratio = reader.GetNumber(kMinPositive);
   if (reader.GetHas()) place.place = GetGeolocation(reader);
@@ -206,6 +211,10 @@ std::vector<std::byte> Pack(const HypothesisFits& fits) {
     writer.Put(summary.log_odds);
     writer.PutCount(static_cast<std::uint64_t>(summary.recognitions));
     writer.PutCount(static_cast<std::uint64_t>(summary.observations));
+    writer.PutCount(static_cast<std::uint64_t>(summary.view_steps));
+    writer.PutCount(static_cast<std::uint64_t>(summary.view_jumps));
+    writer.PutCount(static_cast<std::uint64_t>(summary.views));
+    writer.PutMatrix(summary.view_sum);
     writer.PutCount(fits.tracklet->frames.size());
     std::int64_t before = 0;
     for (const std::int64_t frame : fits.tracklet->frames) {
@@ -232,11 +241,18 @@ std::optional<HypothesisFits> UnpackHypothesisFits(std::span<const std::byte> by
     tracklet.summary.log_odds = reader.GetNumber();
     const std::uint64_t recognitions = reader.GetCount();
     const std::uint64_t observations = reader.GetCount();
+    const std::uint64_t view_steps = reader.GetCount();
+    const std::uint64_t view_jumps = reader.GetCount(view_steps);
+    const std::uint64_t views = reader.GetCount();
+    tracklet.summary.view_sum = reader.GetMatrix<Eigen::Vector3d>();
     tracklet.frames = GetFrames(reader);
     // A frame has one sighting.
-    if (std::max(recognitions, observations) > tracklet.frames.size()) reader.Fail();
+    if (std::max({recognitions, observations, view_steps, views}) > tracklet.frames.size()) reader.Fail();
     tracklet.summary.recognitions = static_cast<std::int64_t>(recognitions);
     tracklet.summary.observations = static_cast<std::int64_t>(observations);
+    tracklet.summary.view_steps = static_cast<std::int64_t>(view_steps);
+    tracklet.summary.view_jumps = static_cast<std::int64_t>(view_jumps);
+    tracklet.summary.views = static_cast<std::int64_t>(views);
   }
   if (!reader.IsAtEnd()) return std::nullopt;
   return fits;

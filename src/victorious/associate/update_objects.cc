@@ -92,6 +92,7 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
                                      .frames = {},
                                      .boxes = {},
                                      .scores = {},
+                                     .views = {},
                                      .observations = {},
                                      .summary = {}});
   }

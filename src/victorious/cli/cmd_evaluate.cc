@@ -7,6 +7,7 @@
 #include "victorious/base/json.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/evaluate/reliability.h"
 #include "victorious/evaluate/reported.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/evaluate/truth.h"
@@ -21,6 +22,8 @@ struct Arguments {
   std::string truth;
   std::string video;
   std::vector<std::string> models;
+  bool scores = false;
+  bool rejected = false;
   bool json = false;
 };
 
@@ -29,6 +32,7 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   SightingFilter filter;
   if (!arguments.video.empty()) filter.video_name = arguments.video;
+  filter.include_rejected = arguments.rejected;
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   if (catalogue.videos().size() > 1) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -40,7 +44,15 @@ Status Run(const Arguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const ReportedContent reported, ReadReported(*store, filter));
   const Score score = ScoreIndex(truth, reported.objects, reported.sightings);
-  return WriteOutput("", arguments.json ? DumpJson(ToJson(score), 1) + "\n" : ToText(score));
+  nlohmann::ordered_json json = ToJson(score);
+  std::string text = ToText(score);
+  if (arguments.scores) {
+    const std::vector<JudgedObject> judged = JudgeObjects(truth, reported.objects, reported.sightings);
+    const Reliability reliability = MeasureReliability(judged);
+    json["reliability"] = ToJson(reliability, judged);
+    text += ToText(reliability, judged);
+  }
+  return WriteOutput("", arguments.json ? DumpJson(json, 1) + "\n" : text);
 }
 
 }  // namespace
@@ -53,6 +65,8 @@ Action SetUpEvaluate(ArgumentParser& parser) {
       .SplitAt(',')
       .TypeName("A,B");
   parser.Add("--video", arguments->video, "The video, if the index contains several").TypeName("NAME");
+  parser.AddFlag("--scores", arguments->scores, "Also: which objects are right, and whether their scores say so");
+  parser.AddFlag("--rejected", arguments->rejected, "Count rejected objects as if they were reported");
   parser.AddFlag("--json", arguments->json, "Print JSON");
   return [=] { return Run(*arguments); };
 }

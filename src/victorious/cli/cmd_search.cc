@@ -44,10 +44,18 @@ std::string PlaceText(const ObjectRecord& object) {
                      DegreesFromRadians(object.place->point.longitude_rad), object.place->ce90_m);
 }
 
-// Why the object, or its place, is rejected; empty if neither is.
+// Why the object, or its place, is rejected, and what else speaks against it; empty if nothing does.
 std::string ReasonText(const ObjectRecord& object) {
-  if (!object.rejected.empty()) return fmt::format("  (rejected: {})", object.rejected);
-  return object.place_rejected.empty() ? "" : fmt::format("  (no place: {})", object.place_rejected);
+  std::string text;
+  if (!object.rejected.empty()) {
+    text = fmt::format("  (rejected: {})", object.rejected);
+  } else if (!object.place_rejected.empty()) {
+    text = fmt::format("  (no place: {})", object.place_rejected);
+  }
+  std::vector<std::string> others = object.against;
+  std::erase(others, object.place_rejected);
+  if (!others.empty()) text += fmt::format("  (against: {})", fmt::join(others, "; "));
+  return text;
 }
 
 std::string ObjectLine(const ListedObject& listed) {

@@ -12,7 +12,7 @@ Expected<ReportedContent> ReadReported(IndexStore& store, const SightingFilter& 
   for (const ObjectRecord& object : objects) {
     const ModelRecord* model = catalogue.Model(object.model);
     if (model != nullptr && !model->IsCategory()) {
-      reported.objects.push_back({object.id, object.place, object.heading_rad});
+      reported.objects.push_back({object.id, object.place, object.heading_rad, object.score});
     }
   }
   for (const SightingRecord& row : sightings) {

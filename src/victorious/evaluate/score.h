@@ -45,6 +45,7 @@ struct ReportedObject {
   std::int64_t id = 0;
   std::optional<Geolocation> place;
   std::optional<double> heading_rad;  ///< of its front, clockwise from north
+  double score = 0;                   ///< only reliability.h reads it: the order of objects is that of the list
 };
 
 /// Whether enough of the object is visible (>= 0.5) and its box is large enough (shorter side >= 24 px). Other rows are

@@ -53,6 +53,7 @@ constexpr auto kColumns = std::to_array<Column>({{"model", OFTString},
                                                  {"sigma_speed_m_s", OFTReal},
                                                  {"course_deg", OFTReal},
                                                  {"sigma_course_deg", OFTReal},
+                                                 {"against", OFTString},
                                                  {"rejected", OFTString}});
 
 // Keeps GDAL's messages on this thread from stderr, and its clock out of the file.

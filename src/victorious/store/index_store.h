@@ -81,16 +81,19 @@ struct TrackletRecord {
 struct ObjectRecord {
   std::int64_t id = 0;  ///< the id of its first tracklet
   std::int64_t model = 0;
-  double score = 0;                     ///< the maximum over its tracklets
+  double score = 0;                     ///< `object_score`, without one the maximum over its tracklets
   std::int64_t frames = 0;              ///< with a sighting
   double first_time_s = 0;              ///< of its sightings; presentation time in their own video
   double last_time_s = 0;               ///< likewise
   std::vector<std::int64_t> videos;     ///< ids of the videos that show it, in the order they were added
   std::vector<std::int64_t> tracklets;  ///< ids of its tracklets, ascending
   std::optional<Geolocation> place;
-  std::optional<double> heading_rad;  ///< direction of its front, clockwise from north
-  std::string rejected;               ///< the reason for its rejection; empty: not rejected
-  std::string place_rejected;         ///< the reason why an estimated place was rejected, if that is why it has none
+  std::optional<double> heading_rad;   ///< direction of its front, clockwise from north
+  std::string rejected;                ///< the reason for its rejection; empty: not rejected
+  std::string place_rejected;          ///< the reason why an estimated place was rejected, if that is why it has none
+  std::optional<double> object_score;  ///< by all sightings (associate/object_score.h); std::nullopt for a category
+  std::vector<std::string> against;    ///< what speaks against it, one reason each
+  std::string evidence_json;           ///< the numbers behind `object_score`, a JSON object; empty: none are known
 };
 
 /// Identifies a kept fit: the first of its tracklets, and a number that its maker computes of all else that it depends
@@ -279,7 +282,8 @@ class IndexStore {
   /// Returns all tracklets, by id.
   [[nodiscard]] virtual Expected<std::vector<TrackletRecord>> Tracklets() = 0;
   /// In one transaction, assigns the tracklets of these objects to them, and deletes objects without a tracklet. Uses
-  /// only id, model, tracklets, place, heading and rejection of ObjectRecord; ignores tracklets that were deleted.
+  /// only id, model, tracklets, place, heading, rejection, `object_score`, `against` and `evidence_json` of
+  /// ObjectRecord; ignores tracklets that were deleted.
   /// Writes only what differs from what is stored, for which it reads all objects and the objects of all tracklets.
   [[nodiscard]] virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
   /// Stores the objects that `make` computes from the content of the store, as PutObjects does, and the fits that it

@@ -143,6 +143,28 @@ TEST_P(KeptFitsTest, TrackletFilterSelectsItsSightings) {
   EXPECT_THAT(*store_->Objects({.tracklet = b + 1}), SizeIs(0));
 }
 
+TEST_P(KeptFitsTest, AnObjectHasItsOwnScoreAndWhatSpeaksAgainstIt) {
+  const std::int64_t id = Commit(0, 2);
+  ObjectRecord object{.id = id, .model = model_, .tracklets = {id}};
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  EXPECT_EQ(store_->Objects({})->front().score, 0.5) << "without an own score, the best of its tracklets";
+  EXPECT_EQ(store_->Objects({})->front().object_score, std::nullopt);
+  object.object_score = 0.25;
+  object.against = {"size 12 % off", "seen from one side only"};
+  object.evidence_json = R"({"strength":1.5})";
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  const ObjectRecord stored = store_->Objects({})->front();
+  EXPECT_EQ(stored.score, 0.25);
+  EXPECT_EQ(stored.object_score, 0.25);
+  EXPECT_THAT(stored.against, ElementsAre("size 12 % off", "seen from one side only"));
+  EXPECT_EQ(stored.evidence_json, R"({"strength":1.5})");
+  object.object_score.reset();
+  object.against.clear();
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  EXPECT_EQ(store_->Objects({})->front().score, 0.5);
+  EXPECT_TRUE(store_->Objects({})->front().against.empty());
+}
+
 VICTORIOUS_TEST_ON_ALL_STORES(KeptFitsTest);
 
 }  // namespace

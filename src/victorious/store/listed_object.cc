@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -86,6 +87,8 @@ Json ObjectJson(const ListedObject& listed) {
     json["ce90_m"] = MetresJson(place.ce90_m);
     json["le90_m"] = MetresJson(place.le90_m);
   }
+  json["against"] = object.against;
+  json["evidence"] = ParseStrictJson(object.evidence_json).value_or(nullptr);
   if (!object.rejected.empty()) json["rejected"] = object.rejected;
   if (!object.place_rejected.empty()) json["place_rejected"] = object.place_rejected;
   return json;

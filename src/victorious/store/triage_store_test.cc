@@ -104,6 +104,28 @@ TEST_F(TriageStoreTest, ListsWhatTheIndexStoreLists) {
   }
 }
 
+TEST_F(TriageStoreTest, ListsByTheScoresOfObjects) {
+  std::vector<ObjectRecord> objects = *writer_->Objects({});
+  for (std::size_t i = 0; i < objects.size(); ++i) objects[i].object_score = 0.1 + 0.1 * static_cast<double>(i);
+  objects.front().against = {"size 12 % off"};
+  ASSERT_TRUE(writer_->PutObjects(objects));
+  const auto listed = store_->Objects({}, {});
+  ASSERT_TRUE(listed) << listed.error().message;
+  EXPECT_EQ(listed->front().object.id, objects.back().id);
+  EXPECT_EQ(listed->back().object.id, objects.front().id);
+  EXPECT_EQ(listed->back().object.score, 0.1);
+  EXPECT_EQ(listed->back().object.against, objects.front().against);
+  // A tracklet that grows keeps the score until data association runs again.
+  IndexBatch grown;
+  const std::int64_t first = objects.front().tracklets.front();
+  const std::vector<TrackletRecord> tracklets = *writer_->Tracklets();
+  TrackletRecord record = *std::ranges::find(tracklets, first, &TrackletRecord::id);
+  record.score = 0.999;
+  grown.tracklets.push_back({first, record});
+  ASSERT_TRUE(writer_->Commit(grown));
+  EXPECT_EQ(store_->Objects({}, {})->back().object.score, 0.1);
+}
+
 TEST_F(TriageStoreTest, SummaryFollowsTracklets) {
   // A tracklet grows, is joined to another object, and is deleted.
   IndexBatch grown;

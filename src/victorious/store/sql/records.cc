@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace victorious::sql {
 namespace {
@@ -174,7 +175,8 @@ std::string SelectTracklets() {
 
 std::string ObjectResultColumns() {
   return kObjectColumns.Names("o") +
-         ", max(t.score) AS score, CAST(sum(t.frames) AS bigint) AS frames, min(t.first_time_s), max(t.last_time_s)";
+         ", coalesce(o.object_score, max(t.score)) AS score, CAST(sum(t.frames) AS bigint) AS frames, "
+         "min(t.first_time_s), max(t.last_time_s)";
 }
 
 std::string SelectSightings() {
@@ -195,6 +197,10 @@ void BindObject(const ObjectRecord& object, Parameters& insert) {
                                  ? std::string(kPlaceReason) + object.place_rejected
                                  : object.rejected;
   if (!reason.empty()) insert.BindAt(kObject.Parameter("rejection_reason"), reason);
+  insert.BindAt(kObject.Parameter("object_score"), object.object_score);
+  if (!object.against.empty())
+    insert.BindAt(kObject.Parameter("against"), fmt::format("{}", fmt::join(object.against, "\n")));
+  if (!object.evidence_json.empty()) insert.BindAt(kObject.Parameter("evidence"), object.evidence_json);
 }
 
 void BindKeptFit(const KeptFit& kept, Parameters& insert) {
@@ -311,13 +317,17 @@ Expected<ObjectRecord> ReadObjectRow(const Row& row, std::string_view name) {
                       .last_time_s = row.Real(kTracklets + 3),
                       .videos = {},
                       .tracklets = {},
-                      .heading_rad = row.OptionalReal(kObject.Index("heading_rad"))};
+                      .heading_rad = row.OptionalReal(kObject.Index("heading_rad")),
+                      .object_score = row.OptionalReal(kObject.Index("object_score"))};
   const std::string reason = row.Text(kObject.Index("rejection_reason"));
   if (reason.starts_with(kPlaceReason)) {
     object.place_rejected = reason.substr(kPlaceReason.size());
   } else {
     object.rejected = reason;
   }
+  object.evidence_json = row.Text(kObject.Index("evidence"));
+  std::istringstream against(row.Text(kObject.Index("against")));
+  for (std::string line; std::getline(against, line);) object.against.push_back(line);
   if (!row.IsNull(kObject.Index("place_time_s"))) {
     VICTORIOUS_ASSIGN_OR_RETURN(object.place, ReadPlace(row, name));
   }

@@ -21,7 +21,8 @@ inline constexpr ColumnList kTrackletColumns({"video_id", "model_id", "score", "
 
 inline constexpr ColumnList kObjectColumns({"id", "model_id", "place_time_s", "latitude_rad", "longitude_rad",
                                             "altitude_m", "covariance_enu_m2", "ce90_m", "le90_m", "velocity_enu_m_s",
-                                            "velocity_covariance", "heading_rad", "rejection_reason"});
+                                            "velocity_covariance", "heading_rad", "rejection_reason", "object_score",
+                                            "against", "evidence"});
 
 /// Starts a rejection_reason that applies to the place only: the object is not rejected.
 inline constexpr std::string_view kPlaceReason = "place: ";
