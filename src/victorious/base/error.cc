@@ -31,6 +31,7 @@ Error ErrorFromErrno(int errno_value, std::string_view what) {
       break;
     case EINVAL:
     case EISDIR:
+    case ELOOP:
     case ENAMETOOLONG:
       code = ErrorCode::kInvalidArgument;
       break;

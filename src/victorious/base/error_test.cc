@@ -38,6 +38,7 @@ TEST(Error, ErrnoMapsToNearestCode) {
   EXPECT_EQ(ErrorFromErrno(ENOSPC, "x").code, ErrorCode::kNoSpace);
   EXPECT_EQ(ErrorFromErrno(EDQUOT, "x").code, ErrorCode::kNoSpace);
   EXPECT_EQ(ErrorFromErrno(EISDIR, "x").code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(ErrorFromErrno(ELOOP, "x").code, ErrorCode::kInvalidArgument) << "a symbolic link to itself";
   EXPECT_EQ(ErrorFromErrno(EIO, "x").code, ErrorCode::kInternal);
 }
 

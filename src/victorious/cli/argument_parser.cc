@@ -110,7 +110,14 @@ Argument Argument::OneValueEach() {
 
 template <ArgumentValue Value>
 Argument ArgumentParser::Add(const std::string& name, Value& value, const std::string& description) {
-  return Argument(*app_->add_option(name, value, description));
+  CLI::Option* option = app_->add_option(name, value, description);
+  // CLI11 takes an empty text for an optional that is not given.
+  if constexpr (OneOfTypes<Value, std::optional<int>, std::optional<std::int64_t>, std::optional<std::uint64_t>,
+                           std::optional<double>>) {
+    option->check(CLI::Validator(
+        [](const std::string& text) { return std::string(text.empty() ? "\"\": must be a number" : ""); }, ""));
+  }
+  return Argument(*option);
 }
 
 // One for each type of ArgumentValue.

@@ -66,6 +66,16 @@ TEST(ArgumentParser, ConvertsToTheTypeOfTheVariable) {
   EXPECT_TRUE(values.flag);
 }
 
+TEST(ArgumentParser, AnEmptyNumberIsNone) {
+  std::optional<int> every;
+  std::optional<double> from_s;
+  ProgramParser program("program", "Does");
+  program.Add("--every", every, "Interval").TypeName("N");
+  program.Add("--from", from_s, "Time").TypeName("S");
+  EXPECT_THAT(ErrorOf(program, {"--every", ""}), StartsWith("--every: \"\": must be a number ("));
+  EXPECT_THAT(ErrorOf(program, {"--from", ""}), StartsWith("--from: \"\": must be a number ("));
+}
+
 TEST(ArgumentParser, RangesAreSaidInErrorsAndHelp) {
   int threads = 0;
   double pitch_deg = 0;
@@ -86,6 +96,7 @@ TEST(ArgumentParser, RangesAreSaidInErrorsAndHelp) {
     EXPECT_THAT(ErrorOf(program, {"--frame", bad}),
                 StartsWith("--frame: \"" + bad + "\": must be a whole number from 0 ("));
   }
+  EXPECT_THAT(ErrorOf(program, {"--frame", ""}), StartsWith("--frame: \"\": must be a "));
   EXPECT_EQ(ErrorOf(program, {"--threads", "1024", "--pitch", "-90", "--frame", "9223372036854775807"}), "");
   EXPECT_EQ(threads, 1024);
   EXPECT_EQ(pitch_deg, -90);
