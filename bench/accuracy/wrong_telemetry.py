@@ -19,8 +19,8 @@ Prints one row for each movie and case:
   error      median and largest horizontal error of the places, m
   CE90       their median
   covered    places within their CE90
-  said       what `index` reported of the telemetry: clock, yaw and field of view corrected, clock unknown, places
-             rejected
+  said       what `index` reported of the telemetry: clock, yaw and field of view corrected, clock unknown, another
+             flight's, places rejected
 
 and at the end, for each case over all movies, the places within CE90.
 """
@@ -78,7 +78,8 @@ SAID = [
     (r"offset of its clock is unknown", "clock unknown"),
     (r"yaw of the telemetry is ([\d.]+) degrees too (\w+)", "yaw {} {}"),
     (r"field of view is about (\d+ %) too (\w+)", "field {} {}"),
-    (r"belong to another", "may be another's"),
+    (r"it belongs to another flight", "another's, not used"),
+    (r"may belong to another", "may be another's"),
 ]
 
 

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "victorious/base/median.h"
+#include "victorious/calibrate/motion_comparison.h"
+#include "victorious/calibrate/motion_contradiction.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/camera.h"
 #include "victorious/image/impulse_noise.h"
@@ -20,10 +22,8 @@
 namespace victorious {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMinPairs = 20;
 constexpr double kMinPairInterval_s = 0.1;     // between two compared frames: less gives too little motion
 constexpr double kMinSigma_s = 0.002;          // exposure time and rounding of time stamps are unknown
 constexpr double kMaxSigma_s = 0.1;            // above it the camera's motion changes too little for an offset
@@ -31,151 +31,6 @@ constexpr double kMinExplainedVariance = 0.5;  // below it telemetry does not ma
 constexpr int kUnknowns = 5;                   // time offset, s; inverse height above the ground, 1/m; three biases, px
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
-
-// Sample points of the image motion, halfway to the image corners, relative to the centre, px.
-std::array<Vector2d, 4> Corners(const cv::Size& image) {
-  const double x = image.width / 4.0;
-  const double y = image.height / 4.0;
-  return {Vector2d(-x, -y), Vector2d(x, -y), Vector2d(x, y), Vector2d(-x, y)};
-}
-
-// Converts the shifts of the four points to motion components: right, down, rotation, all in px.
-Vector3d Components(const std::array<Vector2d, 4>& corners, const std::array<Vector2d, 4>& shifts) {
-  Vector2d mean = Vector2d::Zero();
-  double turn = 0;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    mean += shifts[k] / 4;
-    turn += (corners[k].x() * shifts[k].y() - corners[k].y() * shifts[k].x()) / 4;
-  }
-  return {mean.x(), mean.y(), turn / corners[0].norm()};
-}
-
-// A camera pose in one east-north-up tangent plane.
-struct PlanePose {
-  Vector3d place;
-  Eigen::Quaterniond camera_from_plane;
-  double focal_px = 0;
-};
-
-class Comparison {
- public:
-  Comparison(const ImageMotions& seen, const CameraTrajectory& cameras)
-      : seen_(seen), cameras_(cameras), plane_(cameras.states().front().place), corners_(Corners(seen.image)) {
-    std::vector<double> heights_m;
-    for (const CameraState& state : cameras.states()) {
-      heights_m.push_back(plane_.EnuFromGeodetic(state.place).z());
-    }
-    height_m_ = Median(std::move(heights_m));
-    const Vector2d middle(seen.image.width / 2.0, seen.image.height / 2.0);
-    for (const ImageMotion& motion : seen.motions) {
-      std::array<Vector2d, 4> shifts;
-      for (std::size_t k = 0; k < corners_.size(); ++k) {
-        shifts[k] = motion.to_from.Apply(corners_[k] + middle) - middle - corners_[k];
-      }
-      measured_.push_back(Components(corners_, shifts));
-      sums_.push_back(sums_.empty() ? measured_.back() : Vector3d(sums_.back() + measured_.back()));
-    }
-  }
-
-  [[nodiscard]] std::size_t size() const { return measured_.size(); }
-  [[nodiscard]] const Vector3d& measured(std::size_t i) const { return measured_[i]; }
-  [[nodiscard]] double time_s(std::size_t i) const { return seen_.motions[i].from_s; }
-
-  // Mean of the measured motion, shifted by `apart_s / 2` earlier and later; std::nullopt if frames are missing there.
-  [[nodiscard]] std::optional<Vector3d> MeanMeasured(std::size_t i, double apart_s) const {
-    Vector3d sum = Vector3d::Zero();
-    for (const double shift_s : {-apart_s / 2, apart_s / 2}) {
-      const auto from = SumAt(seen_.motions[i].from_s + shift_s);
-      const auto to = SumAt(seen_.motions[i].to_s + shift_s);
-      if (!from || !to) return std::nullopt;
-      sum += (*to - *from) / 2;
-    }
-    return sum;
-  }
-
-  // Camera poses at both times of every pair, for a time offset; std::nullopt where telemetry has none.
-  using Poses = std::vector<std::optional<std::pair<PlanePose, PlanePose>>>;
-  [[nodiscard]] Poses PosesAt(double offset_s) const {
-    Poses poses(size());
-    for (std::size_t i = 0; i < size(); ++i) {
-      const auto from = PoseAt(seen_.motions[i].from_s - offset_s);
-      const auto to = PoseAt(seen_.motions[i].to_s - offset_s);
-      if (from && to) poses[i].emplace(*from, *to);
-    }
-    return poses;
-  }
-
-  // Predicted motion of flat ground at a depth of 1 / `per_m` below the median camera height; 0: at infinity.
-  [[nodiscard]] std::optional<Vector3d> Predict(const std::pair<PlanePose, PlanePose>& pair, double per_m) const {
-    std::array<Vector2d, 4> shifts;
-    const auto& [from, to] = pair;
-    for (std::size_t k = 0; k < corners_.size(); ++k) {
-      const Vector3d ray = from.camera_from_plane.conjugate() *
-                           Vector3d(corners_[k].x() / from.focal_px, corners_[k].y() / from.focal_px, 1);
-      // A ground point at d along the ray, divided by d: (place + d ray - place') / d. Rays above the horizon are at
-      // infinity.
-      const double above = 1 + per_m * (from.place.z() - height_m_);  // camera height relative to the median
-      const double per_ray = above > 0 ? per_m * std::max(0.0, -ray.z()) / above : 0;
-      const Vector3d there = to.camera_from_plane * (ray + per_ray * (from.place - to.place));
-      if (!(there.z() > 0)) return std::nullopt;
-      shifts[k] = to.focal_px * there.hnormalized() - corners_[k];
-    }
-    return Components(corners_, shifts);
-  }
-
- private:
-  [[nodiscard]] std::optional<PlanePose> PoseAt(double time_s) const {
-    const auto state = cameras_.At(time_s);
-    if (!state || !state->attitude || !state->hfov_rad) return std::nullopt;
-    return PlanePose{plane_.EnuFromGeodetic(state->place), CameraFromEnu(*state->attitude),
-                     FocalLengthPx(*state->hfov_rad, seen_.image.width)};
-  }
-
-  // Accumulated motion up to a time within a pair, or at its ends.
-  [[nodiscard]] std::optional<Vector3d> SumAt(double time_s) const {
-    constexpr double kSameTime_s = 1e-6;
-    const std::vector<ImageMotion>& motions = seen_.motions;
-    const auto pair = std::ranges::lower_bound(motions, time_s - kSameTime_s, {}, &ImageMotion::to_s);
-    if (pair == motions.end() || pair->from_s > time_s + kSameTime_s) return std::nullopt;
-    const auto i = static_cast<std::size_t>(pair - motions.begin());
-    return sums_[i] - std::max(0.0, (pair->to_s - time_s) / (pair->to_s - pair->from_s)) * measured_[i];
-  }
-
-  const ImageMotions& seen_;
-  const CameraTrajectory& cameras_;
-  TangentPlane plane_;
-  std::array<Vector2d, 4> corners_;
-  double height_m_ = 0;
-  std::vector<Vector3d> measured_;
-  std::vector<Vector3d> sums_;  // prefix sums of measured_, inclusive
-};
-
-// Residuals before subtraction of biases, for the pairs that telemetry covers.
-struct ResidualSet {
-  std::vector<std::size_t> pairs;
-  std::vector<Vector3d> residuals;
-};
-
-ResidualSet ComputeResiduals(const Comparison& comparison, const Comparison::Poses& poses, double per_m) {
-  ResidualSet residual_set;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const auto predicted = poses[i] ? comparison.Predict(*poses[i], per_m) : std::nullopt;
-    if (!predicted) continue;
-    residual_set.pairs.push_back(i);
-    residual_set.residuals.push_back(comparison.measured(i) - *predicted);
-  }
-  return residual_set;
-}
-
-Vector3d Medians(const std::vector<Vector3d>& values) {
-  Vector3d middle;
-  for (int c = 0; c < 3; ++c) {
-    std::vector<double> one;
-    for (const Vector3d& value : values) one.push_back(value[c]);
-    middle[c] = Median(std::move(one));
-  }
-  return middle;
-}
 
 // Mean absolute residual after subtraction of the median biases.
 double MeanAbsResidual(const ResidualSet& residual_set) {
@@ -192,7 +47,7 @@ struct Candidate {
 };
 
 // Grid search over offset and height. Returns the local minima over the offset, best first.
-std::vector<Candidate> GridSearch(const Comparison& comparison, double max_offset_s) {
+std::vector<Candidate> GridSearch(const MotionComparison& comparison, double max_offset_s) {
   constexpr std::array kHeights_m = {15.0, 30.0, 60.0, 90.0, 130.0, 190.0, 280.0, 420.0, 800.0, 1600.0, 3200.0, 6400.0};
   const double step_s = kMinPairInterval_s / 2;
   const int steps = static_cast<int>(std::ceil(max_offset_s / step_s));
@@ -200,7 +55,7 @@ std::vector<Candidate> GridSearch(const Comparison& comparison, double max_offse
   for (int k = -steps; k <= steps; ++k) {
     Candidate best;
     best.unknowns[0] = k * step_s;
-    const Comparison::Poses poses = comparison.PosesAt(k * step_s);
+    const MotionComparison::Poses poses = comparison.PosesAt(k * step_s);
     const auto try_height = [&](double per_m) {
       const ResidualSet residual_set = ComputeResiduals(comparison, poses, per_m);
       const double cost = MeanAbsResidual(residual_set);
@@ -273,11 +128,11 @@ struct Derivatives {
   std::vector<Eigen::Matrix<double, 3, 2>> derivatives;  // one per pair of `at`
 };
 
-Derivatives ComputeDerivatives(const Comparison& comparison, const Unknowns& unknowns, double row_s) {
+Derivatives ComputeDerivatives(const MotionComparison& comparison, const Unknowns& unknowns, double row_s) {
   const double per_m = std::max(0.0, unknowns[1]);
   const double step_per_m = std::max(1e-5, 0.02 * per_m);
-  const Comparison::Poses before = comparison.PosesAt(unknowns[0] - row_s / 2);
-  const Comparison::Poses after = comparison.PosesAt(unknowns[0] + row_s / 2);
+  const MotionComparison::Poses before = comparison.PosesAt(unknowns[0] - row_s / 2);
+  const MotionComparison::Poses after = comparison.PosesAt(unknowns[0] + row_s / 2);
   Derivatives result;
   for (std::size_t i = 0; i < before.size(); ++i) {
     const auto measured = comparison.MeanMeasured(i, row_s);
@@ -308,7 +163,7 @@ struct NormalEquations {
   }
 };
 
-NormalEquations MakeNormalEquations(const Comparison& comparison, const Derivatives& derivatives,
+NormalEquations MakeNormalEquations(const MotionComparison& comparison, const Derivatives& derivatives,
                                     const Vector3d& scales_px) {
   NormalEquations system;
   int blocks = 0;
@@ -341,7 +196,7 @@ NormalEquations MakeNormalEquations(const Comparison& comparison, const Derivati
 
 constexpr double kNotAMinimum = 1e6;
 
-std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, double row_s) {
+std::optional<Fit> Refine(const MotionComparison& comparison, Unknowns unknowns, double row_s) {
   constexpr int kRounds = 40;
   constexpr int kLineSearchRounds = 8;  // iterations with step halving
   constexpr double kConvergedStep_s = 1e-5;
@@ -396,7 +251,7 @@ std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, doubl
 }
 
 // Fraction of the motion's variance about its median that telemetry explains, from mean absolute values for robustness.
-double ExplainedVariance(const Comparison& comparison, const ResidualSet& residual_set, double row_s) {
+double ExplainedVariance(const MotionComparison& comparison, const ResidualSet& residual_set, double row_s) {
   std::vector<Vector3d> measured;
   for (const std::size_t i : residual_set.pairs) measured.push_back(comparison.MeanMeasured(i, row_s).value());
   const Vector3d middle = Medians(measured);
@@ -490,7 +345,7 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& 
   if (seen.motions.size() < kMinPairs) {
     return NoOffset(TimeOffsetStatus::kFewPairs, seen.motions.size());
   }
-  const Comparison comparison(seen, cameras);
+  const MotionComparison comparison(seen, cameras);
   const double row_s = std::max(MedianRowInterval(cameras), kMinPairInterval_s / 2);
   constexpr std::size_t kMaxMinima = 4;
   std::vector<Fit> fits;
@@ -510,10 +365,12 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& 
   result.max_offset_s = options.max_offset_s;
   if (!(result.sigma_s <= kMaxSigma_s)) {
     result.status = TimeOffsetStatus::kUncertain;
+    result.contradicted = FindContradiction(seen, cameras);
     return result;
   }
   if (!(result.explained >= kMinExplainedVariance)) {
     result.status = TimeOffsetStatus::kUnexplained;
+    result.contradicted = FindContradiction(seen, cameras);
     return result;
   }
   // Another minimum is equally good if its cost is not significantly higher; the residuals are correlated.

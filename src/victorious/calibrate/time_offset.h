@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core/types.hpp>
 
 #include "victorious/base/cancel.h"
@@ -56,6 +57,13 @@ struct ImageMotions {
   cv::Size image;  ///< px
 };
 
+/// The mean motion of the image that telemetry predicts nowhere near, over half a minute of it or less: telemetry of
+/// another flight. Right, down, and turning (clockwise), of points halfway to the image corners.
+struct ContradictedMotion {
+  Eigen::Vector3d seen_px_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d predicted_px_s = Eigen::Vector3d::Zero();  ///< at the height of the ground that fits best
+};
+
 /// Why there is an offset, or none.
 enum class TimeOffsetStatus {
   kOk,
@@ -77,6 +85,8 @@ struct TimeOffset {
   double best_s = 0;               ///< best fit, s, also where it is rejected
   double other_s = 0;              ///< kPeriodic: the other offset that fits as well, s
   double max_offset_s = 0;         ///< searched range, s
+  /// Without an offset only: a steady flight tells no offset, but whether it is this one.
+  std::optional<ContradictedMotion> contradicted;
 };
 
 /// Measures the image motion of the video's first `max_duration_s`. Errors: those of VideoReader; kCancelled.

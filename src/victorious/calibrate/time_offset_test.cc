@@ -13,6 +13,7 @@
 #include "testing/data.h"
 #include "testing/drawn_town.h"
 #include "victorious/base/random.h"
+#include "victorious/calibrate/motion_contradiction.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/solvers/similarity.h"
 
@@ -134,6 +135,46 @@ TEST(EstimateTimeOffset, StraightFlightIsNotObservable) {
   EXPECT_FALSE(offset.offset_s);
   EXPECT_EQ(offset.status, TimeOffsetStatus::kUncertain);
   EXPECT_THAT(Describe(offset), HasSubstr("too little"));
+}
+
+// Circles a point on the ground, which stays in the middle of the image.
+CameraState Circling(double time_s) {
+  const double turn_deg = 6 * time_s;
+  const double turn = RadiansFromDegrees(turn_deg);
+  return Above({-70 * std::sin(turn), -70 * std::cos(turn), 110}, turn_deg, -57.5, 0, time_s);
+}
+
+TEST(EstimateTimeOffset, SteadyTelemetryOfAnotherFlightIsContradicted) {
+  const TimeOffset circling = EstimateTimeOffset(Film(Circling), Recorded(Straight, 0), {});
+  EXPECT_FALSE(circling.offset_s);
+  ASSERT_TRUE(circling.contradicted) << DescribeStatus(circling);
+  EXPECT_GT(std::abs(circling.contradicted->seen_px_s.z()), 10) << "the image turns";
+  EXPECT_LT(std::abs(circling.contradicted->predicted_px_s.z()), 5) << "by the telemetry it does not";
+  EXPECT_TRUE(FindContradiction(Film(Straight), Recorded(Circling, 0)));
+}
+
+TEST(EstimateTimeOffset, TheFlightsOwnTelemetryIsNotContradicted) {
+  for (const Path& path : {Path(Straight), Path(Circling), Path(Swerving)}) {
+    EXPECT_FALSE(FindContradiction(Film(path), Recorded(path, 0)));
+    EXPECT_FALSE(FindContradiction(Film(path), Recorded(path, 0.4)));
+  }
+  // Yaw 5 degrees and field of view 20 % wrong: the mean motion is still that of the flight.
+  const auto spoilt = [](double time_s) {
+    CameraState state = Straight(time_s);
+    state.attitude->yaw_rad += RadiansFromDegrees(5);
+    *state.hfov_rad *= 1.2;
+    return state;
+  };
+  EXPECT_FALSE(FindContradiction(Film(Straight), Recorded(spoilt, 0)));
+  // Positions of one second repeated, as some telemetry has them.
+  const auto stepping = [](double time_s) {
+    CameraState state = Straight(std::floor(time_s));
+    state.time_s = time_s;
+    return state;
+  };
+  EXPECT_FALSE(FindContradiction(Film(Straight), Recorded(stepping, 0)));
+  const auto hovering = [](double time_s) { return Above({0, -60, 110}, 0, -60, 0, time_s); };
+  EXPECT_FALSE(FindContradiction(Film(hovering), Recorded(hovering, 0)));
 }
 
 TEST(EstimateTimeOffset, PeriodicMotionIsAmbiguous) {

@@ -103,6 +103,12 @@ void CameraStates::ShiftClock(double offset_s) {
   if (start_utc_us_) *start_utc_us_ -= std::llround(offset_s * 1e6);
 }
 
+void CameraStates::Forget() {
+  trajectory_.reset();
+  first_hfov_rad_.reset();
+  start_utc_us_.reset();
+}
+
 std::optional<ClockError> CameraStates::ClockErrorAt(const CameraState& now) const {
   constexpr double kHalf_s = 1;  // noise of telemetry's rows averages out over it
   constexpr double kMinMove_m = 0.01;

@@ -47,6 +47,9 @@ class CameraStates {
   /// Adds an offset to the times of the states of the whole video, s. No effect without them.
   void ShiftClock(double offset_s);
 
+  /// Forgets the states of the whole video, which are those of another one, with their clock.
+  void Forget();
+
   /// The standard deviation of the clock's offset that the states are to have, s; 0: it is exact. At() then gives what
   /// this means for the camera, by its motion over 2 s.
   void SetClockSigma(double sigma_s) { clock_sigma_s_ = sigma_s; }

@@ -69,6 +69,20 @@ std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset, std::s
       DescribeStatus(offset), speed_m_s, sigma_s);
 }
 
+std::optional<std::string> DescribeContradiction(const TimeOffset& offset) {
+  if (!offset.contradicted) return std::nullopt;
+  const auto describe = [](const Eigen::Vector3d& px_s) {
+    return fmt::format("{:.0f} px/s {}, {:.0f} {} and {:.0f} px/s {}", std::abs(px_s.x()),
+                       px_s.x() < 0 ? "left" : "right", std::abs(px_s.y()), px_s.y() < 0 ? "up" : "down",
+                       std::abs(px_s.z()), px_s.z() < 0 ? "anticlockwise" : "clockwise");
+  };
+  return fmt::format(
+      "telemetry: it belongs to another flight, and is not used: nothing will get a place. The image moves by {}, by "
+      "the "
+      "telemetry by {} at most; telemetry.time_offset_s, if given, keeps it",
+      describe(offset.contradicted->seen_px_s), describe(offset.contradicted->predicted_px_s));
+}
+
 Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,
                     const WarningSink& warn, CameraStates& cameras) {
   if (!cameras.HasStates() || cameras.is_of_photos()) return {};
@@ -81,6 +95,11 @@ Status CorrectClock(const std::string& video, double impulse_fraction, const Can
     return {};
   }
   const TimeOffset offset = EstimateTimeOffset(*motions, *cameras.trajectory(), options);
+  if (const auto contradiction = DescribeContradiction(offset)) {
+    cameras.Forget();
+    warn(*contradiction);
+    return {};
+  }
   const std::optional<double> correction_s = ClockCorrection(offset);
   const double sigma_s = ClockSigma(offset, cameras.unknown_clock_sigma_s());
   cameras.SetClockSigma(sigma_s);

@@ -30,10 +30,15 @@ namespace victorious {
 [[nodiscard]] std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset,
                                                               std::span<const CameraState> states, double sigma_s);
 
+/// The motion of the image that the telemetry contradicts, in one line with numbers; std::nullopt if it does not.
+[[nodiscard]] std::optional<std::string> DescribeContradiction(const TimeOffset& offset);
+
 /// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is
-/// significant; `warn` receives one line with the offset and its standard error, or DescribeUnknownClock. The states
-/// get the standard deviation of the clock (CameraStates::SetClockSigma). No effect without states of the whole video,
-/// and on photos. A video whose frames cannot be read again gives a warning.
+/// significant; `warn` receives one line with the offset and its standard error, or DescribeUnknownClock. Telemetry
+/// that the motion of the image contradicts is that of another flight: the states are forgotten, so that nothing gets a
+/// wrong place, and `warn` receives DescribeContradiction. The states get the standard deviation of the clock
+/// (CameraStates::SetClockSigma). No effect without states of the whole video, and on photos. A video whose frames
+/// cannot be read again gives a warning.
 /// @param impulse_fraction  as MeasureMotions
 /// Errors: kCancelled. Cost: up to 200 frames are read and their motion is measured, some 15 ms each at 640 x 480.
 [[nodiscard]] Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,

@@ -64,6 +64,33 @@ TEST(UnknownClock, IsSaidWithWhatItMeansForPlaces) {
   EXPECT_FALSE(DescribeUnknownClock(unknown, states, 2)) << "hovering";
 }
 
+TEST(Contradiction, IsSaidInNumbers) {
+  EXPECT_FALSE(DescribeContradiction({.status = TimeOffsetStatus::kUncertain}));
+  const TimeOffset offset{.status = TimeOffsetStatus::kUncertain,
+                          .contradicted = ContradictedMotion{{-2, 4, 31}, {60, -3, -1}}};
+  const auto line = DescribeContradiction(offset);
+  ASSERT_TRUE(line);
+  EXPECT_TRUE(line->contains("belongs to another flight")) << *line;
+  EXPECT_TRUE(line->contains("2 px/s left, 4 down and 31 px/s clockwise")) << *line;
+  EXPECT_TRUE(line->contains("60 px/s right, 3 up and 1 px/s anticlockwise")) << *line;
+}
+
+TEST(CameraStatesTest, ForgottenTelemetryGivesNoState) {
+  const testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "telemetry.csv").string();
+  ASSERT_TRUE(WriteFileAtomically(
+      path,
+      "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg,utc\n"
+      "0,42,-71,100,0,-60,0,50,2024-05-01T12:00:00Z\n1,42,-71,200,0,-60,0,50,2024-05-01T12:00:01Z\n"));
+  CameraStates cameras =
+      CameraStates::Load("video.mp4", VideoInfo{}, path, {}, "no place", [](const std::string&) {}).value();
+  ASSERT_TRUE(cameras.At(0.5));
+  cameras.Forget();
+  EXPECT_FALSE(cameras.HasStates());
+  EXPECT_FALSE(cameras.At(0.5));
+  EXPECT_FALSE(cameras.start_utc_us());
+}
+
 TEST(CorrectClock, UnreadableVideoLeavesTelemetryAsItIs) {
   std::vector<std::string> warnings;
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };

@@ -1,0 +1,77 @@
+// Private to calibrate/: the motion of the image between frames beside that which telemetry predicts.
+//
+// Both are of flat ground of unknown height, as three components in px: right, down, and a rotation at points halfway
+// to the image corners.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "victorious/calibrate/time_offset.h"
+#include "victorious/geometry/geodesy.h"
+#include "victorious/telemetry/camera_track.h"
+
+namespace victorious {
+
+/// Fewer pairs of frames tell nothing.
+inline constexpr std::size_t kMinPairs = 20;
+
+/// A camera pose in one east-north-up tangent plane.
+struct PlanePose {
+  Eigen::Vector3d place;
+  Eigen::Quaterniond camera_from_plane;
+  double focal_px = 0;
+};
+
+class MotionComparison {
+ public:
+  /// Both must outlive it; there is at least one state.
+  MotionComparison(const ImageMotions& seen, const CameraTrajectory& cameras);
+
+  [[nodiscard]] std::size_t size() const { return measured_.size(); }
+  [[nodiscard]] const Eigen::Vector3d& measured(std::size_t i) const { return measured_[i]; }
+  [[nodiscard]] double time_s(std::size_t i) const { return seen_.motions[i].from_s; }
+
+  /// Mean of the measured motion, shifted by `apart_s / 2` earlier and later; std::nullopt if frames are missing there.
+  [[nodiscard]] std::optional<Eigen::Vector3d> MeanMeasured(std::size_t i, double apart_s) const;
+
+  /// Camera poses at both times of every pair, for a time offset; std::nullopt where telemetry has none.
+  using Poses = std::vector<std::optional<std::pair<PlanePose, PlanePose>>>;
+  [[nodiscard]] Poses PosesAt(double offset_s) const;
+
+  /// Predicted motion of flat ground at a depth of 1 / `per_m` below the median camera height; 0: at infinity.
+  [[nodiscard]] std::optional<Eigen::Vector3d> Predict(const std::pair<PlanePose, PlanePose>& pair, double per_m) const;
+
+ private:
+  [[nodiscard]] std::optional<PlanePose> PoseAt(double time_s) const;
+  /// Accumulated motion up to a time within a pair, or at its ends.
+  [[nodiscard]] std::optional<Eigen::Vector3d> SumAt(double time_s) const;
+
+  const ImageMotions& seen_;
+  const CameraTrajectory& cameras_;
+  TangentPlane plane_;
+  std::array<Eigen::Vector2d, 4> corners_;
+  double height_m_ = 0;
+  std::vector<Eigen::Vector3d> measured_;
+  std::vector<Eigen::Vector3d> sums_;  // prefix sums of measured_, inclusive
+};
+
+/// Measured less predicted motion, for the pairs that telemetry covers.
+struct ResidualSet {
+  std::vector<std::size_t> pairs;
+  std::vector<Eigen::Vector3d> residuals;
+};
+
+[[nodiscard]] ResidualSet ComputeResiduals(const MotionComparison& comparison, const MotionComparison::Poses& poses,
+                                           double per_m);
+
+/// The median of each component.
+[[nodiscard]] Eigen::Vector3d Medians(const std::vector<Eigen::Vector3d>& values);
+
+}  // namespace victorious
