@@ -14,12 +14,12 @@ namespace victorious {
 namespace {
 
 // The weights w0 and w_k, fitted.
-constexpr double kBias = -1.82;
-constexpr double kStrengthWeight = 0.68;  // per unit of the natural logarithm, up to kMaxStrength
+constexpr double kBias = -1.39;
+constexpr double kStrengthWeight = 0.70;  // per unit of the natural logarithm, up to kMaxStrength
 constexpr double kSizeWeight = -20;       // per unit of |log ratio| beyond kUsualSize
 constexpr double kMissingWeight = -2;     // of the fraction of lines
 constexpr double kHeadingWeight = -5;     // of the fraction of headings
-constexpr double kPlaceWeight = -2;       // of a rejected place
+constexpr double kPlaceWeight = -2.1;     // of a rejected place
 constexpr double kJumpWeight = -5;        // of the fraction of steps
 
 // Beyond it nothing becomes likelier.

@@ -54,6 +54,7 @@ constexpr auto kColumns = std::to_array<Column>({{"model", OFTString},
                                                  {"course_deg", OFTReal},
                                                  {"sigma_course_deg", OFTReal},
                                                  {"against", OFTString},
+                                                 {"evidence", OFTString},
                                                  {"rejected", OFTString}});
 
 // Keeps GDAL's messages on this thread from stderr, and its clock out of the file.

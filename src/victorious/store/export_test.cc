@@ -84,12 +84,13 @@ TEST_F(ExportTest, ObjectsHaveTheDocumentedLines) {
           R"({"object_id":2,"model":"shed","category":null,"rank":1,"score":0.97,"videos":["b.mp4"],"frames":1,)"
           R"("first_time_s":0.0,"last_time_s":0.0,"place_time_s":null,"latitude_deg":null,"longitude_deg":null,)"
           R"("altitude_m":null,"covariance_enu_m2":null,"ce90_m":null,"le90_m":null,"heading_deg":null,)"
-          R"("speed_m_s":null,"sigma_speed_m_s":null,"course_deg":null,"sigma_course_deg":null})",
+          R"("speed_m_s":null,"sigma_speed_m_s":null,"course_deg":null,"sigma_course_deg":null,)"
+          R"("against":[],"evidence":null})",
           R"({"object_id":1,"model":"box","category":null,"rank":2,"score":0.9123,"videos":["flight/a.mp4"],)"
           R"("frames":2,"first_time_s":1.48,"last_time_s":1.52,"place_time_s":null,"latitude_deg":null,)"
           R"("longitude_deg":null,"altitude_m":null,"covariance_enu_m2":null,"ce90_m":null,"le90_m":null,)"
           R"("heading_deg":null,"speed_m_s":null,"sigma_speed_m_s":null,"course_deg":null,)"
-          R"("sigma_course_deg":null})"));
+          R"("sigma_course_deg":null,"against":[],"evidence":null})"));
 }
 
 TEST_F(ExportTest, RanksCountTheListedObjects) {
@@ -245,6 +246,8 @@ TEST_F(ExportTest, GeoPackageHasPointsEllipsesAndObjectKeys) {
   object.place->covariance_enu_m2 = 9 * Eigen::Matrix3d::Identity();
   object.place->ce90_m = 6.4;
   object.rejected = "7 times too large";
+  object.against = {"size 600 % off"};
+  object.evidence_json = R"({"strength":1.5})";
   ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
   const SightingFilter filter{.include_rejected = true};
   const std::string bytes = Text(ExportFormat::kGpkg, filter);
