@@ -94,16 +94,19 @@ inside "victorious bench list && victorious experiment list" >"$dir/programs.log
 inside "zcat /usr/share/man/man1/victorious.1.gz | grep -q '^.TH'" || fail "no manual page"
 inside ". /usr/share/bash-completion/completions/victorious && complete -p victorious" >/dev/null || fail "no completion for bash"
 inside "test -s /usr/share/doc/victorious/copyright" || fail "no copyright file"
-inside "exec victorious serve --db index.db --models models --listen 127.0.0.1:18089" >"$dir/serve.log" 2>&1 &
+rm -f "$dir/page.html" "$dir/page.js"
+inside "exec victorious serve --db index.db --models models --listen 127.0.0.1:0" >"$dir/serve.log" 2>&1 &
 server=$!
-for _ in $(seq 50); do
-  if curl -sf http://127.0.0.1:18089/ -o "$dir/page.html"; then break; fi
+url=
+for _ in $(seq 150); do
+  url=$(grep -om1 'http://[0-9.:]*' "$dir/serve.log" || true)
+  if [[ -n $url ]] && curl -sf "$url/" -o "$dir/page.html"; then break; fi
   sleep 0.2
 done
 script=$(grep -o '[a-zA-Z0-9_./-]*\.js' "$dir/page.html" 2>/dev/null | head -1)
 [[ -n "$script" ]] || fail "serve sends no page"
-curl -sf "http://127.0.0.1:18089/${script#/}" -o "$dir/page.js" || fail "serve does not send $script of its page"
-curl -sf http://127.0.0.1:18089/api/v1/objects | grep -q "$name" || fail "serve does not list the object"
+curl -sf "$url/${script#./}" -o "$dir/page.js" || fail "serve does not send $script of its page"
+curl -sf "$url/api/v1/objects" | grep -q "$name" || fail "serve does not list the object"
 kill "$server"
 wait "$server" || true
 server=
