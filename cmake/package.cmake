@@ -28,11 +28,11 @@ set(CPACK_PACKAGE_NAME victorious)
 set(CPACK_PACKAGE_VENDOR "VICTORIOUS")
 set(CPACK_PACKAGE_CONTACT "VICTORIOUS maintainers <maintainers@victorious.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "finds objects in video and places them on Earth")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "finds objects in video and places them on Earth
- VICTORIOUS takes photos or a CAD model of an object and hours of video. It
- reports the frames in which the object is visible, its outline, and with
- telemetry its place on Earth with covariance. Rendering needs neither a
- display nor a graphics card.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+    "VICTORIOUS takes photos or a CAD model of an object and hours of video. It
+reports the frames in which the object is visible, its outline, and with
+telemetry its place on Earth with covariance. Rendering needs neither a
+display nor a graphics card.")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
