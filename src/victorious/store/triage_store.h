@@ -24,19 +24,26 @@ struct GeoPolygon {
   std::vector<GeodeticPoint> corners;  ///< at least 3; heights are not read
 };
 
+/// A model's name and the least score that is asked of its objects.
+struct ModelMinScore {
+  std::string model;
+  double min_score = 0;
+};
+
 /// Selects objects. All conditions that are set must hold. Rejected objects (ObjectRecord::rejected) never match.
 struct ObjectQuery {
   /// kNone to kRejected: of the team's review. kOwn: `reviewer` has decided; kNotOwn: `reviewer` has not, whether
   /// others have or not; kDisputed: some accepted it, some rejected it.
   enum class ReviewState { kAny, kNone, kAccepted, kRejected, kOwn, kNotOwn, kDisputed };
 
-  std::vector<std::string> models;    ///< names; empty: all
-  std::optional<std::int64_t> video;  ///< seen in this video
-  std::optional<double> min_score;    ///< inclusive
-  std::optional<double> from_s;       ///< seen at or after this time
-  std::optional<double> to_s;         ///< seen at or before this time
-  std::optional<GeoCircle> near;      ///< only objects of known place
-  std::optional<GeoPolygon> area;     ///< only objects of known place
+  std::vector<std::string> models;              ///< names; empty: all
+  std::optional<std::int64_t> video;            ///< seen in this video
+  std::optional<double> min_score;              ///< inclusive
+  std::vector<ModelMinScore> model_min_scores;  ///< inclusive; asked only of objects without a verdict of the team
+  std::optional<double> from_s;                 ///< seen at or after this time
+  std::optional<double> to_s;                   ///< seen at or before this time
+  std::optional<GeoCircle> near;                ///< only objects of known place
+  std::optional<GeoPolygon> area;               ///< only objects of known place
   std::vector<std::string> words;  ///< each is part of the model's name, of the id or of the note; ASCII ignores case
   ReviewState review = ReviewState::kAny;
   std::string reviewer;  ///< for kOwn and kNotOwn

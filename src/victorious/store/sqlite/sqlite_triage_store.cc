@@ -326,6 +326,7 @@ class SqliteTriageStore final : public TriageStore {
       conditions.Add("o.model_id IN (SELECT value FROM json_each(?))", IdList(ids));
     }
     if (query.min_score) conditions.Add("o.order_score <= ?", -*query.min_score);
+    VICTORIOUS_RETURN_IF_ERROR(AddModelMinScores(query, conditions));
     if (query.video || query.from_s || query.to_s) {
       Conditions seen;
       if (query.video) seen.Add("video_id = ?", *query.video);
@@ -377,6 +378,17 @@ class SqliteTriageStore final : public TriageStore {
           IdList(models), word, IdList(noted));
     }
     return conditions;
+  }
+
+  Status AddModelMinScores(const ObjectQuery& query, Conditions& conditions) {
+    if (query.model_min_scores.empty()) return {};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, Models());
+    for (const ModelMinScore& one : query.model_min_scores) {
+      const auto model = std::ranges::find(models, one.model, &ModelRecord::name);
+      if (model == models.end()) continue;
+      conditions.Add("(o.model_id <> ? OR o.verdict IS NOT NULL OR o.order_score <= ?)", model->id, -one.min_score);
+    }
+    return {};
   }
 
   Expected<std::vector<ModelRecord>> Models() {
@@ -527,8 +539,8 @@ class SqliteTriageStore final : public TriageStore {
 namespace victorious {
 
 bool ObjectQuery::IsEmpty() const {
-  return models.empty() && !video && !min_score && !from_s && !to_s && !near && !area && words.empty() &&
-         review == ReviewState::kAny;
+  return models.empty() && !video && !min_score && model_min_scores.empty() && !from_s && !to_s && !near && !area &&
+         words.empty() && review == ReviewState::kAny;
 }
 
 Expected<std::unique_ptr<TriageStore>> OpenSqliteTriageStore(const std::filesystem::path& path) {
