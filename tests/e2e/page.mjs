@@ -609,6 +609,47 @@ async function checkPersons(page, objects) {
   await page.keyboard.press("Escape");
 }
 
+/** What was accepted and rejected suggests a threshold, which is put into force, shown to every tab, and ended. */
+async function thresholds(page) {
+  await page.goto("/");
+  await page.waitForSelector("[role=option]");
+  await page.fill("#reviewer", "Ann");
+  const row = page.locator(".learnt-row");
+  const decide = (id, verdict) => page.request.put(`/api/v1/objects/${id}/review`, { data: { verdict, reviewer: "Ann" } });
+  // Objects 1 to 20 are of "common", best first: 0.99, 0.94, ...; the better half is real.
+  for (let id = 1; id <= 6; id++) await decide(id, "accepted");
+  for (let id = 16; id <= 18; id++) await decide(id, "rejected");
+  await page.getByRole("group", { name: "Filters" }).getByRole("button", { name: "common" }).click();
+  await page.waitForSelector(".learnt-row:has-text('6 accepted, 3 rejected; a threshold is learnt from 10 decisions on')");
+  await page.getByRole("button", { name: "Clear filters" }).click();
+  await row.waitFor({ state: "detached" });
+  await decide(15, "rejected");
+  await page.waitForSelector(".learnt-row:has-text('6 accepted, 4 rejected; below 0.3, all 4 were rejected')");
+  assert.equal(await page.locator(".row.greyed").count(), 0, "nothing changes by itself");
+
+  const second = await page.context().newPage();
+  await second.goto(page.url());
+  await second.waitForSelector("[role=option]");
+  await page.getByRole("button", { name: "Only ≥ 0.3" }).click();
+  // 0.09 and 0.04; what was decided stays, and other models are not asked.
+  for (const tab of [page, second]) {
+    await tab.waitForFunction(() => document.querySelector(".list h2")?.textContent === "22 of 24 objects");
+    await tab.waitForSelector(".learnt-row:has-text('only ≥ 0.3: greys out 2 objects')");
+  }
+  await page.getByRole("button", { name: "matches only" }).click();
+  await page.waitForFunction(() => document.querySelector("[role=option]")?.getAttribute("aria-setsize") === "22");
+  const [table] = await Promise.all([page.waitForEvent("download"), page.selectOption(".list .save", "csv")]);
+  assert.equal(readFileSync(await table.path(), "utf8").trim().split("\r\n").length, 1 + 22);
+  assert.equal((await api(page, "/objects?limit=100")).objects.length, 24, "the index is as it was");
+  await page.reload();
+  await page.waitForFunction(() => document.querySelector(".list h2")?.textContent === "22 of 24 objects");
+  assert.equal(await page.getByRole("button", { name: "Clear filters" }).count(), 0, "it is the team's, not a filter of the reader");
+
+  await page.getByRole("button", { name: "Show all of common" }).click();
+  for (const tab of [page, second]) await tab.waitForFunction(() => document.querySelector(".list h2")?.textContent === "24 objects");
+  await page.getByRole("button", { name: "Only ≥ 0.3" }).waitFor();
+}
+
 async function accounts(page, [password]) {
   const logIn = async (name, word) => {
     await page.fill("#log-in-name", name);
@@ -673,7 +714,7 @@ try {
   page.on("request", (request) => {
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url)) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, copies, images, many, jobs, accounts }[scenario](page, inputs);
+  await { triage, frames, copies, images, many, thresholds, jobs, accounts }[scenario](page, inputs);
   if (!hasMap) assert.match(await page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

@@ -3,7 +3,10 @@
 import functools
 import json
 import random
+import time
 import unittest
+import urllib.error
+import urllib.request
 from pathlib import Path
 
 import program
@@ -152,7 +155,8 @@ class CategoryTest(program.ProgramTest):
         better = self.scratch / "better.vcat"
         command = ("category", "refine", "--model", model, "--images", FOLDER, "--out", better, "--list")
         (report,) = self.succeeds(*command, marks, "--json").rows()
-        self.assertEqual(report, {"model": str(better), "marks": 1})
+        agreed = {"agreed_before": report["agreed_before"], "agreed_after": 1}
+        self.assertEqual(report, {"model": str(better), "marks": 1, "right": 0, "wrong": 1, **agreed})
         after = next(row for row in self.classify(better) if row["image"] == image)["scores"][name]
         self.assertLess(after, before)
         better.unlink()
@@ -238,6 +242,57 @@ class CategoryTest(program.ProgramTest):
         none = self.write("none.json", '{"categories": {"background": "cross-disc, disc-cross"}}')
         self.refuses(2, "all are background", "index", video, "--categories", model, "--db", new, "--params", none)
         self.assertFalse(new.exists())
+
+    def test_reviews_refine_categories(self):
+        """Accepted and rejected objects are marks: by the command, and as a job of the server."""
+        model = self.train()
+        video = self.scratch / "video"
+        video.mkdir()
+        for i in range(12):
+            pair(video / f"{i:03d}.pgm", i < 6, 500 if i < 6 else 501)
+        db, models, better = self.scratch / "index.db", self.scratch / "models", self.scratch / "better.vcat"
+        models.mkdir()
+        self.succeeds("index", video, "--categories", model, "--db", db)
+        command = ("category", "refine", "--model", model, "--db", db, "--out", better)
+        self.refuses(2, "no object of a category", *command)
+        self.refuses(2, "--list, or --db", *command, "--images", FOLDER)
+        self.refuses(2, "--list, or --db", "category", "refine", "--model", model, "--out", better)
+        with program.Server(db, "--models", models) as server:
+            self.refused_job(server, "--categories")
+        with program.Server(db, "--models", models, "--categories", model) as server:
+            self.assertEqual(self.ask(server, "GET", "project")["categories"], model.name)
+            for found in self.ask(server, "GET", "objects")["objects"]:
+                verdict = "accepted" if found["model"] == "cross-disc" else "rejected"
+                self.ask(server, "PUT", f"objects/{found['id']}/review", {"verdict": verdict})
+            job = self.ask(server, "POST", "jobs", {"kind": "refine"})
+            self.assertEqual(job["title"], model.name)
+            while job["state"] in ("queued", "running"):
+                time.sleep(0.05)
+                (job,) = (one for one in self.ask(server, "GET", "jobs")["jobs"] if one["id"] == job["id"])
+            self.assertEqual((job["state"], job["files"]), ("done", ["categories"]), job)
+            self.assertRegex(job["message"], "2 marks, 1 right and 1 wrong: . agreed with the model, . agree with the refined one")
+            with urllib.request.urlopen(f"{server.url}/api/v1/jobs/{job['id']}/files/categories") as response:
+                self.assertIn(f'"{model.stem}-refined.vcat"', response.headers["Content-Disposition"])
+                made = response.read()
+        (report,) = self.succeeds(*command, "--json").rows()
+        self.assertEqual((report["marks"], report["right"], report["wrong"]), (2, 1, 1))
+        self.assertGreaterEqual(report["agreed_after"], report["agreed_before"])
+        self.assertEqual(better.read_bytes(), made)
+        self.assertNotEqual(made, model.read_bytes())
+
+    def ask(self, server, method, path, body=None):
+        request = urllib.request.Request(
+            f"{server.url}/api/v1/{path}", json.dumps(body).encode() if body else None,
+            {"Content-Type": "application/json"}, method=method,
+        )
+        with urllib.request.urlopen(request) as response:
+            return json.load(response)
+
+    def refused_job(self, server, word):
+        with self.assertRaises(urllib.error.HTTPError) as caught:
+            self.ask(server, "POST", "jobs", {"kind": "refine"})
+        with caught.exception as answer:
+            self.assertIn(word, json.load(answer)["message"])
 
     def test_missing_images(self):
         model = self.train()

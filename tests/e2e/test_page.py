@@ -60,8 +60,8 @@ class PageTest(program.ProgramTest):
         self.place_objects(db, video)
         self.drive("triage", db, "--models", program.models())
 
-    def test_many_objects(self):
-        """3000 drawn rows: ten are of the model "rare"."""
+    def draw_index(self, objects):
+        """An index of drawn rows: of each object the number of its model ("common", "rare") and its score."""
         db = self.scratch / "index.db"
         db.touch()
         with program.Server(db):
@@ -74,8 +74,7 @@ class PageTest(program.ProgramTest):
             )
             for number, name in enumerate(("common", "rare"), 1):
                 index.execute("INSERT INTO models VALUES (?, ?, ?, 'cad')", (number, name, name))
-            for number in range(1, 3001):
-                model = 2 if number % 300 == 7 else 1
+            for number, (model, score) in enumerate(objects, 1):
                 index.execute(
                     "INSERT INTO objects (id, model_id, place_time_s, latitude_rad, longitude_rad, altitude_m,"
                     " covariance_enu_m2, ce90_m, le90_m) VALUES (?, ?, 1, ?, ?, 40, ?, 5, 4)",
@@ -84,15 +83,23 @@ class PageTest(program.ProgramTest):
                 index.execute(
                     "INSERT INTO tracklets (id, object_id, video_id, model_id, score, frames, first_time_s, last_time_s)"
                     " VALUES (?, ?, 1, ?, ?, 1, ?, ?)",
-                    (number, number, model, 1 - number / 3100, number / 10, number / 10),
+                    (number, number, model, score, number / 10, number / 10),
                 )
                 index.execute(
                     "INSERT INTO sightings (video_id, frame, tracklet_id, time_s, box_x_px, box_y_px, box_width_px,"
                     " box_height_px, outline, score, source, matches, view_index, in_plane_rad)"
                     " VALUES (1, ?, ?, ?, 10, 10, 40, 40, x'', ?, 'recognised', 9, 0, 0)",
-                    (number, number, number / 10, 1 - number / 3100),
+                    (number, number, number / 10, score),
                 )
-        self.drive("many", db)
+        return db
+
+    def test_many_objects(self):
+        """3000 drawn rows: ten are of the model "rare"."""
+        self.drive("many", self.draw_index([(2 if n % 300 == 7 else 1, 1 - n / 3100) for n in range(1, 3001)]))
+
+    def test_thresholds(self):
+        """Twenty objects of "common" with scores from 0.99 down to 0.04, four of "rare"."""
+        self.drive("thresholds", self.draw_index([*((1, 0.99 - 0.05 * n) for n in range(20)), *((2, 0.1 * n) for n in range(1, 5))]))
 
     def test_jobs(self):
         db, models = self.scratch / "index.db", self.scratch / "models"

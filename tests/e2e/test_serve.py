@@ -136,7 +136,8 @@ class ServeTest(program.ProgramTest):
                 for method in ("get", "put"):
                     if method not in item or path == "/api/v1/events":
                         continue  # a stream without an end: test_events_tell_of_jobs
-                    body = '{"verdict": "accepted", "note": "x"}' if method == "put" else None
+                    bodies = {"review": '{"verdict": "accepted", "note": "x"}', "threshold": '{"min_score": 0.5}'}
+                    body = bodies[path.split("/")[-1]] if method == "put" else None
                     for target in {real.replace("{id}", str(number)), wrong.replace("{view}", "0").replace("{frame}", "3")}:
                         status, headers, text = self.ask(server, target, method.upper(), body)
                         answer = item[method]["responses"].get(str(status))

@@ -135,6 +135,9 @@ std::vector<std::string> FuzzSeeds() {
       "GET\n/api/v1/videos/1/times\n\n\n\n",
       "GET\n/api/v1/videos/1/camera\n\n\n\n",
       "GET\n/api/v1/models/1/views/0\n\n\n\n",
+      "GET\n/api/v1/thresholds\n\n\n\n",
+      "GET\n/api/v1/objects?thresholds=applied\n\n\n\n",
+      "PUT\n/api/v1/models/1/threshold\n\n\n\n{\"min_score\": 0.9, \"reviewer\": \"ann\"}",
       "GET\n/assets/%69ndex.js?a=b+c%20\n\n\n\n",
       "PUT\n/api/v1/objects/1/review\n\n\n\n{\"verdict\": \"rejected\", \"note\": \"a shed\"}",
       "POST\n/api/v1/jobs\n\n\n\n{\"kind\": \"model\", \"name\": \"x\", \"uploads\": [\"0123456789abcdef\"], "

@@ -38,6 +38,7 @@ const READY = {
   index: (title: string) => `${title} is searched.`,
   live: (title: string) => `${title} has ended.`,
   track: (title: string) => `${title} was followed: its track is on the video, the time line and the map.`,
+  refine: (title: string) => `${title} is refined: the new file and what it changes are under Add.`,
   clip: (title: string) => `The clip ${title} is ready: it is under Add.`,
 };
 
@@ -178,6 +179,16 @@ export async function askForClip(object: FoundObject) {
 export async function searchAll() {
   try {
     for (const video of state.videos.value) if (video.missing === null) await postJob({ kind: "index", video_id: video.id });
+  } catch (error) {
+    notices.notifyError(error);
+  }
+}
+
+/** Refines the category model by what was accepted and rejected. */
+export async function refineCategories() {
+  isOpen.value = true;
+  try {
+    await postJob({ kind: "refine" });
   } catch (error) {
     notices.notifyError(error);
   }

@@ -12,6 +12,7 @@ import { notify, notifyError } from "./notices";
 import * as objects from "./objects";
 import { select, showTime, step } from "./selection";
 import { account } from "./session";
+import * as thresholds from "./thresholds";
 import {
   cameraPath, filters, frameTable, indexVersion, isConnected, isOnlyMatching, project, selectedId, setFilters, shownFrame, sort, videoId, videos,
 } from "./state";
@@ -23,6 +24,7 @@ export async function load() {
   try {
     const [summary, found] = await Promise.all([getProject(), listVideos()]);
     objects.setQueueTime(summary.now_utc_us);
+    await thresholds.load();
     await Promise.all([objects.loadList(sort.value, filters.value, isOnlyMatching.value), objects.countOwn()]);
     batch(() => {
       project.value = { state: "ready", value: summary };
@@ -45,7 +47,7 @@ export async function refresh() {
     const [summary, found] = await Promise.all([getProject(), listVideos()]);
     const isFirst = objects.list.peek()?.total === 0 && summary.objects > 0;
     if (isFirst) objects.setQueueTime(summary.now_utc_us);
-    await Promise.all([objects.refreshCounts(), objects.reread(selectedId.peek())]);
+    await Promise.all([objects.refreshCounts(), objects.reread(selectedId.peek()), thresholds.load()]);
     if (isFirst) await showNew();
     batch(() => {
       project.value = { state: "ready", value: summary };

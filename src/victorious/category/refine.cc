@@ -83,4 +83,19 @@ Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const Ca
   return model;
 }
 
+std::size_t CountAgreeing(const CategoryModel& model, std::span<const CategoryFeedback> marks) {
+  constexpr double kEvenOdds = 0.5;
+  std::size_t count = 0;
+  for (const CategoryFeedback& mark : marks) {
+    const auto node = std::ranges::find(model.nodes, mark.category, &CategoryNode::name);
+    bool is_found = false;
+    if (node != model.nodes.end()) {
+      const CategoryResult result = Classify(model, QuantiseFeatures(model, mark.features), CategoryMethod::kPhrases);
+      is_found = result.scores[static_cast<std::size_t>(node - model.nodes.begin())].probability >= kEvenOdds;
+    }
+    if (is_found == mark.right) ++count;
+  }
+  return count;
+}
+
 }  // namespace victorious

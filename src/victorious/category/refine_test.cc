@@ -57,6 +57,21 @@ TEST(RefineCategories, MarkedFalsePositiveScoresLower) {
   EXPECT_LT(score(*RefineCategories(model, std::span(&mark, 1))), score(model));
 }
 
+TEST(CountAgreeing, RisesByRefinement) {
+  const CategoryModel model = RawModel();
+  std::vector<CategoryFeedback> marks;
+  for (const CategoryExample& example : DrawNegatives(10, 5)) {
+    marks.push_back({.category = example.category, .right = true, .features = example.features});
+  }
+  const std::size_t before = CountAgreeing(model, marks);
+  EXPECT_GT(CountAgreeing(*RefineCategories(model, marks), marks), before);
+  for (CategoryFeedback& mark : marks) mark.right = false;
+  EXPECT_EQ(CountAgreeing(model, marks), marks.size() - before) << "each mark agrees as right or as wrong";
+  for (CategoryFeedback& mark : marks) mark.category = "boat";
+  EXPECT_EQ(CountAgreeing(model, marks), marks.size());
+  EXPECT_EQ(CountAgreeing(model, {}), 0U);
+}
+
 TEST(RefineCategories, WithoutMarksChangesNothing) {
   const CategoryModel model = RawModel();
   EXPECT_EQ(EncodeCategoryModel(*RefineCategories(model, {})), EncodeCategoryModel(model));

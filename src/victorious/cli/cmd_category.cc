@@ -21,8 +21,10 @@
 #include "victorious/cli/output_files.h"
 #include "victorious/image/image_file.h"
 #include "victorious/mesh/load_mesh.h"
+#include "victorious/pipeline/review_marks.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/category_images.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious::cli {
 namespace {
@@ -36,6 +38,7 @@ struct Arguments {
   std::string model;
   std::string method = std::string(ToText(kCategoryMethodTexts, CategoryMethod::kPhrases));
   std::string explain;
+  std::string db;
   bool json = false;
 };
 
@@ -169,19 +172,10 @@ Status Classify(const Arguments& arguments, const ArgumentParser& parser) {
   return WriteOutput("", text);
 }
 
-Status Refine(const Arguments& arguments, const ArgumentParser& parser) {
-  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategoryModel(arguments.model));
-  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
-  if (featurizer.options().windows.enabled) {
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("{}: a model with windows cannot be refined: add the marked examples to the training images and "
-                    "train again",
-                    arguments.model));
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
-  VICTORIOUS_RETURN_IF_ERROR(
-      CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
+// Reads the marks of a list.
+Expected<std::vector<CategoryFeedback>> ReadListedMarks(const Arguments& arguments,
+                                                        const std::vector<CategoryListRow>& rows,
+                                                        const CategoryFeaturizer& featurizer) {
   std::vector<CategoryFeedback> marks(rows.size());
   const auto read_mark = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = rows[row];
@@ -195,10 +189,79 @@ Status Refine(const Arguments& arguments, const ArgumentParser& parser) {
     return {};
   };
   VICTORIOUS_RETURN_IF_ERROR(ForEachImage(arguments.images, rows, read_mark, [](std::size_t) {}));
+  return marks;
+}
+
+// Reads the marks that the reviews of an index give. Those that cannot be used are left out with a warning.
+Expected<std::vector<CategoryFeedback>> ReadReviewedMarks(const Arguments& arguments, const CategoryModel& model,
+                                                          const CategoryFeaturizer& featurizer) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ReviewMark> reviewed, ListReviewMarks(*store));
+  Progress progress(StoreName(arguments.db), std::ssize(reviewed), "marks");
+  std::vector<CategoryFeedback> marks;
+  std::int64_t done = 0;
+  for (const ReviewMark& one : reviewed) {
+    progress.Update(done++);
+    if (std::ranges::find(model.nodes, one.category, &CategoryNode::name) == model.nodes.end()) {
+      LogWarning("{} is not a category of {}: its objects are left out", OneLine(one.category), arguments.model);
+      continue;
+    }
+    const auto grey = ReadMarkedFrame(one, Interrupt());
+    if (!grey) {
+      if (grey.error().code == ErrorCode::kCancelled) return std::unexpected(grey.error());
+      LogWarning("an object is left out: {}", OneLine(grey.error().message));
+      continue;
+    }
+    marks.push_back({.category = one.category, .right = one.is_right, .features = {}});
+    VICTORIOUS_ASSIGN_OR_RETURN(marks.back().features, featurizer.Extract(*grey));
+  }
+  if (!marks.empty()) return marks;
+  return Fail(
+      ErrorCode::kNotFound,
+      fmt::format("{}: no object of a category of {} is accepted or rejected: review some in `victorious serve`",
+                  StoreName(arguments.db), arguments.model));
+}
+
+Status Refine(const Arguments& arguments, const ArgumentParser& parser) {
+  const bool has_list = !arguments.images.empty() && !arguments.list.empty();
+  if (has_list == !arguments.db.empty() || (!has_list && !(arguments.images.empty() && arguments.list.empty()))) {
+    return Fail(ErrorCode::kInvalidArgument, "give --images and --list, or --db: where the marks are");
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategoryModel(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
+  if (featurizer.options().windows.enabled) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: a model with windows cannot be refined: add the marked examples to the training images and "
+                    "train again",
+                    arguments.model));
+  }
+  std::vector<CategoryListRow> rows;
+  if (has_list) {
+    VICTORIOUS_ASSIGN_OR_RETURN(rows, ReadCategoryList(arguments.list));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::vector<CategoryFeedback> marks,
+      has_list ? ReadListedMarks(arguments, rows, featurizer) : ReadReviewedMarks(arguments, model, featurizer));
+  const std::size_t before = CountAgreeing(model, marks);
   Expected<CategoryModel> refined = RefineCategories(std::move(model), marks);
-  if (!refined) return std::unexpected(WithListContext(std::move(refined).error(), arguments.list));
+  if (!refined) {
+    if (has_list) return std::unexpected(WithListContext(std::move(refined).error(), arguments.list));
+    return std::unexpected(std::move(refined).error().WithContext(arguments.model));
+  }
   VICTORIOUS_RETURN_IF_ERROR(WriteCategoryModel(arguments.out, *refined));
-  return WriteOutput("", arguments.json ? ToLine({{"model", arguments.out}, {"marks", marks.size()}})
+  const std::size_t after = CountAgreeing(*refined, marks);
+  const auto right = std::ranges::count(marks, true, &CategoryFeedback::right);
+  LogInfo("{} marks, {} right and {} wrong: {} agreed with the model, {} agree with the refined one", marks.size(),
+          right, std::ssize(marks) - right, before, after);
+  return WriteOutput("", arguments.json ? ToLine({{"model", arguments.out},
+                                                  {"marks", marks.size()},
+                                                  {"right", right},
+                                                  {"wrong", std::ssize(marks) - right},
+                                                  {"agreed_before", before},
+                                                  {"agreed_after", after}})
                                         : fmt::format("{}: refined with {} marks\n", arguments.out, marks.size()));
 }
 
@@ -238,7 +301,14 @@ Action SetUpCategory(ArgumentParser& parser) {
   refine.Add("--model", arguments->model, "The category model to refine; it is not changed")
       .Required()
       .TypeName("FILE");
-  add_images(refine, "CSV with a header and lines image,category,mark; mark is right or wrong");
+  refine.Add("--images", arguments->images, "Folder to which the paths of the list are relative").TypeName("DIR");
+  refine.Add("--list", arguments->list, "CSV with a header and lines image,category,mark; mark is right or wrong")
+      .TypeName("CSV");
+  refine
+      .Add("--db", arguments->db,
+           "Instead of a list, an index: its accepted and rejected objects of categories, each by the frame of its "
+           "best sighting")
+      .TypeName("FILE");
   refine.Add("--out", arguments->out, "The new category model to write").Required().TypeName("FILE");
   refine.AddFlag("--json", arguments->json, "Print one JSON object: the model, the number of marks");
   for (ArgumentParser command : {train, classify, refine}) AddForce(command);

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "victorious/base/log.h"
+#include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/serve/api.h"
@@ -21,6 +22,7 @@ namespace {
 struct Arguments {
   std::string db;
   std::string models;
+  std::string categories;
   std::string listen = "127.0.0.1:8080";
   std::string telemetry;
   std::string web;
@@ -58,6 +60,11 @@ Status Run(const Arguments& arguments) {
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   options.max_copies_bytes = static_cast<std::uint64_t>(arguments.max_copies_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
+  if (!arguments.categories.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const CategoryModel categories,
+                                ReadCategoryModel(arguments.categories));
+    options.categories = std::filesystem::absolute(arguments.categories);
+  }
   std::error_code error;
   if (options.web.empty()) {
     options.web = FindPage();
@@ -97,6 +104,10 @@ Action SetUpServe(ArgumentParser& parser) {
   parser.Add("--db", arguments->db, "The index").Required().TypeName("FILE");
   parser.Add("--models", arguments->models, "Model library: shows the view that matched beside a sighting")
       .TypeName("DIR");
+  parser
+      .Add("--categories", arguments->categories,
+           "Category model: videos that are added are searched for its categories, too, and reviews refine it")
+      .TypeName("FILE");
   parser
       .Add("--listen", arguments->listen,
            "Address and port; port 0: any free one. An address that is not a loopback address needs accounts "

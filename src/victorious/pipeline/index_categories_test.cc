@@ -8,6 +8,7 @@
 #include "testing/drawn_flight.h"
 #include "testing/fault_injecting_store.h"
 #include "victorious/pipeline/indexer.h"
+#include "victorious/pipeline/review_marks.h"
 #include "victorious/recognize/category_images.h"
 #include "victorious/store/catalogue.h"
 
@@ -188,6 +189,38 @@ TEST_F(IndexCategoriesTest, SearchingWithModelsChangesNothing) {
     EXPECT_FALSE(a.empty());
     for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].box, b[i].box);
   }
+}
+
+// What the team decided, each by the frame that the category was recognised in.
+TEST_F(IndexCategoriesTest, ReviewsAreMarks) {
+  const auto store = Store("index.db");
+  ASSERT_TRUE(TryIndex(*store));
+  EXPECT_TRUE(ListReviewMarks(*store)->empty());
+  const std::int64_t right = ObjectsOf(*store, {.category_name = "cross-disc"})[0].id;
+  const std::int64_t wrong = ObjectsOf(*store, {.category_name = "disc-cross"})[0].id;
+  ASSERT_TRUE(store->PutReview(wrong, {.verdict = Verdict::kRejected, .updated_utc_us = 1}));
+  ASSERT_TRUE(store->PutReview(right, {.verdict = Verdict::kRejected, .updated_utc_us = 1, .reviewer = "ann"}));
+  ASSERT_TRUE(store->PutReview(right, {.verdict = Verdict::kAccepted, .updated_utc_us = 2, .reviewer = "bob"}));
+  const auto marks = ListReviewMarks(*store);
+  ASSERT_TRUE(marks) << marks.error().message;
+  ASSERT_EQ(marks->size(), 2U);
+  EXPECT_EQ(marks->at(0).category, "cross-disc");
+  EXPECT_TRUE(marks->at(0).is_right) << "the latest decision";
+  EXPECT_LT(marks->at(0).time_s, 0.1 * kChange);
+  EXPECT_EQ(marks->at(1).category, "disc-cross");
+  EXPECT_FALSE(marks->at(1).is_right);
+  EXPECT_GE(marks->at(1).time_s, 0.1 * kChange - 0.2);
+  for (const ReviewMark& mark : *marks) {
+    const auto frame = ReadMarkedFrame(mark, {});
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->size(), cv::Size(160, 120));
+    EXPECT_EQ(frame->type(), CV_8UC1);
+  }
+  ReviewMark live = marks->at(0);
+  live.video.name = "rtsp://camera/stream";
+  EXPECT_EQ(ReadMarkedFrame(live, {}).error().code, ErrorCode::kUnsupported);
+  ASSERT_TRUE(store->PutReview(right, {.note = "look again", .updated_utc_us = 3, .reviewer = "bob"}));
+  EXPECT_FALSE(ListReviewMarks(*store)->at(0).is_right) << "Ann's decision is the team's again";
 }
 
 }  // namespace

@@ -70,9 +70,14 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto access, AccessControl::Open(options.index, index->can_review(), options.server));
-  const JobFolders folders{.index = options.index, .models = options.models, .uploads = options.uploads};
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      auto thresholds,
+      OpenSqliteThresholdStore(options.index, index->can_review() ? StoreMode::kCreate : StoreMode::kRead));
+  const JobFolders folders{
+      .index = options.index, .models = options.models, .uploads = options.uploads, .categories = options.categories};
   std::unique_ptr<Api> api(new Api(std::move(options), std::move(index), cancel));
   api->access_ = std::move(access);
+  api->thresholds_ = std::move(thresholds);
   VICTORIOUS_ASSIGN_OR_RETURN(api->live_, LiveService::Start(*api->index_, api->copies_, folders));
   return api;
 }
@@ -139,7 +144,7 @@ ApiExpected<HttpResponse> Api::Project(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count({}));
   const bool may_decide = call.caller.May(Role::kAnalyst);
   return JsonResponse(ProjectToJson(options_.index, *lists, counts, index_->can_review() && may_decide,
-                                    !options_.models.empty(), live_->has_jobs() && may_decide));
+                                    !options_.models.empty(), live_->has_jobs() && may_decide, options_.categories));
 }
 
 ApiExpected<HttpResponse> Api::Audit(const Call& call) {

@@ -6,6 +6,7 @@
 #include <expected>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <semaphore>
 #include <span>
@@ -28,17 +29,19 @@
 #include "victorious/serve/upload_folder.h"
 #include "victorious/serve/video_files.h"
 #include "victorious/store/export_json.h"
+#include "victorious/store/threshold_store.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
 
 struct ApiOptions {
   std::filesystem::path index;
-  std::filesystem::path models;          ///< model library, for the images of views; empty: none
-  std::optional<std::string> telemetry;  ///< telemetry file of the index's only video; std::nullopt: found by itself
-  std::filesystem::path web;             ///< the built page
-  std::filesystem::path uploads;         ///< where uploaded files go; created when it is needed
-  std::filesystem::path copies;          ///< where the videos go that are made for users; created when it is needed
+  std::filesystem::path models;           ///< model library, for the images of views; empty: none
+  std::optional<std::string> telemetry;   ///< telemetry file of the index's only video; std::nullopt: found by itself
+  std::filesystem::path web;              ///< the built page
+  std::filesystem::path uploads;          ///< where uploaded files go; created when it is needed
+  std::filesystem::path copies;           ///< where the videos go that are made for users; created when it is needed
+  std::filesystem::path categories = {};  ///< category model that videos are searched for, and that reviews refine
   std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
   ServerIdentity server;
@@ -147,6 +150,15 @@ class Api {
   ApiExpected<HttpResponse> Thumbnail(const Call& call);
   ApiExpected<HttpResponse> Decisions(const Call& call);
   ApiExpected<HttpResponse> PutReview(const Call& call);
+  // In api_thresholds.cc.
+  ApiExpected<HttpResponse> Thresholds(const Call& call);
+  ApiExpected<HttpResponse> PutThreshold(const Call& call);
+
+  /// The thresholds in force.
+  ApiExpected<std::vector<ModelMinScore>> MinScores();
+  ApiExpected<Json> ThresholdsToJson();
+  /// The filters of the list, of its counts and of tiles.
+  ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query, const Caller& caller);
 
   /// The input of a job (job_runner.h), from the body of the request for it.
   ApiExpected<Json> JobInput(JobKind kind, const nlohmann::json& body);
@@ -154,11 +166,14 @@ class Api {
   ApiExpected<Json> ModelInput(const nlohmann::json& body);
   ApiExpected<Json> CopyInput(const nlohmann::json& body);
   ApiExpected<Json> ClipInput(const nlohmann::json& body);
+  ApiExpected<Json> RefineInput(const nlohmann::json& body);
   // In api_follow.cc.
   ApiExpected<Json> LiveInput(const nlohmann::json& body);
   ApiExpected<Json> TrackInput(const nlohmann::json& body);
   /// Writes a frame of a video as an image among the uploads.
   ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body);
+  /// The file that a job has made, to be saved under the job's title.
+  ApiExpected<HttpResponse> SendJobFile(const HttpRequest& request, const JobRecord& job, const std::string& name);
   ApiExpected<HttpResponse> SendMade(const HttpRequest& request, const std::string& name);
   ApiExpected<HttpResponse> Sightings(SightingFilter filter, QueryReader& query);
   /// Errors: kNotFound without a library, for a category, or without the model; kConflict for another model of this
@@ -175,6 +190,8 @@ class Api {
   ApiOptions options_;
   std::unique_ptr<IndexView> index_;
   std::unique_ptr<AccessControl> access_;
+  std::mutex thresholds_mutex_;
+  std::unique_ptr<ThresholdStore> thresholds_;
   VideoFiles videos_;
   CopyFolder copies_;
   StaticFiles page_;

@@ -98,6 +98,8 @@ ApiExpected<Json> Api::JobInput(JobKind kind, const Body& body) {
       return LiveInput(body);
     case JobKind::kTrack:
       return TrackInput(body);
+    case JobKind::kRefine:
+      return RefineInput(body);
     case JobKind::kClip:
       break;
   }
@@ -223,41 +225,68 @@ ApiExpected<Json> Api::ClipInput(const Body& body) {
   return input;
 }
 
+ApiExpected<Json> Api::RefineInput(const Body& body) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind"}));
+  if (options_.categories.empty()) {
+    return std::unexpected(ApiError(Error{
+        ErrorCode::kUnsupported,
+        "this server knows no category model: start `victorious serve` with --categories FILE, the one that the videos "
+        "were searched for"}));
+  }
+  // The file stays as it is: searches go on with it until the server is started with the refined one.
+  const std::filesystem::path& file = options_.categories;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto refined, uploads_.Create(fmt::format("{}-refined{}", file.stem().string(),
+                                                                              file.extension().string())));
+  return Json{{"categories", file.string()}, {"refined", refined.string()}};
+}
+
 ApiExpected<HttpResponse> Api::JobFile(const Call& call) {
   const std::string& number = call.parameters[0];
   const std::string& name = call.parameters[1];
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> job, live_->Find(id));
-  const bool is_track = job && job->kind == JobKind::kTrack;
-  const bool is_fetched = is_track || (job && job->kind == JobKind::kClip);
-  const auto made = is_fetched && job->state == WorkState::kDone ? MadeFileOf(*job) : std::nullopt;
-  const bool is_table = name == "telemetry";
-  const bool is_made = is_track ? name == "track" : is_table || name == "clip";
-  if (!made || !is_made) return NotFound(fmt::format("job {} has no file {}", number, name));
-  if (is_track) {
+  const auto has_file = [&]() {
+    if (!job || job->state != WorkState::kDone || !MadeFileOf(*job)) return false;
+    if (job->kind == JobKind::kTrack) return name == "track";
+    if (job->kind == JobKind::kRefine) return name == "categories";
+    return job->kind == JobKind::kClip && (name == "telemetry" || name == "clip");
+  };
+  if (!has_file()) return NotFound(fmt::format("job {} has no file {}", number, name));
+  return SendJobFile(call.request, *job, name);
+}
+
+ApiExpected<HttpResponse> Api::SendJobFile(const HttpRequest& request, const JobRecord& job, const std::string& name) {
+  const std::filesystem::path made = MadeFileOf(job).value();
+  std::error_code error;
+  const auto send = [&](const std::filesystem::path& path, const std::string& type) {
+    const auto bytes = std::filesystem::file_size(path, error);
+    return FileResponse(request, path, error ? 0 : static_cast<std::int64_t>(bytes), type, FileEtag(path));
+  };
+  if (job.kind == JobKind::kTrack) {
     // Its own lines are read by the page: no download.
-    const auto use = copies_.Take(made->filename().string());
-    std::error_code error;
-    const auto bytes = std::filesystem::file_size(*made, error);
+    const auto use = copies_.Take(made.filename().string());
+    HttpResponse response = send(made, "application/x-ndjson");
     if (!use || error) return NotFound("the track was removed to make room for others: box the object again");
-    HttpResponse response =
-        FileResponse(call.request, *made, static_cast<std::int64_t>(bytes), "application/x-ndjson", FileEtag(*made));
     if (response.file) response.file->hold = use->hold;
     return response;
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendMade(call.request, made->filename().string()));
-  if (is_table) {
-    const std::filesystem::path table = ClipTelemetryPath(*made);
-    std::error_code error;
-    const auto bytes = std::filesystem::file_size(table, error);
-    if (error) return NotFound("the clip has no telemetry");
-    response = FileResponse(call.request, table, static_cast<std::int64_t>(bytes), "text/csv", FileEtag(table));
+  HttpResponse response;
+  std::string saved = JobTitle(job);
+  if (job.kind == JobKind::kRefine) {
+    response = send(made, "application/octet-stream");
+    if (error) return NotFound("the refined category model was removed");
+    saved = made.filename().string();
+  } else {
+    VICTORIOUS_ASSIGN_OR_RETURN(response, SendMade(request, made.filename().string()));
+    if (name == "telemetry") {
+      response = send(ClipTelemetryPath(made), "text/csv");
+      if (error) return NotFound("the clip has no telemetry");
+    }
+    saved += name == "telemetry" ? ".telemetry.csv" : ".mp4";
   }
   // The name is of letters that every system takes, whatever the model and the video are called.
-  std::string saved = JobTitle(*job);
   std::ranges::replace_if(saved, [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.'; }, '_');
-  response.headers.emplace_back(
-      "Content-Disposition", fmt::format("attachment; filename=\"{}.{}\"", saved, is_table ? "telemetry.csv" : "mp4"));
+  response.headers.emplace_back("Content-Disposition", fmt::format("attachment; filename=\"{}\"", saved));
   return response;
 }
 
@@ -268,7 +297,7 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(*body, "kind"));
   const std::optional<JobKind> kind = FromText(kJobKindTexts, name);
   if (!kind) {
-    return FailField("kind", fmt::format("kind \"{}\": must be index, live, model, copy, clip or track", name));
+    return FailField("kind", fmt::format("kind \"{}\": must be index, live, model, copy, clip, track or refine", name));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body));
   const NewJob asked{.kind = *kind,

@@ -45,12 +45,12 @@ Json PixelsToJson(const Eigen::Vector2d& point_px) {
 // What a user may fetch. A file may have been removed since it was made.
 Json FilesOf(const JobRecord& job) {
   Json files = Json::array();
-  if ((job.kind != JobKind::kClip && job.kind != JobKind::kTrack) || job.state != WorkState::kDone) return files;
+  if (job.kind == JobKind::kCopy || job.state != WorkState::kDone) return files;
   const auto made = MadeFileOf(job);
   std::error_code error;
   if (!made || !std::filesystem::exists(*made, error)) return files;
-  files.push_back(ToText(job.kind));
-  if (job.kind == JobKind::kTrack) return files;
+  files.push_back(job.kind == JobKind::kRefine ? "categories" : ToText(job.kind));
+  if (job.kind != JobKind::kClip) return files;
   if (std::filesystem::exists(ClipTelemetryPath(*made), error)) files.push_back("telemetry");
   return files;
 }
@@ -224,7 +224,7 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
 }
 
 Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, const ObjectCounts& counts,
-                   bool can_review, bool has_views, bool has_jobs) {
+                   bool can_review, bool has_views, bool has_jobs, const std::filesystem::path& categories) {
   Json models = Json::array();
   for (const ModelRecord& model : lists.models) {
     const auto objects = lists.objects_of_model.find(model.id);
@@ -243,6 +243,7 @@ Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, 
           {"can_review", can_review},
           {"has_views", has_views},
           {"has_jobs", has_jobs},
+          {"categories", categories.empty() ? Json() : Json(categories.filename().string())},
           {"videos", lists.videos.size()},
           {"objects", counts.objects},
           {"accepted", counts.accepted},
@@ -262,7 +263,7 @@ std::string JobTitle(const JobRecord& job) {
   };
   if (job.kind == JobKind::kModel) return text("name");
   if (job.kind == JobKind::kClip || job.kind == JobKind::kTrack || job.kind == JobKind::kLive) return text("title");
-  return std::filesystem::path(text("video")).filename().string();
+  return std::filesystem::path(text(job.kind == JobKind::kRefine ? "categories" : "video")).filename().string();
 }
 
 Json JobToJson(const JobRecord& job, std::int64_t now_us) {

@@ -37,8 +37,10 @@ namespace victorious {
 /// @param can_review  the index can be written, and who asks may decide
 /// @param has_views   images of the models' views can be had
 /// @param has_jobs    videos and models can be added
+/// @param categories  the category model; empty: none
 [[nodiscard]] Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists,
-                                 const ObjectCounts& counts, bool can_review, bool has_views, bool has_jobs);
+                                 const ObjectCounts& counts, bool can_review, bool has_views, bool has_jobs,
+                                 const std::filesystem::path& categories);
 
 [[nodiscard]] Json CameraPathToJson(const CameraPath& path);
 

@@ -74,27 +74,6 @@ std::optional<ObjectKey> ParseCursor(std::string_view text) {
   return is_valid ? std::optional(key) : std::nullopt;
 }
 
-// The filters of the list, of its counts and of tiles.
-ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query, const Caller& caller) {
-  constexpr std::size_t kMaxWords = 16;
-  ObjectQuery wanted;
-  if (const auto models = query.Text("model")) wanted.models = Split(*models, ',');
-  if (const auto words = query.Text("q")) wanted.words = Split(*words, ' ');
-  if (wanted.words.size() > kMaxWords) return FailField("q", fmt::format("q: at most {} words", kMaxWords));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto review, ReadChoice(query, "review", kReviewStates));
-  wanted.review = review.value_or(ObjectQuery::ReviewState::kAny);
-  // With accounts, one's own decisions are those of the account.
-  const auto reviewer = query.Text("reviewer");
-  wanted.reviewer = caller.is_open ? reviewer.value_or("") : caller.name();
-  VICTORIOUS_ASSIGN_OR_RETURN(wanted.video, query.Integer("video", 0, INT64_MAX));
-  VICTORIOUS_ASSIGN_OR_RETURN(wanted.min_score, query.Number("min_score", 0, 1));
-  VICTORIOUS_ASSIGN_OR_RETURN(wanted.from_s, query.Number("from", 0, 1e9));
-  VICTORIOUS_ASSIGN_OR_RETURN(wanted.to_s, query.Number("to", 0, 1e9));
-  VICTORIOUS_ASSIGN_OR_RETURN(wanted.near, query.Circle("near"));
-  VICTORIOUS_ASSIGN_OR_RETURN(wanted.area, query.Area("area"));
-  return wanted;
-}
-
 // Which part of the list is wanted.
 struct ListRequest {
   ObjectSlice slice;
@@ -165,6 +144,31 @@ ApiExpected<Review> ParseReview(std::string_view body) {
 }
 
 }  // namespace
+
+ApiExpected<ObjectQuery> Api::ReadObjectQuery(QueryReader& query, const Caller& caller) {
+  constexpr std::size_t kMaxWords = 16;
+  ObjectQuery wanted;
+  if (const auto models = query.Text("model")) wanted.models = Split(*models, ',');
+  if (const auto words = query.Text("q")) wanted.words = Split(*words, ' ');
+  if (wanted.words.size() > kMaxWords) return FailField("q", fmt::format("q: at most {} words", kMaxWords));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto review, ReadChoice(query, "review", kReviewStates));
+  wanted.review = review.value_or(ObjectQuery::ReviewState::kAny);
+  // With accounts, one's own decisions are those of the account.
+  const auto reviewer = query.Text("reviewer");
+  wanted.reviewer = caller.is_open ? reviewer.value_or("") : caller.name();
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.video, query.Integer("video", 0, INT64_MAX));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.min_score, query.Number("min_score", 0, 1));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.from_s, query.Number("from", 0, 1e9));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.to_s, query.Number("to", 0, 1e9));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.near, query.Circle("near"));
+  VICTORIOUS_ASSIGN_OR_RETURN(wanted.area, query.Area("area"));
+  constexpr std::array<std::pair<std::string_view, bool>, 2> kThresholds = {{{"applied", true}, {"ignored", false}}};
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto has_thresholds, ReadChoice(query, "thresholds", kThresholds));
+  if (has_thresholds.value_or(false)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(wanted.model_min_scores, MinScores());
+  }
+  return wanted;
+}
 
 ApiExpected<HttpResponse> Api::Objects(const Call& call) {
   QueryReader& query = call.query;

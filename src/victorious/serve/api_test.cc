@@ -106,6 +106,46 @@ class ApiTest : public ::testing::Test {
   std::unique_ptr<Api> api_;
 };
 
+// What was decided suggests a threshold; in force, it leaves out what nobody has decided.
+TEST_F(ApiTest, ThresholdsAreLearntAndAppliedOnRequest) {
+  const auto put = [&](const std::string& model, const std::string& body) {
+    return Send({.method = HttpMethod::kPut,
+                 .target = "/api/v1/models/" + model + "/threshold",
+                 .content_type = "application/json",
+                 .body = body});
+  };
+  EXPECT_THAT(Get("/api/v1/thresholds")["models"], SizeIs(0));
+  ASSERT_EQ(Review(ids_[0], R"({"verdict": "accepted"})").status, 200);
+  const json decided = Get("/api/v1/thresholds");
+  ASSERT_THAT(decided["models"], SizeIs(1));
+  EXPECT_EQ(decided["models"][0]["model"], "jeep");
+  EXPECT_EQ(decided["models"][0]["accepted"], 1);
+  EXPECT_TRUE(decided["models"][0]["learnt"].is_null()) << "one decision teaches nothing";
+  const std::string model = std::to_string(decided["models"][0]["model_id"].get<int>());
+
+  const HttpResponse answer = put(model, R"({"min_score": 0.75, "reviewer": "ann"})");
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  const json in_force = json::parse(answer.body)["models"][0]["in_force"];
+  EXPECT_EQ(in_force["min_score"], 0.75);
+  EXPECT_EQ(in_force["set_by"], "ann");
+  EXPECT_EQ(in_force["undecided_below"], 1);
+  EXPECT_THAT(Listed(""), SizeIs(3));
+  EXPECT_THAT(Listed("thresholds=ignored"), SizeIs(3));
+  EXPECT_THAT(Listed("thresholds=applied"), ElementsAre(ids_[0], ids_[1]));
+  EXPECT_EQ(Get("/api/v1/objects/counts?thresholds=applied")["objects"], 2);
+  EXPECT_EQ(Get("/api/v1/objects?thresholds=yes", 400)["field"], "thresholds");
+  ASSERT_EQ(put(model, R"({"min_score": 0.99})").status, 200);
+  EXPECT_THAT(Listed("thresholds=applied"), ElementsAre(ids_[0])) << "what was decided stays";
+  ASSERT_EQ(put(model, R"({"min_score": null})").status, 200);
+  EXPECT_THAT(Listed("thresholds=applied"), SizeIs(3));
+
+  for (const char* body : {"", "{}", "[]", R"({"min_score": 1.5})", R"({"min_score": "x"})",
+                           R"({"min_score": 0, "a": 1})", R"({"min_score": 0, "reviewer": 3})"}) {
+    EXPECT_EQ(put(model, body).status, 400) << body;
+  }
+  EXPECT_EQ(put("987654", R"({"min_score": 0.5})").status, 404);
+}
+
 TEST_F(ApiTest, ListsObjectsByRankAndFilters) {
   EXPECT_THAT(Listed(""), ElementsAre(ids_[0], ids_[1], ids_[2]));
   EXPECT_THAT(Listed("min_score=0.75"), ElementsAre(ids_[0], ids_[1]));

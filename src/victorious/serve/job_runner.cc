@@ -90,6 +90,7 @@ Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFol
 Expected<std::vector<std::string>> IndexArguments(const Json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
   std::vector<std::string> arguments = {"index", "--models", folders.models.string(), "--db", folders.index.string()};
+  if (!folders.categories.empty()) arguments.push_back("--categories=" + folders.categories.string());
   VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
   arguments.insert(arguments.end(), {"--", video});
   return arguments;
@@ -138,6 +139,13 @@ Expected<std::vector<std::string>> TrackArguments(const Json& input) {
   return arguments;
 }
 
+Expected<std::vector<std::string>> RefineArguments(const Json& input, const JobFolders& folders) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string categories, TextMember(input, "categories"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string refined, TextMember(input, "refined"));
+  return std::vector<std::string>{
+      "category", "refine", "--model=" + categories, "--db=" + folders.index.string(), "--force", "--out=" + refined};
+}
+
 }  // namespace
 
 Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders) {
@@ -153,6 +161,8 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
       return CopyArguments(input);
     case JobKind::kTrack:
       return TrackArguments(input);
+    case JobKind::kRefine:
+      return RefineArguments(input, folders);
     case JobKind::kClip:
       break;
   }
@@ -160,10 +170,11 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
 }
 
 std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job) {
-  if (!MakesFile(job.kind)) return std::nullopt;
+  const bool is_refinement = job.kind == JobKind::kRefine;
+  if (!MakesFile(job.kind) && !is_refinement) return std::nullopt;
   const auto input = ParseJson(job.input_json);
   if (!input || !input->is_object()) return std::nullopt;
-  const auto path = TextMember(*input, std::string(ToText(job.kind)).c_str());
+  const auto path = TextMember(*input, is_refinement ? "refined" : std::string(ToText(job.kind)).c_str());
   return path ? std::optional<std::filesystem::path>(*path) : std::nullopt;
 }
 
@@ -255,7 +266,7 @@ void JobRunner::Work(const JobRecord& job) {
   };
   const auto arguments = JobArguments(job, folders_);
   if (!arguments) return fail(arguments.error().message);
-  if (const auto made = MadeFileOf(job)) {
+  if (const auto made = MakesFile(job.kind) ? MadeFileOf(job) : std::nullopt) {
     std::error_code error;
     // The file exists where a second user asked for it just after the first one's job ended.
     if (std::filesystem::is_regular_file(*made, error)) return complete("");

@@ -22,8 +22,9 @@ namespace victorious {
 
 struct JobFolders {
   std::filesystem::path index;
-  std::filesystem::path models;   ///< the model library; empty: no job can run
-  std::filesystem::path uploads;  ///< one folder an upload
+  std::filesystem::path models;           ///< the model library; empty: no job can run
+  std::filesystem::path uploads;          ///< one folder an upload
+  std::filesystem::path categories = {};  ///< the category model that videos are searched for; empty: none
 };
 
 /// The arguments of `victorious` that do a job. Error: kInvalidArgument for an input that is not valid, with the member
@@ -35,10 +36,12 @@ struct JobFolders {
 ///   copy   {"video": path, "copy": path}
 ///   clip   {"video": name in the index, "object": id, "from_s", "to_s": numbers or null, "telemetry": path or null,
 ///          "clip": path}
+///   refine {"categories": path, "refined": path}
 ///   model  {"name": text, "files": [path, …], "length_m": number or null, "box": [x, y, w, h] or null}
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
 
-/// Whether a job of this kind makes a file for users. Its input names that file by the text of the kind.
+/// Whether a job of this kind makes a file that is kept for all users who ask for the same. Its input names that file by
+/// the text of the kind.
 [[nodiscard]] constexpr bool MakesFile(JobKind kind) {
   return kind == JobKind::kCopy || kind == JobKind::kClip || kind == JobKind::kTrack;
 }

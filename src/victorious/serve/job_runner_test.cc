@@ -43,6 +43,21 @@ TEST(JobArguments, AreThoseOfTheCommands) {
       ElementsAre("copy", "--force", "--out", "/d/c.mp4", "--", "-x.ts"));
 }
 
+TEST(JobArguments, OfCategories) {
+  JobFolders folders = kFolders;
+  folders.categories = "/d/kinds.vcat";
+  EXPECT_THAT(*JobArguments({.kind = JobKind::kIndex, .input_json = R"({"video": "/v/a.mp4"})"}, folders),
+              ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--categories=/d/kinds.vcat", "--",
+                          "/v/a.mp4"));
+  const JobRecord refine{.kind = JobKind::kRefine,
+                         .input_json = R"({"categories": "/d/kinds.vcat", "refined": "/u/kinds-refined.vcat"})"};
+  EXPECT_THAT(*JobArguments(refine, folders),
+              ElementsAre("category", "refine", "--model=/d/kinds.vcat", "--db=/d/index.db", "--force",
+                          "--out=/u/kinds-refined.vcat"));
+  EXPECT_EQ(MadeFileOf(refine), "/u/kinds-refined.vcat");
+  EXPECT_FALSE(JobArguments({.kind = JobKind::kRefine, .input_json = "{}"}, folders));
+}
+
 TEST(JobArguments, OfClipsAndOfModelsFromAFrame) {
   const JobRecord clip{.kind = JobKind::kClip, .input_json = R"({"video": "-v.mp4", "object": 3, "clip": "/d/c.mp4"})"};
   EXPECT_THAT(*JobArguments(clip, kFolders),

@@ -20,7 +20,7 @@ constexpr std::int64_t kEndedJobs = 20;
 constexpr int kMaxLiveSources = 4;  // at once; others wait
 std::vector<std::vector<JobKind>> KindsOfRunners() {
   std::vector<std::vector<JobKind>> kinds = {{JobKind::kIndex, JobKind::kModel},
-                                             {JobKind::kCopy, JobKind::kClip, JobKind::kTrack}};
+                                             {JobKind::kCopy, JobKind::kClip, JobKind::kTrack, JobKind::kRefine}};
   kinds.resize(kinds.size() + kMaxLiveSources, {JobKind::kLive});
   return kinds;
 }

@@ -23,12 +23,13 @@ namespace victorious {
 
 /// What a job does. Each kind has its own input (serve/job_runner.h).
 enum class JobKind {
-  kIndex,  ///< searches a video
-  kModel,  ///< makes a model
-  kCopy,   ///< copies a video for browsers
-  kClip,   ///< cuts and draws the moments of an object
-  kLive,   ///< searches a live source as it comes
-  kTrack,  ///< follows a box of a frame
+  kIndex,   ///< searches a video
+  kModel,   ///< makes a model
+  kCopy,    ///< copies a video for browsers
+  kClip,    ///< cuts and draws the moments of an object
+  kLive,    ///< searches a live source as it comes
+  kTrack,   ///< follows a box of a frame
+  kRefine,  ///< refines the categories by what was reviewed
 };
 
 /// The texts in the index and in the API.
@@ -37,7 +38,8 @@ inline constexpr auto kJobKindTexts = std::to_array<EnumText<JobKind>>({{JobKind
                                                                         {JobKind::kCopy, "copy"},
                                                                         {JobKind::kClip, "clip"},
                                                                         {JobKind::kLive, "live"},
-                                                                        {JobKind::kTrack, "track"}});
+                                                                        {JobKind::kTrack, "track"},
+                                                                        {JobKind::kRefine, "refine"}});
 
 constexpr std::string_view ToText(JobKind kind) { return ToText(kJobKindTexts, kind); }
 

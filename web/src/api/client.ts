@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Counts, Evidence, Job, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, Verdict } from "./types";
+import type { ApiErrorBody, CameraPath, Counts, Evidence, Job, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
 import { readTrack } from "../logic/followed";
 import { type SightingPages, inHalves } from "../logic/halves";
 
@@ -86,6 +86,11 @@ export const putReview = (object: number, verdict: Verdict, note: string, review
 /** Of all persons. */
 export const listDecisions = async (object: number, signal?: AbortSignal): Promise<Review[]> =>
   (await request<components["schemas"]["DecisionList"]>(`/objects/${object}/decisions`, signal ? { signal } : undefined)).decisions;
+
+export const getThresholds = () => request<ThresholdList>("/thresholds");
+/** For the team; null: none any more. */
+export const putThreshold = (model: number, min_score: number | null, reviewer: string) =>
+  send<ThresholdList>(`/models/${model}/threshold`, "PUT", { min_score, reviewer });
 
 export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
 export const videoCopyUrl = (video: number) => `${ROOT}/videos/${video}/copy`;

@@ -25,9 +25,11 @@ export interface Filters {
   minScore: number;
   /** Drawn on the map; null: everywhere. */
   area: Area | null;
+  /** In force for the team: the least score, by the model's name. Asked of what nobody has decided. */
+  thresholds: ReadonlyMap<string, number>;
 }
 
-export const NO_FILTERS: Filters = { text: "", models: [], video: null, review: "all", minScore: 0, area: null };
+export const NO_FILTERS: Filters = { text: "", models: [], video: null, review: "all", minScore: 0, area: null, thresholds: new Map() };
 
 const NEAR = /\bnear\s+(-?\d+(?:\.\d+)?)\s*,\s*(-?\d+(?:\.\d+)?)\s*,?\s+(\d+(?:\.\d+)?)\s*(km|m)?\b/i;
 
@@ -84,6 +86,8 @@ export function makeMatcher(filters: Filters, me: string): (object: FoundObject)
   const { words, near } = parseQuery(filters.text);
   return (object) => {
     if (object.score < filters.minScore) return false;
+    const isDecided = (object.review?.verdict ?? null) !== null;
+    if (!isDecided && object.score < (filters.thresholds.get(object.model) ?? 0)) return false;
     if (filters.models.length > 0 && !filters.models.includes(object.model)) return false;
     if (filters.video !== null && !object.moments.some((one) => one.video_id === filters.video)) return false;
     if (!matchesReview(object, filters.review, me)) return false;
@@ -97,7 +101,11 @@ export function makeMatcher(filters: Filters, me: string): (object: FoundObject)
   };
 }
 
-export function isFiltered(filters: Filters): boolean {
+/** Whether anything is left out. */
+export const isFiltered = (filters: Filters) => isChosen(filters) || filters.thresholds.size > 0;
+
+/** Whether the reader has chosen a filter; thresholds are the team's. */
+export function isChosen(filters: Filters): boolean {
   return (
     filters.text.trim() !== "" ||
     filters.models.length > 0 ||
@@ -119,6 +127,7 @@ export function filterParams(filters: Filters, me: string): URLSearchParams {
   if (filters.minScore > 0) params.set("min_score", String(filters.minScore));
   if (near !== null) params.set("near", `${near.latitude},${near.longitude},${near.metres}`);
   if (filters.area !== null) params.set("area", formatArea(filters.area));
+  if (filters.thresholds.size > 0) params.set("thresholds", "applied");
   if (words.length > 0) params.set("q", words.slice(0, 16).join(" "));
   return params;
 }

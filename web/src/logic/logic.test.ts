@@ -4,7 +4,7 @@ import type { CameraPath, FoundObject, Place, Review } from "../api/types";
 import { rectangle } from "./area";
 import { withDecision } from "./decisions";
 import { toCsv, toGeoJson } from "./export";
-import { NO_FILTERS, filterParams, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery, searchedHours, thresholdCost } from "./filters";
+import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery, searchedHours, thresholdCost } from "./filters";
 import { formatAngle, formatExpected, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
@@ -90,6 +90,15 @@ describe("filters", () => {
     expect(matches({ review: "accepted" }, found(1, { review: accepted }))).toBe(true);
   });
 
+  it("match by the threshold of the model, where nobody has decided", () => {
+    const thresholds = new Map([["jeep", 0.95]]);
+    expect(matches({ thresholds }, found(1))).toBe(false);
+    expect(matches({ thresholds }, found(1, { score: 0.95 }))).toBe(true);
+    expect(matches({ thresholds }, found(1, { review: accepted }))).toBe(true);
+    expect(matches({ thresholds }, found(1, { review: { ...accepted, verdict: null } }))).toBe(false);
+    expect(matches({ thresholds: new Map([["tank", 0.95]]) }, found(1))).toBe(true);
+  });
+
   it("match by who decided", () => {
     const reviewed = (...decisions: Review[]) => found(1, decisions.reduce(withDecision, found(1)));
     const [ann, bob] = [{ ...accepted, reviewer: "ann" }, { ...accepted, verdict: "rejected" as const, reviewer: "bob" }];
@@ -124,6 +133,10 @@ describe("filters", () => {
     expect(parseQuery("near the barn").near).toBeNull();
     expect(isFiltered(NO_FILTERS)).toBe(false);
     expect(isFiltered({ ...NO_FILTERS, text: "x" })).toBe(true);
+    const thresholds = new Map([["jeep", 0.5]]);
+    expect(isFiltered({ ...NO_FILTERS, thresholds })).toBe(true);
+    expect(isChosen({ ...NO_FILTERS, thresholds })).toBe(false);
+    expect(filterParams({ ...NO_FILTERS, thresholds }, "ann").toString()).toBe("thresholds=applied");
   });
 
   it("measure distances", () => {
@@ -143,7 +156,7 @@ describe("filters", () => {
     expect(filterParams(NO_FILTERS, "ann").toString()).toBe("");
     expect(filterParams({ ...NO_FILTERS, review: "not_own" }, "ann").toString()).toBe("review=not_own&reviewer=ann");
     expect(filterParams({ ...NO_FILTERS, review: "disputed" }, "ann").toString()).toBe("review=disputed");
-    const all = { text: "Jeep near 52,13 2 km", models: ["a", "b"], video: 3, review: "none" as const, minScore: 0.5, area: rectangle([13, 52], [14, 53]) };
+    const all = { text: "Jeep near 52,13 2 km", models: ["a", "b"], video: 3, review: "none" as const, minScore: 0.5, area: rectangle([13, 52], [14, 53]), thresholds: new Map<string, number>() };
     expect(Object.fromEntries(filterParams(all, "ann"))).toEqual({
       model: "a,b",
       video: "3",

@@ -10,8 +10,8 @@ import * as jobs from "../jobs";
 import * as state from "../state";
 import { Icon } from "./icons";
 
-const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip" } as const;
-const FILES = { track: "Save the track", clip: "Save the clip", telemetry: "Save its telemetry" } as const;
+const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories" } as const;
+const FILES = { track: "Save the track", clip: "Save the clip", telemetry: "Save its telemetry", categories: "Save the refined model" } as const;
 
 function Bar({ part }: { part: number | null }) {
   return (

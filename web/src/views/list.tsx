@@ -6,7 +6,7 @@ import { useEffect, useLayoutEffect, useReducer, useRef, useState } from "preact
 import { thumbnailUrl } from "../api/client";
 import type { FoundObject } from "../api/types";
 import { describeDecisions, summarise } from "../logic/decisions";
-import { NO_FILTERS, type ReviewFilter, isFiltered, searchedHours, thresholdCost } from "../logic/filters";
+import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, searchedHours, thresholdCost } from "../logic/filters";
 import { explainScore, formatExpected, formatMetres, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
 import { canAdd } from "../jobs";
@@ -19,6 +19,7 @@ import * as save from "../save";
 import * as selection from "../selection";
 import * as state from "../state";
 import { Icon } from "./icons";
+import { Learnt } from "./learnt";
 
 const ROW_HEIGHT = 80;
 
@@ -368,7 +369,7 @@ export function ObjectList() {
   const project = state.project.value;
   const list = objects.list.value;
   const all = objects.counts.value?.objects ?? 0;
-  const isChosen = isFiltered(state.filters.value);
+  const hasLess = isFiltered(state.filters.value);
   const shown = objects.matching.value;
   const isNew = objects.listedAll.value !== null && all > objects.listedAll.value;
   return (
@@ -376,10 +377,10 @@ export function ObjectList() {
       <div class="above">
         <div class="count">
           <h2>
-            {isChosen ? `${shown === null ? "…" : shown.toLocaleString("en")} of ${plural(all, "object")}` : plural(all, "object")}
+            {hasLess ? `${shown === null ? "…" : shown.toLocaleString("en")} of ${plural(all, "object")}` : plural(all, "object")}
           </h2>
-          {isChosen && (
-            <button class="link" onClick={() => (state.filters.value = NO_FILTERS)}>
+          {isChosen(state.filters.value) && (
+            <button class="link" onClick={() => state.setFilters({ ...NO_FILTERS, thresholds: state.filters.value.thresholds })}>
               Clear filters
             </button>
           )}
@@ -394,6 +395,7 @@ export function ObjectList() {
         <Chips />
         {all > 0 && <Order />}
         {all > 0 && <Threshold />}
+        {all > 0 && <Learnt />}
       </div>
       {project.state === "loading" && <Loading />}
       {project.state === "failed" && (

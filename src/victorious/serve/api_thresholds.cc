@@ -1,0 +1,149 @@
+// The routes of thresholds: what the decisions about each model's objects suggest, and what is in force.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/json.h"
+#include "victorious/base/utc.h"
+#include "victorious/serve/api.h"
+#include "victorious/serve/api_json.h"
+#include "victorious/serve/api_response.h"
+
+namespace victorious {
+namespace {
+
+// The objects of a model without a verdict that score less than a threshold.
+Expected<std::int64_t> CountUndecidedBelow(TriageStore& store, const std::string& model, double min_score) {
+  ObjectQuery undecided{.models = {model}, .review = ObjectQuery::ReviewState::kNone};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t all, store.CountObjects(undecided));
+  undecided.min_score = min_score;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t above, store.CountObjects(undecided));
+  return all - above;
+}
+
+// The body {"min_score": number or null, "reviewer": text}.
+struct ThresholdInput {
+  std::optional<double> min_score;
+  std::string reviewer;
+};
+
+ApiExpected<ThresholdInput> ParseThreshold(std::string_view body) {
+  constexpr std::size_t kMaxNameBytes = 100;
+  const auto json = ParseJson(body);
+  if (!json) return std::unexpected(ApiError(json.error()));
+  if (!json->is_object() || !json->contains("min_score")) {
+    return FailField("min_score", "the body must be {\"min_score\": number or null}");
+  }
+  ThresholdInput input;
+  for (const auto& [key, value] : json->items()) {
+    if (key == "min_score") {
+      if (value.is_null()) continue;
+      if (!value.is_number() || !(value.get<double>() >= 0 && value.get<double>() <= 1)) {
+        return FailField("min_score", "min_score: must be a number from 0 to 1, or null");
+      }
+      input.min_score = value.get<double>();
+    } else if (key == "reviewer") {
+      if (!value.is_string() || value.get<std::string>().size() > kMaxNameBytes) {
+        return FailField("reviewer", fmt::format("reviewer: must be a text of at most {} bytes", kMaxNameBytes));
+      }
+      input.reviewer = value.get<std::string>();
+    } else {
+      return FailField(key, "only min_score and reviewer can be set");
+    }
+  }
+  return input;
+}
+
+}  // namespace
+
+ApiExpected<std::vector<ModelMinScore>> Api::MinScores() {
+  const std::scoped_lock lock(thresholds_mutex_);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ModelThreshold> thresholds, thresholds_->Thresholds());
+  std::vector<ModelMinScore> scores;
+  for (ModelThreshold& one : thresholds) scores.push_back({std::move(one.model), one.min_score});
+  return scores;
+}
+
+ApiExpected<Json> Api::ThresholdsToJson() {
+  std::vector<ModelThreshold> in_force;
+  std::vector<ModelDecisions> decided;
+  {
+    const std::scoped_lock lock(thresholds_mutex_);
+    VICTORIOUS_ASSIGN_OR_RETURN(in_force, thresholds_->Thresholds());
+    VICTORIOUS_ASSIGN_OR_RETURN(decided, thresholds_->Decisions());
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  Json rows = Json::array();
+  for (const ModelRecord& model : lists->models) {
+    const auto decisions = std::ranges::find(decided, model.id, &ModelDecisions::model);
+    const auto threshold = std::ranges::find(in_force, model.name, &ModelThreshold::model);
+    const bool is_decided = decisions != decided.end();
+    if (!is_decided && threshold == in_force.end()) continue;
+    const std::span<const DecidedScore> scores =
+        is_decided ? std::span<const DecidedScore>(decisions->decisions) : std::span<const DecidedScore>();
+    const auto accepted = std::ranges::count(scores, true, &DecidedScore::is_accepted);
+    Json learnt;
+    if (const auto found = LearnThreshold(scores)) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t below,
+                                  CountUndecidedBelow(*reader->objects, model.name, found->min_score));
+      learnt = {{"min_score", ScoreJson(found->min_score)},
+                {"accepted_below", found->accepted_below},
+                {"rejected_below", found->rejected_below},
+                {"undecided_below", below}};
+    }
+    Json applied;
+    if (threshold != in_force.end()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t below,
+                                  CountUndecidedBelow(*reader->objects, model.name, threshold->min_score));
+      applied = {{"min_score", ScoreJson(threshold->min_score)},
+                 {"set_by", threshold->set_by},
+                 {"set_utc_us", threshold->set_utc_us},
+                 {"undecided_below", below}};
+    }
+    rows.push_back({{"model_id", model.id},
+                    {"model", model.name},
+                    {"is_category", model.IsCategory()},
+                    {"accepted", accepted},
+                    {"rejected", std::ssize(scores) - accepted},
+                    {"learnt", std::move(learnt)},
+                    {"in_force", std::move(applied)}});
+  }
+  return Json{{"min_decisions", kMinDecisions}, {"models", std::move(rows)}};
+}
+
+ApiExpected<HttpResponse> Api::Thresholds(const Call& /*call*/) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Json json, ThresholdsToJson());
+  return JsonResponse(json);
+}
+
+ApiExpected<HttpResponse> Api::PutThreshold(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(call.parameters[0], "model"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  const ModelRecord* model = lists->Model(id);
+  if (model == nullptr) return NotFound(fmt::format("model {} is not in the index", id));
+  VICTORIOUS_ASSIGN_OR_RETURN(ThresholdInput input, ParseThreshold(call.request.body));
+  if (!index_->can_review()) {
+    return std::unexpected(ApiError(Error{
+        ErrorCode::kPermissionDenied,
+        "the index cannot be written, so thresholds are not kept: allow writing to the file and its folder, then start "
+        "`victorious serve` again"}));
+  }
+  // With accounts, nobody decides in the name of another.
+  const std::string actor = call.caller.is_open ? std::move(input.reviewer) : call.caller.name();
+  {
+    const std::scoped_lock lock(thresholds_mutex_);
+    const std::int64_t now_us = NowUtcMicroseconds();
+    VICTORIOUS_RETURN_IF_ERROR(
+        input.min_score
+            ? thresholds_->Put(
+                  {.model = model->name, .min_score = *input.min_score, .set_by = actor, .set_utc_us = now_us})
+            : thresholds_->Remove(model->name, actor, now_us));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Json json, ThresholdsToJson());
+  return JsonResponse(json);
+}
+
+}  // namespace victorious
