@@ -650,6 +650,87 @@ async function thresholds(page) {
   await page.getByRole("button", { name: "Only ≥ 0.3" }).waitFor();
 }
 
+/** A model turns by drag, keys and its disc; the views that matched are shown, and lead to their sightings. */
+async function turning(page) {
+  await open(page, "/?object=9001");
+  await page.waitForSelector("#object-9001[aria-selected=true]");
+  await page.waitForSelector(".crop .turn");
+  await page.evaluate(() => document.activeElement?.blur());
+  await page.keyboard.press("t");
+  const shownView = () => page.evaluate(() => Number(document.querySelector(".turntable canvas").dataset.view ?? NaN));
+  const waitForView = (view) => page.waitForFunction((wanted) => document.querySelector(".turntable canvas")?.dataset.view === String(wanted), view);
+  await waitForView(7); // of the best sighting
+  const { views } = await api(page, `/models/${(await api(page, "/objects/9001")).model_id}/views`);
+  assert.equal(views.length, 25);
+  assert.equal(await page.locator(".disc .dot").count(), 25);
+  assert.equal(await page.locator(".disc .dot.own").count(), 2);
+  assert.equal(await page.locator(".disc .dot.others").count(), 1);
+
+  // Each step of a ring by key, the whole way round; then up to straight above and down to the lowest ring.
+  const turntable = page.locator(".turntable");
+  await turntable.focus();
+  const seen = [];
+  for (let i = 0; i < 12; i++) {
+    seen.push(await shownView());
+    await page.keyboard.press("ArrowRight");
+    await page.waitForFunction((before) => document.querySelector(".turntable canvas").dataset.view !== String(before), seen[i]);
+  }
+  assert.equal(new Set(seen).size, 12);
+  assert.equal(await shownView(), 7);
+  for (let i = 0; i < 3; i++) await page.keyboard.press("ArrowUp");
+  await waitForView(0);
+  assert.match(await turntable.getAttribute("aria-valuetext"), /straight from above/);
+  for (let i = 0; i < 3; i++) await page.keyboard.press("ArrowDown");
+  const lowest = await page.waitForFunction(() => Number(document.querySelector(".turntable canvas").dataset.view)).then((one) => one.jsonValue());
+  assert.ok(views[lowest].off_nadir_deg > 59, `view ${lowest}`);
+
+  // A drag passes views one after the other, without waiting for the server: all have come.
+  await page.waitForLoadState("networkidle");
+  const box = await turntable.boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  const dragged = new Set();
+  for (let right = 0; right <= 240; right += 20) {
+    await page.mouse.move(x + right, y);
+    await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+    dragged.add(await shownView());
+  }
+  await page.mouse.up();
+  assert.ok(dragged.size >= 4, `only views ${[...dragged]}`);
+
+  // The picture is drawn, and that of another view is another one.
+  const ink = () => page.evaluate(() => {
+    const canvas = document.querySelector(".turntable canvas");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let [low, high] = [255, 0];
+    for (let at = 0; at < data.length; at += 4) if (data[at + 3] > 0) [low, high] = [Math.min(low, data[at]), Math.max(high, data[at])];
+    return high - low;
+  });
+  assert.ok((await ink()) > 40, "a rendering is drawn");
+
+  // The views that matched: its own first; a click goes to the sighting.
+  const matches = page.locator(".match-view");
+  assert.equal(await matches.count(), 3);
+  assert.match(await matches.nth(0).innerText(), /This object/);
+  assert.match(await matches.nth(2).innerText(), /Object 9002/);
+  await matches.nth(2).hover();
+  await waitForView(20);
+  await matches.nth(1).click();
+  await page.waitForSelector("dialog.turning[open]", { state: "detached" });
+  await waitForFrame(page, 5);
+  assert.equal(await selectedId(page), 9001);
+
+  // By mouse from the view beside the best sighting; photos go one by one.
+  const photo = (await api(page, "/objects?model=crate")).objects[0];
+  await page.click(`#object-${photo.id}`);
+  await page.getByRole("button", { name: "Turn crate" }).click();
+  await waitForView(0);
+  assert.equal(await page.locator(".disc").count(), 0, "photos have no direction");
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("dialog.turning[open]", { state: "detached" });
+}
+
 async function accounts(page, [password]) {
   const logIn = async (name, word) => {
     await page.fill("#log-in-name", name);
@@ -714,7 +795,7 @@ try {
   page.on("request", (request) => {
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url)) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, copies, images, many, thresholds, jobs, accounts }[scenario](page, inputs);
+  await { triage, frames, copies, images, many, thresholds, turning, jobs, accounts }[scenario](page, inputs);
   if (!hasMap) assert.match(await page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

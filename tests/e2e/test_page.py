@@ -101,6 +101,36 @@ class PageTest(program.ProgramTest):
         """Twenty objects of "common" with scores from 0.99 down to 0.04, four of "rare"."""
         self.drive("thresholds", self.draw_index([*((1, 0.99 - 0.05 * n) for n in range(20)), *((2, 0.1 * n) for n in range(1, 5))]))
 
+    def test_turning_model(self):
+        """A CAD model of 25 views beside photos; two drawn objects of it, the first matched two of its views."""
+        models = self.scratch / "models"
+        shutil.copytree(program.models(), models)
+        cad = program.REPOSITORY / "assets" / "models" / "jeep.glb"
+        self.succeeds("model", "add", "jeep", cad, "--models", models, "--step", "30", "--max-off-nadir", "60")
+        video = self.scratch / "flight.mp4"
+        shutil.copy(program.flight() / "flight.mp4", video)
+        db = self.scratch / "index.db"
+        self.succeeds("index", video, "--models", models, "--db", db)
+        with contextlib.closing(sqlite3.connect(db)) as index, index:
+            ((model, width),) = index.execute(
+                "SELECT m.id, v.width_px FROM models m, videos v WHERE m.name = 'jeep'"
+            ).fetchall()
+            for number, score, seen in ((9001, 0.999, ((3, 7, 40), (5, 8, 30))), (9002, 0.998, ((9, 20, 25),))):
+                index.execute("INSERT INTO objects (id, model_id) VALUES (?, ?)", (number, model))
+                index.execute(
+                    "INSERT INTO tracklets (id, object_id, video_id, model_id, score, frames, first_time_s, last_time_s)"
+                    " VALUES (?, ?, 1, ?, ?, ?, ?, ?)",
+                    (number, number, model, score, len(seen), seen[0][0] / 10, seen[-1][0] / 10),
+                )
+                for frame, view, matches in seen:
+                    index.execute(
+                        "INSERT INTO sightings (video_id, frame, tracklet_id, time_s, box_x_px, box_y_px, box_width_px,"
+                        " box_height_px, outline, score, source, matches, view_index, in_plane_rad)"
+                        " VALUES (1, ?, ?, ?, 10, 10, ?, 40, x'', ?, 'recognised', ?, ?, 0)",
+                        (frame, number, frame / 10, width / 4, score, matches, view),
+                    )
+        self.drive("turning", db, "--models", models)
+
     def test_jobs(self):
         db, models = self.scratch / "index.db", self.scratch / "models"
         db.touch()

@@ -22,6 +22,7 @@ namespace {
 constexpr std::size_t kMaxCameraPaths = 200;  // bodies of at most 300 kB; a click on the map looks through 100 videos
 constexpr std::size_t kMaxCameras = 4;        // trajectories of some megabytes
 constexpr std::size_t kMaxEvidence = 64;      // bodies of at most 150 kB
+constexpr std::size_t kMaxModels = 8;         // mapped files of 9 to 32 MB: a turning model asks for hundreds of views
 
 HttpResponse MethodNotAllowed(std::string_view allowed) {
   HttpResponse response = ErrorResponse(405, "method_not_allowed", fmt::format("only {} is answered here", allowed));
@@ -54,6 +55,7 @@ Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken
       camera_paths_(kMaxCameraPaths),
       cameras_(kMaxCameras),
       evidence_(kMaxEvidence),
+      models_(kMaxModels),
       uploads_(options_.uploads) {}
 
 Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& cancel) {

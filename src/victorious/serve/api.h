@@ -132,6 +132,7 @@ class Api {
   ApiExpected<HttpResponse> VideoCopy(const Call& call);
   ApiExpected<HttpResponse> VideoFrame(const Call& call);
   // In api_evidence.cc.
+  ApiExpected<HttpResponse> ModelViews(const Call& call);
   ApiExpected<HttpResponse> ViewImage(const Call& call);
   ApiExpected<HttpResponse> Evidence(const Call& call);
   // In api_jobs.cc.
@@ -178,7 +179,9 @@ class Api {
   ApiExpected<HttpResponse> Sightings(SightingFilter filter, QueryReader& query);
   /// Errors: kNotFound without a library, for a category, or without the model; kConflict for another model of this
   /// name.
-  ApiExpected<ObjectModel> LoadModel(const ModelRecord& record);
+  ApiExpected<std::shared_ptr<const ObjectModel>> LoadModel(const ModelRecord& record);
+  /// The model of an id in the address. Errors: those of LoadModel; kNotFound.
+  ApiExpected<std::shared_ptr<const ObjectModel>> LoadModelOf(std::string_view id);
   ApiExpected<SightingRecord> ReadSighting(std::int64_t object, QueryReader& query);
   [[nodiscard]] Expected<CameraStates> LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
                                                    const TelemetryOptions& options, const WarningSink& warn);
@@ -198,6 +201,7 @@ class Api {
   OnceCache<std::string> camera_paths_;  ///< bodies of answers
   OnceCache<CameraStates> cameras_;      ///< by the video's content and the telemetry's options
   OnceCache<std::string> evidence_;      ///< bodies of answers
+  OnceCache<ObjectModel> models_;        ///< by name and state of the file; the files are mapped
   std::counting_semaphore<> evidence_slots_{1};
   UploadFolder uploads_;
   std::unique_ptr<LiveService> live_;  // last: its threads use what is above

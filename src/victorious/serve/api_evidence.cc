@@ -15,6 +15,7 @@
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
+#include "victorious/serve/static_files.h"
 
 namespace victorious {
 namespace {
@@ -47,7 +48,7 @@ ApiExpected<bool> ReadWhole(QueryReader& query) {
 
 }  // namespace
 
-ApiExpected<ObjectModel> Api::LoadModel(const ModelRecord& record) {
+ApiExpected<std::shared_ptr<const ObjectModel>> Api::LoadModel(const ModelRecord& record) {
   if (record.IsCategory()) {
     return NotFound(fmt::format("{} is a category: it has neither views nor matches", record.name));
   }
@@ -55,25 +56,48 @@ ApiExpected<ObjectModel> Api::LoadModel(const ModelRecord& record) {
     return NotFound(
         fmt::format("the views of {} are not known: `victorious serve --models DIR` names the models", record.name));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ModelLibrary(options_.models).Load(record.name));
-  if (model.id == record.content_id) return model;
+  const ModelLibrary library(options_.models);
+  // A file that was replaced has another tag, one that is gone has none.
+  const std::string state = FileEtag(library.PathOf(record.name));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto model,
+                              models_.Get(record.name + " " + state, [&] { return library.Load(record.name); }));
+  if (model->id == record.content_id) return model;
   return std::unexpected(
       ApiError(Error{ErrorCode::kConflict, fmt::format("{}: the model in {} is not the one that was searched for",
                                                        record.name, options_.models.string())}));
 }
 
+ApiExpected<std::shared_ptr<const ObjectModel>> Api::LoadModelOf(std::string_view id) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(id, "model"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  const ModelRecord* record = lists->Model(number);
+  if (record == nullptr) return NotFound(fmt::format("model {} is not in the index", number));
+  return LoadModel(*record);
+}
+
+ApiExpected<HttpResponse> Api::ModelViews(const Call& call) {
+  constexpr std::int64_t kMaxObjects = 200;  // whose sightings are read
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto model, LoadModelOf(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TriageObject> objects,
+                              reader->objects->Objects({.models = {model->name}}, {.limit = kMaxObjects}));
+  Json sightings = Json::array();
+  for (const TriageObject& one : objects) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SightingRecord> best, reader->objects->BestSighting(one.object.id));
+    if (best) sightings.push_back(SightingToJson(*best));
+  }
+  return JsonResponse(ModelViewsToJson(*model, std::move(sightings)));
+}
+
 ApiExpected<HttpResponse> Api::ViewImage(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(call.parameters[0], "model"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(call.parameters[1], "view"));
   VICTORIOUS_ASSIGN_OR_RETURN(const bool is_full, ReadWhole(call.query));
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  const ModelRecord* record = lists->Model(id);
-  if (record == nullptr) return NotFound(fmt::format("model {} is not in the index", id));
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, LoadModel(*record));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto loaded, LoadModelOf(call.parameters[0]));
+  const ObjectModel& model = *loaded;
   const auto view = static_cast<std::size_t>(number);
   if (number >= std::ssize(model.views) || model.views[view].thumbnail.empty()) {
-    return NotFound(fmt::format("{} has {} views; view {} has no image", record->name, model.views.size(), view));
+    return NotFound(fmt::format("{} has {} views; view {} has no image", model.name, model.views.size(), view));
   }
   std::span<const std::byte> bytes = model.views[view].thumbnail;
   std::vector<std::byte> rendering;
@@ -140,7 +164,7 @@ ApiExpected<HttpResponse> Api::Evidence(const Call& call) {
   const VideoRecord* video = lists->Video(sighting.video);
   const ModelRecord* record = lists->Model(sighting.model);
   if (video == nullptr || record == nullptr) return NotFound("the sighting is not in the index any more");
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, LoadModel(*record));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto model, LoadModel(*record));
   // Asked before the cache, so that evidence ends with its video.
   VICTORIOUS_RETURN_IF_ERROR(videos_.Find(*video));
   std::optional<SearchRecord> search;
@@ -149,11 +173,12 @@ ApiExpected<HttpResponse> Api::Evidence(const Call& call) {
     VICTORIOUS_ASSIGN_OR_RETURN(search, reader->sightings->FindSearch(video->id, record->id));
   }
   if (!search) return NotFound("the search that found it is not in the index any more");
-  const std::string key = fmt::format("{} {} {} {} {:.2f} {:.2f} {} {} {}", video->content_id, model.id, sighting.frame,
-                                      sighting.view_index, sighting.box.x, sighting.box.y, video->id, object.object.id,
-                                      search->options_json);
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const auto body, evidence_.Get(key, [&] { return MakeEvidence(sighting, *video, search->options_json, model); }));
+  const std::string key = fmt::format("{} {} {} {} {:.2f} {:.2f} {} {} {}", video->content_id, model->id,
+                                      sighting.frame, sighting.view_index, sighting.box.x, sighting.box.y, video->id,
+                                      object.object.id, search->options_json);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, evidence_.Get(key, [&] {
+    return MakeEvidence(sighting, *video, search->options_json, *model);
+  }));
   return TaggedResponse(call.request, "application/json", *body, 0);
 }
 

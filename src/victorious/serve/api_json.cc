@@ -194,6 +194,20 @@ Json EvidenceToJson(const MatchEvidence& evidence, const SightingRecord& sightin
                          : Json()}};
 }
 
+Json ModelViewsToJson(const ObjectModel& model, Json sightings) {
+  Json views = Json::array();
+  for (const ModelView& view : model.views) {
+    views.push_back({{"azimuth_deg", view.angles ? Json(DegreesJson(view.angles->azimuth_rad)) : Json()},
+                     {"off_nadir_deg", view.angles ? Json(DegreesJson(view.angles->off_nadir_rad)) : Json()},
+                     {"has_image", !view.thumbnail.empty()}});
+  }
+  return {{"model", model.name},
+          {"kind", ToText(model.kind)},
+          {"length_m", OrNull(model.length_m, &MetresJson)},
+          {"views", std::move(views)},
+          {"sightings", std::move(sightings)}};
+}
+
 Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing, bool has_copy,
                  bool with_searches) {
   Json searches = Json::array();

@@ -27,6 +27,9 @@ namespace victorious {
 [[nodiscard]] Json EvidenceToJson(const MatchEvidence& evidence, const SightingRecord& sighting, const ModelView& view,
                                   const Box& region);
 
+/// @param sightings  the best ones of the model's best objects
+[[nodiscard]] Json ModelViewsToJson(const ObjectModel& model, Json sightings);
+
 /// @param missing  why the video's file cannot be read; empty: it can
 /// @param has_copy  there is a copy that browsers play
 /// @param with_searches  how far it was searched for each model

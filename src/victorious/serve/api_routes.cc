@@ -59,6 +59,7 @@ std::span<const Api::Route> Api::Routes() {
       {HttpMethod::kGet, "/api/v1/events", Role::kViewer, &Api::Events},
       {HttpMethod::kGet, "/api/v1/thresholds", Role::kViewer, &Api::Thresholds},
       {HttpMethod::kPut, "/api/v1/models/{id}/threshold", Role::kAnalyst, &Api::PutThreshold},
+      {HttpMethod::kGet, "/api/v1/models/{id}/views", Role::kViewer, &Api::ModelViews},
       {HttpMethod::kGet, "/api/v1/models/{id}/views/{view}", Role::kViewer, &Api::ViewImage, kHasQuery},
       {HttpMethod::kGet, "/api/v1/audit", Role::kAdmin, &Api::Audit, kHasQuery},
   });

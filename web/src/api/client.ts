@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Counts, Evidence, Job, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
+import type { ApiErrorBody, CameraPath, Counts, Evidence, Job, ModelViews, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
 import { readTrack } from "../logic/followed";
 import { type SightingPages, inHalves } from "../logic/halves";
 
@@ -100,6 +100,7 @@ export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/
 export const getEvidence = (object: number, at: { video: number; frame: number } | null, signal: AbortSignal) =>
   request<Evidence>(`/objects/${object}/evidence${at === null ? "" : `?video=${at.video}&frame=${at.frame}`}`, { signal });
 
+export const getModelViews = (model: number, signal: AbortSignal) => request<ModelViews>(`/models/${model}/views`, { signal });
 /** All pixels that the model has of a view. */
 export const fullViewUrl = (model: number, view: number) => `${viewUrl(model, view)}?size=full`;
 export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}/views/${view}`;

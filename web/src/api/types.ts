@@ -13,6 +13,7 @@ export type Sighting = Schemas["Sighting"];
 export type Job = Schemas["Job"];
 export type NewJob = Schemas["NewJob"];
 export type Counts = Schemas["ObjectCounts"];
+export type ModelViews = Schemas["ModelViews"];
 export type ThresholdList = Schemas["ThresholdList"];
 export type ThresholdOfModel = Schemas["ThresholdOfModel"];
 export type CameraPath = Schemas["CameraPath"];

@@ -19,6 +19,7 @@ export const BINDINGS = {
   reject: { keys: ["x"], label: "X", what: "Reject, and go on", group: "Review" },
   note: { keys: ["n"], label: "N", what: "Write a note", group: "Review" },
   why: { keys: ["w"], label: "W", what: "Why it was found: its matches", group: "Review" },
+  turn: { keys: ["t"], label: "T", what: "Turn the model, and show which of its views matched", group: "Review" },
   mark: { keys: ["m"], label: "M", what: "Mark for a decision together; Shift+click: from the last mark on", group: "Review" },
   unmark: { keys: ["M"], label: "Shift+M", what: "Take all marks back", group: "Review" },
   undo: { keys: ["u"], label: "U", what: "Take the last decision back", group: "Review" },

@@ -7,6 +7,7 @@ import { needsLogIn, session } from "../session";
 import * as reviews from "../reviews";
 import * as selection from "../selection";
 import * as state from "../state";
+import * as turntable from "../turntable";
 import * as why from "../why";
 import { Header } from "./header";
 import { Help } from "./help";
@@ -17,6 +18,7 @@ import { LogIn } from "./log_in";
 import { MapPane } from "./map";
 import { toggleDrawing } from "./map_area";
 import { Notices } from "./notices";
+import { TurntableDialog } from "./turntable";
 import { VideoPane, toggleBoxing, togglePlay } from "./video";
 import { WhyDialog } from "./why";
 
@@ -58,6 +60,8 @@ function run(action: Action, shift: boolean) {
       return focus("note");
     case "why":
       return why.ask();
+    case "turn":
+      return turntable.openSelected();
     case "undo":
       return reviews.undo();
     case "play":
@@ -89,7 +93,7 @@ function useKeys() {
   useEffect(() => {
     const down = (event: KeyboardEvent) => {
       if (event.key === "Escape" && isTyping(event.target)) (event.target as HTMLElement).blur();
-      if (isTyping(event.target) || state.isHelpOpen.value || why.asked.value !== null || needsLogIn.value || event.defaultPrevented) return;
+      if (isTyping(event.target) || state.isHelpOpen.value || why.asked.value !== null || turntable.shown.value !== null || needsLogIn.value || event.defaultPrevented) return;
       const action = actionOf(event);
       if (action === null) return;
       // Space presses a focused button, arrows move a focused slider.
@@ -150,6 +154,7 @@ export function App() {
       <JobsPanel />
       <ModelDialog />
       <WhyDialog />
+      <TurntableDialog />
       <DropTarget />
       <Notices />
       <Help />

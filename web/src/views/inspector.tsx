@@ -12,6 +12,7 @@ import * as objects from "../objects";
 import * as reviews from "../reviews";
 import * as selection from "../selection";
 import * as state from "../state";
+import * as turntable from "../turntable";
 import * as why from "../why";
 import { Icon } from "./icons";
 import { VerdictMark } from "./list";
@@ -38,7 +39,9 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
       {hasView && (
         <figure class="crop view">
           <div class="frame">
-            <img src={viewUrl(object.model_id, best.view_index)} alt={`The view of ${object.model} that matched`} />
+            <button class="turn" title="Turn the model (T)" aria-label={`Turn ${object.model}, and show which of its views matched`} onClick={turntable.openSelected}>
+              <img src={viewUrl(object.model_id, best.view_index)} alt={`The view of ${object.model} that matched`} />
+            </button>
           </div>
           <figcaption>
             <button class="link" title="The matches between view and frame, stage by stage (W)" onClick={why.ask}>

@@ -8,6 +8,7 @@ import { plural } from "../logic/format";
 import { formatLeft, modelNameOf, withoutUploadFolder } from "../logic/uploads";
 import * as jobs from "../jobs";
 import * as state from "../state";
+import * as turntable from "../turntable";
 import { Icon } from "./icons";
 
 const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories" } as const;
@@ -38,6 +39,18 @@ function describe(job: Job): string {
   return job.done > 0 ? of + left : "begins";
 }
 
+/** The model that a job has made, once a search has brought it into the index. */
+function TurnModel({ name }: { name: string }) {
+  const project = state.project.value;
+  const model = project.state === "ready" && project.value.has_views ? project.value.models.find((one) => one.name === name) : undefined;
+  if (!model) return null;
+  return (
+    <button class="button" onClick={() => turntable.open(model.id, null, null)}>
+      Turn it
+    </button>
+  );
+}
+
 function Row({ job }: { job: Job }) {
   const isActive = job.state === "queued" || job.state === "running";
   return (
@@ -62,6 +75,7 @@ function Row({ job }: { job: Job }) {
           ))}
         </div>
       )}
+      {job.kind === "model" && job.state === "done" && <TurnModel name={job.title} />}
       {job.kind === "model" && job.state === "done" && state.videos.value.length > 0 && (
         <button class="button" onClick={() => void jobs.searchAll()}>
           Search all videos for it
