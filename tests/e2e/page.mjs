@@ -14,7 +14,7 @@ const FLAGS = [
   "--disable-component-update", "--disable-sync",
 ];
 // Drawn in software, a map costs more than all that the other scenarios check: without WebGL the page says so, and works.
-const WITH_MAP = ["triage", "many"];
+const WITH_MAP = ["triage", "many", "tiles"];
 const ORANGE = [230, 159, 0]; // of the first model (state.ts)
 const SELECTED = "[role=option][aria-selected=true]";
 
@@ -650,6 +650,26 @@ async function thresholds(page) {
   await page.getByRole("button", { name: "Only ≥ 0.3" }).waitFor();
 }
 
+/** A base map lies below what was found, with its attribution. */
+async function tiles(page, [described]) {
+  const { colour, attribution } = JSON.parse(described);
+  await page.emulateMedia({ colorScheme: "light" }); // in the dark, images are darker
+  await page.goto("/");
+  await page.waitForSelector(".map .canvas[data-ready=true]");
+  let found = null;
+  for (let tries = 0; tries < 100 && !found; tries++) {
+    found = await findOnMap(page, colour);
+    if (!found) await page.waitForTimeout(200);
+  }
+  assert.ok(found, `no tile of colour ${colour} on the map`);
+  assert.equal(await page.locator(".map .attribution").count(), attribution === "" ? 0 : 1);
+  if (attribution !== "") assert.equal(await page.locator(".map .attribution").innerText(), attribution);
+  // Other colours of the page: the map stays.
+  await page.emulateMedia({ colorScheme: "dark" });
+  await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");
+  assert.equal(await page.locator(".notice.error").count(), 0);
+}
+
 /** A model turns by drag, keys and its disc; the views that matched are shown, and lead to their sightings. */
 async function turning(page) {
   await open(page, "/?object=9001");
@@ -793,9 +813,10 @@ try {
     if (message.type() === "error" && !isExpected) faults.push(`console: ${message.text()}`)
   });
   page.on("request", (request) => {
-    if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url)) faults.push(`asks ${request.url()}`);
+    const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
+    if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, copies, images, many, thresholds, turning, jobs, accounts }[scenario](page, inputs);
+  await { triage, frames, copies, images, many, thresholds, tiles, turning, jobs, accounts }[scenario](page, inputs);
   if (!hasMap) assert.match(await page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

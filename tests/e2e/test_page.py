@@ -1,6 +1,7 @@
 """The page in a real browser (page.mjs): triage by mouse and keys; box and frame belong together."""
 
 import contextlib
+import json
 import os
 import shutil
 import sqlite3
@@ -10,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import program
+import tiles
 
 SCRIPT = Path(__file__).with_name("page.mjs")
 DRAW_NUMBERS = program.path_from_environment("VICTORIOUS_DRAW_NUMBERS")
@@ -100,6 +102,22 @@ class PageTest(program.ProgramTest):
     def test_thresholds(self):
         """Twenty objects of "common" with scores from 0.99 down to 0.04, four of "rare"."""
         self.drive("thresholds", self.draw_index([*((1, 0.99 - 0.05 * n) for n in range(20)), *((2, 0.1 * n) for n in range(1, 5))]))
+
+    def test_base_map(self):
+        """Tiles of a server on another port, of a PMTiles file with images, and of one with vectors."""
+        db = self.draw_index([(1, 0.9)])
+        colour = (220, 40, 90)
+        address = "{z}/{x}/{y}.png"
+        with tiles.Server(tiles.png(*colour)) as origin:
+            self.drive(
+                "tiles", db, "--tiles", f"{origin}/{address}", "--tiles-attribution", "© the test",
+                inputs=(json.dumps({"colour": colour, "attribution": "© the test", "origin": origin}),),
+            )
+        images = self.write("images.pmtiles", tiles.pmtiles(tiles.png(*colour), tiles.PNG, {"attribution": "<b>&copy; images</b>"}))
+        self.drive("tiles", db, "--tiles", images, inputs=(json.dumps({"colour": colour, "attribution": "© images"}),))
+        layers = [{"id": "water", "fields": {}}, {"id": "places", "fields": {}}]
+        vectors = self.write("vectors.pmtiles", tiles.pmtiles(tiles.square("water"), tiles.VECTOR, {"vector_layers": layers}))
+        self.drive("tiles", db, "--tiles", vectors, inputs=(json.dumps({"colour": (0xC9, 0xDC, 0xEA), "attribution": ""}),))
 
     def test_turning_model(self):
         """A CAD model of 25 views beside photos; two drawn objects of it, the first matched two of its views."""

@@ -121,7 +121,8 @@ class ServeTest(program.ProgramTest):
     def test_answers_as_described(self):
         """Each path of the description is asked once with values that exist, and once with values that do not."""
         seen = set()
-        with self.serve("--models", program.models()) as server:
+        tiles = self.write("map.pmtiles", b"PMTiles\x03" + bytes(91) + b"\x02" + bytes(100))
+        with self.serve("--models", program.models(), "--tiles", tiles) as server:
             found = self.get(server, "/api/v1/objects")["objects"][0]
             best = self.get(server, f"/api/v1/objects/{found['id']}")["best"]
             video = found["moments"][0]["video_id"]

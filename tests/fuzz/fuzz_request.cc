@@ -136,6 +136,7 @@ std::vector<std::string> FuzzSeeds() {
       "GET\n/api/v1/videos/1/camera\n\n\n\n",
       "GET\n/api/v1/models/1/views\n\n\n\n",
       "GET\n/api/v1/models/1/views/0\n\n\n\n",
+      "GET\n/api/v1/base_map\nbytes=0-99\n\n\n",
       "GET\n/api/v1/thresholds\n\n\n\n",
       "GET\n/api/v1/objects?thresholds=applied\n\n\n\n",
       "PUT\n/api/v1/models/1/threshold\n\n\n\n{\"min_score\": 0.9, \"reviewer\": \"ann\"}",

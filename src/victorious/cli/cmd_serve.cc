@@ -13,6 +13,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/serve/api.h"
+#include "victorious/serve/base_map.h"
 #include "victorious/serve/http_server.h"
 #include "victorious/store/open_store.h"
 
@@ -26,6 +27,8 @@ struct Arguments {
   std::string listen = "127.0.0.1:8080";
   std::string telemetry;
   std::string web;
+  std::string tiles;
+  std::string tiles_attribution;
   std::string uploads;
   std::string tls_certificate;
   std::string tls_key;
@@ -60,6 +63,10 @@ Status Run(const Arguments& arguments) {
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   options.max_copies_bytes = static_cast<std::uint64_t>(arguments.max_copies_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
+  if (!arguments.tiles.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(options.base_map, ReadBaseMap(arguments.tiles, arguments.tiles_attribution));
+    server_options.tile_origin = options.base_map.origin;
+  }
   if (!arguments.categories.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const CategoryModel categories,
                                 ReadCategoryModel(arguments.categories));
@@ -137,6 +144,16 @@ Action SetUpServe(ArgumentParser& parser) {
       .ShowDefault()
       .Range(0.001, 100'000.0)
       .TypeName("GB");
+  Argument tiles = parser
+                       .Add("--tiles", arguments->tiles,
+                            "Base map: a PMTiles file, or the address of a tile server with {z}, {x} and {y}, which "
+                            "learns what is looked at (default: coasts, borders and a grid, without the internet)")
+                       .TypeName("FILE|URL");
+  parser
+      .Add("--tiles-attribution", arguments->tiles_attribution,
+           "Whose map it is, shown on it (default: as the file says; of a server its host)")
+      .Needs(tiles)
+      .TypeName("TEXT");
   parser.Add("--web", arguments->web, "The built page (default: as built or installed)").TypeName("DIR");
   return [=] { return Run(*arguments); };
 }

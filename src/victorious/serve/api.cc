@@ -34,7 +34,7 @@ bool IsRead(const HttpRequest& request) {
   return request.method == HttpMethod::kGet || request.method == HttpMethod::kHead;
 }
 
-ApiExpected<HttpResponse> SendVideo(const HttpRequest& request, const std::filesystem::path& path) {
+ApiExpected<HttpResponse> SendFile(const HttpRequest& request, const std::filesystem::path& path) {
   std::error_code error;
   const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
   const std::string etag = FileEtag(path);
@@ -136,6 +136,11 @@ ApiExpected<Api::ListedVideo> Api::FindVideo(std::string_view id) {
 
 ApiExpected<HttpResponse> Api::Session(const Call& call) { return access_->Session(call.caller); }
 
+ApiExpected<HttpResponse> Api::BaseMapFile(const Call& call) {
+  if (options_.base_map.file.empty()) return NotFound("this server has no base map: `victorious serve --tiles FILE`");
+  return SendFile(call.request, options_.base_map.file);
+}
+
 ApiExpected<HttpResponse> Api::LogIn(const Call& call) { return access_->LogIn(call.request, call.port); }
 
 ApiExpected<HttpResponse> Api::LogOut(const Call& call) { return access_->LogOut(call.caller, call.port); }
@@ -146,7 +151,8 @@ ApiExpected<HttpResponse> Api::Project(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count({}));
   const bool may_decide = call.caller.May(Role::kAnalyst);
   return JsonResponse(ProjectToJson(options_.index, *lists, counts, index_->can_review() && may_decide,
-                                    !options_.models.empty(), live_->has_jobs() && may_decide, options_.categories));
+                                    !options_.models.empty(), live_->has_jobs() && may_decide, options_.categories,
+                                    options_.base_map));
 }
 
 ApiExpected<HttpResponse> Api::Audit(const Call& call) {
@@ -197,7 +203,7 @@ ApiExpected<HttpResponse> Api::VideoFile(const Call& call) {
     return std::unexpected(
         ApiError(Error{ErrorCode::kUnsupported, path.string() + ": a folder of images: read its frames one by one"}));
   }
-  return SendVideo(call.request, path);
+  return SendFile(call.request, path);
 }
 
 ApiExpected<HttpResponse> Api::VideoCopy(const Call& call) {
@@ -210,7 +216,7 @@ ApiExpected<HttpResponse> Api::VideoCopy(const Call& call) {
 ApiExpected<HttpResponse> Api::SendMade(const HttpRequest& request, const std::string& name) {
   const auto use = copies_.Take(name);
   if (!use) return NotFound("the file was removed to make room for others: ask for it again");
-  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendVideo(request, use->path));
+  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendFile(request, use->path));
   if (response.file) response.file->hold = use->hold;
   return response;
 }

@@ -18,6 +18,7 @@
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/serve/access_control.h"
 #include "victorious/serve/api_error.h"
+#include "victorious/serve/base_map.h"
 #include "victorious/serve/camera_path.h"
 #include "victorious/serve/copy_folder.h"
 #include "victorious/serve/http_message.h"
@@ -42,6 +43,7 @@ struct ApiOptions {
   std::filesystem::path uploads;          ///< where uploaded files go; created when it is needed
   std::filesystem::path copies;           ///< where the videos go that are made for users; created when it is needed
   std::filesystem::path categories = {};  ///< category model that videos are searched for, and that reviews refine
+  BaseMap base_map = {};
   std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
   ServerIdentity server;
@@ -122,6 +124,7 @@ class Api {
   ApiExpected<HttpResponse> LogIn(const Call& call);
   ApiExpected<HttpResponse> LogOut(const Call& call);
   ApiExpected<HttpResponse> Project(const Call& call);
+  ApiExpected<HttpResponse> BaseMapFile(const Call& call);
   ApiExpected<HttpResponse> Audit(const Call& call);
   ApiExpected<HttpResponse> Videos(const Call& call);
   ApiExpected<HttpResponse> Video(const Call& call);

@@ -42,6 +42,14 @@ Json PixelsToJson(const Eigen::Vector2d& point_px) {
   return Json::array({RoundPixels(point_px.x()), RoundPixels(point_px.y())});
 }
 
+Json BaseMapToJson(const BaseMap& map) {
+  if (map.IsNone()) return nullptr;
+  return {{"url", map.url.empty() ? Json() : Json(map.url)},
+          {"is_vector", map.is_vector},
+          {"max_zoom", map.max_zoom},
+          {"attribution", map.attribution.empty() ? Json() : Json(map.attribution)}};
+}
+
 // What a user may fetch. A file may have been removed since it was made.
 Json FilesOf(const JobRecord& job) {
   Json files = Json::array();
@@ -238,7 +246,8 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
 }
 
 Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, const ObjectCounts& counts,
-                   bool can_review, bool has_views, bool has_jobs, const std::filesystem::path& categories) {
+                   bool can_review, bool has_views, bool has_jobs, const std::filesystem::path& categories,
+                   const BaseMap& base_map) {
   Json models = Json::array();
   for (const ModelRecord& model : lists.models) {
     const auto objects = lists.objects_of_model.find(model.id);
@@ -258,6 +267,7 @@ Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, 
           {"has_views", has_views},
           {"has_jobs", has_jobs},
           {"categories", categories.empty() ? Json() : Json(categories.filename().string())},
+          {"base_map", BaseMapToJson(base_map)},
           {"videos", lists.videos.size()},
           {"objects", counts.objects},
           {"accepted", counts.accepted},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "victorious/recognize/match_evidence.h"
+#include "victorious/serve/base_map.h"
 #include "victorious/serve/camera_path.h"
 #include "victorious/serve/index_view.h"
 #include "victorious/store/account_store.h"
@@ -43,7 +44,7 @@ namespace victorious {
 /// @param categories  the category model; empty: none
 [[nodiscard]] Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists,
                                  const ObjectCounts& counts, bool can_review, bool has_views, bool has_jobs,
-                                 const std::filesystem::path& categories);
+                                 const std::filesystem::path& categories, const BaseMap& base_map);
 
 [[nodiscard]] Json CameraPathToJson(const CameraPath& path);
 

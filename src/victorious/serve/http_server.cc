@@ -42,14 +42,19 @@ constexpr std::chrono::seconds kFinishTime{2};
 constexpr std::chrono::seconds kTlsCloseTime{2};
 
 // What browsers are told about every response: no content type by guess, no frame, nothing from elsewhere.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kSecurityHeaders = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecurityHeaders = {{
     {"X-Content-Type-Options", "nosniff"},
     {"Referrer-Policy", "no-referrer"},
     {"Cross-Origin-Resource-Policy", "same-origin"},
-    {"Content-Security-Policy",
-     "default-src 'self'; img-src 'self' data: blob:; media-src 'self' blob:; worker-src 'self' blob:; "
-     "style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none'; frame-ancestors 'none'"},
 }};
+
+// @param tile_origin  where map tiles may come from, too
+std::string ContentSecurityPolicy(const std::string& tile_origin) {
+  const std::string tiles = tile_origin.empty() ? "" : " " + tile_origin;
+  return "default-src 'self'; connect-src 'self'" + tiles + "; img-src 'self' data: blob:" + tiles +
+         "; media-src 'self' blob:; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; "
+         "base-uri 'none'; frame-ancestors 'none'";
+}
 
 boost::beast::string_view ToBeast(std::string_view text) { return {text.data(), text.size()}; }
 
@@ -101,6 +106,7 @@ void RemoveFileAndEmptyFolder(const std::filesystem::path& file) {
 // What all sessions share. Used by the thread of Run only.
 struct Shared {
   HttpServerOptions options;
+  std::string security_policy = ContentSecurityPolicy(options.tile_origin);
   HttpServer::Handler handler;
   HttpServer::UploadHandler plan_upload;
   int port = 0;
@@ -332,6 +338,7 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     if (!response.content_type.empty()) message.set(http::field::content_type, response.content_type);
     for (const auto& [name, value] : response.headers) message.insert(ToBeast(name), ToBeast(value));
     for (const auto& [name, value] : kSecurityHeaders) message.insert(ToBeast(name), ToBeast(value));
+    message.insert("Content-Security-Policy", ToBeast(shared_.security_policy));
     if (shared_.stopping) keep_alive_ = false;
     message.keep_alive(keep_alive_);
     if (length && response.status != 304 && response.status != 204) message.content_length(*length);

@@ -25,6 +25,7 @@ struct HttpServerOptions {
   int port = 8080;                             ///< 0: any free one
   std::filesystem::path tls_certificate;       ///< PEM, with those that issued it; empty: no TLS
   std::filesystem::path tls_key;               ///< PEM, not encrypted
+  std::string tile_origin;                     ///< of a server of map tiles that the page may ask; empty: none
   int threads = 8;                             ///< that run the handler
   std::size_t max_connections = 900;           ///< further ones wait
   std::size_t max_connections_a_client = 300;  ///< further ones are closed, so that one client leaves room for others

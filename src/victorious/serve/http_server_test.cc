@@ -138,6 +138,17 @@ class HttpServerTest : public ::testing::Test {
   std::thread thread_;
 };
 
+// The page may fetch from its server, and from the server of map tiles that was named.
+TEST_F(HttpServerTest, NamesWhereThePageMayFetchFrom) {
+  constexpr std::string_view kRequest = "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n";
+  Start();
+  EXPECT_THAT(Exchange(kRequest), HasSubstr("connect-src 'self'; img-src 'self' data: blob:; "));
+  TearDown();
+  Start({.tile_origin = "https://tile.example.org"});
+  EXPECT_THAT(Exchange(kRequest), HasSubstr("connect-src 'self' https://tile.example.org; img-src 'self' data: blob: "
+                                            "https://tile.example.org; media-src"));
+}
+
 TEST_F(HttpServerTest, AnswersOneAfterAnotherOnAConnection) {
   Start();
   const Client client(server_->port());

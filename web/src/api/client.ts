@@ -132,5 +132,8 @@ export function uploadFile(file: File, progress: (done: number) => void, signal:
   });
 }
 
+/** The PMTiles file of the base map. */
+export const BASE_MAP_URL = `${ROOT}/base_map`;
+
 /** An address of MapLibre's tiles. */
 export const tilesUrl = (params: URLSearchParams) => `${location.origin}${ROOT}/tiles/{z}/{x}/{y}?${params}`;

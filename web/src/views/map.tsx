@@ -10,7 +10,7 @@ import { useEffect, useRef } from "preact/hooks";
 import atlasUrl from "world-atlas/countries-50m.json?url";
 
 import { tilesUrl } from "../api/client";
-import type { CameraPath, FoundObject } from "../api/types";
+import type { CameraPath, FoundObject, Project } from "../api/types";
 import { messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
 import { formatMetres, formatPosition } from "../logic/format";
@@ -22,6 +22,7 @@ import { frameCanvas, pictureVersion } from "../player";
 import * as notices from "../notices";
 import * as selection from "../selection";
 import * as state from "../state";
+import { type BaseMap, loadBaseMap } from "./base_map";
 import { Icon } from "./icons";
 import { AreaPanel, connectArea, toggleDrawing } from "./map_area";
 import { type LineMoment, lineAt, nowFeatures, trackFeatures } from "./map_lines";
@@ -35,6 +36,19 @@ const spacing = signal<number | null>(null);
 /** What lies under the pointer of the lines that have a time. */
 const hover = signal<(LineMoment & { x: number; y: number }) | null>(null);
 const failure = signal<string | null>(null);
+const baseMap = signal<BaseMap | null>(null);
+
+/** The base map that the server has, once the server has said so. */
+function describedBaseMap(): Promise<Project["base_map"]> {
+  return new Promise((resolve) => {
+    const stop = effect(() => {
+      const project = state.project.value;
+      if (project.state !== "ready") return;
+      resolve(project.value.base_map);
+      queueMicrotask(() => stop());
+    });
+  });
+}
 
 // The picture that is laid on the ground; small, because the map only hints at it.
 const drape = document.createElement("canvas");
@@ -123,11 +137,18 @@ function useMap() {
     let isGone = false;
     const stops: (() => void)[] = [];
     const start = async () => {
-      const { default: maplibre } = await import("maplibre-gl");
+      const [{ default: maplibre }, described] = await Promise.all([import("maplibre-gl"), describedBaseMap()]);
+      if (described) {
+        try {
+          baseMap.value = await loadBaseMap(described, maplibre.addProtocol);
+        } catch (error) {
+          notices.notify(`The base map cannot be shown: ${messageOf(error)}`, "error");
+        }
+      }
       if (isGone || !container.current) return;
       const shown = new maplibre.Map({
         container: container.current,
-        style: makeStyle(tileAddress()),
+        style: makeStyle(tileAddress(), baseMap.value),
         attributionControl: false,
         center: [10, 30],
         zoom: 0.5,
@@ -172,7 +193,14 @@ function connect(map: MapLibre): (() => void)[] {
   let shownTiles = tileAddress();
   let tileTimer: ReturnType<typeof setTimeout> | undefined;
 
-  map.on("error", ({ error }: { error: Error & { status?: number } }) => {
+  let isBaseMissed = false;
+  map.on("error", ({ error, sourceId }: { error: Error & { status?: number }; sourceId?: string }) => {
+    if (sourceId === "base") {
+      // A server has no tile where it knows nothing; any other failure is said once.
+      if (error.status !== 404 && !isBaseMissed) notices.notify(`The base map has gaps: ${messageOf(error)}`, "error");
+      isBaseMissed ||= error.status !== 404;
+      return;
+    }
     // A tile for which the session had ended is asked for again after the log-in (load.ts).
     if (error.status !== 401) console.error(error);
   });
@@ -281,7 +309,7 @@ function connect(map: MapLibre): (() => void)[] {
     effect(() => {
       // Other colours: another style with the same data.
       void state.colours.value;
-      const style = makeStyle("");
+      const style = makeStyle("", baseMap.peek());
       for (const layer of style.layers) {
         for (const [name, value] of Object.entries(layer.paint ?? {})) {
           if (layer.id !== "coverage") map.setPaintProperty(layer.id, name, value);
@@ -343,6 +371,7 @@ export function MapPane() {
           Area
         </button>
       </div>
+      {baseMap.value && baseMap.value.attribution !== "" && <div class="attribution">{baseMap.value.attribution}</div>}
       {hover.value && (
         <div class="tip" style={{ left: `${hover.value.x}px`, top: `${hover.value.y}px` }}>
           {hover.value.text}

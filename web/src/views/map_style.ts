@@ -4,6 +4,7 @@ import type { ExpressionSpecification, Map as MapLibre, StyleSpecification } fro
 
 import type { Position } from "../logic/geo";
 import * as state from "../state";
+import { type BaseMap, baseLayers } from "./base_map";
 
 export const EMPTY: FeatureCollection = { type: "FeatureCollection", features: [] };
 export const collection = (features: Feature[]): FeatureCollection => ({ type: "FeatureCollection", features });
@@ -23,8 +24,11 @@ function byModel(value: (name: string) => string, otherwise: string): Expression
   return ["match", ["get", "model"], ...cases, otherwise] as unknown as ExpressionSpecification;
 }
 
-/** @param tiles  the address of the objects' tiles */
-export function makeStyle(tiles: string): StyleSpecification {
+/**
+ * @param tiles  the address of the objects' tiles
+ * @param base  below all that the page draws; null: its own land alone
+ */
+export function makeStyle(tiles: string, base: BaseMap | null): StyleSpecification {
   const colour = byModel(state.colourOf, "#e69f00");
   const opacity: ExpressionSpecification = ["case", ["to-boolean", ["get", "matches"]], 1, 0.25];
   const isRejected: ExpressionSpecification = ["==", ["coalesce", ["feature-state", "verdict"], ["get", "verdict"]], "rejected"];
@@ -32,6 +36,7 @@ export function makeStyle(tiles: string): StyleSpecification {
   return {
     version: 8,
     sources: {
+      ...(base && { base: base.source, "base-area": base.area ? { type: "geojson" as const, data: feature(polygon(base.area)) } : geojson() }),
       land: geojson(),
       grid: geojson(),
       coverage: geojson(),
@@ -48,6 +53,7 @@ export function makeStyle(tiles: string): StyleSpecification {
       { id: "water", type: "background", paint: { "background-color": token("--water") } },
       { id: "land", type: "fill", source: "land", paint: { "fill-color": token("--land") } },
       { id: "borders", type: "line", source: "land", paint: { "line-color": token("--border-line"), "line-width": 0.7 } },
+      ...(base ? baseLayers(base, token, state.colours.value === "dark") : []),
       { id: "grid", type: "line", source: "grid", paint: { "line-color": token("--grid"), "line-width": 1 } },
       {
         id: "coverage",
