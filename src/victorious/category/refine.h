@@ -23,8 +23,8 @@ struct CategoryFeedback {
 /// has no weights, and for models with shapes, whose weights belong to training examples: these need retraining.
 [[nodiscard]] Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryFeedback> marks);
 
-/// The number of marks that agree with a model: right with a probability of one half or more, wrong with less. A mark of
-/// a category that the model does not have agrees if it is wrong.
+/// The number of marks that agree with a model: right with a probability of one half or more, wrong with less. A mark
+/// of a category that the model does not have agrees if it is wrong.
 [[nodiscard]] std::size_t CountAgreeing(const CategoryModel& model, std::span<const CategoryFeedback> marks);
 
 }  // namespace victorious

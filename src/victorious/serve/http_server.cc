@@ -24,6 +24,7 @@
 #include "victorious/serve/api_error.h"
 #include "victorious/serve/connection_count.h"
 #include "victorious/serve/open_file.h"
+#include "victorious/serve/request_guard.h"
 #include "victorious/serve/tls_certificate.h"
 
 namespace victorious {
@@ -47,14 +48,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecurity
     {"Referrer-Policy", "no-referrer"},
     {"Cross-Origin-Resource-Policy", "same-origin"},
 }};
-
-// @param tile_origin  where map tiles may come from, too
-std::string ContentSecurityPolicy(const std::string& tile_origin) {
-  const std::string tiles = tile_origin.empty() ? "" : " " + tile_origin;
-  return "default-src 'self'; connect-src 'self'" + tiles + "; img-src 'self' data: blob:" + tiles +
-         "; media-src 'self' blob:; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; "
-         "base-uri 'none'; frame-ancestors 'none'";
-}
 
 boost::beast::string_view ToBeast(std::string_view text) { return {text.data(), text.size()}; }
 

@@ -40,8 +40,8 @@ struct JobFolders {
 ///   model  {"name": text, "files": [path, …], "length_m": number or null, "box": [x, y, w, h] or null}
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
 
-/// Whether a job of this kind makes a file that is kept for all users who ask for the same. Its input names that file by
-/// the text of the kind.
+/// Whether a job of this kind makes a file that is kept for all users who ask for the same. Its input names that file
+/// by the text of the kind.
 [[nodiscard]] constexpr bool MakesFile(JobKind kind) {
   return kind == JobKind::kCopy || kind == JobKind::kClip || kind == JobKind::kTrack;
 }

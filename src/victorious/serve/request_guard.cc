@@ -50,4 +50,11 @@ std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, bool is_of
   return std::nullopt;
 }
 
+std::string ContentSecurityPolicy(const std::string& tile_origin) {
+  const std::string tiles = tile_origin.empty() ? "" : " " + tile_origin;
+  return "default-src 'self'; connect-src 'self'" + tiles + "; img-src 'self' data: blob:" + tiles +
+         "; media-src 'self' blob:; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; "
+         "base-uri 'none'; frame-ancestors 'none'";
+}
+
 }  // namespace victorious

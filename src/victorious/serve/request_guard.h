@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "victorious/serve/http_message.h"
 
@@ -22,5 +23,9 @@ struct ServerIdentity {
 /// @param is_of_api  the decoded target is one of the API, or cannot be decoded
 [[nodiscard]] std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, bool is_of_api,
                                                         const ServerIdentity& server, int port);
+
+/// The value of the header Content-Security-Policy: a page fetches from its own server only.
+/// @param tile_origin  where map tiles may come from, too, as in https://tile.example.org; empty: nowhere
+[[nodiscard]] std::string ContentSecurityPolicy(const std::string& tile_origin);
 
 }  // namespace victorious

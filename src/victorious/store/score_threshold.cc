@@ -33,14 +33,14 @@ std::optional<ScoreThreshold> LearnThreshold(std::span<const DecidedScore> decis
     ++(one.is_accepted ? group.accepted : group.rejected);
   }
   std::optional<ScoreThreshold> best;
-  std::int64_t least_change = 0;  // of the cost, to that without a threshold
+  std::int64_t min_change = 0;  // of the cost, to that without a threshold
   ScoreThreshold below;
   for (auto at = groups.begin(); at != groups.end(); ++at) {
     below.accepted_below += at->second.accepted;
     below.rejected_below += at->second.rejected;
     const std::int64_t change = kMissCost * below.accepted_below - below.rejected_below;
-    if (change >= least_change || below.rejected_below < kMinRejectedBelow || at->first >= kParts) continue;
-    least_change = change;
+    if (change >= min_change || below.rejected_below < kMinRejectedBelow || at->first >= kParts) continue;
+    min_change = change;
     const auto next = std::next(at);
     const std::int64_t above = next == groups.end() ? kParts : next->first;
     below.min_score = static_cast<double>(RoundestBetween(at->first, above)) / kParts;

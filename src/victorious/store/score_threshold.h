@@ -2,8 +2,8 @@
 //
 // Of all thresholds t, the one with the least cost of the decisions is taken:
 //   cost(t) = |rejected with score >= t| + kMissCost |accepted with score < t|
-// and of equal ones the lowest: recall comes first. A score is a probability that the same formula gives for all models;
-// where that formula misjudges a model, the decisions say so.
+// and of equal ones the lowest: recall comes first. A score is a probability that the same formula gives for all
+// models; where that formula misjudges a model, the decisions say so.
 #pragma once
 
 #include <cstdint>
