@@ -1,5 +1,6 @@
-// draw_flight DIR FRAMES: renders the input of the end-to-end tests. Writes a small flight to DIR/flight.mkv and
-// DIR/flight.mp4, the truth of all its objects to DIR/truth.jsonl, and each object's photo to DIR/NAME.png.
+// draw_flight DIR FRAMES: renders the input of the end-to-end tests. Writes a small flight to DIR/flight.mkv,
+// DIR/flight.mp4 and, as a camera would send it, DIR/flight.ts, the truth of all its objects to DIR/truth.jsonl, and
+// each object's photo to DIR/NAME.png.
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "testing/synthetic_flight.h"
+#include "testing/video_tools.h"
 #include "victorious/base/error.h"
 #include "victorious/base/file.h"
 #include "victorious/video/video_writer.h"
@@ -75,10 +77,18 @@ Status WriteVideos(const SyntheticFlight& flight, const fs::path& folder) {
         VideoWriter::Create(folder / name, {.width = options.width, .height = options.height, .fps = options.fps}));
     writers.push_back(std::move(writer));
   }
+  std::vector<cv::Mat> images;
   for (int index = 0; index < options.frames; ++index) {
-    const cv::Mat image = flight.Render(index).image;
-    for (const auto& writer : writers) VICTORIOUS_RETURN_IF_ERROR(writer->Write(image));
+    images.push_back(flight.Render(index).image);
+    for (const auto& writer : writers) VICTORIOUS_RETURN_IF_ERROR(writer->Write(images.back()));
   }
+  victorious::testing::WriteTestVideo(folder / "flight.ts", {.muxer = "mpegts",
+                                                             .size = images.front().size(),
+                                                             .time_base_hz = static_cast<int>(options.fps),
+                                                             .pts = victorious::testing::SteadyTimes(options.frames, 1),
+                                                             .images = images,
+                                                             .max_b_frames = 0,
+                                                             .key_frame_interval = 10});
   for (const auto& writer : writers) VICTORIOUS_RETURN_IF_ERROR(writer->Finish());
   return {};
 }

@@ -8,13 +8,14 @@ import { fileURLToPath } from "node:url";
 const require = createRequire(fileURLToPath(new URL("../../web/package.json", import.meta.url)));
 const { chromium } = require("playwright-core");
 
+const AXE = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 const BROWSER = "/usr/bin/chromium";
 const FLAGS = [
   "--no-sandbox", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync",
 ];
 // Drawn in software, a map costs more than all that the other scenarios check: without WebGL the page says so, and works.
-const WITH_MAP = ["triage", "many", "tiles"];
+const WITH_MAP = ["triage", "many", "tiles", "accessible"];
 const ORANGE = [230, 159, 0]; // of the first model (state.ts)
 const SELECTED = "[role=option][aria-selected=true]";
 
@@ -35,6 +36,20 @@ async function waitForFrame(page, frame) {
   await page.waitForFunction(
     (wanted) => document.querySelector(".stage canvas")?.dataset.frame === String(wanted), frame, { timeout: 30_000 },
   );
+}
+
+/** axe finds nothing in what is shown now, in the dark nor in the light. */
+async function checkAccessible(page, what) {
+  if (!(await page.evaluate(() => "axe" in window))) await page.evaluate(AXE);
+  for (const theme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme: theme });
+    await page.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, theme);
+    // Colours change within a moment.
+    await page.evaluate(() => Promise.all(document.getAnimations().map((one) => one.finished.catch(() => undefined))));
+    const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+    const told = violations.map(({ id, help, nodes }) => `${id}: ${help}\n${nodes.map((one) => `    ${one.html.slice(0, 160)} ${one.failureSummary.replace(/\s+/g, " ").slice(0, 240)}`).join("\n")}`);
+    assert.deepEqual(told, [], `${what}, ${theme}: ${told.length} faults:\n${told.join("\n")}`);
+  }
 }
 
 async function open(page, path) {
@@ -473,6 +488,7 @@ async function boxInFrame(page, sighting) {
 async function jobs(page, [photos, video]) {
   await page.goto("/");
   await page.waitForSelector(".empty");
+  await checkAccessible(page, "an empty index");
   const second = await page.context().newPage();
   await second.goto(page.url());
   await second.waitForSelector(".empty");
@@ -507,7 +523,8 @@ async function jobs(page, [photos, video]) {
     await tab.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, found);
   }
 
-  // A clip of an object, as a download.
+  // A clip of an object, as a download. The panel lies above what is below it, and opens again.
+  await page.getByRole("button", { name: "Close" }).click();
   await page.getByRole("button", { name: "make a clip" }).click();
   const save = page.getByRole("link", { name: "Save the clip" });
   await save.waitFor();
@@ -636,6 +653,7 @@ async function thresholds(page) {
     await tab.waitForFunction(() => document.querySelector(".list h2")?.textContent === "22 of 24 objects");
     await tab.waitForSelector(".learnt-row:has-text('only ≥ 0.3: greys out 2 objects')");
   }
+  await checkAccessible(page, "a threshold in force");
   await page.getByRole("button", { name: "matches only" }).click();
   await page.waitForFunction(() => document.querySelector("[role=option]")?.getAttribute("aria-setsize") === "22");
   const [table] = await Promise.all([page.waitForEvent("download"), page.selectOption(".list .save", "csv")]);
@@ -648,6 +666,70 @@ async function thresholds(page) {
   await page.getByRole("button", { name: "Show all of common" }).click();
   for (const tab of [page, second]) await tab.waitForFunction(() => document.querySelector(".list h2")?.textContent === "24 objects");
   await page.getByRole("button", { name: "Only ≥ 0.3" }).waitFor();
+}
+
+/** The main states, looked at by axe in both themes. */
+async function accessible(page) {
+  await open(page, "/");
+  await page.waitForSelector(".map .canvas[data-ready=true]");
+  await page.waitForSelector(".crop .turn");
+  const { objects } = await api(page, "/objects");
+  await checkAccessible(page, "the page");
+  const blur = () => page.evaluate(() => document.activeElement?.blur());
+
+  // Filters, marks, decisions, a note, an area that is being drawn.
+  await page.keyboard.press("m");
+  await page.fill("#search", objects[0].model);
+  await blur();
+  await page.keyboard.press("a");
+  await page.waitForSelector(`#object-${objects[0].id} .verdict.accepted:not(.pending)`);
+  await page.click(`#object-${objects[0].id}`);
+  await page.keyboard.press("m");
+  await page.keyboard.press("d");
+  await page.waitForSelector(".map form.area");
+  await checkAccessible(page, "filtered, marked, an area drawn");
+  await page.keyboard.press("Escape");
+  await page.getByRole("button", { name: "Clear filters" }).click();
+
+  // The dialogs.
+  for (const [key, dialog] of [["?", "dialog.help[open]"], ["w", "dialog.why[open] .evidence svg"], ["t", "dialog.turning[open] .turntable canvas[data-view]"]]) {
+    await blur();
+    await page.keyboard.press(key);
+    await page.waitForSelector(dialog);
+    await checkAccessible(page, dialog);
+    await page.keyboard.press("Escape");
+  }
+
+  // Jobs and the dialog of a new model.
+  await page.getByRole("button", { name: "Add" }).click();
+  await page.setInputFiles("input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });
+  await page.waitForSelector(".job.failed");
+  await checkAccessible(page, "the list of jobs, with an error");
+  await page.setInputFiles("input[type=file]", { name: "a.png", mimeType: "image/png", buffer: Buffer.from("no image") });
+  await page.waitForSelector("dialog.model[open]");
+  await checkAccessible(page, "the dialog of a new model");
+  await page.keyboard.press("Escape");
+}
+
+/** A live source by its address: its finds are on the page while it sends; stopped, they stay. */
+async function live(page, [source]) {
+  await page.goto("/");
+  await page.waitForSelector(".empty");
+  await page.getByRole("button", { name: "Add" }).click();
+  await page.fill("#live-url", source);
+  await page.getByRole("button", { name: "Start" }).click();
+  const job = (state) => `.job.${state}:has(strong:text-is("${source}"))`;
+  await page.waitForSelector(job("running"));
+  await page.waitForSelector("[role=option]", { timeout: 120_000 });
+  assert.equal(await page.locator(job("running")).count(), 1, "finds come while the source sends");
+  // What is shown of it: its frames are not kept.
+  await page.waitForSelector(".stage [role=alert]:has-text('its frames are not kept')");
+  await page.locator(job("running")).getByRole("button", { name: "Stop" }).click();
+  await page.waitForSelector(job("done"), { timeout: 60_000 });
+  const { objects } = await api(page, "/objects");
+  assert.ok(objects.length > 0, "what it found stays");
+  const { videos } = await api(page, "/videos");
+  assert.deepEqual(videos.map((one) => one.name), [source]);
 }
 
 /** A base map lies below what was found, with its attribution. */
@@ -667,7 +749,7 @@ async function tiles(page, [described]) {
   // Other colours of the page: the map stays.
   await page.emulateMedia({ colorScheme: "dark" });
   await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");
-  assert.equal(await page.locator(".notice.error").count(), 0);
+  assert.equal(await page.locator(".notice.error:has-text('base map')").count(), 0);
 }
 
 /** A model turns by drag, keys and its disc; the views that matched are shown, and lead to their sightings. */
@@ -705,7 +787,7 @@ async function turning(page) {
   assert.ok(views[lowest].off_nadir_deg > 59, `view ${lowest}`);
 
   // A drag passes views one after the other, without waiting for the server: all have come.
-  await page.waitForLoadState("networkidle");
+  await page.waitForFunction(() => new Set(performance.getEntriesByType("resource").map((one) => /views\/(\d+)$/.exec(one.name)?.[1]).filter(Boolean)).size >= 25);
   const box = await turntable.boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   await page.mouse.move(x, y);
@@ -760,6 +842,7 @@ async function accounts(page, [password]) {
   await page.goto("/");
   await page.waitForSelector("dialog.log-in[open]");
   assert.equal(await page.locator("[role=option]").count(), 0, "nothing is shown before");
+  await checkAccessible(page, "the log-in");
   assert.equal(await page.evaluate(() => document.activeElement.id), "log-in-name");
   await page.keyboard.press("Escape");
   await logIn("ann", "not her password");
@@ -816,7 +899,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, copies, images, many, thresholds, tiles, turning, jobs, accounts }[scenario](page, inputs);
+  await { triage, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, accounts }[scenario](page, inputs);
   if (!hasMap) assert.match(await page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

@@ -81,7 +81,7 @@ def folder_until_exit() -> Path:
 
 @functools.cache
 def flight(frames: int = FRAMES) -> Path:
-    """A folder with flight.mkv, flight.mp4, truth.jsonl and photos (draw_flight.cc). Read-only."""
+    """A folder with flight.mkv, flight.mp4, flight.ts, truth.jsonl and photos (draw_flight.cc). Read-only."""
     return INPUTS / "flight" if INPUTS and frames == FRAMES else make_flight(folder_until_exit(), frames)
 
 

@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import program
+import streams
 import tiles
 
 SCRIPT = Path(__file__).with_name("page.mjs")
@@ -94,6 +95,24 @@ class PageTest(program.ProgramTest):
                     (number, number, number / 10, score),
                 )
         return db
+
+    def test_accessible(self):
+        """axe finds nothing in the main states."""
+        video = self.scratch / "flight.mp4"
+        shutil.copy(program.flight() / "flight.mp4", video)
+        db = self.index(video)
+        self.place_objects(db, video)
+        models = self.scratch / "models"
+        shutil.copytree(program.models(), models)
+        self.drive("accessible", db, "--models", models)
+
+    def test_live_sources(self):
+        """A transport stream by UDP and by RTSP, sent as it would be filmed."""
+        for kind in (streams.Udp, streams.Rtsp):
+            with self.subTest(kind.__name__), kind(program.flight() / "flight.ts", seconds=40) as source:
+                db = self.scratch / f"{kind.__name__}.db"
+                db.touch()
+                self.drive("live", db, "--models", program.models(), inputs=(source,))
 
     def test_many_objects(self):
         """3000 drawn rows: ten are of the model "rare"."""

@@ -145,10 +145,12 @@ export function App() {
       {isOpen && (
         <div class="page">
           <Header />
-          <ObjectList />
-          <VideoPane />
-          <MapPane />
-          <Inspector />
+          <main>
+            <ObjectList />
+            <VideoPane />
+            <MapPane />
+            <Inspector />
+          </main>
         </div>
       )}
       <JobsPanel />

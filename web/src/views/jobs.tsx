@@ -75,11 +75,15 @@ function Row({ job }: { job: Job }) {
           ))}
         </div>
       )}
-      {job.kind === "model" && job.state === "done" && <TurnModel name={job.title} />}
-      {job.kind === "model" && job.state === "done" && state.videos.value.length > 0 && (
-        <button class="button" onClick={() => void jobs.searchAll()}>
-          Search all videos for it
-        </button>
+      {job.kind === "model" && job.state === "done" && (
+        <div class="job-files">
+          {state.videos.value.length > 0 && (
+            <button class="button" onClick={() => void jobs.searchAll()}>
+              Search all videos for it
+            </button>
+          )}
+          <TurnModel name={job.title} />
+        </div>
       )}
     </li>
   );

@@ -168,7 +168,9 @@ function useMap() {
       });
     };
     start().catch((error: unknown) => {
-      failure.value = `The map needs WebGL, which this browser does not offer (${messageOf(error)}).`;
+      // MapLibre says it as JSON.
+      const why = /"statusMessage":"([^"]+)"/.exec(messageOf(error))?.[1];
+      failure.value = `The map needs WebGL, which this browser does not offer${why ? `: ${why}` : ""}.`;
     });
     return () => {
       isGone = true;
@@ -359,7 +361,7 @@ export function MapPane() {
   );
   const path = state.cameraPath.value;
   return (
-    <section class="map" aria-label="Map">
+    <section class="map" aria-label="Where the objects are">
       <div class="canvas" ref={container} data-ready={isReady.value} />
       <div class="tools">
         {toggle("Frame", "Lay the frame on the ground that it shows", isDraped)}

@@ -31,6 +31,11 @@ class ViewImages {
     return this.whole.get(view) ?? this.small.get(view) ?? null;
   }
 
+  /** The small image, which has the colours that a whole rendering lacks. */
+  coloured(view: number): HTMLImageElement | null {
+    return this.small.get(view) ?? null;
+  }
+
   close() {
     this.isClosed = true;
   }
@@ -83,7 +88,15 @@ function draw(canvas: HTMLCanvasElement, images: ViewImages) {
   const [width, height] = [image.naturalWidth * scale, image.naturalHeight * scale];
   context.imageSmoothingQuality = "high";
   context.clearRect(0, 0, canvas.width, canvas.height);
-  context.drawImage(image, (canvas.width - width) / 2, (canvas.height - height) / 2, width, height);
+  const [left, top] = [(canvas.width - width) / 2, (canvas.height - height) / 2];
+  context.drawImage(image, left, top, width, height);
+  const coloured = images.coloured(view.index);
+  if (coloured && coloured !== image) {
+    // Brightness of the one, hue of the other.
+    context.globalCompositeOperation = "color";
+    context.drawImage(coloured, left, top, width, height);
+    context.globalCompositeOperation = "source-over";
+  }
   canvas.dataset["view"] = String(view.index);
 }
 
@@ -194,7 +207,7 @@ function Match({ model, view, sighting, isOwn }: { model: number; view: number; 
     <li>
       <button
         class={`match-view ${isPresent ? "present" : ""}`}
-        aria-label={`Go to object ${sighting.object_id} at ${formatTime(sighting.time_s)}, ${sighting.matches} matches with view ${view}`}
+        title="Go to the sighting"
         onClick={() => turntable.goTo(sighting)}
         onFocus={() => turntable.lookFrom(view)}
         onPointerEnter={() => turntable.lookFrom(view)}
