@@ -127,6 +127,7 @@ Json ObjectToJson(const TriageObject& listed, const IndexLists& lists) {
           {"model_id", object.model},
           {"model", model == nullptr ? "" : model->name},
           {"score", ScoreJson(object.score)},
+          {"against", object.against},
           {"frames", object.frames},
           {"first_time_s", TimeJson(object.first_time_s)},
           {"last_time_s", TimeJson(object.last_time_s)},

@@ -30,6 +30,7 @@ const found = (id: number, change: Partial<FoundObject> = {}): FoundObject => ({
   model_id: 1,
   model: "jeep",
   score: 0.9,
+  against: [],
   frames: 3,
   first_time_s: 0,
   last_time_s: 1,

@@ -134,6 +134,12 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
             {formatSpan(object.first_time_s, object.last_time_s)}, {plural(object.frames, "frame")}
           </dd>
         </div>
+        {object.against.length > 0 && (
+          <div class="wide">
+            <dt>Speaks against it</dt>
+            <dd>{object.against.join("; ")}</dd>
+          </div>
+        )}
         <div class="wide">
           <dt>Position (WGS 84)</dt>
           <Position object={object} />
