@@ -160,7 +160,7 @@ class RunsTest(program.ProgramTest):
 
     def test_json(self):
         (row,) = self.index(VIDEO, "--json").rows()
-        self.assertEqual((row["video"], row["frames_searched"]), (str(VIDEO), program.FRAMES))
+        self.assertEqual((row["video"], row["frames_searched"]), (str(VIDEO), program.SEARCHED_FRAMES))
         self.assertEqual(row["sightings"], len(self.rows()))
         (added,) = self.succeeds("model", "add", "crate", FLIGHT / "crate.png", "--models", self.scratch / "m",
                                  "--json").rows()  # fmt: skip

@@ -171,9 +171,10 @@ class ServeTest(program.ProgramTest):
             self.assertEqual([one["name"] for one in evidence["stages"]][-1], "inliers")
             counts = [one["matches"] for one in evidence["stages"]]
             self.assertEqual(counts, sorted(counts, reverse=True))
-            self.assertEqual(counts[-1], evidence["sighting"]["matches"])
+            # Exactly, if its whole frame was searched; a region is not exactly the one that was searched.
+            self.assertAlmostEqual(counts[-1], evidence["sighting"]["matches"], delta=0.1 * counts[-1])
             self.assertEqual(len(evidence["matches"]), counts[0])
-            self.assertAlmostEqual(evidence["pose"]["score"], evidence["sighting"]["score"], places=3)
+            self.assertAlmostEqual(evidence["pose"]["score"], evidence["sighting"]["score"], delta=0.05)
             view = f"/api/v1/models/{found['model_id']}/views/{evidence['view']['index']}"
             self.assertEqual(self.ask(server, f"{view}?size=full")[0], 200)
             self.described(self.ask(server, f"{view}?size=huge")[2], "Error")

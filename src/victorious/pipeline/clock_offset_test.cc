@@ -75,7 +75,7 @@ TEST(Contradiction, IsSaidInNumbers) {
   EXPECT_TRUE(line->contains("60 px/s right, 3 up and 1 px/s anticlockwise")) << *line;
 }
 
-TEST(CameraStatesTest, ForgottenTelemetryGivesNoState) {
+TEST(ForgottenTelemetry, GivesNoState) {
   const testing::ScratchFolder folder;
   const std::string path = (folder.path() / "telemetry.csv").string();
   ASSERT_TRUE(WriteFileAtomically(

@@ -1,5 +1,7 @@
 #include "victorious/pipeline/sighting_evidence.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,9 +12,11 @@
 #include "victorious/base/json.h"
 #include "victorious/calibrate/sun_direction.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/model_engine.h"
+#include "victorious/pipeline/region_features.h"
 
 namespace victorious {
 namespace {
@@ -32,6 +36,25 @@ Expected<IndexOptions> ParseSearchOptions(const std::string& options_json) {
               "evidence");
 }
 
+// True if a search with these options searches the whole of the frame.
+bool IsWholeFrame(std::int64_t frame, const IndexOptions& options) {
+  return !options.follow.enabled || frame % std::max(1, options.every) == 0 ||
+         frame % options.follow.restart_interval_frames == 0;
+}
+
+// The features that the sighting was searched for in: of the whole frame, or of the region around it.
+Expected<FeatureSet> SearchedFeatures(const SightingRecord& sighting, const cv::Mat& grey,
+                                      const IndexOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
+  if (IsWholeFrame(sighting.frame, options)) return extractor->Extract(grey);
+  const double margin = (options.follow.track.dilation_factor - 1) / 2;  // of the box, on each side
+  const Box& box = sighting.box;
+  const Box region{box.x - margin * box.width, box.y - margin * box.height, (1 + 2 * margin) * box.width,
+                   (1 + 2 * margin) * box.height};
+  const double impulse_fraction = options.features.impulse_fraction;
+  return FeaturesIn(impulse_fraction < 1 ? RemoveImpulses(grey, impulse_fraction) : grey, region, *extractor);
+}
+
 }  // namespace
 
 Expected<TelemetryOptions> TelemetryOptionsOf(const std::string& options_json) {
@@ -43,8 +66,7 @@ Expected<MatchEvidence> ExplainSighting(const SightingRecord& sighting, const st
                                         const ObjectModel& model, const cv::Mat& grey, const CameraStates& cameras) {
   VICTORIOUS_ASSIGN_OR_RETURN(IndexOptions options, ParseSearchOptions(options_json));
   VICTORIOUS_RETURN_IF_ERROR(AdoptEngineOfModels({&model, 1}, options.features, {}));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
-  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor->Extract(grey));
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, SearchedFeatures(sighting, grey, options));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto relit_templates, MakeRelitViews(model));
   std::optional<Sun> sun;
   if (options.sun_direction.sun != SunSearch::kOff && cameras.trajectory() != nullptr) {

@@ -46,6 +46,31 @@ TEST(ExplainSighting, FindsTheStoredPoseAgain) {
   }
 }
 
+// Between full-frame searches a sighting was recognised in its region, in which it is found again.
+TEST(ExplainSighting, FindsWhatWasRecognisedInARegion) {
+  const DrawnFlight flight(ShortFlight());
+  const ObjectModel model = flight.Model(0);
+  const std::unique_ptr<IndexStore> store = flight.Store("index.db");
+  IndexOptions options;
+  options.every = 4;
+  const IndexJob job{.video = flight.video(), .threads = 2, .from_s = 0.0};
+  ASSERT_TRUE(Indexer::Create({model}, options).value().Index(job, CancelToken(), *store));
+  const std::vector<SightingRecord> sightings = store->Sightings({.include_rejected = true}).value();
+  int in_regions = 0;
+  for (const SightingRecord& sighting : sightings) {
+    if (sighting.source != SightingSource::kRecognised || sighting.frame % options.every == 0) continue;
+    ++in_regions;
+    const SearchRecord search = store->FindSearch(sighting.video, sighting.model).value().value();
+    const auto evidence =
+        ExplainSighting(sighting, search.options_json, model, FrameAt(flight.video(), sighting.frame), {});
+    ASSERT_TRUE(evidence) << evidence.error().message;
+    ASSERT_TRUE(evidence->detection.has_value()) << sighting.frame;
+    EXPECT_NEAR(static_cast<double>(evidence->stages.back().matches), sighting.matches, 0.2 * sighting.matches);
+    EXPECT_GT(IntersectionOverUnion(evidence->detection->box, sighting.box), 0.9);
+  }
+  EXPECT_GE(in_regions, 3);
+}
+
 TEST(ExplainSighting, RefusesOptionsOfAnotherVersion) {
   for (const char* const options : {"", "[]", R"({"no_such_option": 1})"}) {
     const auto evidence = ExplainSighting({}, options, {}, {}, {});
