@@ -152,11 +152,23 @@ async function checkArea(page, objects, only, marker) {
   await page.getByText("Clear filters").click();
 }
 
+/** From a sighting of the selected object to the next one that was recognised: a tracked one need not match. */
+async function toRecognised(page, object) {
+  const { sightings } = await api(page, `/objects/${object.id}/sightings`);
+  const frames = sightings.map((one) => one.frame);
+  await page.waitForFunction((wanted) => wanted.includes(Number(document.querySelector(".stage canvas").dataset.frame)), frames);
+  for (let i = frames.indexOf(await shownFrame(page)); sightings[i].source !== "recognised"; i++) {
+    await page.keyboard.press("]");
+    await waitForFrame(page, frames[i + 1]);
+  }
+}
+
 /** Why an object was found: its matches stage by stage, by keyboard; an error that is shown. */
 async function checkEvidence(page, object) {
   await page.click(`#object-${object.id}`);
   const { best } = await api(page, `/objects/${object.id}`);
   await page.evaluate(() => document.activeElement?.blur());
+  await toRecognised(page, object);
   await page.keyboard.press("w");
   await page.waitForSelector("dialog.why[open] .evidence svg");
   const frame = (await page.locator("#why-title small").innerText()).match(/frame ([\d,]+)/)[1].replaceAll(",", "");
@@ -698,6 +710,7 @@ async function accessible(page) {
     await page.waitForSelector(dialog);
     await checkAccessible(page, dialog);
     await page.keyboard.press("Escape");
+    await page.waitForFunction(() => document.querySelector("dialog[open]") === null);
   }
 
   // Jobs and the dialog of a new model.

@@ -108,8 +108,9 @@ class PageTest(program.ProgramTest):
 
     def test_live_sources(self):
         """A transport stream by UDP and by RTSP, sent as it would be filmed."""
+        flight = program.flight(100)
         for kind in (streams.Udp, streams.Rtsp):
-            with self.subTest(kind.__name__), kind(program.flight() / "flight.ts", seconds=40) as source:
+            with self.subTest(kind.__name__), kind(flight / "flight.ts", seconds=40) as source:
                 db = self.scratch / f"{kind.__name__}.db"
                 db.touch()
                 self.drive("live", db, "--models", program.models(), inputs=(source,))

@@ -115,6 +115,7 @@ TEST_F(IndexerSegmentsTest, ShortVideoIsIndexedAtOnce) {
 // Stopped in its middle, a pass goes on in segments; those are joined by a process that is killed, and by the next one.
 TEST_F(IndexerSegmentsTest, InterruptedPassAndJoinGoOn) {
   options_.keep.interval_s = 0;  // a commit every 32 frames
+  options_.every = 1;
   const auto store = flight_.Store("segments.db");
   const Indexer indexer = MakeIndexer(flight_.Models());
   int commits = 0;

@@ -1,9 +1,11 @@
 // Why a sighting was reported: makes the features of its frame again, as the search made them, and matches them with
 // its view (recognize/match_evidence.h). In: what the store keeps of a sighting, its frame and its model. Out: the
-// matches stage by stage. Between full-frame searches the features are those of the region around the sighting; the
-// search took the region that its track predicted, which differs by some pixels. The sun is that of the ephemeris; of telemetry without a clock only the attitude is used. A
-// correction of the telemetry's clock that the search made is not stored, and not made here: by seconds of it, the
-// attitude is that of another moment.
+// matches stage by stage.
+//
+// Between full-frame searches the features are those of the region around the sighting; the search took the region that
+// its track predicted, which differs by some pixels. The sun is that of the ephemeris; of telemetry without a clock
+// only the attitude is used. A correction of the telemetry's clock that the search made is not stored, and not made
+// here: by seconds of it, the attitude is that of another moment.
 #pragma once
 
 #include <string>

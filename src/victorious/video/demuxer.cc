@@ -153,6 +153,9 @@ Status Demuxer::OpenContainer() {
     options.Set("protocol_whitelist", "file");
     options.Set("format_whitelist", kFileFormats);
   }
+  // By default 5 s of the stream are analysed, which delays a live source, and is longer than the time limit for one
+  // that sends slowly.
+  if (source_.remote) options.Set("analyzeduration", "2000000");
   options.Set("rtsp_flags", "prefer_tcp");
   options.Set("overrun_nonfatal", "1");
   const std::string url = source_.remote ? source_.name : "file:" + source_.name;
@@ -162,6 +165,10 @@ Status Demuxer::OpenContainer() {
   StartTimer();
   result = avformat_find_stream_info(context_, nullptr);
   if (result < 0) return std::unexpected(OpenError(result));
+  if (IsTimedOut() && context_->pb != nullptr) {  // what came until then suffices; the source goes on
+    context_->pb->error = 0;
+    context_->pb->eof_reached = 0;
+  }
   return {};
 }
 

@@ -93,10 +93,10 @@ class Server {
   std::thread thread_;
 };
 
-std::string TransportStream(int frames) {
+std::string TransportStream(int frames, const char* encoder = "mpeg1video") {
   const testing::ScratchFolder folder;
   testing::WriteTestVideo(folder / "live.ts", {.muxer = "mpegts",
-                                               .encoder = "mpeg1video",
+                                               .encoder = encoder,
                                                .time_base_hz = 25,
                                                .pts = testing::SteadyTimes(frames, 1),
                                                .max_b_frames = 0});
@@ -163,15 +163,15 @@ TEST(LiveVideo, HttpSourceOfKnownLengthHasAStableId) {
   EXPECT_NE(live.first, live.second);
 }
 
-// Sends datagrams of seven packets each, slowly enough for the receiver.
-void SendDatagrams(const std::string& bytes, int port) {
+// Sends datagrams of seven packets each. @param pause  after each: long enough for the receiver
+void SendDatagrams(const std::string& bytes, int port, std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {
   constexpr std::size_t kDatagram = std::size_t{7} * 188;
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
   const sockaddr_in address = Loopback(port);
   for (std::size_t at = 0; at < bytes.size(); at += kDatagram) {
     ::sendto(socket, bytes.data() + at, std::min(kDatagram, bytes.size() - at), 0,
              reinterpret_cast<const sockaddr*>(&address), sizeof(address));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(pause);
   }
   ::close(socket);
 }
@@ -196,6 +196,27 @@ TEST(LiveVideo, ReadsUdp) {
   ASSERT_TRUE(reader) << reader.error().message;
   EXPECT_GT(count, 100);  // datagrams may be lost, many where the machine is busy
   EXPECT_THAT((*reader)->warnings(), Contains(HasSubstr("the source sent nothing for 1.5 s")));
+}
+
+// The analysis of the stream takes longer than the time limit of one read.
+TEST(LiveVideo, SourceThatSendsSlowlyIsRead) {
+  const int port = FreeUdpPort();
+  const std::string bytes = TransportStream(100, "libx264");
+  const auto pause = std::chrono::milliseconds(8000 * 7 * 188 / bytes.size());  // 8 s in all
+  std::thread sender([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    SendDatagrams(bytes, port, pause);
+  });
+  const auto reader = VideoReader::Open("udp://127.0.0.1:" + std::to_string(port), {.open_timeout_s = 1});
+  double last_s = -1;
+  while (reader) {
+    const auto frame = (*reader)->NextFrame();
+    if (!frame || !*frame) break;
+    last_s = (*frame)->time_s;
+  }
+  sender.join();
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_GT(last_s, 3) << "of the 4 s of the stream";
 }
 
 TEST(LiveVideo, SilentSourceEndsWithAWarning) {
