@@ -29,6 +29,15 @@ async function until(page, path, test) {
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
 }
+/** Waits until what is read is, or matches, what is wanted: the page draws after the event that changes it. */
+async function becomes(read, wanted, what) {
+  const fits = (value) => (wanted instanceof RegExp ? wanted.test(value ?? "") : value === wanted);
+  const end = Date.now() + 30_000;
+  for (let value = await read(); !fits(value); value = await read()) {
+    assert.ok(Date.now() < end, `${what ?? read}: ${value} instead of ${wanted}`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
 const shownFrame = (page) => page.evaluate(() => Number(document.querySelector(".stage canvas").dataset.frame ?? NaN));
 const selectedId = async (page) => Number((await page.locator(SELECTED).getAttribute("id")).replace("object-", ""));
 
@@ -126,17 +135,17 @@ async function checkArea(page, objects, only, marker) {
   const half = 1e-5;
   await page.keyboard.press("d");
   await page.fill("#area-corners", "52.5");
-  assert.equal(await page.locator("#area-corners").getAttribute("aria-invalid"), "true");
+  await becomes(() => page.locator("#area-corners").getAttribute("aria-invalid"), "true");
   await page.fill("#area-corners", `${latitude - half},${longitude - half} ${latitude + half},${longitude + half}`);
   await page.keyboard.press("Enter");
   await waitForCount(1);
-  assert.equal(await page.locator("[role=option].greyed").count(), objects.length - 1);
+  await becomes(() => page.locator("[role=option].greyed").count(), objects.length - 1);
   await page.waitForFunction(() => location.search.includes("area="));
   await open(page, page.url());
   await waitForCount(1);
   await page.getByRole("button", { name: "in the area" }).click();
   await page.waitForFunction(() => !location.search.includes("area="));
-  assert.equal(await countText(), `${objects.length} objects`);
+  await becomes(() => countText(), `${objects.length} objects`);
 
   await page.waitForSelector(".map .canvas[data-ready=true]");
   await page.click(`#object-${only.id}`);
@@ -178,8 +187,8 @@ async function checkEvidence(page, object) {
   const inliers = evidence.stages.at(-1).matches;
   assert.ok(inliers >= 5 && evidence.pose, "the pose is found again");
   // The last stage is shown at first: what survived. The arrow keys go through the others.
-  assert.equal(await page.locator(".evidence .match.inlier").count(), inliers);
-  assert.equal(await page.locator(".evidence .match:not(.inlier)").count(), 0);
+  await becomes(() => page.locator(".evidence .match.inlier").count(), inliers);
+  await becomes(() => page.locator(".evidence .match:not(.inlier)").count(), 0);
   await page.locator("dialog.why input[type=radio]:checked").focus();
   for (let i = 1; i < numbers.length; i++) await page.keyboard.press("ArrowLeft");
   await page.getByLabel("Whole frame").check();
@@ -206,21 +215,21 @@ async function triage(page) {
   const { objects } = await api(page, "/objects");
   assert.ok(objects.length >= 2, "the test needs two objects");
   await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, objects.length);
-  assert.equal(await selectedId(page), objects[0].id, "the best object is selected at first");
+  await becomes(() => selectedId(page), objects[0].id, "the best object is selected at first");
 
   // A click in the list seeks the video to the best sighting.
   const second = objects[1];
   await page.click(`#object-${second.id}`);
-  assert.equal(await selectedId(page), second.id);
+  await becomes(() => selectedId(page), second.id);
   const { best } = await api(page, `/objects/${second.id}`);
   await waitForFrame(page, best.frame);
-  assert.equal(await page.locator(".inspector h2").innerText(), second.model);
+  await becomes(() => page.locator(".inspector h2").innerText(), second.model);
   assert.ok(await page.locator(".crop img").first().evaluate((image) => image.complete || image.decode().then(() => true)));
 
   // The address bar holds the selection; a colleague who opens it sees the same.
   await page.waitForFunction((id) => location.search.includes(`object=${id}`), second.id);
   await open(page, page.url());
-  assert.equal(await selectedId(page), second.id);
+  await becomes(() => selectedId(page), second.id);
   await waitForFrame(page, best.frame);
 
   // The map shows an object's marker, by the colour of its model; a click on it selects the object.
@@ -234,7 +243,7 @@ async function triage(page) {
   assert.ok(marker, "the map has no marker of the object");
   await page.mouse.click(marker.x, marker.y);
   await page.waitForSelector(`#object-${only.id}[aria-selected=true]`);
-  assert.equal(await selectedId(page), only.id);
+  await becomes(() => selectedId(page), only.id);
   await checkArea(page, objects, only, marker);
 
   // Hovering over the camera's path or an object's track shows the time, a click goes there.
@@ -252,13 +261,13 @@ async function triage(page) {
   // One key decides and goes on; the server has it; U takes it back.
   await page.keyboard.press("a");
   await page.waitForSelector(`#object-${objects[0].id} .verdict.accepted:not(.pending)`);
-  assert.equal(await selectedId(page), second.id, "the next object is selected");
-  assert.equal((await api(page, `/objects/${objects[0].id}`)).review.verdict, "accepted");
+  await becomes(() => selectedId(page), second.id, "the next object is selected");
+  await becomes(async () => (await api(page, `/objects/${objects[0].id}`)).review?.verdict, "accepted");
   await page.keyboard.press("x");
   await page.waitForSelector(`#object-${second.id} .verdict.rejected:not(.pending)`);
   await page.keyboard.press("u");
   await page.waitForSelector(`#object-${second.id} .verdict`, { state: "detached" });
-  assert.equal((await api(page, `/objects/${second.id}`)).review, null);
+  await becomes(async () => (await api(page, `/objects/${second.id}`)).review, null);
 
   // A note by keyboard alone; the other keys are letters while it is typed.
   await page.keyboard.press("n");
@@ -272,28 +281,28 @@ async function triage(page) {
   await page.click(`#object-${second.id}`);
   await page.keyboard.press("a");
   await page.waitForSelector(`#object-${second.id} .verdict.accepted:not(.pending)`);
-  assert.equal((await api(page, `/objects/${second.id}`)).review.reviewer, "Ann");
-  assert.equal(await page.locator(`#object-${second.id} .verdict`).getAttribute("title"), "accepted by you");
+  await becomes(async () => (await api(page, `/objects/${second.id}`)).review?.reviewer, "Ann");
+  await becomes(() => page.locator(`#object-${second.id} .verdict`).getAttribute("title"), "accepted by you");
 
   // Some at once: marked by key and by Shift and click, decided by one key, taken back by one.
   const ids = objects.map((one) => one.id);
   await page.click(`#object-${ids[0]}`);
   await page.keyboard.press("m");
   await page.locator(`#object-${ids.at(-1)}`).click({ modifiers: ["Shift"] });
-  assert.equal(await page.locator(".row.marked").count(), objects.length);
+  await becomes(() => page.locator(".row.marked").count(), objects.length);
   await page.keyboard.press("x");
   await page.waitForFunction((count) => document.querySelectorAll(".row .verdict.rejected:not(.pending)").length === count, objects.length);
-  assert.equal((await api(page, "/objects/counts")).rejected, objects.length);
+  await becomes(async () => (await api(page, "/objects/counts")).rejected, objects.length);
   await page.keyboard.press("u");
   await page.waitForFunction(() => document.querySelectorAll(".row .verdict.rejected").length === 0);
   await until(page, "/objects/counts", ({ rejected }) => rejected === 0);
-  assert.equal((await api(page, `/objects/${second.id}`)).review.verdict, "accepted");
+  await becomes(async () => (await api(page, `/objects/${second.id}`)).review?.verdict, "accepted");
 
   await checkPersons(page, objects);
 
   // Coordinates as MGRS.
   await page.getByLabel("Coordinates as").selectOption("mgrs");
-  assert.match(await page.locator(".facts-grid .wide dd").innerText(), /^33U UU \d{5} \d{5}/);
+  await becomes(() => page.locator(".facts-grid .wide dd").innerText(), /^33U UU \d{5} \d{5}/);
 
   // The next sighting is the next frame that the object was found in.
   await page.click(`#object-${objects[0].id}`);
@@ -311,9 +320,9 @@ async function triage(page) {
   await page.keyboard.press("/");
   await page.keyboard.type(second.model);
   await page.keyboard.press("Escape");
-  const greyed = await page.locator("[role=option].greyed").count();
-  assert.equal(greyed, objects.filter((one) => one.model !== second.model).length);
-  assert.equal(await page.locator("[role=option]").count(), objects.length, "nothing is hidden");
+  const greyed = objects.filter((one) => one.model !== second.model).length;
+  await becomes(() => page.locator("[role=option].greyed").count(), greyed);
+  await becomes(() => page.locator("[role=option]").count(), objects.length, "nothing is hidden");
   await page.waitForFunction((text) => document.querySelector(".list h2")?.textContent?.startsWith(text), `${objects.length - greyed} of`);
   // Shown alone, then all again.
   await page.getByText("matches only").click();
@@ -427,7 +436,7 @@ async function copies(page) {
 
 /** Whatever is shown, by seeking, stepping and playing, the overlay belongs to it. The frames show their numbers. */
 async function checkFrames(page) {
-  assert.match(await page.locator(".list").innerText(), /Nothing found/);
+  await becomes(() => page.locator(".list").innerText(), /Nothing found/);
   const { times_s: times } = await api(page, "/videos/1/times");
   assert.equal(times.length, 90);
   const ruler = await page.locator(".timeline .ruler .track").boundingBox();
@@ -470,7 +479,7 @@ async function checkFrames(page) {
 /** A format that the browser cannot play is shown as images. */
 async function images(page) {
   await open(page, "/?video=1&t=0");
-  assert.match(await page.locator(".stage").innerText(), /frame by frame/);
+  await becomes(() => page.locator(".stage").innerText(), /frame by frame/);
   await page.keyboard.press(".");
   await waitForFrame(page, 1);
 }
@@ -510,7 +519,7 @@ async function jobs(page, [photos, video]) {
     await page.setInputFiles("input[type=file]", photo);
     await page.waitForSelector("dialog.model[open]");
     const name = photo.replace(/.*\/|\.png$/g, "");
-    assert.equal(await page.inputValue("#model-name"), name);
+    await becomes(() => page.inputValue("#model-name"), name);
     await page.getByRole("button", { name: "Make the model" }).click();
     await page.waitForSelector(`.job.done:has(strong:text-is("${name}"))`);
   }
@@ -557,12 +566,12 @@ async function jobs(page, [photos, video]) {
   await page.fill("#track-type", "truck");
   await page.getByRole("button", { name: "Follow it", exact: true }).click();
   await page.waitForSelector(".timeline .moment.followed");
-  assert.match(await page.locator(".timeline .moment.followed").first().getAttribute("title"), /^truck: .* frames$/);
+  await becomes(() => page.locator(".timeline .moment.followed").first().getAttribute("title"), /^truck: .* frames$/);
   const [track] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: "Save the track" }).click()]);
   assert.ok(readFileSync(await track.path(), "utf8").split("\n").some((line) => line.includes(`"frame":${best.frame},`)));
   await page.getByRole("button", { name: "Close" }).click();
   await boxInFrame(page, best);
-  assert.equal(await page.inputValue("#model-name"), "");
+  await becomes(() => page.inputValue("#model-name"), "");
   await page.fill("#model-name", "boxed");
   await page.getByRole("button", { name: "Make the model" }).click();
   await until(page, "/objects?model=boxed", ({ objects }) => objects.length > 0);
@@ -574,12 +583,12 @@ async function jobs(page, [photos, video]) {
   await page.fill("#live-url", "rtsp://ann:secret@127.0.0.1:1/camera");
   await page.keyboard.press("Enter");
   await page.waitForSelector(".job.failed:has(strong:text-is('rtsp://127.0.0.1:1/camera'))");
-  assert.equal(await page.locator("aside.jobs").getByText("secret").count(), 0, "passwords are shown to nobody");
+  await becomes(() => page.locator("aside.jobs").getByText("secret").count(), 0, "passwords are shown to nobody");
 
   // What cannot be read says why.
   await page.setInputFiles("input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });
   await page.waitForSelector(".job.failed:has(strong:text-is('broken.mp4'))");
-  assert.match(await page.locator(".job.failed .job-state").first().innerText(), /broken\.mp4/);
+  await becomes(() => page.locator(".job.failed .job-state").first().innerText(), /broken\.mp4/);
   await page.setInputFiles("input[type=file]", { name: "notes.txt", mimeType: "text/plain", buffer: Buffer.from("x") });
   await page.waitForSelector(".notice.error:has-text('notes.txt')");
 }
@@ -593,23 +602,23 @@ async function checkPersons(page, objects) {
   await page.fill("#reviewer", "Bob");
   await page.keyboard.press("Escape");
   await page.click(`#object-${second.id}`);
-  assert.equal(await mark(second).getAttribute("title"), "accepted by Ann");
-  assert.match(await mark(second).innerText(), /Ann$/);
+  await becomes(() => mark(second).getAttribute("title"), "accepted by Ann");
+  await becomes(() => mark(second).innerText(), /Ann$/);
   const accept = page.locator(".inspector .accept");
-  assert.equal(await accept.getAttribute("aria-pressed"), "false", "Bob has not decided");
-  assert.match(await page.locator(".inspector .status").innerText(), /Not reviewed by you/);
-  assert.match(await page.locator(".decisions").innerText(), /Team: accepted[^]*accepted Ann/);
+  await becomes(() => accept.getAttribute("aria-pressed"), "false", "Bob has not decided");
+  await becomes(() => page.locator(".inspector .status").innerText(), /Not reviewed by you/);
+  await becomes(() => page.locator(".decisions").innerText(), /Team: accepted[^]*accepted Ann/);
   await page.waitForFunction(() => /, 0 by you$/.test(document.querySelector(".progress").innerText));
 
   // What one has not decided is gone through by key, decided by others or not.
   await page.getByRole("button", { name: "not by you" }).click();
-  assert.equal(await notGreyed(), objects.length);
+  await becomes(() => notGreyed(), objects.length);
   await page.click(`#object-${first.id}`);
   await page.keyboard.press("a");
   await page.waitForSelector(`#object-${second.id}[aria-selected=true]`);
   await page.keyboard.press("x");
   await page.waitForSelector(`#object-${second.id} .verdict.disputed:not(.pending)`);
-  assert.equal(await notGreyed(), objects.length - 2);
+  await becomes(() => notGreyed(), objects.length - 2);
   const { review, decisions, is_disputed } = await api(page, `/objects/${second.id}`);
   assert.deepEqual([review.reviewer, review.verdict, is_disputed], ["Bob", "rejected", true]);
   assert.deepEqual(decisions.map((one) => `${one.reviewer} ${one.verdict}`), ["Bob rejected", "Ann accepted", " null"]);
@@ -617,10 +626,10 @@ async function checkPersons(page, objects) {
   await page.waitForFunction(() => /2 of \d+ reviewed$/.test(document.querySelector(".progress").innerText));
   await page.getByRole("button", { name: "disputed" }).click();
   await page.waitForFunction(() => document.querySelector(".list h2").innerText.startsWith("1 of "));
-  assert.equal(await notGreyed(), 1);
+  await becomes(() => notGreyed(), 1);
   await page.click(`#object-${second.id}`);
-  assert.equal(await mark(second).innerText(), "disputed");
-  assert.match(await page.locator(".decisions").innerText(), /Disputed\. Team: rejected[^]*rejected you[^]*accepted Ann/);
+  await becomes(() => mark(second).innerText(), "disputed");
+  await becomes(() => page.locator(".decisions").innerText(), /Disputed\. Team: rejected[^]*rejected you[^]*accepted Ann/);
 
   // What another decides elsewhere is shown without a reload; taking back one's own decision leaves those of others.
   const body = { verdict: "rejected", note: "the same shed", reviewer: "Cid" };
@@ -632,7 +641,7 @@ async function checkPersons(page, objects) {
   await page.waitForSelector(`#object-${second.id} .verdict.accepted:not(.disputed):not(.pending)`);
   await page.keyboard.press("u");
   await page.waitForSelector(`#object-${first.id} .verdict.others:not(.pending)`);
-  assert.equal((await api(page, "/objects/counts?review=own&reviewer=Bob")).objects, 0);
+  await becomes(async () => (await api(page, "/objects/counts?review=own&reviewer=Bob")).objects, 0);
   await page.getByRole("button", { name: "Clear filters" }).click();
   await page.fill("#reviewer", "Ann");
   await page.keyboard.press("Escape");
@@ -654,7 +663,7 @@ async function thresholds(page) {
   await row.waitFor({ state: "detached" });
   await decide(15, "rejected");
   await page.waitForSelector(".learnt-row:has-text('6 accepted, 4 rejected; below 0.3, all 4 were rejected')");
-  assert.equal(await page.locator(".row.greyed").count(), 0, "nothing changes by itself");
+  await becomes(() => page.locator(".row.greyed").count(), 0, "nothing changes by itself");
 
   const second = await page.context().newPage();
   await second.goto(page.url());
@@ -670,10 +679,10 @@ async function thresholds(page) {
   await page.waitForFunction(() => document.querySelector("[role=option]")?.getAttribute("aria-setsize") === "22");
   const [table] = await Promise.all([page.waitForEvent("download"), page.selectOption(".list .save", "csv")]);
   assert.equal(readFileSync(await table.path(), "utf8").trim().split("\r\n").length, 1 + 22);
-  assert.equal((await api(page, "/objects?limit=100")).objects.length, 24, "the index is as it was");
+  await becomes(async () => (await api(page, "/objects?limit=100")).objects.length, 24, "the index is as it was");
   await page.reload();
   await page.waitForFunction(() => document.querySelector(".list h2")?.textContent === "22 of 24 objects");
-  assert.equal(await page.getByRole("button", { name: "Clear filters" }).count(), 0, "it is the team's, not a filter of the reader");
+  await becomes(() => page.getByRole("button", { name: "Clear filters" }).count(), 0, "it is the team's, not a filter of the reader");
 
   await page.getByRole("button", { name: "Show all of common" }).click();
   for (const tab of [page, second]) await tab.waitForFunction(() => document.querySelector(".list h2")?.textContent === "24 objects");
@@ -734,7 +743,7 @@ async function live(page, [source]) {
   const job = (state) => `.job.${state}:has(strong:text-is("${source}"))`;
   await page.waitForSelector(job("running"));
   await page.waitForSelector("[role=option]", { timeout: 120_000 });
-  assert.equal(await page.locator(job("running")).count(), 1, "finds come while the source sends");
+  await becomes(() => page.locator(job("running")).count(), 1, "finds come while the source sends");
   // What is shown of it: its frames are not kept.
   await page.waitForSelector(".stage [role=alert]:has-text('its frames are not kept')");
   await page.locator(job("running")).getByRole("button", { name: "Stop" }).click();
@@ -757,12 +766,12 @@ async function tiles(page, [described]) {
     if (!found) await page.waitForTimeout(200);
   }
   assert.ok(found, `no tile of colour ${colour} on the map`);
-  assert.equal(await page.locator(".map .attribution").count(), attribution === "" ? 0 : 1);
-  if (attribution !== "") assert.equal(await page.locator(".map .attribution").innerText(), attribution);
+  await becomes(() => page.locator(".map .attribution").count(), attribution === "" ? 0 : 1);
+  if (attribution !== "") await becomes(() => page.locator(".map .attribution").innerText(), attribution);
   // Other colours of the page: the map stays.
   await page.emulateMedia({ colorScheme: "dark" });
   await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");
-  assert.equal(await page.locator(".notice.error:has-text('base map')").count(), 0);
+  await becomes(() => page.locator(".notice.error:has-text('base map')").count(), 0);
 }
 
 /** A model turns by drag, keys and its disc; the views that matched are shown, and lead to their sightings. */
@@ -777,9 +786,9 @@ async function turning(page) {
   await waitForView(7); // of the best sighting
   const { views } = await api(page, `/models/${(await api(page, "/objects/9001")).model_id}/views`);
   assert.equal(views.length, 25);
-  assert.equal(await page.locator(".disc .dot").count(), 25);
-  assert.equal(await page.locator(".disc .dot.own").count(), 2);
-  assert.equal(await page.locator(".disc .dot.others").count(), 1);
+  await becomes(() => page.locator(".disc .dot").count(), 25);
+  await becomes(() => page.locator(".disc .dot.own").count(), 2);
+  await becomes(() => page.locator(".disc .dot.others").count(), 1);
 
   // Each step of a ring by key, the whole way round; then up to straight above and down to the lowest ring.
   const turntable = page.locator(".turntable");
@@ -791,10 +800,10 @@ async function turning(page) {
     await page.waitForFunction((before) => document.querySelector(".turntable canvas").dataset.view !== String(before), seen[i]);
   }
   assert.equal(new Set(seen).size, 12);
-  assert.equal(await shownView(), 7);
+  await becomes(() => shownView(), 7);
   for (let i = 0; i < 3; i++) await page.keyboard.press("ArrowUp");
   await waitForView(0);
-  assert.match(await turntable.getAttribute("aria-valuetext"), /straight from above/);
+  await becomes(() => turntable.getAttribute("aria-valuetext"), /straight from above/);
   for (let i = 0; i < 3; i++) await page.keyboard.press("ArrowDown");
   const lowest = await page.waitForFunction(() => Number(document.querySelector(".turntable canvas").dataset.view)).then((one) => one.jsonValue());
   assert.ok(views[lowest].off_nadir_deg > 59, `view ${lowest}`);
@@ -826,22 +835,22 @@ async function turning(page) {
 
   // The views that matched: its own first; a click goes to the sighting.
   const matches = page.locator(".match-view");
-  assert.equal(await matches.count(), 3);
-  assert.match(await matches.nth(0).innerText(), /This object/);
-  assert.match(await matches.nth(2).innerText(), /Object 9002/);
+  await becomes(() => matches.count(), 3);
+  await becomes(() => matches.nth(0).innerText(), /This object/);
+  await becomes(() => matches.nth(2).innerText(), /Object 9002/);
   await matches.nth(2).hover();
   await waitForView(20);
   await matches.nth(1).click();
   await page.waitForSelector("dialog.turning[open]", { state: "detached" });
   await waitForFrame(page, 5);
-  assert.equal(await selectedId(page), 9001);
+  await becomes(() => selectedId(page), 9001);
 
   // By mouse from the view beside the best sighting; photos go one by one.
   const photo = (await api(page, "/objects?model=crate")).objects[0];
   await page.click(`#object-${photo.id}`);
   await page.getByRole("button", { name: "Turn crate" }).click();
   await waitForView(0);
-  assert.equal(await page.locator(".disc").count(), 0, "photos have no direction");
+  await becomes(() => page.locator(".disc").count(), 0, "photos have no direction");
   await page.keyboard.press("Escape");
   await page.waitForSelector("dialog.turning[open]", { state: "detached" });
 }
@@ -854,7 +863,7 @@ async function accounts(page, [password]) {
   };
   await page.goto("/");
   await page.waitForSelector("dialog.log-in[open]");
-  assert.equal(await page.locator("[role=option]").count(), 0, "nothing is shown before");
+  await becomes(() => page.locator("[role=option]").count(), 0, "nothing is shown before");
   await checkAccessible(page, "the log-in");
   assert.equal(await page.evaluate(() => document.activeElement.id), "log-in-name");
   await page.keyboard.press("Escape");
@@ -862,33 +871,33 @@ async function accounts(page, [password]) {
   await page.waitForSelector("dialog.log-in .problem:has-text('name or password is wrong')");
   await logIn("ann", password);
   await page.waitForSelector(".stage canvas[data-frame]");
-  assert.match(await page.locator(".head .user").innerText(), /ann analyst/);
-  assert.equal(await page.locator("#reviewer").count(), 0, "the account says who reviews");
+  await becomes(() => page.locator(".head .user").innerText(), /ann analyst/);
+  await becomes(() => page.locator("#reviewer").count(), 0, "the account says who reviews");
   const { objects } = await api(page, "/objects");
   await page.keyboard.press("a");
   await page.waitForSelector(`#object-${objects[0].id} .verdict.accepted:not(.pending)`);
-  assert.equal((await api(page, `/objects/${objects[0].id}`)).review.reviewer, "ann");
+  await becomes(async () => (await api(page, `/objects/${objects[0].id}`)).review?.reviewer, "ann");
 
   // A session that ends while the page is open: what was decided is stored after the next log-in.
-  assert.equal(await selectedId(page), objects[1].id);
+  await becomes(() => selectedId(page), objects[1].id);
   await page.context().clearCookies();
   await page.keyboard.press("x");
   await page.waitForSelector("dialog.log-in[open]");
   await logIn("ann", password);
   await page.waitForSelector(`#object-${objects[1].id} .verdict.rejected:not(.pending)`);
-  assert.equal((await api(page, `/objects/${objects[1].id}`)).review.verdict, "rejected");
+  await becomes(async () => (await api(page, `/objects/${objects[1].id}`)).review?.verdict, "rejected");
 
   // Log-out leaves nothing on the page, and the next user is asked for.
   await page.click(".head .user button");
   await page.waitForSelector("dialog.log-in[open]");
-  assert.equal(await page.locator("[role=option]").count(), 0);
+  await becomes(() => page.locator("[role=option]").count(), 0);
   assert.equal((await page.request.get("/api/v1/objects")).status(), 401);
   await logIn("bob", password);
   await page.waitForSelector("[role=option]");
   assert.ok(await page.locator(".inspector .accept").isDisabled(), "a viewer does not review");
   await page.keyboard.press("x");
   await page.waitForSelector(".notice.error:has-text('role analyst')");
-  assert.equal((await api(page, `/objects/${objects[0].id}`)).review.verdict, "accepted");
+  await becomes(async () => (await api(page, `/objects/${objects[0].id}`)).review?.verdict, "accepted");
 }
 
 const [scenario, url, ...inputs] = process.argv.slice(2);
@@ -913,7 +922,7 @@ try {
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
   await { triage, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, accounts }[scenario](page, inputs);
-  if (!hasMap) assert.match(await page.locator(".map [role=alert]").innerText(), /needs WebGL/);
+  if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {
   await browser.close();

@@ -93,7 +93,8 @@ function useKeys() {
   useEffect(() => {
     const down = (event: KeyboardEvent) => {
       if (event.key === "Escape" && isTyping(event.target)) (event.target as HTMLElement).blur();
-      if (isTyping(event.target) || state.isHelpOpen.value || why.asked.value !== null || turntable.shown.value !== null || needsLogIn.value || event.defaultPrevented) return;
+      // A dialog has the keys as long as it is open: its state follows a moment after it has closed.
+      if (isTyping(event.target) || document.querySelector("dialog[open]") !== null || needsLogIn.value || event.defaultPrevented) return;
       const action = actionOf(event);
       if (action === null) return;
       // Space presses a focused button, arrows move a focused slider.
