@@ -46,8 +46,9 @@ endif()
 #   PUBLIC    third-party targets whose types stand in its headers
 #   PRIVATE   third-party targets that stay inside
 #   PCH       its precompiled header (victorious_precompile), or NONE; common if not given
+#   UNITY     compiles its sources in batches, with VICTORIOUS_UNITY: names in unnamed namespaces are unique in the folder
 function(victorious_library name)
-  cmake_parse_arguments(ARG "" "PCH" "SOURCES;FOLDERS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "UNITY" "PCH" "SOURCES;FOLDERS;PUBLIC;PRIVATE" ${ARGN})
   if(NOT DEFINED VICTORIOUS_LEVEL_${name})
     message(FATAL_ERROR "${name} is not listed in layers.toml")
   endif()
@@ -58,6 +59,9 @@ function(victorious_library name)
     target_link_libraries(${target} PRIVATE ${ARG_PRIVATE} victorious_warnings)
     if(NOT ARG_PCH)
       set(ARG_PCH common)
+    endif()
+    if(ARG_UNITY AND VICTORIOUS_UNITY)
+      set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 9)
     endif()
     if(NOT ARG_PCH STREQUAL NONE)
       victorious_precompile(${ARG_PCH} ${target})

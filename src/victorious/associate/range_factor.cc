@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kMinObservations = 10;
+constexpr std::size_t kMinComparedObservations = 10;
 constexpr double kMaxSigma = 0.04;   // of a tracklet's ratio, relative
 constexpr double kAgreement = 0.04;  // of two logarithms of ratios
 constexpr double kMinError = 0.06;   // of a flight, logarithm: three times the usual common error of ranges
@@ -22,7 +22,7 @@ std::vector<RangeComparison> CompareRanges(std::span<const ObservedTracklet> tra
   std::vector<RangeComparison> comparisons(tracklets.size());
   oneapi::tbb::parallel_for(std::size_t{0}, tracklets.size(), [&](std::size_t i) {
     const std::vector<BearingObservation>& observations = tracklets[i].observations;
-    if (observations.size() >= kMinObservations) comparisons[i] = EstimateSizeRatio(observations, options);
+    if (observations.size() >= kMinComparedObservations) comparisons[i] = EstimateSizeRatio(observations, options);
   });
   return comparisons;
 }

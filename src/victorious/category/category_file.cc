@@ -17,11 +17,11 @@ namespace victorious {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic = {0x8A, 'V', 'C', 'A', 'T', 0x0D, 0x0A, 0x1A};
-constexpr std::uint32_t kVersion = 4;  // the only one that is read
+constexpr std::uint32_t kFileVersion = 4;  // the only one that is read
 
 struct Header {
   std::array<std::uint8_t, 8> magic = kMagic;
-  std::uint32_t version = kVersion;
+  std::uint32_t version = kFileVersion;
   std::uint32_t reserved = 0;
   std::uint64_t payload_size = 0;
   std::uint64_t payload_checksum = 0;
@@ -349,16 +349,16 @@ Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof(Header) || !IsCategoryModelFile(bytes))
     return Fail(ErrorCode::kDataLoss, "not a category model");
   std::memcpy(&header, bytes.data(), sizeof(Header));
-  if (header.version > kVersion) {
+  if (header.version > kFileVersion) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("written by a newer version (format {}; this program reads {}): use that version, or train "
                             "again",
-                            header.version, kVersion));
+                            header.version, kFileVersion));
   }
-  if (header.version > 0 && header.version < kVersion) {
+  if (header.version > 0 && header.version < kFileVersion) {
     return Fail(ErrorCode::kUnsupported, fmt::format("written by an older version (format {}; this program reads {}): "
                                                      "train again",
-                                                     header.version, kVersion));
+                                                     header.version, kFileVersion));
   }
   const auto payload = bytes.subspan(sizeof(Header));
   if (header.version == 0 || header.payload_size != payload.size())

@@ -102,8 +102,8 @@ class TrackDrawer {
   std::map<std::uint64_t, std::vector<std::pair<std::int64_t, cv::Point2d>>> tracks_;
 };
 
-// Times of the same frame are equal but for their rounding.
-constexpr double kSameTime_s = 1e-4;
+// Exported times are rounded.
+constexpr double kRounding_s = 1e-4;
 
 // The encoder takes even sizes only.
 cv::Mat MakeEven(const cv::Mat& image) {
@@ -146,14 +146,14 @@ Expected<VideoSpan> DrawVideo(const std::string& video, std::span<const DrawnSig
   std::optional<VideoSpan> written;
   FrameLoop loop(*reader, cancel, {.label = path.filename().string()});
   VICTORIOUS_ASSIGN_OR_RETURN(const FrameLoopEnd end, loop.ForEach([&](Frame& frame) -> Status {
-    if (options.clip && frame.time_s < options.clip->from_s - kSameTime_s) return {};
-    if (options.clip && frame.time_s > options.clip->to_s + kSameTime_s) {
+    if (options.clip && frame.time_s < options.clip->from_s - kRounding_s) return {};
+    if (options.clip && frame.time_s > options.clip->to_s + kRounding_s) {
       loop.Stop();
       return {};
     }
     const double place = has_sought ? frame.time_s : static_cast<double>(frame.index);
-    const auto first = by_place.lower_bound(place - kSameTime_s);
-    const auto last = by_place.upper_bound(place + kSameTime_s);
+    const auto first = by_place.lower_bound(place - kRounding_s);
+    const auto last = by_place.upper_bound(place + kRounding_s);
     for (auto one = first; one != last; ++one) tracks.Add(*one->second);
     if (options.track_frames > 0 && first != last) tracks.Draw(first->second->frame, scale, frame.image);
     for (auto one = first; one != last; ++one) DrawSighting(*one->second, scale, frame.image);

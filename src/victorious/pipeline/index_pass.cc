@@ -65,7 +65,8 @@ bool IsTrackingEnabled(const IndexPass& pass) {
 
 // True if the frame lies beyond the interval of time to search, or the segment.
 bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
-  return (pass.to_s && frame.time_s > *pass.to_s + 1e-6) || (pass.segment && frame.index >= pass.segment->frames.to);
+  return (pass.to_s && frame.time_s > *pass.to_s + kSameTime_s) ||
+         (pass.segment && frame.index >= pass.segment->frames.to);
 }
 
 // Selects the frames to search or track. Called in frame order.
@@ -80,7 +81,7 @@ class FrameSelector {
   }
 
   std::optional<FrameTask> Select(Frame frame) {
-    if (pass_.from_s && frame.time_s < *pass_.from_s - 1e-6) return std::nullopt;
+    if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
     const std::int64_t index = frame.index;
     const bool is_first_wanted = pass_.from_s && !std::exchange(has_started_, true);
     const bool whole = is_first_wanted || IsDue(index, pass_.intervals.models);

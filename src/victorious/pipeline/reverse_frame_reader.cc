@@ -51,7 +51,6 @@ Expected<std::vector<Frame>> ReverseFrameReader::ReadInterval(std::int64_t first
 // Reads on and returns the frames whose time stamps are those of [first, end).
 Expected<std::vector<Frame>> ReverseFrameReader::ReadOn(VideoReader& reader, std::int64_t first,
                                                         std::int64_t end) const {
-  constexpr double kSameTime_s = 1e-6;
   FrameLoop loop(reader, cancel_, {});
   std::vector<Frame> frames;
   std::int64_t wanted = first;

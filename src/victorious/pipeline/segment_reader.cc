@@ -4,12 +4,6 @@
 #include <utility>
 
 namespace victorious {
-namespace {
-
-constexpr double kSameTime_s = 1e-6;
-
-}  // namespace
-
 SegmentReader::SegmentReader(std::unique_ptr<VideoReader> reader, std::span<const double> times_s, FrameInterval frames)
     : reader_(std::move(reader)), times_s_(times_s), frames_(frames), info_(reader_->info()), next_(frames.from) {
   info_.frame_count = frames.to;

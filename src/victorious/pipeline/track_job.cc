@@ -122,7 +122,6 @@ Expected<FirstVideoTracks> TrackForward(const TrackContext& context, TrackPass& 
   std::vector<bool> started(boxes.size(), false);
   double last_time_s = 0;
   const auto visit = [&](const Frame& frame) -> Status {
-    constexpr double kSameTime_s = 1e-6;
     videos.sizes[0] = frame.image.size();
     tracks.times_s.push_back(frame.time_s);
     VICTORIOUS_RETURN_IF_ERROR(pass.ProcessFrame(frame, 0, nullptr, sightings));

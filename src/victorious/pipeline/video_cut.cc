@@ -3,11 +3,10 @@
 #include <algorithm>
 
 #include "victorious/base/packed_bytes.h"
+#include "victorious/types/frame.h"
 
 namespace victorious {
 namespace {
-
-constexpr double kSameTime_s = 1e-6;
 
 // True if the decoder need not start long before a time.
 bool IsNearKeyFrame(const std::vector<double>& key_times_s, double time_s) {

@@ -82,8 +82,8 @@ Box RandomWindow(const cv::Size& image, const WindowOptions& options, Random& ra
 }
 
 bool IsCentredOnObject(const Box& window, const Box& about) {
-  constexpr double kMinOverlap = 0.4;
-  return IntersectionOverUnion(window, about) >= kMinOverlap;
+  constexpr double kMinWindowOverlap = 0.4;
+  return IntersectionOverUnion(window, about) >= kMinWindowOverlap;
 }
 
 std::vector<WindowSample> InitialSamples(std::span<const LabelledImage> images, const CategoryTrainOptions& options,

@@ -15,26 +15,24 @@
 namespace victorious {
 namespace {
 
-using Json = nlohmann::json;
-
 std::int64_t Microseconds(std::chrono::milliseconds duration) {
   return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
 }
 
 // Whether an argument of a process can be this value: a zero byte would cut it off.
-bool IsArgument(const Json& value) {
+bool IsArgument(const nlohmann::json& value) {
   return value.is_string() && !value.get<std::string>().empty() &&
          value.get<std::string>().find('\0') == std::string::npos;
 }
 
-Expected<std::string> TextMember(const Json& input, const char* name) {
+Expected<std::string> TextMember(const nlohmann::json& input, const char* name) {
   const auto found = input.find(name);
   if (found != input.end() && IsArgument(*found)) return found->get<std::string>();
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be a text without zero bytes", name));
 }
 
 // Appends FLAG=NUMBER with the number that the input has under a name, if it has one.
-Status AddNumber(const Json& input, const char* name, const char* flag, std::vector<std::string>& arguments) {
+Status AddNumber(const nlohmann::json& input, const char* name, const char* flag, std::vector<std::string>& arguments) {
   const auto found = input.find(name);
   if (found == input.end() || found->is_null()) return {};
   if (!found->is_number()) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be a number", name));
@@ -43,17 +41,17 @@ Status AddNumber(const Json& input, const char* name, const char* flag, std::vec
 }
 
 // The flag of the box that the input has.
-Expected<std::string> BoxFlag(const Json& input) {
+Expected<std::string> BoxFlag(const nlohmann::json& input) {
   const auto box = input.find("box");
   const bool is_box = box != input.end() && box->is_array() && box->size() == 4 &&
-                      std::ranges::all_of(*box, [](const Json& one) { return one.is_number(); });
+                      std::ranges::all_of(*box, [](const nlohmann::json& one) { return one.is_number(); });
   if (!is_box) return Fail(ErrorCode::kInvalidArgument, "box: must be four numbers");
   return fmt::format("--box={},{},{},{}", (*box)[0].get<double>(), (*box)[1].get<double>(), (*box)[2].get<double>(),
                      (*box)[3].get<double>());
 }
 
 // Appends --telemetry=FILE, if the input has one.
-Status AddTelemetry(const Json& input, std::vector<std::string>& arguments) {
+Status AddTelemetry(const nlohmann::json& input, std::vector<std::string>& arguments) {
   const auto found = input.find("telemetry");
   if (found == input.end() || found->is_null()) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, TextMember(input, "telemetry"));
@@ -61,7 +59,7 @@ Status AddTelemetry(const Json& input, std::vector<std::string>& arguments) {
   return {};
 }
 
-Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFolders& folders) {
+Expected<std::vector<std::string>> ClipArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string clip, TextMember(input, "clip"));
   const auto object = input.find("object");
@@ -87,7 +85,7 @@ Expected<std::vector<std::string>> ClipArguments(const Json& input, const JobFol
 
 // In these, "--" ends the options and "=" binds a value to its flag, so that a name may begin with a dash.
 
-Expected<std::vector<std::string>> IndexArguments(const Json& input, const JobFolders& folders) {
+Expected<std::vector<std::string>> IndexArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
   std::vector<std::string> arguments = {"index", "--models", folders.models.string(), "--db", folders.index.string()};
   if (!folders.categories.empty()) arguments.push_back("--categories=" + folders.categories.string());
@@ -96,7 +94,7 @@ Expected<std::vector<std::string>> IndexArguments(const Json& input, const JobFo
   return arguments;
 }
 
-Expected<std::vector<std::string>> ModelArguments(const Json& input, const JobFolders& folders) {
+Expected<std::vector<std::string>> ModelArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, TextMember(input, "name"));
   std::vector<std::string> arguments = {"model", "add", "--models", folders.models.string()};
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "length_m", "--length", arguments));
@@ -109,20 +107,20 @@ Expected<std::vector<std::string>> ModelArguments(const Json& input, const JobFo
   if (files == input.end() || !files->is_array() || files->empty()) {
     return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
   }
-  for (const Json& file : *files) {
+  for (const nlohmann::json& file : *files) {
     if (!IsArgument(file)) return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
     arguments.push_back(file.get<std::string>());
   }
   return arguments;
 }
 
-Expected<std::vector<std::string>> CopyArguments(const Json& input) {
+Expected<std::vector<std::string>> CopyArguments(const nlohmann::json& input) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string copy, TextMember(input, "copy"));
   return std::vector<std::string>{"copy", "--force", "--out", copy, "--", video};
 }
 
-Expected<std::vector<std::string>> TrackArguments(const Json& input) {
+Expected<std::vector<std::string>> TrackArguments(const nlohmann::json& input) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string track, TextMember(input, "track"));
   VICTORIOUS_ASSIGN_OR_RETURN(std::string box, BoxFlag(input));
@@ -139,7 +137,7 @@ Expected<std::vector<std::string>> TrackArguments(const Json& input) {
   return arguments;
 }
 
-Expected<std::vector<std::string>> RefineArguments(const Json& input, const JobFolders& folders) {
+Expected<std::vector<std::string>> RefineArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string categories, TextMember(input, "categories"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string refined, TextMember(input, "refined"));
   return std::vector<std::string>{
@@ -149,7 +147,7 @@ Expected<std::vector<std::string>> RefineArguments(const Json& input, const JobF
 }  // namespace
 
 Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const Json input, ParseJson(job.input_json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const nlohmann::json input, ParseJson(job.input_json));
   if (!input.is_object()) return Fail(ErrorCode::kInvalidArgument, "the input must be an object");
   switch (job.kind) {
     case JobKind::kIndex:

@@ -7,6 +7,9 @@
 
 namespace victorious {
 
+/// Presentation times that differ by less are those of one frame: they are equal but for their rounding.
+inline constexpr double kSameTime_s = 1e-6;
+
 struct Frame {
   std::int64_t index = 0;  ///< from 0, in order of presentation
   double time_s = 0.0;     ///< presentation time, seconds since the video's first frame

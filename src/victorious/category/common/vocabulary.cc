@@ -17,7 +17,7 @@ namespace {
 
 using kernels::Neighbour;
 
-std::span<const std::uint8_t> Row(std::span<const std::uint8_t> rows, std::size_t i) {
+std::span<const std::uint8_t> RowOf(std::span<const std::uint8_t> rows, std::size_t i) {
   return rows.subspan(i * kDescriptorSize, kDescriptorSize);
 }
 
@@ -41,7 +41,7 @@ std::vector<Neighbour> Nearest(std::span<const std::uint8_t> rows, const kernels
 std::vector<std::uint8_t> SampleRows(std::span<const std::uint8_t> rows, std::size_t max_count, Random& random) {
   std::vector<std::uint8_t> drawn;
   for (const std::uint32_t i : SampleIndices(rows.size() / kDescriptorSize, max_count, random)) {
-    const auto row = Row(rows, i);
+    const auto row = RowOf(rows, i);
     drawn.insert(drawn.end(), row.begin(), row.end());
   }
   return drawn;
@@ -56,7 +56,7 @@ std::vector<std::uint8_t> UpdateCentres(std::span<const std::uint8_t> samples, s
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     ++counts[nearest[i].index];
     std::uint32_t* sum = &sums[nearest[i].index * kDescriptorSize];
-    const auto row = Row(samples, i);
+    const auto row = RowOf(samples, i);
     for (std::size_t k = 0; k < kDescriptorSize; ++k) sum[k] += row[k];
   }
   std::vector<std::uint32_t> farthest(nearest.size());
@@ -71,7 +71,7 @@ std::vector<std::uint8_t> UpdateCentres(std::span<const std::uint8_t> samples, s
   for (std::size_t word = 0; word < words; ++word) {
     std::uint8_t* mean = &means[word * kDescriptorSize];
     if (counts[word] == 0) {
-      std::ranges::copy(Row(samples, *next_farthest++), mean);
+      std::ranges::copy(RowOf(samples, *next_farthest++), mean);
       continue;
     }
     for (std::size_t k = 0; k < kDescriptorSize; ++k)
