@@ -1,6 +1,7 @@
 """Live sources on this machine: a transport stream that is sent as a camera would, evenly within some seconds."""
 
 import contextlib
+import ctypes
 import socket
 import struct
 import threading
@@ -102,3 +103,41 @@ class Rtsp(Source):
             stamp = int(90_000 * self.seconds * number / len(self.packets))
             rtp = struct.pack(">BBHII", 0x80, 33, number & 0xFFFF, stamp, 1) + packet
             viewer.sendall(struct.pack(">cBH", b"$", 0, len(rtp)) + rtp)
+
+
+class Srt(Source):
+    """A listener (draft-sharabayko-srt) for one viewer, by the library that FFmpeg reads SRT with."""
+
+    LIBRARY = "libsrt-gnutls.so.1.5"
+
+    def __init__(self, stream: Path, seconds: float):
+        super().__init__(stream, seconds)
+        self.srt = ctypes.CDLL(self.LIBRARY)
+        self.srt.srt_startup()
+        self.listener = self.srt.srt_create_socket()
+        address = struct.pack("=H", socket.AF_INET) + struct.pack("!H", 0) + socket.inet_aton("127.0.0.1") + bytes(8)
+        self.check(self.srt.srt_bind(self.listener, address, len(address)))
+        self.check(self.srt.srt_listen(self.listener, 1))
+        size = ctypes.c_int(len(address))
+        bound = ctypes.create_string_buffer(len(address))
+        self.check(self.srt.srt_getsockname(self.listener, bound, ctypes.byref(size)))
+        self.url = f"srt://127.0.0.1:{struct.unpack_from('!H', bound.raw, 2)[0]}"
+
+    def check(self, result: int):
+        if result < 0:
+            self.srt.srt_getlasterror_str.restype = ctypes.c_char_p
+            raise OSError(self.srt.srt_getlasterror_str().decode())
+
+    def __exit__(self, *_):
+        self.srt.srt_close(self.listener)  # ends srt_accept()
+        super().__exit__()
+        self.srt.srt_cleanup()
+
+    def run(self):
+        viewer = self.srt.srt_accept(self.listener, None, None)
+        if viewer < 0:
+            return
+        for _, packet in self.in_time():
+            if self.srt.srt_send(viewer, packet, len(packet)) < 0:
+                break  # the viewer has gone
+        self.srt.srt_close(viewer)

@@ -107,9 +107,9 @@ class PageTest(program.ProgramTest):
         self.drive("accessible", db, "--models", models)
 
     def test_live_sources(self):
-        """A transport stream by UDP and by RTSP, sent as it would be filmed."""
+        """A transport stream by UDP, RTSP and SRT, sent as it would be filmed."""
         flight = program.flight(100)
-        for kind in (streams.Udp, streams.Rtsp):
+        for kind in (streams.Udp, streams.Rtsp, streams.Srt):
             with self.subTest(kind.__name__), kind(flight / "flight.ts", seconds=40) as source:
                 db = self.scratch / f"{kind.__name__}.db"
                 db.touch()
