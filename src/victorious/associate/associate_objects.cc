@@ -96,10 +96,9 @@ std::map<std::int64_t, std::vector<const ObjectHypothesis*>> ByFlight(const std:
   return of_flight;
 }
 
-void Score(const ObjectHypothesis& hypothesis, std::int64_t frames_searched, const ObjectOptions& options,
-           ObjectRecord& object) {
+void Score(const ObjectHypothesis& hypothesis, double tests, const ObjectOptions& options, ObjectRecord& object) {
   if (hypothesis.tracklets[0]->is_category) return;  // its score is the classifier's
-  const ObjectEvidence evidence = CollectEvidence(hypothesis, object, frames_searched, options);
+  const ObjectEvidence evidence = CollectEvidence(hypothesis, object, tests, options);
   object.object_score = ScoreObject(evidence);
   object.against = SpeaksAgainst(evidence);
   object.evidence_json = ToJsonText(evidence);
@@ -108,7 +107,7 @@ void Score(const ObjectHypothesis& hypothesis, std::int64_t frames_searched, con
 }  // namespace
 
 std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
-                                             std::span<const PixelOverlap> overlaps, std::int64_t frames_searched,
+                                             std::span<const PixelOverlap> overlaps, const SearchCounts& searches,
                                              Fits& fits) {
   const ObjectOptions& options = fits.options();
   std::map<std::int64_t, const ObservedTracklet*> by_id;
@@ -142,10 +141,10 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
     std::string reason = PlaceRejectionReason(hypothesis.estimate, CountObservations(hypothesis), options);
     if (!reason.empty()) RejectPlace(std::move(reason), object);
     if (!hypothesis.tracklets[0]->is_category &&
-        IsInsignificant(hypothesis, object.place.has_value(), frames_searched, options)) {
-      object.rejected =
-          fmt::format("not significant: as strong a false detection is expected by chance in {} frames of one model",
-                      frames_searched);
+        IsInsignificant(hypothesis, object.place.has_value(), searches.TestsOf(hypothesis), options)) {
+      object.rejected = fmt::format(
+          "not significant: as strong a false detection is expected by chance in {:.0f} frames of one model",
+          searches.TestsOf(hypothesis));
     }
     if (object.place && object.rejected.empty() && hypothesis.estimate.size_ratio && !hypothesis.estimate.HasPath()) {
       heights.Add(hypothesis, object.place->point.altitude_m);
@@ -155,7 +154,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
   const std::map<std::int64_t, double> median_heights_m = heights.Medians();
   for (std::size_t i = 0; i < objects.size(); ++i) {
     RejectFloating(hypotheses[i], median_heights_m, options, objects[i]);
-    Score(hypotheses[i], frames_searched, options, objects[i]);
+    Score(hypotheses[i], searches.TestsOf(hypotheses[i]), options, objects[i]);
   }
   RejectOccluded(objects, by_id, overlaps);
   RejectCoincident(objects, by_id);
@@ -163,7 +162,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
   return objects;
 }
 
-std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,
+std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, const SearchCounts& searches,
                                              const ObjectOptions& options) {
   std::ranges::sort(tracklets, {}, [](const ObservedTracklet& tracklet) { return tracklet.record.id; });
   std::vector<const ObservedTracklet*> pointers;
@@ -176,7 +175,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
   std::vector<PixelOverlap> overlaps;
   for (const auto& [video, of_one] : of_video) std::ranges::copy(FindOverlaps(of_one), std::back_inserter(overlaps));
   Fits fits(options);
-  return AssociateTracklets(pointers, overlaps, frames_searched, fits);
+  return AssociateTracklets(pointers, overlaps, searches, fits);
 }
 
 void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet) {

@@ -25,22 +25,23 @@
 #include "victorious/associate/object_options.h"
 #include "victorious/associate/object_rejection.h"
 #include "victorious/associate/observed_tracklet.h"
+#include "victorious/associate/search_counts.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {
 
 /// Associates tracklets to objects. Deterministic and independent of the order of `tracklets`. Returns the objects by
 /// id; sets id, model, tracklets, place, heading, the reasons of rejection, and the score with what speaks against it.
-/// @param frames_searched  number of full-frame searches, summed over videos and models: the number of tests of the a
-///                         contrario decision. The more tests, the more significant an object must be
-std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,
+/// @param searches  in each of their videos: the more tests of the a contrario decision, the more significant an
+///                  object must be
+std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, const SearchCounts& searches,
                                              const ObjectOptions& options);
 
 /// The same with given fits.
 /// @param tracklets  by id, with their summaries; content only as far as `fits` needs it
 /// @param overlaps   of all tracklets
 std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
-                                             std::span<const PixelOverlap> overlaps, std::int64_t frames_searched,
+                                             std::span<const PixelOverlap> overlaps, const SearchCounts& searches,
                                              Fits& fits);
 
 }  // namespace victorious

@@ -74,11 +74,18 @@ ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
   return tracklet;
 }
 
+// So many searches in each of the videos.
+SearchCounts SearchesOf(std::int64_t count) {
+  SearchCounts counts;
+  for (std::int64_t video = 0; video < 20; ++video) counts.Add(video, count, {});
+  return counts;
+}
+
 std::vector<ObjectRecord> ObjectsFrom(const std::vector<SimulatedTracklet>& simulated,
                                       const ObjectOptions& options = {}, std::int64_t frames_searched = 100) {
   std::vector<ObservedTracklet> tracklets;
   for (const SimulatedTracklet& one : simulated) tracklets.push_back(SimulateTracklet(one));
-  return AssociateTracklets(std::move(tracklets), frames_searched, options);
+  return AssociateTracklets(std::move(tracklets), SearchesOf(frames_searched), options);
 }
 
 std::vector<std::vector<std::int64_t>> TrackletsOf(const std::vector<ObjectRecord>& objects) {
@@ -105,7 +112,7 @@ TEST(AssociateTracklets, OneTrackletIsOneObjectAtItsPlace) {
 TEST(AssociateTracklets, WithoutTelemetryEachTrackletIsAnObjectWithoutPlace) {
   ObservedTracklet a{.record = {.id = 1, .video = 1, .model = 1}, .frames = {0, 1}};
   ObservedTracklet b{.record = {.id = 2, .video = 1, .model = 1}, .frames = {50, 51}};
-  const auto objects = AssociateTracklets({a, b}, 0, {});
+  const auto objects = AssociateTracklets({a, b}, SearchesOf(0), {});
   EXPECT_THAT(TrackletsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2)));
   EXPECT_FALSE(objects[0].place);
   EXPECT_FALSE(objects[0].heading_rad);
@@ -115,9 +122,9 @@ TEST(AssociateTracklets, WithoutTelemetryEachTrackletIsAnObjectWithoutPlace) {
 // In a folder of photos the time between two frames is invented.
 TEST(AssociateTracklets, PhotosShowNoMotion) {
   ObservedTracklet tracklet = SimulateTracklet({.id = 1, .velocity_enu = {0, 9, 0}});
-  ASSERT_TRUE(AssociateTracklets({tracklet}, 100, {})[0].place->IsMoving());
+  ASSERT_TRUE(AssociateTracklets({tracklet}, SearchesOf(100), {})[0].place->IsMoving());
   tracklet.is_of_photos = true;
-  const auto objects = AssociateTracklets({tracklet}, 100, {});
+  const auto objects = AssociateTracklets({tracklet}, SearchesOf(100), {});
   ASSERT_EQ(objects.size(), 1U);
   EXPECT_FALSE(objects[0].place && objects[0].place->IsMoving());
 }
@@ -128,12 +135,12 @@ TEST(AssociateTracklets, AnErrorOfTheClockWidensErrorsOnly) {
       {.id = 1}, {.id = 2, .first_frame = 50}, {.id = 3, .place_enu = {6, 0, 1}, .first_frame = 100}};
   std::vector<ObservedTracklet> tracklets;
   for (const SimulatedTracklet& one : seen) tracklets.push_back(SimulateTracklet(one));
-  const auto exact = AssociateTracklets(tracklets, 100, {});
+  const auto exact = AssociateTracklets(tracklets, SearchesOf(100), {});
   for (ObservedTracklet& tracklet : tracklets) {
     for (BearingObservation& observation : tracklet.observations)
       observation.line.clock_shift = ClockShift{.camera_enu_m = {24, 0, 0}};
   }
-  const auto wide = AssociateTracklets(tracklets, 100, {});
+  const auto wide = AssociateTracklets(tracklets, SearchesOf(100), {});
   EXPECT_EQ(TrackletsOf(wide), TrackletsOf(exact));
   ASSERT_EQ(wide.size(), exact.size());
   for (std::size_t i = 0; i < wide.size(); ++i) {
@@ -145,11 +152,11 @@ TEST(AssociateTracklets, AnErrorOfTheClockWidensErrorsOnly) {
 
 TEST(AssociateTracklets, ADrivingObjectHasTheErrorOfTheClock) {
   ObservedTracklet tracklet = SimulateTracklet({.id = 1, .velocity_enu = {0, 9, 0}, .frames = 60});
-  const auto exact = AssociateTracklets({tracklet}, 100, {});
+  const auto exact = AssociateTracklets({tracklet}, SearchesOf(100), {});
   ASSERT_TRUE(exact[0].place && exact[0].place->IsMoving());
   for (BearingObservation& observation : tracklet.observations)
     observation.line.clock_shift = ClockShift{.camera_enu_m = {24, 0, 0}};
-  const auto wide = AssociateTracklets({tracklet}, 100, {});
+  const auto wide = AssociateTracklets({tracklet}, SearchesOf(100), {});
   EXPECT_EQ(EstimatePlace(wide[0]), EstimatePlace(exact[0]));
   EXPECT_NEAR(wide[0].place->covariance_enu_m2(0, 0), exact[0].place->covariance_enu_m2(0, 0) + 576, 2);
 }
@@ -255,7 +262,7 @@ TEST(AssociateTracklets, ApparentSizeAboveMaxRatioCostsThePlace) {
       observation.line.range_m = line.norm() / 1.9;
       observation.line.sigma_range_m = 0.2 * *observation.line.range_m;  // too inaccurate for a path
     }
-    return AssociateTracklets({tracklet}, 100, {.max_size_ratio = max_size_ratio})[0];
+    return AssociateTracklets({tracklet}, SearchesOf(100), {.max_size_ratio = max_size_ratio})[0];
   };
   ExpectPlaceRejected(seen(1.6), "1.9 times too large");
   ExpectPlaced(seen(3));
@@ -426,7 +433,7 @@ ObservedTracklet MovingBox(std::int64_t id, int frames, double x) {
 
 std::vector<std::string> RejectionsOf(std::vector<ObservedTracklet> tracklets) {
   std::vector<std::string> rejections;
-  for (const ObjectRecord& object : AssociateTracklets(std::move(tracklets), 100, {}))
+  for (const ObjectRecord& object : AssociateTracklets(std::move(tracklets), SearchesOf(100), {}))
     rejections.push_back(object.rejected);
   return rejections;
 }
@@ -466,7 +473,7 @@ TEST(AssociateTracklets, CategoryWithNonIntersectingLinesHasNoPlace) {
   SimulatedTracklet seen{.id = 1, .is_category = true, .noise_rad = 0.3};
   ObservedTracklet tracklet = SimulateTracklet(seen);
   for (BearingObservation& observation : tracklet.observations) observation.line.sigma_rad = 1e-4;
-  const auto objects = AssociateTracklets({tracklet}, 0, {});
+  const auto objects = AssociateTracklets({tracklet}, SearchesOf(0), {});
   EXPECT_EQ(objects[0].rejected, "");
   EXPECT_THAT(objects[0].place_rejected, HasSubstr("do not intersect"));
   EXPECT_FALSE(objects[0].place);
@@ -494,7 +501,8 @@ TEST(ObjectParameter, MinInlierFractionIsThatOfTheLines) {
     if (i % 10 < 3) tracklet.observations[i].line.azimuth_rad += i % 2 == 0 ? 0.5 : -0.5;
   }
   const auto rejected = [&](double min_inlier_fraction) {
-    return AssociateTracklets({tracklet}, 100, {.min_inlier_fraction = min_inlier_fraction})[0].place_rejected;
+    return AssociateTracklets({tracklet}, SearchesOf(100), {.min_inlier_fraction = min_inlier_fraction})[0]
+        .place_rejected;
   };
   EXPECT_EQ(rejected(0.6), "");
   EXPECT_THAT(rejected(0.8), HasSubstr("do not intersect"));

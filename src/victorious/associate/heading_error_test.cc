@@ -60,7 +60,7 @@ TEST(HeadingError, IsThatOnWhichDifferentObjectsAgree) {
 
     TurnBack(*error, tracklets);
     EXPECT_FALSE(EstimateHeadingError(tracklets)) << "corrected";
-    const std::vector<ObjectRecord> objects = AssociateTracklets(tracklets, 100, {});
+    const std::vector<ObjectRecord> objects = AssociateTracklets(tracklets, {}, {});
     ASSERT_EQ(objects.size(), 3U);
     const TangentPlane plane(kOrigin);
     for (const ObjectRecord& object : objects) {

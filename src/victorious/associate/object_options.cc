@@ -37,8 +37,8 @@ void ObjectOptions::ListFields(FieldList& fields) {
               .max = 1,
               .unit = "",
               .reason = "expected number of false detections with even odds per frame and model; an object is rejected "
-                        "as insignificant if more than 0.1 false detections as strong as it are expected over the "
-                        "whole search; 0 rejects none"});
+                        "as insignificant if more than 0.1 false detections as strong as it are expected an hour of "
+                        "video; 0 rejects none"});
   VideoLocateFields fields_of_locate{locate};
   fields.AddGroup("locate", fields_of_locate);
 }

@@ -54,8 +54,8 @@ double LogOdds(double score) {
 // be false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be
 // biased. The strength is the logarithm of one over the expected number of false objects as strong.
 //
-// kMaxFalseAlarms: maximum expected number of false detections as strong, over the whole search. Chosen: one search in
-// ten has one.
+// kMaxFalseAlarms: maximum expected number of false detections as strong, an hour of video (search_counts.h). Chosen:
+// one hour in ten has one.
 constexpr double kMaxFalseAlarms = 0.1;
 
 struct SignificanceTest {
@@ -64,8 +64,7 @@ struct SignificanceTest {
   double false_alarms_at_even_odds = 0;
 };
 
-SignificanceTest TestOf(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
-                        const ObjectOptions& options) {
+SignificanceTest TestOf(const ObjectHypothesis& hypothesis, bool placed, double tests, const ObjectOptions& options) {
   SignificanceTest test;
   double recognised = 0;
   for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
@@ -75,7 +74,7 @@ SignificanceTest TestOf(const ObjectHypothesis& hypothesis, bool placed, std::in
   }
   if (recognised > 0) test.log_odds /= recognised;
   if (placed) test.frames = std::max(1.0, test.frames * hypothesis.estimate.consistent_fraction);
-  test.false_alarms_at_even_odds = options.false_alarm_rate * static_cast<double>(frames_searched);
+  test.false_alarms_at_even_odds = options.false_alarm_rate * tests;
   return test;
 }
 
@@ -130,17 +129,15 @@ void RejectPlace(std::string reason, ObjectRecord& object) {
   object.heading_rad.reset();
 }
 
-double StrengthOf(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
-                  const ObjectOptions& options) {
+double StrengthOf(const ObjectHypothesis& hypothesis, bool placed, double tests, const ObjectOptions& options) {
   constexpr double kMin = 1e-9;  // nothing was searched, or no false alarms are expected
-  const SignificanceTest test = TestOf(hypothesis, placed, frames_searched, options);
+  const SignificanceTest test = TestOf(hypothesis, placed, tests, options);
   return test.log_odds + std::log(std::max(test.frames, kMin)) -
          std::log(std::max(test.false_alarms_at_even_odds, kMin));
 }
 
-bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
-                     const ObjectOptions& options) {
-  const SignificanceTest test = TestOf(hypothesis, placed, frames_searched, options);
+bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, double tests, const ObjectOptions& options) {
+  const SignificanceTest test = TestOf(hypothesis, placed, tests, options);
   return std::exp(test.log_odds) * test.frames * kMaxFalseAlarms < test.false_alarms_at_even_odds;
 }
 

@@ -50,14 +50,14 @@ struct PixelOverlap {
 void RejectPlace(std::string reason, ObjectRecord& object);
 
 /// Natural logarithm of one over the number of false detections as strong that are expected by chance.
-/// @param placed, frames_searched  as for IsInsignificant()
-[[nodiscard]] double StrengthOf(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
+/// @param placed, tests  as for IsInsignificant()
+[[nodiscard]] double StrengthOf(const ObjectHypothesis& hypothesis, bool placed, double tests,
                                 const ObjectOptions& options);
 
 /// The a contrario test: true if as strong a false detection is expected by chance.
-/// @param placed           false: the object has no place, and the test rests on recognition alone
-/// @param frames_searched  number of tests
-[[nodiscard]] bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, std::int64_t frames_searched,
+/// @param placed  false: the object has no place, and the test rests on recognition alone
+/// @param tests   their number (SearchCounts::TestsOf)
+[[nodiscard]] bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, double tests,
                                    const ObjectOptions& options);
 
 /// Rejects the place of an object whose height follows from its size only and is far from the median height.

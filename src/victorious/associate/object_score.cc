@@ -7,13 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/associate/object_rejection.h"
+#include "victorious/base/count_text.h"
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
 
-// The weights w0 and w_k, fitted.
+// The weights w0 and w_k (object_score.h).
 constexpr double kBias = -1.39;
 constexpr double kStrengthWeight = 0.70;  // per unit of the natural logarithm, up to kMaxStrength
 constexpr double kSizeWeight = -20;       // per unit of |log ratio| beyond kUsualSize
@@ -25,7 +26,7 @@ constexpr double kJumpWeight = -5;        // of the fraction of steps
 // Beyond it nothing becomes likelier.
 constexpr double kMaxStrength = 20;
 
-// A size within this of the model's is said by no line of sight to be wrong: three times the usual error of ranges.
+// Sizes this near to the model's do not count against it: three times the usual error of ranges.
 constexpr double kUsualSize = 0.05;
 // Another model's size; larger ratios say no more. Their place is rejected.
 constexpr double kMaxSize = 0.5;
@@ -33,7 +34,7 @@ constexpr double kMaxSize = 0.5;
 // Fewer say nothing about a fraction.
 constexpr std::int64_t kMinCounted = 3;
 
-// What is said, beside what is weighed.
+// Limits of SpeaksAgainst() that are no part of the score.
 constexpr double kWeakLogOdds = 5;  // a typical frame of 0.993
 constexpr double kOneSide_rad = RadiansFromDegrees(6);
 
@@ -45,15 +46,11 @@ double SizeError(const ObjectEvidence& evidence) {
   return std::min(std::abs(std::log(evidence.size_ratio.value_or(1))), kMaxSize);
 }
 
-std::string CountText(std::int64_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 }  // namespace
 
-ObjectEvidence CollectEvidence(const ObjectHypothesis& hypothesis, const ObjectRecord& object,
-                               std::int64_t frames_searched, const ObjectOptions& options) {
-  ObjectEvidence evidence{.strength = StrengthOf(hypothesis, object.place.has_value(), frames_searched, options)};
+ObjectEvidence CollectEvidence(const ObjectHypothesis& hypothesis, const ObjectRecord& object, double tests,
+                               const ObjectOptions& options) {
+  ObjectEvidence evidence{.strength = StrengthOf(hypothesis, object.place.has_value(), tests, options)};
   Eigen::Vector3d view_sum = Eigen::Vector3d::Zero();
   std::int64_t views = 0;
   double log_odds = 0;

@@ -5,9 +5,10 @@
 // A sighting's score (detect/detect.h) is calibrated for a frame alone. A pattern that looks like the model does so in
 // every frame: its sightings are not independent, and their maximum over the frames of an object is near 1 whether it
 // is right or wrong. The x_k therefore are how much stronger it is than chance, on a flatter curve, and what only an
-// object's length shows: a size that contradicts the distance, headings and views that change as no object turns. The
-// weights are fitted by logistic regression to objects of movies with truth (bench/accuracy/object_scores.py --fit,
-// docs/results/false-alarms.md), rejected ones included: false objects that are not rejected are too few.
+// object's length shows: a size that contradicts the distance, headings and views that change as no object turns.
+// Bias and weight of the strength are fitted by logistic regression to the 32 objects, 8 of them wrong, of movies with
+// truth (bench/accuracy/object_scores.py --fit, docs/results/false-alarms.md), rejected ones included. The others are
+// chosen: priors of that regression, which so few wrong objects hardly move.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +22,8 @@ namespace victorious {
 
 /// What is known of one object beside its place.
 struct ObjectEvidence {
-  /// Natural logarithm of how many times less frequent a false detection as strong is than one in the whole search: the
-  /// a contrario test (object_rejection.h).
+  /// Natural logarithm of how many times less frequent a false detection as strong is than one an hour of video: the a
+  /// contrario test (object_rejection.h).
   double strength = 0;
   double typical_log_odds = 0;    ///< mean over the recognised sightings
   std::int64_t recognitions = 0;  ///< frames in which the search recognised it
@@ -43,10 +44,10 @@ struct ObjectEvidence {
 
 /// Of an object whose place is rejected, size, lines and headings say nothing more: they rest on the same telemetry,
 /// which may be wrong.
-/// @param object           with its place, and the reason why that is rejected
-/// @param frames_searched  as for IsInsignificant()
+/// @param object  with its place, and the reason why that is rejected
+/// @param tests   as for IsInsignificant()
 [[nodiscard]] ObjectEvidence CollectEvidence(const ObjectHypothesis& hypothesis, const ObjectRecord& object,
-                                             std::int64_t frames_searched, const ObjectOptions& options);
+                                             double tests, const ObjectOptions& options);
 
 /// The score, 0 to 1.
 [[nodiscard]] double ScoreObject(const ObjectEvidence& evidence);

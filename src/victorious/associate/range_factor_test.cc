@@ -59,7 +59,7 @@ TEST(RangeFactor, IsThatOnWhichDifferentObjectsAgree) {
     EXPECT_EQ(factor->objects, 3);
     ScaleRanges(*factor, tracklets);
     EXPECT_FALSE(FactorOf(tracklets)) << "corrected";
-    for (const ObjectRecord& object : AssociateTracklets(tracklets, 100, {})) {
+    for (const ObjectRecord& object : AssociateTracklets(tracklets, {}, {})) {
       ASSERT_TRUE(object.place);
       EXPECT_FALSE(object.place->IsMoving()) << "parked objects stay parked";
     }

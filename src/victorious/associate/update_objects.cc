@@ -32,8 +32,8 @@ Expected<std::int64_t> SearchInterval(const SearchRecord& search, const std::str
   return every->get<std::int64_t>();
 }
 
-// The intervals of searches by the texts of their options, which are few.
-class SearchIntervals {
+// The number of frames between two full-frame searches, by the texts of their options, which are few.
+class StoredIntervals {
  public:
   Expected<std::int64_t> Of(const SearchRecord& search, const std::string& video, const std::string& model) {
     const auto known = of_options_.find(search.options_json);
@@ -46,26 +46,26 @@ class SearchIntervals {
   std::map<std::string, std::int64_t> of_options_;
 };
 
-// Number of full-frame searches, summed over videos and models; categories do not count.
-Expected<std::int64_t> CountFullFrameSearches(const std::vector<ModelRecord>& models,
+// The full-frame searches for models; categories do not count.
+Expected<SearchCounts> CountFullFrameSearches(const std::vector<ModelRecord>& models,
                                               const std::vector<VideoRecord>& videos, IndexStore& store) {
   std::map<std::int64_t, std::string> names_of_models;
   for (const ModelRecord& model : models) {
     if (!model.IsCategory()) names_of_models[model.id] = model.name;
   }
-  std::map<std::int64_t, std::string> names_of_videos;
-  for (const VideoRecord& video : videos) names_of_videos[video.id] = video.name;
+  std::map<std::int64_t, const VideoRecord*> videos_by_id;
+  for (const VideoRecord& video : videos) videos_by_id[video.id] = &video;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchRecord> searches, store.Searches());
-  SearchIntervals intervals;
-  std::int64_t frames = 0;
+  StoredIntervals intervals;
+  SearchCounts counts;
   for (const SearchRecord& search : searches) {
-    const auto video = names_of_videos.find(search.video);
+    const auto video = videos_by_id.find(search.video);
     const auto model = names_of_models.find(search.model);
-    if (video == names_of_videos.end() || model == names_of_models.end()) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t step, intervals.Of(search, video->second, model->second));
-    frames += (search.next_frame + step - 1) / step;
+    if (video == videos_by_id.end() || model == names_of_models.end()) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t step, intervals.Of(search, video->second->name, model->second));
+    counts.Add(search.video, (search.next_frame + step - 1) / step, video->second->duration_s);
   }
-  return frames;
+  return counts;
 }
 
 // The tracklets of the store without content, by id, of each video.
@@ -118,9 +118,9 @@ Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& sto
     if (found == fits->errors().end()) continue;
     for (const std::string& line : Describe(found->second)) warn(video, line);
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, CountFullFrameSearches(models, videos, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const SearchCounts searches, CountFullFrameSearches(models, videos, store));
   ObjectUpdate update;
-  update.objects = AssociateTracklets(tracklets, fits->overlaps(), frames_searched, *fits);
+  update.objects = AssociateTracklets(tracklets, fits->overlaps(), searches, *fits);
   VICTORIOUS_RETURN_IF_ERROR(fits->status());
   fits->AddChanges(update);
   return update;

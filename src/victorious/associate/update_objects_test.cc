@@ -40,7 +40,7 @@ std::vector<std::string> ObjectsOf(IndexStore& store) {
     ObjectPlace place{.place = object.place, .heading_rad = object.heading_rad};
     std::string text;
     for (const std::byte byte : Pack(HypothesisFits{.absolute = place})) text += static_cast<char>(byte);
-    text += object.rejected + "|" + object.place_rejected;
+    text += object.rejected + "|" + object.place_rejected + "|" + object.evidence_json;
     for (const std::int64_t tracklet : object.tracklets) text += "," + std::to_string(tracklet);
     texts.push_back(std::to_string(object.id) + ":" + std::to_string(object.model) + text);
   }
@@ -212,6 +212,24 @@ TEST_F(UpdateObjectsTest, KeptFitsGiveTheSameObjectsAsNone) {
       EXPECT_EQ(ObjectsOf(*kept), ObjectsOf(*other));
     }
   }
+}
+
+// An archive that grows changes neither the objects of other videos nor their scores.
+TEST_F(UpdateObjectsTest, SearchesOfAnotherVideoChangeNoObject) {
+  const World world(5);
+  const auto store = MakeStore("index.db");
+  world.AddVideo(1, *store);
+  ASSERT_TRUE(Update(*store));
+  const std::vector<std::string> before = ObjectsOf(*store);
+  ASSERT_FALSE(before.empty());
+  const auto other = store->PutVideo({.content_id = "other", .name = "other", .width = 640, .height = 480});
+  ASSERT_TRUE(other);
+  IndexBatch batch;
+  batch.progress.push_back(
+      {{.video = other->id, .model = 1, .next_frame = 10'000'000, .options_json = R"({"every": 1})"}, 0});
+  ASSERT_TRUE(store->Commit(batch));
+  ASSERT_TRUE(Update(*store));
+  EXPECT_EQ(ObjectsOf(*store), before);
 }
 
 TEST_F(UpdateObjectsTest, SightingsOfKeptFitsAreNotRead) {
