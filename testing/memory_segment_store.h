@@ -14,50 +14,66 @@ namespace victorious::testing {
 
 class MemorySegmentStore final : public SegmentStore {
  public:
-  [[nodiscard]] Status Put(const VideoCut& cut, std::span<const std::byte> prepared) override {
-    if (cuts_.contains(cut.video) && cuts_.at(cut.video).cut.plan == cut.plan) return {};
-    cuts_[cut.video] = {cut, {prepared.begin(), prepared.end()}, {}};
-    return {};
+  [[nodiscard]] Expected<std::int64_t> Put(const VideoCut& cut, std::span<const std::int64_t> models,
+                                           std::span<const std::byte> prepared) override {
+    for (const auto& [id, kept] : cuts_) {
+      if (kept.cut.video == cut.video && kept.cut.plan == cut.plan) return id;
+    }
+    std::erase_if(cuts_, [&](const auto& one) {
+      return one.second.cut.video == cut.video &&
+             std::ranges::find_first_of(one.second.models, models) != one.second.models.end();
+    });
+    VideoCut stored = cut;
+    stored.id = ++last_id_;
+    cuts_[stored.id] = {stored, {models.begin(), models.end()}, {prepared.begin(), prepared.end()}, {}};
+    return stored.id;
   }
 
-  [[nodiscard]] Expected<std::optional<VideoCut>> Find(std::int64_t video) override {
-    return cuts_.contains(video) ? std::optional(cuts_.at(video).cut) : std::nullopt;
+  [[nodiscard]] Expected<std::optional<VideoCut>> Find(std::int64_t cut) override {
+    return cuts_.contains(cut) ? std::optional(cuts_.at(cut).cut) : std::nullopt;
   }
 
-  [[nodiscard]] Expected<std::vector<std::byte>> Prepared(std::int64_t video) override {
-    if (!cuts_.contains(video)) return Fail(ErrorCode::kNotFound, "not cut");
-    return cuts_.at(video).prepared;
+  [[nodiscard]] Expected<std::vector<VideoCut>> CutsOf(std::int64_t video) override {
+    std::vector<VideoCut> cuts;
+    for (const auto& [id, kept] : cuts_) {
+      if (kept.cut.video == video) cuts.push_back(kept.cut);
+    }
+    return cuts;
   }
 
-  [[nodiscard]] Status Complete(std::int64_t video, const std::string& plan, FrameInterval frames,
-                                std::span<const std::byte> results) override {
-    Segment* segment = Of(video, frames);
-    if (segment == nullptr || cuts_.at(video).cut.plan != plan) return Fail(ErrorCode::kConflict, "no such segment");
+  [[nodiscard]] Expected<std::vector<std::byte>> Prepared(std::int64_t cut) override {
+    if (!cuts_.contains(cut)) return Fail(ErrorCode::kNotFound, "not cut");
+    return cuts_.at(cut).prepared;
+  }
+
+  [[nodiscard]] Status Complete(std::int64_t cut, FrameInterval frames, std::span<const std::byte> results) override {
+    Segment* segment = Of(cut, frames);
+    if (segment == nullptr) return Fail(ErrorCode::kNotFound, "no such segment");
     if (segment->state == SegmentState::kDone) return {};
     *segment = {.frames = frames, .state = SegmentState::kDone, .reason = {}};
-    cuts_.at(video).results[frames.from].assign(results.begin(), results.end());
+    cuts_.at(cut).results[frames.from].assign(results.begin(), results.end());
     return {};
   }
 
   [[nodiscard]] Status VisitResults(
-      std::int64_t video, const std::function<Status(FrameInterval, std::span<const std::byte>)>& visit) override {
-    if (!cuts_.contains(video)) return {};
-    for (const Segment& segment : cuts_.at(video).cut.segments) {
+      std::int64_t cut, const std::function<Status(FrameInterval, std::span<const std::byte>)>& visit) override {
+    if (!cuts_.contains(cut)) return Fail(ErrorCode::kNotFound, "not cut");
+    for (const Segment& segment : cuts_.at(cut).cut.segments) {
       if (segment.state != SegmentState::kDone) continue;
-      VICTORIOUS_RETURN_IF_ERROR(visit(segment.frames, cuts_.at(video).results.at(segment.frames.from)));
+      VICTORIOUS_RETURN_IF_ERROR(visit(segment.frames, cuts_.at(cut).results.at(segment.frames.from)));
     }
     return {};
   }
 
-  [[nodiscard]] Status SetWhole(std::int64_t video, const std::string& plan) override {
-    if (cuts_.contains(video) && cuts_.at(video).cut.plan == plan) cuts_.at(video).cut.is_whole = true;
+  [[nodiscard]] Status SetWhole(std::int64_t cut) override {
+    if (cuts_.contains(cut)) cuts_.at(cut).cut.is_whole = true;
     return {};
   }
 
-  [[nodiscard]] Status GiveUp(std::int64_t video, FrameInterval frames, const std::string& reason) override {
-    Segment* segment = Of(video, frames);
+  [[nodiscard]] Status GiveUp(std::int64_t id, FrameInterval frames, const std::string& reason) override {
+    Segment* segment = Of(id, frames);
     if (segment == nullptr || segment->state != SegmentState::kOpen) return {};
-    VideoCut& cut = cuts_.at(video).cut;
+    VideoCut& cut = cuts_.at(id).cut;
     if (const auto middle = MiddleOf(frames, cut.step)) {
       segment->frames.to = *middle;
       cut.segments.push_back({.frames = {*middle, frames.to}, .state = {}, .reason = {}});
@@ -68,13 +84,11 @@ class MemorySegmentStore final : public SegmentStore {
     return {};
   }
 
-  [[nodiscard]] Status Finish(std::int64_t video, const std::string& plan, std::span<const std::int64_t> models,
-                              std::span<const CoverageGap> gaps) override {
-    if (!cuts_.contains(video) || cuts_.at(video).cut.plan != plan) return {};
-    cuts_.erase(video);
-    if (models.empty()) return {};
-    std::erase_if(gaps_, [&](const CoverageGap& gap) { return gap.video == video; });
+  [[nodiscard]] Status Finish(std::int64_t cut, std::span<const CoverageGap> gaps) override {
+    if (!cuts_.contains(cut)) return {};
+    std::erase_if(gaps_, [&](const CoverageGap& gap) { return gap.video == cuts_.at(cut).cut.video; });
     gaps_.insert(gaps_.end(), gaps.begin(), gaps.end());
+    cuts_.erase(cut);
     return {};
   }
 
@@ -83,18 +97,20 @@ class MemorySegmentStore final : public SegmentStore {
  private:
   struct Kept {
     VideoCut cut;
+    std::vector<std::int64_t> models;
     std::vector<std::byte> prepared;
     std::map<std::int64_t, std::vector<std::byte>> results;  // by the first frame of the segment
   };
 
-  Segment* Of(std::int64_t video, FrameInterval frames) {
-    if (!cuts_.contains(video)) return nullptr;
-    std::vector<Segment>& segments = cuts_.at(video).cut.segments;
+  Segment* Of(std::int64_t cut, FrameInterval frames) {
+    if (!cuts_.contains(cut)) return nullptr;
+    std::vector<Segment>& segments = cuts_.at(cut).cut.segments;
     const auto found = std::ranges::find(segments, frames, &Segment::frames);
     return found == segments.end() ? nullptr : &*found;
   }
 
-  std::map<std::int64_t, Kept> cuts_;
+  std::map<std::int64_t, Kept> cuts_;  // by id
+  std::int64_t last_id_ = 0;
   std::vector<CoverageGap> gaps_;
 };
 

@@ -3,7 +3,8 @@
 //   ByteWriter writer;
 //   writer.Put(frame);                        // little-endian
 //   writer.PutOptional(range_m);
-//   ByteReader reader(writer.Take());
+//   const std::vector<std::byte> bytes = writer.Take();
+//   ByteReader reader(bytes);                 // which outlive it
 //   const auto frame = reader.Get<std::int64_t>();
 //   if (!reader.IsAtEnd()) …                  // too few bytes, too many, or a value out of range
 #pragma once
@@ -60,6 +61,7 @@ class ByteReader {
  public:
   /// @param bytes  outlive it
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  explicit ByteReader(std::vector<std::byte>&&) = delete;
 
   template <typename T>
     requires std::is_arithmetic_v<T>

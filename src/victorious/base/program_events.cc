@@ -54,7 +54,12 @@ struct EventWriter {
   }
 
   Json operator()(const VideoLeftEvent& event) const { return Video(EventKind::kVideoLeft, event.video); }
-  Json operator()(const VideoCutEvent& event) const { return Video(EventKind::kVideoCut, event.video); }
+
+  Json operator()(const VideoCutEvent& event) const {
+    Json json = Video(EventKind::kVideoCut, event.video);
+    json["cut"] = event.cut;
+    return json;
+  }
 
  private:
   static Json Video(EventKind kind, const std::string& video) {
@@ -168,8 +173,9 @@ Expected<ProgramEvent> ParseEvent(std::string_view line) {
     case EventKind::kVideoLeft:
     case EventKind::kVideoCut: {
       VICTORIOUS_ASSIGN_OR_RETURN(std::string video, reader.Text("video"));
-      if (*kind == EventKind::kVideoCut) return VideoCutEvent{std::move(video)};
-      return VideoLeftEvent{std::move(video)};
+      if (*kind == EventKind::kVideoLeft) return VideoLeftEvent{std::move(video)};
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t cut, reader.Count("cut"));
+      return VideoCutEvent{std::move(video), cut};
     }
     case EventKind::kInfo:
     case EventKind::kWarning:

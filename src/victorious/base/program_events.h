@@ -54,6 +54,7 @@ struct VideoLeftEvent {
 /// `victorious index --cut` ends before the video is indexed: its segments are to be searched first.
 struct VideoCutEvent {
   std::string video;
+  std::int64_t cut = 0;  ///< VideoCut::id
 
   bool operator==(const VideoCutEvent&) const = default;
 };

@@ -26,14 +26,14 @@ TEST(ProgramEvents, LinesAreThoseOfTheFormat) {
   EXPECT_EQ(FormatEvent(ErrorEvent{{ErrorCode::kNoSpace, "x"}}),
             R"({"event":"error","message":"x","code":"no_space"})");
   EXPECT_EQ(FormatEvent(VideoLeftEvent{"x"}), R"({"event":"video_left","video":"x"})");
-  EXPECT_EQ(FormatEvent(VideoCutEvent{"x"}), R"({"event":"video_cut","video":"x"})");
+  EXPECT_EQ(FormatEvent(VideoCutEvent{"x", 3}), R"({"event":"video_cut","video":"x","cut":3})");
 }
 
 TEST(ProgramEvents, ComeBackAsTheyWereWritten) {
   for (const ProgramEvent& event : std::initializer_list<ProgramEvent>{
            ProgressEvent{.label = "a \"b\"\\", .done = 12, .total = 40, .unit = "frames", .elapsed_s = 0.1},
            ProgressEvent{.label = "", .done = 0, .total = {}, .unit = "", .elapsed_s = 0}, InfoEvent{"é"},
-           WarningEvent{"{\"event\":\"info\"}"}, VideoLeftEvent{"rtsp://a"}, VideoCutEvent{"/a.mp4"}}) {
+           WarningEvent{"{\"event\":\"info\"}"}, VideoLeftEvent{"rtsp://a"}, VideoCutEvent{"/a.mp4", 12}}) {
     EXPECT_EQ(ParseEvent(FormatEvent(event)), event) << FormatEvent(event);
   }
   for (int code = 0; code <= static_cast<int>(ErrorCode::kInternal); ++code) {
@@ -56,7 +56,7 @@ TEST(ProgramEvents, OtherLinesAreErrors) {
        {"", "error: x", "[]", "{}", R"({"event":"dance"})", R"({"event":3})", R"({"event":"info"})",
         R"({"event":"info","message":3})", R"({"event":"info","message":"a\nb"})", R"({"event":"error","message":"x"})",
         R"({"event":"error","message":"x","code":"dance"})", R"({"event":"video_left"})",
-        R"({"event":"info","message":"x","message":"y"})",
+        R"({"event":"video_cut","video":"a"})", R"({"event":"info","message":"x","message":"y"})",
         R"({"event":"progress","label":"a","done":-1,"total":1,"unit":"u","elapsed_s":1})",
         R"({"event":"progress","label":"a","done":1.5,"total":1,"unit":"u","elapsed_s":1})",
         R"({"event":"progress","label":"a","done":1,"total":18446744073709551615,"unit":"u","elapsed_s":1})",

@@ -279,9 +279,9 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
       if (report.error().code == ErrorCode::kCancelled) break;
       continue;
     }
-    if (report->is_waiting) {
+    if (report->waits_for) {
       LogInfo("{}: cut into segments, which are to be searched first", OneLine(video));
-      ReportEvent(VideoCutEvent{video});
+      ReportEvent(VideoCutEvent{video, *report->waits_for});
       return {};
     }
     LogReport(video, report->index);

@@ -24,7 +24,7 @@ nlohmann::ordered_json PayloadOf(const IndexTask& task) {
   nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
   if (task.segment_s > 0) payload["segment_s"] = task.segment_s;
   if (task.part) {
-    payload["video_id"] = task.part->video;
+    payload["cut"] = task.part->cut;
     payload["from"] = task.part->frames.from;
     payload["to"] = task.part->frames.to;
   }
@@ -39,11 +39,11 @@ std::optional<std::int64_t> CountOf(const nlohmann::json& fields, const char* na
 }
 
 std::optional<SegmentPart> PartOf(const nlohmann::json& fields) {
-  const auto video = CountOf(fields, "video_id");
+  const auto cut = CountOf(fields, "cut");
   const auto from = CountOf(fields, "from");
   const auto to = CountOf(fields, "to");
-  if (!video || !from || !to || *from >= *to) return std::nullopt;
-  return SegmentPart{*video, {*from, *to}};
+  if (!cut || !from || !to || *from >= *to) return std::nullopt;
+  return SegmentPart{*cut, {*from, *to}};
 }
 
 }  // namespace
@@ -66,14 +66,13 @@ Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& co
 
 std::vector<postgres::NewTask> PartsOf(const IndexTask& video, const std::string& key, const VideoCut& cut) {
   std::vector<postgres::NewTask> parts;
-  const std::uint64_t plan = Checksum(std::as_bytes(std::span(cut.plan)));
   for (const Segment& segment : cut.segments) {
     if (segment.state != SegmentState::kOpen) continue;
     IndexTask part = video;
     part.segment_s = 0;
-    part.part = SegmentPart{cut.video, segment.frames};
+    part.part = SegmentPart{cut.id, segment.frames};
     parts.push_back({.kind = std::string(kSegmentTaskKind),
-                     .key = fmt::format("{} {:016x} {} {}", key, plan, segment.frames.from, segment.frames.to),
+                     .key = fmt::format("{} cut {} {} {}", key, cut.id, segment.frames.from, segment.frames.to),
                      .payload = DumpJson(PayloadOf(part)),
                      .program = video.program});
   }
@@ -107,7 +106,7 @@ Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
   }
   if (kind == kSegmentTaskKind) {
     task.part = PartOf(*fields);
-    if (!task.part) return invalid("video_id, from and to must be the frames of a segment");
+    if (!task.part) return invalid("cut, from and to must be the frames of a segment");
   }
   return task;
 }

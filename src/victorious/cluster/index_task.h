@@ -17,7 +17,7 @@ inline constexpr std::string_view kSegmentTaskKind = "segment";
 
 /// A part of a video that is cut (store/segment_store.h).
 struct SegmentPart {
-  std::int64_t video = 0;  ///< its id in the index
+  std::int64_t cut = 0;  ///< VideoCut::id
   FrameInterval frames;
 };
 

@@ -30,7 +30,8 @@ TEST(IndexTask, OpenSegmentsAreItsParts) {
   const IndexTask task{.video = "/a.mp4", .options = {"--models", "/m"}, .program = "1-x", .segment_s = 60};
   const auto queued = ToQueue(task, "0123", postgres::TaskPriority::kBatch);
   EXPECT_EQ(FromQueue(queued->kind, queued->payload)->segment_s, 60);
-  const VideoCut cut{.video = 7,
+  const VideoCut cut{.id = 12,
+                     .video = 7,
                      .plan = "plan",
                      .segments = {{{0, 600}, SegmentState::kDone, ""},
                                   {{600, 1200}, SegmentState::kOpen, ""},
@@ -45,10 +46,10 @@ TEST(IndexTask, OpenSegmentsAreItsParts) {
   EXPECT_EQ(read->video, "/a.mp4");
   EXPECT_THAT(read->options, ElementsAre("--models", "/m"));
   EXPECT_EQ(read->segment_s, 0) << "it is not cut again";
-  EXPECT_EQ(read->part->video, 7);
+  EXPECT_EQ(read->part->cut, 12);
   EXPECT_EQ(read->part->frames, (FrameInterval{1260, 2000}));
   VideoCut other = cut;
-  other.plan = "another";
+  other.id = 13;
   EXPECT_NE(PartsOf(task, queued->key, other)[0].key, parts[0].key);
 }
 
@@ -64,8 +65,8 @@ TEST(IndexTask, InvalidPayloadsAreErrors) {
     EXPECT_THAT(task.error().message, HasSubstr("not valid"));
   }
   EXPECT_EQ(FromQueue("two\nlines", "{}").error().message.find('\n'), std::string::npos);
-  for (const char* part : {"", R"(, "video_id": 1, "from": 0, "to": 0)", R"(, "video_id": 1, "from": -5, "to": 10)",
-                           R"(, "video_id": "1", "from": 0, "to": 10)", R"(, "segment_s": -1)"}) {
+  for (const char* part : {"", R"(, "cut": 1, "from": 0, "to": 0)", R"(, "cut": 1, "from": -5, "to": 10)",
+                           R"(, "cut": "1", "from": 0, "to": 10)", R"(, "segment_s": -1)"}) {
     const auto task = FromQueue("segment", std::string(R"({"video": "v", "program": "1", "options": [])") + part + "}");
     ASSERT_FALSE(task) << part;
     EXPECT_THAT(task.error().message, HasSubstr("not valid"));

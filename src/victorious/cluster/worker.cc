@@ -98,19 +98,14 @@ std::string NameOf(const IndexTask& work) {
 
 bool IsKilled(const ChildEnd& end) { return end.status > kSignalStatus; }
 
-// Lets the task of a video wait for its segments.
-Status WaitForSegments(const Task& task, const IndexTask& work, TaskQueue& queue, IndexStore& store,
+// Lets the task of a video wait for the segments of its cut.
+Status WaitForSegments(const Task& task, const IndexTask& work, std::int64_t cut, TaskQueue& queue,
                        SegmentStore& segments, const WorkerOptions& options) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
-  for (const VideoRecord& video : videos) {
-    if (video.name != work.video) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoCut> cut, segments.Find(video.id));
-    if (!cut) continue;
-    const std::vector<postgres::NewTask> parts = PartsOf(work, task.key, *cut);
-    options.inform(fmt::format("{}: cut, {} to be searched", work.video, CountText(parts.size(), "segment")));
-    return queue.Wait(task, parts);
-  }
-  return queue.Release(task);  // cut anew, or deleted, at this moment
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoCut> found, segments.Find(cut));
+  if (!found) return queue.Release(task);  // cut anew, or deleted, at this moment
+  const std::vector<postgres::NewTask> parts = PartsOf(work, task.key, *found);
+  options.inform(fmt::format("{}: cut, {} to be searched", work.video, CountText(parts.size(), "segment")));
+  return queue.Wait(task, parts);
 }
 
 // The segments that killed whoever searched them: cut in halves, or left out.
@@ -119,8 +114,8 @@ Status GiveUpFatalSegments(const Task& task, TaskQueue& queue, SegmentStore& seg
   for (const postgres::TaskRecord& record : failed) {
     const Expected<IndexTask> work = FromQueue(record.kind, record.payload);
     if (!work || !work->part) continue;
-    VICTORIOUS_RETURN_IF_ERROR(segments.GiveUp(work->part->video, work->part->frames, record.reason));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoCut> cut, segments.Find(work->part->video));
+    VICTORIOUS_RETURN_IF_ERROR(segments.GiveUp(work->part->cut, work->part->frames, record.reason));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoCut> cut, segments.Find(work->part->cut));
     const bool is_left_out =
         cut && std::ranges::any_of(cut->segments, [&](const Segment& segment) {
           return segment.frames == work->part->frames && segment.state == SegmentState::kQuarantined;
@@ -134,7 +129,7 @@ Status GiveUpFatalSegments(const Task& task, TaskQueue& queue, SegmentStore& seg
 
 // Ends a task in the queue by how its process ended. Returns whether it is done.
 Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
-                       IndexStore& store, SegmentStore& segments, const WorkerOptions& options) {
+                       SegmentStore& segments, const WorkerOptions& options) {
   if (is_cancelled && end.child.status != 0) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Release(task));
     return false;
@@ -149,8 +144,8 @@ Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& e
     VICTORIOUS_RETURN_IF_ERROR(queue.Release(task, options.left_delay));
     return false;
   }
-  if (end.is_cut) {
-    VICTORIOUS_RETURN_IF_ERROR(WaitForSegments(task, work, queue, store, segments, options));
+  if (end.cut) {
+    VICTORIOUS_RETURN_IF_ERROR(WaitForSegments(task, work, *end.cut, queue, segments, options));
     return false;
   }
   VICTORIOUS_RETURN_IF_ERROR(queue.Complete(task));
@@ -177,7 +172,7 @@ Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, Seg
     return std::unexpected(end.error());
   }
   Expected<bool> done = false;
-  if (!keeper.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, store, segments, options);
+  if (!keeper.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, segments, options);
   if (!keeper.is_lost() && (done || done.error().code != ErrorCode::kConflict)) return done;
   options.inform(fmt::format("{}: its lease was lost: left to another worker", NameOf(*work)));
   return false;
@@ -228,7 +223,7 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
     const auto read = [&](const ProgramEvent& event) {
       if (const auto* const warning = std::get_if<WarningEvent>(&event)) inform("warning: " + warning->message);
       end.is_left |= std::holds_alternative<VideoLeftEvent>(event);
-      end.is_cut |= std::holds_alternative<VideoCutEvent>(event);
+      if (const auto* const cut = std::get_if<VideoCutEvent>(&event)) end.cut = cut->cut;
     };
     // Renewed also while the process ends: its lease must not run out meanwhile.
     VICTORIOUS_ASSIGN_OR_RETURN(end.child,

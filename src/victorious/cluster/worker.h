@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,8 @@ namespace victorious {
 /// How a task's process ended.
 struct TaskEnd {
   ChildEnd child;
-  bool is_left = false;  ///< another process indexes the same video
-  bool is_cut = false;   ///< the video's segments are to be searched first
+  bool is_left = false;                  ///< another process indexes the same video
+  std::optional<std::int64_t> cut = {};  ///< whose segments are to be searched first: VideoCut::id
 };
 
 struct WorkerOptions {

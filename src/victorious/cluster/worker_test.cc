@@ -163,16 +163,20 @@ class CutVideo {
     if (task.part) return Search(task.part->frames);
     if (task.segment_s == 0) return Killed();
     cut_lengths.push_back(task.segment_s);
-    const std::optional<VideoCut> cut = segments_.Find(video_).value();
+    const std::optional<VideoCut> cut = segments_.Find(cut_).value();
     if (!cut) {
-      EXPECT_TRUE(segments_.Put(
-          {.video = video_, .plan = "plan", .step = 60, .segments = {{{0, 240}, {}, {}}, {{240, 480}, {}, {}}}}, {}));
-      return TaskEnd{.is_cut = true};
+      cut_ =
+          segments_
+              .Put(
+                  {.video = video_, .plan = "plan", .step = 60, .segments = {{{0, 240}, {}, {}}, {{240, 480}, {}, {}}}},
+                  {}, {})
+              .value();
+      return TaskEnd{.cut = cut_};
     }
     if (std::ranges::find(cut->segments, SegmentState::kOpen, &Segment::state) != cut->segments.end())
-      return TaskEnd{.is_cut = true};
+      return TaskEnd{.cut = cut_};
     joined = cut->segments;
-    EXPECT_TRUE(segments_.Finish(video_, "plan", {}, {}));
+    EXPECT_TRUE(segments_.Finish(cut_, {}));
     return TaskEnd{};
   }
 
@@ -186,13 +190,14 @@ class CutVideo {
   Expected<TaskEnd> Search(FrameInterval frames) {
     if (fatal_ && frames.Contains(*fatal_)) return Killed();
     searched.push_back(frames);
-    EXPECT_TRUE(segments_.Complete(video_, "plan", frames, {}));
+    EXPECT_TRUE(segments_.Complete(cut_, frames, {}));
     return TaskEnd{};
   }
 
   SegmentStore& segments_;
   std::optional<std::int64_t> fatal_;
   std::int64_t video_ = 0;
+  std::int64_t cut_ = 0;
 };
 
 TEST_F(PostgresWorkerTest, CutVideoWaitsForItsSegments) {

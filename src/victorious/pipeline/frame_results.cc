@@ -8,8 +8,10 @@
 namespace victorious {
 namespace {
 
+// The least bytes of a frame, and of a sighting without outline and observation: bounds on damaged counts.
 constexpr std::size_t kFrameBytes = sizeof(std::int64_t) + 2 + sizeof(std::uint64_t);
-constexpr std::size_t kSightingBytes = 100;
+constexpr std::size_t kSightingBytes =
+    3 * sizeof(std::int64_t) + 4 * sizeof(double) + sizeof(std::uint64_t) + 2 * sizeof(double) + 3 * sizeof(int) + 6;
 
 void PutMotion(const Similarity2& motion, ByteWriter& writer) {
   for (const double value : {motion.scale, motion.rotation_rad, motion.translation.x(), motion.translation.y()})

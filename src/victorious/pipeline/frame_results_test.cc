@@ -73,6 +73,15 @@ TEST(FrameResults, ComeBackAsTheyWere) {
   EXPECT_EQ(PackFrameResults(*read), bytes);
 }
 
+TEST(FrameResults, SmallestSightingLastComesBack) {
+  const std::vector<FrameResult> written = {{.frame = 5, .is_whole = true, .sightings = {SightingRecord{.frame = 5}}}};
+  const std::vector<std::byte> bytes = PackFrameResults(written);
+  const auto read = UnpackFrameResults(bytes);
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->at(0).sightings.size(), 1U);
+  EXPECT_EQ(PackFrameResults(*read), bytes);
+}
+
 TEST(FrameResults, DamagedBytesAreAnError) {
   const std::vector<std::byte> bytes = PackFrameResults(SomeResults());
   for (std::size_t size = 0; size < bytes.size(); ++size) {

@@ -30,7 +30,9 @@ namespace victorious {
 /// What one call of Indexer::IndexBySegments did.
 struct SegmentedReport {
   IndexReport index;
-  bool is_waiting = false;  ///< segments are open: IndexSegment searches them, then IndexBySegments is called again
+  /// The cut whose segments are open: IndexSegment searches them, then IndexBySegments is called again. std::nullopt:
+  /// the video is indexed.
+  std::optional<std::int64_t> waits_for;
 };
 
 /// Searches videos, one at a time, for a set of models and categories, and stores what it finds.
@@ -66,8 +68,9 @@ class Indexer {
                                                           const CancelToken& cancel, IndexStore& store,
                                                           SegmentStore& segments, const WarningSink& warn = {}) const;
 
-  /// Searches one open segment, and stores its results in `segments` at its end. No effect on one that is done.
-  /// Errors: as Index; kConflict if the video has no such segment for these models and parameters.
+  /// Searches one open segment, and stores its results in `segments` at its end. No effect on one that is done, or that
+  /// is none of these models and parameters any more because the video was cut anew.
+  /// Errors: as Index.
   [[nodiscard]] Expected<IndexReport> IndexSegment(const IndexJob& job, FrameInterval frames, const CancelToken& cancel,
                                                    IndexStore& store, SegmentStore& segments,
                                                    const WarningSink& warn = {}) const;
@@ -124,12 +127,13 @@ class Indexer {
   [[nodiscard]] Expected<std::optional<PlannedCut>> FindCut(const IndexJob& job, IndexStore& store,
                                                             SegmentStore& segments) const;
   [[nodiscard]] Expected<bool> IsFinished(const VideoRecord& video, IndexStore& store) const;
-  // Returns false if the pass is not to be cut.
-  [[nodiscard]] Expected<bool> CutPass(const PlannedPass& plan, const std::string& text, const IndexJob& job,
-                                       double segment_s, OpenedVideo& video, const CancelToken& cancel,
-                                       IndexStore& store, SegmentStore& segments, const WarningSink& warn,
-                                       IndexReport& report) const;
-  [[nodiscard]] Status JoinSegments(const PlannedCut& found, const IndexJob& job, const CancelToken& cancel,
+  // Returns the id of the cut; std::nullopt if the pass is not to be cut.
+  [[nodiscard]] Expected<std::optional<std::int64_t>> CutPass(const PlannedPass& plan, const std::string& text,
+                                                              const IndexJob& job, double segment_s, OpenedVideo& video,
+                                                              const CancelToken& cancel, IndexStore& store,
+                                                              SegmentStore& segments, const WarningSink& warn,
+                                                              IndexReport& report) const;
+  [[nodiscard]] Status JoinSegments(PlannedCut& found, const IndexJob& job, const CancelToken& cancel,
                                     IndexStore& store, SegmentStore& segments, IndexReport& report) const;
 
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,

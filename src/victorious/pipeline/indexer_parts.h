@@ -8,6 +8,7 @@
 
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/indexer.h"
+#include "victorious/pipeline/video_cut.h"
 #include "victorious/store/segment_store.h"
 #include "victorious/video/video_reader.h"
 
@@ -33,6 +34,7 @@ struct Indexer::PlannedCut {
   VideoCut cut;
   PlannedPass pass;
   SearchIntervals intervals;
+  PreparedVideo prepared;
 };
 
 // The search options as the store keeps them, as JSON.

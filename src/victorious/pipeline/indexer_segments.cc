@@ -51,6 +51,16 @@ double SegmentSeconds(double wanted_s, int every, const IndexOptions& options, d
   return kept_s > 0 ? std::min(wanted_s, kept_s) : wanted_s;
 }
 
+// Error: kDataLoss for segments of frames that the video does not have.
+Status CheckFrames(const VideoCut& cut, const PreparedVideo& prepared) {
+  const std::int64_t frames = std::ssize(prepared.times_s);
+  const bool are_there = frames > 0 && std::ranges::all_of(cut.segments, [&](const Segment& segment) {
+                           return segment.frames.from >= 0 && segment.frames.size() > 0 && segment.frames.to <= frames;
+                         });
+  if (are_there) return {};
+  return Fail(ErrorCode::kDataLoss, "the stored segments of a video are damaged: submit the video again");
+}
+
 std::vector<CoverageGap> GapsOf(const VideoCut& cut, const std::vector<double>& times_s) {
   std::vector<CoverageGap> gaps;
   for (const Segment& segment : cut.segments) {
@@ -89,7 +99,7 @@ Expected<SegmentedReport> Indexer::IndexBySegments(const IndexJob& job, double s
                                                    const WarningSink& warn) const {
   const WarningSink emit_warning = warn ? warn : [](const std::string&) {};
   Expected<SegmentedReport> report = SearchBySegments(job, segment_s, cancel, store, segments, emit_warning);
-  const bool is_ended = report ? !report->is_waiting : report.error().code == ErrorCode::kCancelled;
+  const bool is_ended = report ? !report->waits_for : report.error().code == ErrorCode::kCancelled;
   if (is_ended) VICTORIOUS_RETURN_IF_ERROR(UpdateObjectsOf(job, cancel, store, emit_warning));
   return report;
 }
@@ -104,8 +114,10 @@ Expected<SegmentedReport> Indexer::SearchBySegments(const IndexJob& job, double 
     whole_plan = found->cut.plan;
   } else if (found) {
     const auto& cut = found->cut.segments;
-    result.is_waiting = std::ranges::find(cut, SegmentState::kOpen, &Segment::state) != cut.end();
-    if (result.is_waiting) return result;
+    if (std::ranges::find(cut, SegmentState::kOpen, &Segment::state) != cut.end()) {
+      result.waits_for = found->cut.id;
+      return result;
+    }
     VICTORIOUS_RETURN_IF_ERROR(JoinSegments(*found, job, cancel, store, segments, result.index));
     VICTORIOUS_ASSIGN_OR_RETURN(const bool is_finished, IsFinished(found->video, store));
     if (is_finished) return result;
@@ -119,14 +131,14 @@ Expected<SegmentedReport> Indexer::SearchBySegments(const IndexJob& job, double 
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, CutPlan(plan, video.intervals, job));
     if (text != whole_plan) {
       VICTORIOUS_ASSIGN_OR_RETURN(
-          result.is_waiting, CutPass(plan, text, job, segment_s, video, cancel, store, segments, warn, result.index));
-      if (result.is_waiting) return result;
+          result.waits_for, CutPass(plan, text, job, segment_s, video, cancel, store, segments, warn, result.index));
+      if (result.waits_for) return result;
     } else if (plan.searches.front().next_frame == 0) {
       // Segments that were searched before may have kept frames under other numbers.
       VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.record.id));
     }
     VICTORIOUS_RETURN_IF_ERROR(RunPass(plan, job, video, cancel, store, warn, result.index));
-    if (text == whole_plan) VICTORIOUS_RETURN_IF_ERROR(segments.Finish(video.record.id, text, {}, {}));
+    if (text == whole_plan) VICTORIOUS_RETURN_IF_ERROR(segments.Finish(found->cut.id, {}));
   }
   return result;
 }
@@ -187,7 +199,7 @@ Expected<std::optional<Indexer::PlannedCut>> Indexer::ReadCutPlan(const VideoRec
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string own, CutPlan(pass, *intervals, job));
   if (own != cut.plan) return std::nullopt;
-  return PlannedCut{video, cut, std::move(pass), *intervals};
+  return PlannedCut{video, cut, std::move(pass), *intervals, {}};
 }
 
 Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& job, IndexStore& store,
@@ -195,28 +207,32 @@ Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& jo
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   for (const VideoRecord& video : videos) {
     if (video.name != job.video) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<VideoCut> cut, segments.Find(video.id));
-    if (!cut) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> planned, ReadCutPlan(video, *cut, job, store));
-    if (!planned) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(video.id));
-    VICTORIOUS_ASSIGN_OR_RETURN(const PreparedVideo prepared, UnpackPreparedVideo(bytes));
-    if (prepared.file_bytes != FileBytes(job.video)) continue;  // another file of this name
-    return planned;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoCut> cuts, segments.CutsOf(video.id));
+    for (const VideoCut& cut : cuts) {
+      VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> planned, ReadCutPlan(video, cut, job, store));
+      if (!planned) continue;
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(cut.id));
+      VICTORIOUS_ASSIGN_OR_RETURN(planned->prepared, UnpackPreparedVideo(bytes));
+      if (planned->prepared.file_bytes != FileBytes(job.video)) continue;  // another file of this name
+      VICTORIOUS_RETURN_IF_ERROR(CheckFrames(cut, planned->prepared));
+      return planned;
+    }
   }
   return std::nullopt;
 }
 
-Expected<bool> Indexer::CutPass(const PlannedPass& plan, const std::string& text, const IndexJob& job, double segment_s,
-                                OpenedVideo& video, const CancelToken& cancel, IndexStore& store,
-                                SegmentStore& segments, const WarningSink& warn, IndexReport& report) const {
+Expected<std::optional<std::int64_t>> Indexer::CutPass(const PlannedPass& plan, const std::string& text,
+                                                       const IndexJob& job, double segment_s, OpenedVideo& video,
+                                                       const CancelToken& cancel, IndexStore& store,
+                                                       SegmentStore& segments, const WarningSink& warn,
+                                                       IndexReport& report) const {
   if (!video.reader) {
     VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
   }
   const VideoInfo info = video.reader->info();
-  if (info.live || video.cameras.is_of_photos() || job.from_s || job.to_s) return false;
+  if (info.live || video.cameras.is_of_photos() || job.from_s || job.to_s) return std::nullopt;
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<FrameTable> table, ReadFrameTable(job.video, cancel));
-  if (!table) return false;
+  if (!table) return std::nullopt;
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer, MakeRecognizer(plan, job));
   const IndexPass pass = MakePass(plan, recognizer, {}, job, video);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t first_frame, FirstLinkedFrame(pass, info, store));
@@ -225,7 +241,7 @@ Expected<bool> Indexer::CutPass(const PlannedPass& plan, const std::string& text
       *table, {.first_frame = first_frame,
                .step = step,
                .segment_s = SegmentSeconds(segment_s, MinInterval(plan, video.intervals), options_, info.frame_rate)});
-  if (cuts.size() < 2) return false;
+  if (cuts.size() < 2) return std::nullopt;
   VICTORIOUS_RETURN_IF_ERROR(EstimateSun(recognizer, job, video, cancel, warn, report));
   VideoCut cut{.video = video.record.id, .plan = text, .step = step};
   for (const FrameInterval& frames : cuts) cut.segments.push_back({.frames = frames, .state = {}, .reason = {}});
@@ -234,8 +250,8 @@ Expected<bool> Indexer::CutPass(const PlannedPass& plan, const std::string& text
                                                              .sun = report.sun,
                                                              .is_sun_by_clock = report.sun_by_clock,
                                                              .file_bytes = FileBytes(job.video)});
-  VICTORIOUS_RETURN_IF_ERROR(segments.Put(cut, prepared));
-  return true;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, segments.Put(cut, ModelsOf(plan.searches), prepared));
+  return id;
 }
 
 Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval frames, const CancelToken& cancel,
@@ -244,15 +260,16 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> found, FindCut(job, store, segments));
   const auto segment =
       found ? std::ranges::find(found->cut.segments, frames, &Segment::frames) : std::vector<Segment>::iterator();
-  if (!found || segment == found->cut.segments.end()) {
-    return Fail(ErrorCode::kConflict,
-                fmt::format("{}: frames {} to {} are no segment of it for these models and parameters: it was cut "
-                            "anew, or changed; submit it again",
-                            job.video, frames.from, frames.to - 1));
-  }
+  const auto leave = [&] {
+    if (job.inform) {
+      job.inform(fmt::format("frames {} to {} are no segment of it any more: it was cut anew, or has changed",
+                             frames.from, frames.to - 1));
+    }
+    return report;
+  };
+  if (!found || segment == found->cut.segments.end()) return leave();
   if (segment->state != SegmentState::kOpen || found->cut.is_whole) return report;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(found->video.id));
-  VICTORIOUS_ASSIGN_OR_RETURN(PreparedVideo prepared, UnpackPreparedVideo(bytes));
+  PreparedVideo& prepared = found->prepared;
   report.sun = prepared.sun;
   report.sun_by_clock = prepared.is_sun_by_clock;
   const std::int64_t first_read = WholeFrameBefore(frames.from, MinInterval(found->pass, found->intervals), options_);
@@ -277,18 +294,19 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *reader, cancel, store, warn, report));
   if (!reader->IsExact()) {
     if (job.inform) job.inform("its frames are not those that its container lists: it is indexed by one process");
-    VICTORIOUS_RETURN_IF_ERROR(segments.SetWhole(found->video.id, found->cut.plan));
+    VICTORIOUS_RETURN_IF_ERROR(segments.SetWhole(found->cut.id));
     return report;
   }
   if (!kept.kept_frames.empty()) VICTORIOUS_RETURN_IF_ERROR(store.Commit(kept));
-  VICTORIOUS_RETURN_IF_ERROR(segments.Complete(found->video.id, found->cut.plan, frames, PackFrameResults(results)));
+  const Status completed = segments.Complete(found->cut.id, frames, PackFrameResults(results));
+  if (!completed && completed.error().code == ErrorCode::kNotFound) return leave();
+  VICTORIOUS_RETURN_IF_ERROR(completed);
   return report;
 }
 
-Status Indexer::JoinSegments(const PlannedCut& found, const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+Status Indexer::JoinSegments(PlannedCut& found, const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                              SegmentStore& segments, IndexReport& report) const {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(found.video.id));
-  VICTORIOUS_ASSIGN_OR_RETURN(PreparedVideo prepared, UnpackPreparedVideo(bytes));
+  PreparedVideo& prepared = found.prepared;
   report.sun = prepared.sun;
   report.sun_by_clock = prepared.is_sun_by_clock;
   if (!found.pass.searches.front().finished) {
@@ -303,7 +321,7 @@ Status Indexer::JoinSegments(const PlannedCut& found, const IndexJob& job, const
         .reader = nullptr, .cameras = std::move(prepared.cameras), .record = found.video, .intervals = found.intervals};
     const IndexPass pass = MakePass(found.pass, recognizer, {}, job, video);
     const auto visit = [&](const std::function<Status(std::vector<FrameResult>)>& add) {
-      return segments.VisitResults(found.video.id, [&](FrameInterval, std::span<const std::byte> packed) -> Status {
+      return segments.VisitResults(found.cut.id, [&](FrameInterval, std::span<const std::byte> packed) -> Status {
         VICTORIOUS_ASSIGN_OR_RETURN(std::vector<FrameResult> results, UnpackFrameResults(packed));
         return add(std::move(results));
       });
@@ -312,8 +330,7 @@ Status Indexer::JoinSegments(const PlannedCut& found, const IndexJob& job, const
   }
   VICTORIOUS_RETURN_IF_ERROR(
       store.SetVideoLength(found.video.id, std::ssize(prepared.times_s), prepared.times_s.back()));
-  return segments.Finish(found.video.id, found.cut.plan, ModelsOf(found.pass.searches),
-                         GapsOf(found.cut, prepared.times_s));
+  return segments.Finish(found.cut.id, GapsOf(found.cut, prepared.times_s));
 }
 
 }  // namespace victorious

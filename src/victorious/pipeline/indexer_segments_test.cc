@@ -50,9 +50,11 @@ class IndexerSegmentsTest : public ::testing::Test {
 
   std::vector<FrameInterval> OpenSegments(IndexStore& store) {
     std::vector<FrameInterval> open;
-    const auto cut = segments_.Find(VideosOf(store).at(0).id).value();
-    for (const Segment& segment : cut ? cut->segments : std::vector<Segment>()) {
-      if (segment.state == SegmentState::kOpen) open.push_back(segment.frames);
+    const std::vector<VideoCut> cuts = segments_.CutsOf(VideosOf(store).at(0).id).value();
+    for (const VideoCut& cut : cuts) {
+      for (const Segment& segment : cut.segments) {
+        if (segment.state == SegmentState::kOpen) open.push_back(segment.frames);
+      }
     }
     return open;
   }
@@ -85,18 +87,18 @@ TEST_F(IndexerSegmentsTest, GiveWhatOnePassGives) {
       options_.follow.enabled = follow;
       const auto store = flight_.Store("segments.db");
       const Indexer indexer = MakeIndexer(flight_.Models());
-      EXPECT_TRUE(Begin(indexer, *store).is_waiting);
+      EXPECT_TRUE(Begin(indexer, *store).waits_for);
       EXPECT_THAT(OpenSegments(*store), SizeIs(4)) << "of a second each";
-      EXPECT_TRUE(Begin(indexer, *store).is_waiting) << "until they are searched";
+      EXPECT_TRUE(Begin(indexer, *store).waits_for) << "until they are searched";
       SearchAll(indexer, *store);
       const SegmentedReport end = Begin(indexer, *store);
-      EXPECT_FALSE(end.is_waiting);
+      EXPECT_FALSE(end.waits_for);
       const std::string contents = Contents(*store);
       EXPECT_EQ(contents, OnePass(flight_.Models())) << every << (follow ? ", followed" : "");
       EXPECT_THAT(contents, HasSubstr("finished"));
       const auto one = flight_.Store("one.db");
       EXPECT_EQ(store->FindSearch(1, 1).value()->options_json, one->FindSearch(1, 1).value()->options_json);
-      EXPECT_EQ(segments_.Find(1).value(), std::nullopt);
+      EXPECT_THAT(segments_.CutsOf(1).value(), SizeIs(0));
       std::filesystem::remove(flight_ / "segments.db");
       std::filesystem::remove(flight_ / "one.db");
     }
@@ -107,7 +109,7 @@ TEST_F(IndexerSegmentsTest, ShortVideoIsIndexedAtOnce) {
   const auto store = flight_.Store("segments.db");
   const auto report =
       MakeIndexer(flight_.Models()).IndexBySegments(Job(), 60, CancelToken(), *store, segments_).value();
-  EXPECT_FALSE(report.is_waiting);
+  EXPECT_FALSE(report.waits_for);
   EXPECT_EQ(report.index.frames_searched, 19) << "one each 0.3 s, and where the tracks restart";
   EXPECT_EQ(Contents(*store), OnePass(flight_.Models()));
 }
@@ -126,12 +128,12 @@ TEST_F(IndexerSegmentsTest, InterruptedPassAndJoinGoOn) {
   EXPECT_GT(next_frame, 0);
   EXPECT_LT(next_frame, 40);
   const double segment_s = 0.5;
-  ASSERT_TRUE(indexer.IndexBySegments(Job(), segment_s, CancelToken(), *store, segments_)->is_waiting);
+  ASSERT_TRUE(indexer.IndexBySegments(Job(), segment_s, CancelToken(), *store, segments_)->waits_for);
   EXPECT_LE(OpenSegments(*store).front().from, next_frame);
   SearchAll(indexer, *store);
   commits = 1;
   EXPECT_FALSE(indexer.IndexBySegments(Job(), segment_s, CancelToken(), failing, segments_));
-  EXPECT_FALSE(indexer.IndexBySegments(Job(), segment_s, CancelToken(), *store, segments_)->is_waiting);
+  EXPECT_FALSE(indexer.IndexBySegments(Job(), segment_s, CancelToken(), *store, segments_)->waits_for);
   EXPECT_EQ(Contents(*store), OnePass(flight_.Models()));
 }
 
@@ -139,10 +141,10 @@ TEST_F(IndexerSegmentsTest, NewModelIsSearchedAlone) {
   const auto store = flight_.Store("segments.db");
   const auto index = [&](const std::vector<ObjectModel>& models) {
     const Indexer indexer = MakeIndexer(models);
-    ASSERT_TRUE(Begin(indexer, *store).is_waiting);
+    ASSERT_TRUE(Begin(indexer, *store).waits_for);
     SearchAll(indexer, *store);
-    ASSERT_FALSE(Begin(indexer, *store).is_waiting);
-    ASSERT_FALSE(Begin(indexer, *store).is_waiting) << "nothing is left to do";
+    ASSERT_FALSE(Begin(indexer, *store).waits_for);
+    ASSERT_FALSE(Begin(indexer, *store).waits_for) << "nothing is left to do";
   };
   index({flight_.Model(0)});
   index(flight_.Models());
@@ -152,28 +154,51 @@ TEST_F(IndexerSegmentsTest, NewModelIsSearchedAlone) {
   EXPECT_EQ(Contents(*store), Contents(*one));
 }
 
-TEST_F(IndexerSegmentsTest, OtherModelsOrFramesAreRefused) {
+// They are left: their task has nothing to do any more.
+TEST_F(IndexerSegmentsTest, OtherModelsOrFramesAreNoSegment) {
   const auto store = flight_.Store("segments.db");
   const Indexer indexer = MakeIndexer(flight_.Models());
-  ASSERT_TRUE(Begin(indexer, *store).is_waiting);
-  const auto refused = indexer.IndexSegment(Job(), {0, 11}, CancelToken(), *store, segments_);
-  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
-  EXPECT_THAT(refused.error().message, HasSubstr("frames 0 to 10"));
+  ASSERT_TRUE(Begin(indexer, *store).waits_for);
+  std::string said;
+  IndexJob job = Job();
+  job.inform = [&](const std::string& text) { said = text; };
+  EXPECT_EQ(indexer.IndexSegment(job, {0, 11}, CancelToken(), *store, segments_)->frames_searched, 0);
+  EXPECT_THAT(said, HasSubstr("frames 0 to 10"));
   const auto other = MakeIndexer({flight_.Model(0)}).IndexSegment(Job(), {0, 10}, CancelToken(), *store, segments_);
-  EXPECT_EQ(other.error().code, ErrorCode::kConflict);
-  EXPECT_TRUE(indexer.IndexSegment(Job(), {0, 10}, CancelToken(), *store, segments_));
+  EXPECT_EQ(other->frames_searched, 0);
+  EXPECT_THAT(OpenSegments(*store), SizeIs(4));
+  EXPECT_GT(indexer.IndexSegment(Job(), {0, 10}, CancelToken(), *store, segments_)->frames_searched, 0);
   const auto again = indexer.IndexSegment(Job(), {0, 10}, CancelToken(), *store, segments_);
   EXPECT_EQ(again->frames_searched, 0) << "it is done";
+}
+
+// Two tasks search one video for different models at the same time, each by its own cut.
+TEST_F(IndexerSegmentsTest, SearchesForDifferentModelsDoNotDisturbEachOther) {
+  const auto store = flight_.Store("segments.db");
+  const Indexer first = MakeIndexer({flight_.Model(0)});
+  const Indexer second = MakeIndexer({flight_.Model(1)});
+  ASSERT_TRUE(Begin(first, *store).waits_for);
+  ASSERT_TRUE(Begin(second, *store).waits_for);
+  EXPECT_THAT(OpenSegments(*store), SizeIs(8));
+  SearchAll(first, *store);
+  EXPECT_THAT(OpenSegments(*store), SizeIs(4));
+  EXPECT_FALSE(Begin(first, *store).waits_for);
+  SearchAll(second, *store);
+  EXPECT_FALSE(Begin(second, *store).waits_for);
+  const auto one = flight_.Store("one.db");
+  ASSERT_TRUE(first.Index(Job(), CancelToken(), *one));
+  ASSERT_TRUE(second.Index(Job(), CancelToken(), *one));
+  EXPECT_EQ(Contents(*store), Contents(*one));
 }
 
 // The rest is what one pass finds there; the gap is told.
 TEST_F(IndexerSegmentsTest, QuarantinedSegmentIsAGap) {
   const auto store = flight_.Store("segments.db");
   const Indexer indexer = MakeIndexer(flight_.Models());
-  ASSERT_TRUE(Begin(indexer, *store).is_waiting);
-  ASSERT_TRUE(segments_.GiveUp(1, {10, 20}, "signal 11"));
+  ASSERT_TRUE(Begin(indexer, *store).waits_for);
+  ASSERT_TRUE(segments_.GiveUp(segments_.CutsOf(1).value().at(0).id, {10, 20}, "signal 11"));
   SearchAll(indexer, *store);
-  ASSERT_FALSE(Begin(indexer, *store).is_waiting);
+  ASSERT_FALSE(Begin(indexer, *store).waits_for);
   const std::vector<CoverageGap> gaps = segments_.Gaps().value();
   ASSERT_THAT(gaps, SizeIs(1));
   EXPECT_EQ(gaps[0].frames, (FrameInterval{10, 20}));
@@ -204,12 +229,12 @@ TEST_F(IndexerSegmentsTest, DamagedVideoIsIndexedAsAWhole) {
   ASSERT_TRUE(WriteFileAtomically(flight_.video(), bytes));
   const auto store = flight_.Store("segments.db");
   const Indexer indexer = MakeIndexer(flight_.Models());
-  if (Begin(indexer, *store).is_waiting) {
+  if (Begin(indexer, *store).waits_for) {
     SearchAll(indexer, *store);
-    EXPECT_TRUE(segments_.Find(1).value()->is_whole);
-    EXPECT_FALSE(Begin(indexer, *store).is_waiting);
+    EXPECT_TRUE(segments_.CutsOf(1).value().at(0).is_whole);
+    EXPECT_FALSE(Begin(indexer, *store).waits_for);
   }
-  EXPECT_EQ(segments_.Find(1).value(), std::nullopt);
+  EXPECT_THAT(segments_.CutsOf(1).value(), SizeIs(0));
   EXPECT_EQ(Contents(*store), OnePass(flight_.Models()));
 }
 

@@ -1,5 +1,6 @@
 // The segments of videos that several workers search at once. A video is prepared once and cut into segments of frames;
-// each is searched by itself, in any order; then their results are joined in the order of frames (pipeline/segments.h).
+// each is searched by itself, in any order; then their results are joined in the order of frames
+// (pipeline/indexer_segments.cc). Searches for other models cut the same video by themselves.
 //
 //   Put ---> open --Complete--> done --------> VisitResults, Finish
 //             |                                    ^
@@ -45,13 +46,16 @@ struct Segment {
   bool operator==(const Segment&) const = default;
 };
 
-/// A video that is cut.
+/// A video that is cut for the search for some models.
 struct VideoCut {
+  std::int64_t id = 0;  ///< assigned by the store, never given again
   std::int64_t video = 0;
   std::string plan;       ///< what is searched for and how, and by which build: one text for each
   std::int64_t step = 1;  ///< frames between the places where a segment may be cut
   bool is_whole = false;  ///< its frames are not those that its container lists: one process must search it
   std::vector<Segment> segments = {};  ///< by frame, without a gap
+
+  bool operator==(const VideoCut&) const = default;
 };
 
 /// No segment is cut shorter, frames.
@@ -73,36 +77,40 @@ class SegmentStore {
  public:
   virtual ~SegmentStore() = default;
 
-  /// Stores a cut in place of the video's present one. Without effect if that has the same plan.
+  /// Stores a cut, in place of those of other plans that search the video for one of these models: their tasks are out
+  /// of date. Without effect if there is one of the same plan. Returns the id.
+  /// @param models    that are searched for
   /// @param prepared  what each segment needs to know of the video
-  [[nodiscard]] virtual Status Put(const VideoCut& cut, std::span<const std::byte> prepared) = 0;
+  [[nodiscard]] virtual Expected<std::int64_t> Put(const VideoCut& cut, std::span<const std::int64_t> models,
+                                                   std::span<const std::byte> prepared) = 0;
 
-  /// The cut of a video; std::nullopt if it has none.
-  [[nodiscard]] virtual Expected<std::optional<VideoCut>> Find(std::int64_t video) = 0;
+  /// std::nullopt: it is finished, or was replaced.
+  [[nodiscard]] virtual Expected<std::optional<VideoCut>> Find(std::int64_t cut) = 0;
 
-  /// What was prepared for the video's segments. Error: kNotFound without a cut.
-  [[nodiscard]] virtual Expected<std::vector<std::byte>> Prepared(std::int64_t video) = 0;
+  /// The cuts of a video, by id.
+  [[nodiscard]] virtual Expected<std::vector<VideoCut>> CutsOf(std::int64_t video) = 0;
 
-  /// Stores the results of a segment: it is done. Without effect if it is done already. Error: kConflict if the cut has
-  /// another plan now, or no such segment.
-  [[nodiscard]] virtual Status Complete(std::int64_t video, const std::string& plan, FrameInterval frames,
-                                        std::span<const std::byte> results) = 0;
+  /// What was prepared for the segments. Error: kNotFound without the cut.
+  [[nodiscard]] virtual Expected<std::vector<std::byte>> Prepared(std::int64_t cut) = 0;
 
-  /// Visits the results of the segments that are done, by frame.
+  /// Stores the results of a segment: it is done. Without effect if it is done already. Error: kNotFound without the
+  /// cut or the segment.
+  [[nodiscard]] virtual Status Complete(std::int64_t cut, FrameInterval frames, std::span<const std::byte> results) = 0;
+
+  /// Visits the results of the segments that are done, by frame. Error: kNotFound without the cut, at the end, too.
   [[nodiscard]] virtual Status VisitResults(
-      std::int64_t video, const std::function<Status(FrameInterval, std::span<const std::byte>)>& visit) = 0;
+      std::int64_t cut, const std::function<Status(FrameInterval, std::span<const std::byte>)>& visit) = 0;
 
   /// Says that one process must search the video as a whole.
-  [[nodiscard]] virtual Status SetWhole(std::int64_t video, const std::string& plan) = 0;
+  [[nodiscard]] virtual Status SetWhole(std::int64_t cut) = 0;
 
   /// Gives up an open segment that kills who searches it: cuts it in halves, at a multiple of the cut's step; one of
   /// less than two steps, or of kMinSegmentFrames or less, is quarantined. Without effect on any other segment.
-  [[nodiscard]] virtual Status GiveUp(std::int64_t video, FrameInterval frames, const std::string& reason) = 0;
+  [[nodiscard]] virtual Status GiveUp(std::int64_t cut, FrameInterval frames, const std::string& reason) = 0;
 
-  /// Deletes the cut, and stores the gaps of the searches for these models, in place of their former ones, in one
-  /// transaction. A gap is deleted with its search. Without effect if the cut has another plan now.
-  [[nodiscard]] virtual Status Finish(std::int64_t video, const std::string& plan, std::span<const std::int64_t> models,
-                                      std::span<const CoverageGap> gaps) = 0;
+  /// Deletes the cut, and stores the gaps of the searches for its models, in place of their former ones, in one
+  /// transaction. A gap is deleted with its search. Without effect if the cut is not there any more.
+  [[nodiscard]] virtual Status Finish(std::int64_t cut, std::span<const CoverageGap> gaps) = 0;
 
   /// The stored gaps of all videos, by video and frame; a gap of several models once.
   [[nodiscard]] virtual Expected<std::vector<CoverageGap>> Gaps() = 0;

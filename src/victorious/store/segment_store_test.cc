@@ -47,15 +47,21 @@ class SegmentStoreTest : public ::testing::TestWithParam<bool> {
             .segments = {{{0, 240}, SegmentState::kOpen, ""}, {{240, 340}, SegmentState::kOpen, ""}}};
   }
 
-  std::vector<Segment> Segments() { return segments_->Find(video_).value()->segments; }
+  // Returns its id.
+  std::int64_t Put(const VideoCut& cut, std::string_view prepared = "") {
+    const auto id = segments_->Put(cut, std::span(&model_, 1), Bytes(prepared));
+    EXPECT_TRUE(id) << id.error().message;
+    return id.value_or(0);
+  }
 
-  std::vector<std::string> Results() {
+  std::vector<Segment> Segments(std::int64_t cut) { return segments_->Find(cut).value()->segments; }
+
+  std::vector<std::string> Results(std::int64_t cut) {
     std::vector<std::string> all;
-    EXPECT_TRUE(
-        segments_->VisitResults(video_, [&](FrameInterval frames, std::span<const std::byte> results) -> Status {
-          all.push_back(std::to_string(frames.from) + " " + Text(results));
-          return {};
-        }));
+    EXPECT_TRUE(segments_->VisitResults(cut, [&](FrameInterval frames, std::span<const std::byte> results) -> Status {
+      all.push_back(std::to_string(frames.from) + " " + Text(results));
+      return {};
+    }));
     return all;
   }
 
@@ -66,51 +72,80 @@ class SegmentStoreTest : public ::testing::TestWithParam<bool> {
 };
 
 TEST_P(SegmentStoreTest, ResultsComeInTheOrderOfFrames) {
-  ASSERT_TRUE(segments_->Put(TwoSegments(), Bytes("prepared")));
-  EXPECT_EQ(Text(segments_->Prepared(video_).value()), "prepared");
-  EXPECT_EQ(segments_->Find(video_).value()->step, 60);
-  ASSERT_TRUE(segments_->Complete(video_, "plan", {240, 340}, Bytes("late")));
-  EXPECT_THAT(Segments(),
+  const std::int64_t cut = Put(TwoSegments(), "prepared");
+  EXPECT_EQ(Text(segments_->Prepared(cut).value()), "prepared");
+  EXPECT_EQ(segments_->Find(cut).value()->step, 60);
+  ASSERT_TRUE(segments_->Complete(cut, {240, 340}, Bytes("late")));
+  EXPECT_THAT(Segments(cut),
               ElementsAre(Segment{{0, 240}, SegmentState::kOpen, ""}, Segment{{240, 340}, SegmentState::kDone, ""}));
-  ASSERT_TRUE(segments_->Complete(video_, "plan", {0, 240}, Bytes(std::string("\0early", 6))));
-  EXPECT_THAT(Results(), ElementsAre(std::string("0 \0early", 8), "240 late"));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes(std::string("\0early", 6))));
+  EXPECT_THAT(Results(cut), ElementsAre(std::string("0 \0early", 8), "240 late"));
 }
 
 TEST_P(SegmentStoreTest, EachSegmentIsDoneOnce) {
-  ASSERT_TRUE(segments_->Put(TwoSegments(), {}));
-  ASSERT_TRUE(segments_->Complete(video_, "plan", {0, 240}, Bytes("first")));
-  ASSERT_TRUE(segments_->Complete(video_, "plan", {0, 240}, Bytes("second")));
-  EXPECT_THAT(Results(), ElementsAre("0 first"));
-  EXPECT_EQ(segments_->Complete(video_, "plan", {0, 120}, {}).error().code, ErrorCode::kConflict);
-  EXPECT_EQ(segments_->Complete(video_, "other", {240, 340}, {}).error().code, ErrorCode::kConflict);
+  const std::int64_t cut = Put(TwoSegments());
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("first")));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("second")));
+  EXPECT_THAT(Results(cut), ElementsAre("0 first"));
+  EXPECT_EQ(segments_->Complete(cut, {0, 120}, {}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(segments_->Complete(cut + 1, {240, 340}, {}).error().code, ErrorCode::kNotFound);
 }
 
 // A process that stood still puts its cut again.
 TEST_P(SegmentStoreTest, SameCutStays) {
-  ASSERT_TRUE(segments_->Put(TwoSegments(), Bytes("a")));
-  ASSERT_TRUE(segments_->Complete(video_, "plan", {0, 240}, Bytes("x")));
-  ASSERT_TRUE(segments_->Put(TwoSegments(), Bytes("b")));
-  EXPECT_EQ(Text(segments_->Prepared(video_).value()), "a");
-  EXPECT_THAT(Results(), ElementsAre("0 x"));
-  ASSERT_TRUE(segments_->Put(TwoSegments("other"), Bytes("c")));
-  EXPECT_EQ(Text(segments_->Prepared(video_).value()), "c");
-  EXPECT_THAT(Results(), IsEmpty());
+  const std::int64_t cut = Put(TwoSegments(), "a");
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("x")));
+  EXPECT_EQ(Put(TwoSegments(), "b"), cut);
+  EXPECT_EQ(Text(segments_->Prepared(cut).value()), "a");
+  EXPECT_THAT(Results(cut), ElementsAre("0 x"));
+}
+
+// Another build, or a model of other content under the same name: what was found before is out of date.
+TEST_P(SegmentStoreTest, AnotherPlanForTheSameModelTakesItsPlace) {
+  const std::int64_t cut = Put(TwoSegments(), "a");
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("x")));
+  const std::int64_t other = Put(TwoSegments("other"), "c");
+  EXPECT_NE(other, cut);
+  EXPECT_EQ(Text(segments_->Prepared(other).value()), "c");
+  EXPECT_THAT(Results(other), IsEmpty());
+  EXPECT_EQ(segments_->Find(cut).value(), std::nullopt);
+  EXPECT_EQ(segments_->Complete(cut, {240, 340}, {}).error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(segments_->GiveUp(cut, {240, 340}, "signal 11"));
+  EXPECT_EQ(Segments(other).back().state, SegmentState::kOpen);
+  const auto visit = [](FrameInterval, std::span<const std::byte>) { return Status(); };
+  EXPECT_EQ(segments_->VisitResults(cut, visit).error().code, ErrorCode::kNotFound);
+}
+
+TEST_P(SegmentStoreTest, SearchesForOtherModelsAreCutBesides) {
+  const std::int64_t cut = Put(TwoSegments(), "a");
+  const std::int64_t other_model = model_ + 1;
+  const auto other = segments_->Put(TwoSegments("other"), std::span(&other_model, 1), Bytes("c"));
+  ASSERT_TRUE(other) << other.error().message;
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("x")));
+  EXPECT_THAT(Results(cut), ElementsAre("0 x"));
+  EXPECT_THAT(Results(*other), IsEmpty());
+  const std::vector<VideoCut> both = segments_->CutsOf(video_).value();
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(both[0].id, cut);
+  EXPECT_EQ(both[1].plan, "other");
+  ASSERT_TRUE(segments_->Finish(cut, {}));
+  EXPECT_THAT(segments_->CutsOf(video_).value(), ElementsAre(both[1]));
 }
 
 TEST_P(SegmentStoreTest, GivenUpSegmentIsCutDownToTheSmallest) {
-  ASSERT_TRUE(segments_->Put(TwoSegments(), {}));
+  const std::int64_t cut = Put(TwoSegments());
   for (const FrameInterval frames : {FrameInterval{0, 240}, {120, 240}, {120, 180}, {120, 180}, {0, 240}}) {
-    ASSERT_TRUE(segments_->GiveUp(video_, frames, "signal 11"));
+    ASSERT_TRUE(segments_->GiveUp(cut, frames, "signal 11"));
   }
-  EXPECT_THAT(Segments(),
+  EXPECT_THAT(Segments(cut),
               ElementsAre(Segment{{0, 120}, SegmentState::kOpen, ""},
                           Segment{{120, 180}, SegmentState::kQuarantined, "signal 11"},
                           Segment{{180, 240}, SegmentState::kOpen, ""}, Segment{{240, 340}, SegmentState::kOpen, ""}));
-  ASSERT_TRUE(segments_->GiveUp(video_, {240, 340}, "signal 9"));
-  EXPECT_EQ(Segments().back().frames, (FrameInterval{300, 340}));
-  ASSERT_TRUE(segments_->Complete(video_, "plan", {0, 120}, {}));
-  ASSERT_TRUE(segments_->GiveUp(video_, {0, 120}, "late"));
-  EXPECT_EQ(Segments().front().state, SegmentState::kDone);
+  ASSERT_TRUE(segments_->GiveUp(cut, {240, 340}, "signal 9"));
+  EXPECT_EQ(Segments(cut).back().frames, (FrameInterval{300, 340}));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 120}, {}));
+  ASSERT_TRUE(segments_->GiveUp(cut, {0, 120}, "late"));
+  EXPECT_EQ(Segments(cut).front().state, SegmentState::kDone);
 }
 
 TEST_P(SegmentStoreTest, FinishLeavesTheGaps) {
@@ -125,26 +160,25 @@ TEST_P(SegmentStoreTest, FinishLeavesTheGaps) {
                               .expected_next_frame = 0});
     ASSERT_TRUE(store_->Commit(batch));
   }
-  ASSERT_TRUE(segments_->Put(TwoSegments(), {}));
+  const std::int64_t cut = Put(TwoSegments());
   const CoverageGap gap{.video = video_, .frames = {120, 180}, .from_s = 12, .to_s = 17.9, .reason = "signal 11"};
-  const std::vector<std::int64_t> models = {model_};
-  ASSERT_TRUE(segments_->Finish(video_, "other", models, std::span(&gap, 1)));
+  ASSERT_TRUE(segments_->Finish(cut + 1, std::span(&gap, 1)));
   EXPECT_THAT(segments_->Gaps().value(), IsEmpty());
-  ASSERT_TRUE(segments_->Finish(video_, "plan", models, std::span(&gap, 1)));
+  ASSERT_TRUE(segments_->Finish(cut, std::span(&gap, 1)));
   EXPECT_THAT(segments_->Gaps().value(), ElementsAre(gap));
-  EXPECT_EQ(segments_->Find(video_).value(), std::nullopt);
-  EXPECT_EQ(segments_->Prepared(video_).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(segments_->Find(cut).value(), std::nullopt);
+  EXPECT_EQ(segments_->Prepared(cut).error().code, ErrorCode::kNotFound);
   if (!store_) return;
   ASSERT_TRUE(store_->DeleteSearch(video_, model_));
   EXPECT_THAT(segments_->Gaps().value(), IsEmpty()) << "it is searched again";
 }
 
 TEST_P(SegmentStoreTest, VideoMayHaveToStayWhole) {
-  ASSERT_TRUE(segments_->Put(TwoSegments(), {}));
-  ASSERT_TRUE(segments_->SetWhole(video_, "other"));
-  EXPECT_FALSE(segments_->Find(video_).value()->is_whole);
-  ASSERT_TRUE(segments_->SetWhole(video_, "plan"));
-  EXPECT_TRUE(segments_->Find(video_).value()->is_whole);
+  const std::int64_t cut = Put(TwoSegments());
+  ASSERT_TRUE(segments_->SetWhole(cut + 1));
+  EXPECT_FALSE(segments_->Find(cut).value()->is_whole);
+  ASSERT_TRUE(segments_->SetWhole(cut));
+  EXPECT_TRUE(segments_->Find(cut).value()->is_whole);
 }
 
 INSTANTIATE_TEST_SUITE_P(Memory, SegmentStoreTest, ::testing::Values(false));

@@ -1,21 +1,24 @@
 -- Videos that several workers search at once, segment by segment. docs/formats/index.md describes every table and column.
 
 CREATE TABLE video_cuts (
-  video_id bigint PRIMARY KEY REFERENCES videos (id) ON DELETE CASCADE,
+  id       bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+  video_id bigint NOT NULL REFERENCES videos (id) ON DELETE CASCADE,
+  models   bigint[] NOT NULL,
   plan     text NOT NULL,
   step     bigint NOT NULL,
   is_whole boolean NOT NULL DEFAULT false,
   prepared bytea NOT NULL
 );
+CREATE UNIQUE INDEX video_cuts_by_plan ON video_cuts (video_id, md5(plan));
 
 CREATE TABLE segments (
-  video_id   bigint NOT NULL REFERENCES video_cuts (video_id) ON DELETE CASCADE,
+  cut_id     bigint NOT NULL REFERENCES video_cuts (id) ON DELETE CASCADE,
   from_frame bigint NOT NULL,
   to_frame   bigint NOT NULL,
   state      text NOT NULL DEFAULT 'open' CHECK (state IN ('open', 'done', 'quarantined')),
   reason     text NOT NULL DEFAULT '',
   results    bytea,
-  PRIMARY KEY (video_id, from_frame)
+  PRIMARY KEY (cut_id, from_frame)
 );
 
 -- Frames that were left out of a search. Deleted with it.
