@@ -57,8 +57,8 @@ bool IsMissing(const std::vector<Vector3d>& residuals, const Vector3d& missing, 
 
 std::optional<ContradictedMotion> FindContradiction(const ImageMotions& seen, const CameraTrajectory& cameras) {
   constexpr std::size_t kMinSeconds = 4;
-  constexpr std::array kHeights_m = {10.0,  15.0,  22.0,  33.0,  50.0,   75.0,   110.0, 160.0,
-                                     240.0, 360.0, 540.0, 800.0, 1600.0, 3200.0, 6400.0};
+  constexpr std::array kHeights_m = {1.0,  1.5,   2.2,   3.3,   5.0,   7.0,   10.0,  15.0,   22.0,   33.0,  50.0,
+                                     75.0, 110.0, 160.0, 240.0, 360.0, 540.0, 800.0, 1600.0, 3200.0, 6400.0};
   if (seen.motions.size() < kMinPairs || cameras.states().empty()) return std::nullopt;
   const MotionComparison comparison(seen, cameras);
   const MotionComparison::Poses poses = comparison.PosesAt(0);
@@ -75,7 +75,7 @@ std::optional<ContradictedMotion> FindContradiction(const ImageMotions& seen, co
   if (best.residuals.empty()) return std::nullopt;
   const Vector3d moved = Medians(best.seen);
   const bool differs = IsMissing(best.residuals, missing, moved.norm());
-  // No height of the ground turns the image.
+  // The turn of the image does not depend on the height of the ground.
   std::vector<Vector3d> turns;
   for (const Vector3d& residual : best.residuals) turns.emplace_back(0, 0, residual.z());
   const bool turns_otherwise =

@@ -175,6 +175,9 @@ TEST(EstimateTimeOffset, TheFlightsOwnTelemetryIsNotContradicted) {
   EXPECT_FALSE(FindContradiction(Film(Straight), Recorded(stepping, 0)));
   const auto hovering = [](double time_s) { return Above({0, -60, 110}, 0, -60, 0, time_s); };
   EXPECT_FALSE(FindContradiction(Film(hovering), Recorded(hovering, 0)));
+  // Just after take-off: the ground is nearer than in any survey.
+  const auto low = [](double time_s) { return Above({0.5 * time_s, -60, 2}, 0, -60, 0, time_s); };
+  EXPECT_FALSE(FindContradiction(Film(low), Recorded(low, 0)));
 }
 
 TEST(EstimateTimeOffset, PeriodicMotionIsAmbiguous) {

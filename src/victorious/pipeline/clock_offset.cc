@@ -77,9 +77,9 @@ std::optional<std::string> DescribeContradiction(const TimeOffset& offset) {
                        std::abs(px_s.z()), px_s.z() < 0 ? "anticlockwise" : "clockwise");
   };
   return fmt::format(
-      "telemetry: it belongs to another flight, and is not used: nothing will get a place. The image moves by {}, by "
-      "the "
-      "telemetry by {} at most; telemetry.time_offset_s, if given, keeps it",
+      "telemetry: contradicts the image, as that of another flight does, and is not used: nothing will get a place. "
+      "The "
+      "image moves by {}, by the telemetry by {} at most; telemetry.time_offset_s, if given, keeps it",
       describe(offset.contradicted->seen_px_s), describe(offset.contradicted->predicted_px_s));
 }
 

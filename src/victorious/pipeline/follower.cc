@@ -52,6 +52,14 @@ std::vector<TrackStep>::iterator FindMatchingStep(const Box& box, std::vector<Tr
   return best != steps.end() && overlap(*best) >= min_overlap ? best : steps.end();
 }
 
+FeatureSet WithoutDescriptors(const FeatureSet& features) {
+  return {.keypoints = features.keypoints,
+          .descriptors = {},
+          .image_width = features.image_width,
+          .image_height = features.image_height,
+          .part = features.part};
+}
+
 }  // namespace
 
 Expected<Follower> Follower::Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
@@ -106,7 +114,7 @@ bool Follower::IsSearchDue(const TrackStep& step, const Frame& frame) const {
 // Assigns a detection of a full-frame search to an open step of the same model, or starts a track.
 ObservedObject Follower::AssignToTrack(const Detection& detection, const FeatureSet& features, std::int64_t frame,
                                        std::vector<TrackStep>& open) {
-  ObservedObject seen{.detection = detection, .features = features, .track = {}};
+  ObservedObject seen{.detection = detection, .features = WithoutDescriptors(features), .track = {}};
   std::vector<TrackStep> alike;
   std::ranges::copy_if(open, std::back_inserter(alike), [&](const TrackStep& step) {
     return tracks_.at(step.track).last.model_index == detection.model_index;
@@ -206,7 +214,7 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
     if (IsSearchDue(region.step, frame)) tracks_.at(track).searched_frame = frame.index;
     ObservedObject next{};
     if (region.found) {
-      next = {.detection = *std::move(region.found), .features = *std::move(region.features)};
+      next = {.detection = *std::move(region.found), .features = WithoutDescriptors(*region.features)};
     } else if (region.step.seen() && tracks_.at(track).recognised >= options_.min_recognised_frames) {
       next = MakeTrackedObject(region.step, frame);
     } else {

@@ -44,7 +44,8 @@ struct FollowOptions {
 /// An object in one frame, detected or tracked.
 struct ObservedObject {
   Detection detection;  ///< if tracked: the last detection, moved to this frame, with the tracked points as its inliers
-  FeatureSet features;  ///< features that the detection's matches index; if tracked: points without descriptors
+  /// The keypoints that the detection's matches index, without descriptors: objects of many frames are held.
+  FeatureSet features;
   std::optional<std::int64_t> track;  ///< track id, unique within the video; std::nullopt if no track could be started
   int followed_frames = 0;            ///< frames since the last recognition; 0: recognised in this frame
   bool starts_track = false;          ///< a detection of the full-frame search that no track explained

@@ -62,4 +62,8 @@ SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo
   return {.models = static_cast<int>(std::lround(frames)), .categories = 1};
 }
 
+bool IsFullSearchFrame(std::int64_t frame, int interval, const FollowOptions& options) {
+  return frame % interval == 0 || (options.enabled && frame % options.restart_interval_frames == 0);
+}
+
 }  // namespace victorious

@@ -77,4 +77,7 @@ struct SearchIntervals {
 /// those of a search without tracking.
 [[nodiscard]] SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info);
 
+/// True if a frame is searched as a whole: one each `interval` frames, and those where tracks restart.
+[[nodiscard]] bool IsFullSearchFrame(std::int64_t frame, int interval, const FollowOptions& options);
+
 }  // namespace victorious

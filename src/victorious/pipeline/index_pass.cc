@@ -84,8 +84,9 @@ class FrameSelector {
     if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
     const std::int64_t index = frame.index;
     const bool is_first_wanted = pass_.from_s && !std::exchange(has_started_, true);
-    const bool whole = is_first_wanted || IsDue(index, pass_.intervals.models);
-    const bool classify = pass_.categories != nullptr && IsDue(index, pass_.intervals.categories);
+    const bool whole = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.options.follow);
+    const bool classify =
+        pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.options.follow);
     const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);
     if (index < first_frame_ || (!whole && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
@@ -101,12 +102,6 @@ class FrameSelector {
   }
 
  private:
-  // Tracks restart with a full-frame search.
-  [[nodiscard]] bool IsDue(std::int64_t index, int interval) const {
-    const FollowOptions& follow = pass_.options.follow;
-    return index % interval == 0 || (follow.enabled && index % follow.restart_interval_frames == 0);
-  }
-
   KeptFrameSelector kept_frames_;
   const IndexPass& pass_;
   std::int64_t next_frame_;

@@ -1,6 +1,8 @@
 #include "victorious/pipeline/review_marks.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -15,19 +17,25 @@ Expected<std::vector<ReviewMark>> ListReviewMarks(IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ReviewedObject> reviews, store.Reviews());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects({.include_rejected = true}));
+  std::map<std::int64_t, const ModelRecord*> category_of;  // by object
+  for (const ObjectRecord& object : objects) {
+    const auto model = std::ranges::find(models, object.model, &ModelRecord::id);
+    if (model != models.end() && model->IsCategory()) category_of[object.id] = &*model;
+  }
   std::vector<ReviewMark> marks;
   for (const ReviewedObject& one : reviews) {
-    if (!one.review.verdict) continue;
+    const auto category = category_of.find(one.object);
+    if (!one.review.verdict || category == category_of.end()) continue;
     std::optional<SightingRecord> best;
     VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.object = one.object}, [&](SightingRecord&& sighting) {
       if (!best || sighting.score > best->score) best = std::move(sighting);
       return true;
     }));
     if (!best) continue;
-    const auto model = std::ranges::find(models, best->model, &ModelRecord::id);
     const auto video = std::ranges::find(videos, best->video, &VideoRecord::id);
-    if (model == models.end() || video == videos.end() || !model->IsCategory()) continue;
-    marks.push_back({.category = model->name,
+    if (video == videos.end()) continue;
+    marks.push_back({.category = category->second->name,
                      .is_right = *one.review.verdict == Verdict::kAccepted,
                      .video = *video,
                      .time_s = best->time_s});

@@ -36,10 +36,9 @@ Expected<IndexOptions> ParseSearchOptions(const std::string& options_json) {
               "evidence");
 }
 
-// True if a search with these options searches the whole of the frame.
+// True if a search with these options searches the whole of the frame; without tracking it searches no other frames.
 bool IsWholeFrame(std::int64_t frame, const IndexOptions& options) {
-  return !options.follow.enabled || frame % std::max(1, options.every) == 0 ||
-         frame % options.follow.restart_interval_frames == 0;
+  return !options.follow.enabled || IsFullSearchFrame(frame, std::max(1, options.every), options.follow);
 }
 
 // The features that the sighting was searched for in: of the whole frame, or of the region around it.

@@ -13,13 +13,14 @@ namespace {
 
 Error Cancelled(const std::string& source) { return {ErrorCode::kCancelled, source + ": cancelled"}; }
 
-// The stamps of all packets whose frames are presented, in presentation order; empty if one is missing or repeated, or
-// a packet cannot be read.
+// Presentation time stamps, in the time base of the stream.
 struct Stamps {
   std::vector<std::int64_t> all;
-  std::vector<std::int64_t> key;
+  std::vector<std::int64_t> key;  // of key frames
 };
 
+// The stamps of all packets whose frames are presented, in presentation order; empty if one is missing or repeated, or
+// a packet cannot be read.
 Stamps ReadStamps(Demuxer& demuxer, const CancelToken& cancel) {
   const int video = demuxer.video().index;
   demuxer.KeepStreams([&](const AVStream& stream) { return stream.index == video; });

@@ -7,7 +7,7 @@ export type BaseKind = "land" | "green" | "water" | "building" | "boundary" | "r
 const NAMES: [RegExp, BaseKind][] = [
   [/bound|border|admin/i, "boundary"],
   [/building|housenum/i, "building"],
-  [/water|ocean|sea|lake|river|ocean/i, "water"],
+  [/water|ocean|sea|lake|river/i, "water"],
   [/road|street|transport|highway|rail|path|bridge|ferr/i, "road"],
   [/land_?use|land_?cover|park|natural|wood|forest|site/i, "green"],
   [/^(earth|land)$/i, "land"],

@@ -48,7 +48,7 @@ export async function loadBaseMap(described: Described, addProtocol: AddProtocol
 /** @param token  the value of a colour of tokens.css */
 export function baseLayers(base: BaseMap, token: (name: string) => string, isDark: boolean): LayerSpecification[] {
   if (base.source.type === "raster") {
-    // Maps are bright: in the dark, less so, that what is found stands out.
+    // In the dark theme images are dimmed, so that objects stand out.
     const paint = { "raster-fade-duration": 0, "raster-brightness-max": isDark ? 0.6 : 1, "raster-saturation": isDark ? -0.4 : 0 };
     return [{ id: "base", type: "raster", source: "base", paint }];
   }

@@ -198,7 +198,7 @@ function connect(map: MapLibre): (() => void)[] {
   let isBaseMissed = false;
   map.on("error", ({ error, sourceId }: { error: Error & { status?: number }; sourceId?: string }) => {
     if (sourceId === "base") {
-      // A server has no tile where it knows nothing; any other failure is said once.
+      // A tile that the server does not have is no failure; any other is reported once.
       if (error.status !== 404 && !isBaseMissed) notices.notify(`The base map has gaps: ${messageOf(error)}`, "error");
       isBaseMissed ||= error.status !== 404;
       return;

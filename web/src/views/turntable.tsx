@@ -217,7 +217,7 @@ function Match({ model, view, sighting, isOwn }: { model: number; view: number; 
         <span>
           <strong>{isOwn ? "This object" : `Object ${sighting.object_id}`}</strong>
           <span class="muted">
-            {formatTime(sighting.time_s)}, {plural(sighting.matches, "match").replace("matchs", "matches")}
+            {formatTime(sighting.time_s)}, {plural(sighting.matches, "match", "matches")}
           </span>
         </span>
       </button>
