@@ -107,7 +107,7 @@ void Score(const ObjectHypothesis& hypothesis, double tests, const ObjectOptions
 }  // namespace
 
 std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
-                                             std::span<const PixelOverlap> overlaps, const SearchCounts& searches,
+                                             std::span<const TrackletOverlap> overlaps, const SearchCounts& searches,
                                              Fits& fits) {
   const ObjectOptions& options = fits.options();
   std::map<std::int64_t, const ObservedTracklet*> by_id;
@@ -156,7 +156,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
     RejectFloating(hypotheses[i], median_heights_m, options, objects[i]);
     Score(hypotheses[i], searches.TestsOf(hypotheses[i]), options, objects[i]);
   }
-  RejectOccluded(objects, by_id, overlaps);
+  RejectOverlapping(objects, by_id, overlaps);
   RejectCoincident(objects, by_id);
   std::ranges::sort(objects, {}, &ObjectRecord::id);
   return objects;
@@ -172,7 +172,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
     pointers.push_back(&tracklet);
     of_video[tracklet.record.video].push_back(&tracklet);
   }
-  std::vector<PixelOverlap> overlaps;
+  std::vector<TrackletOverlap> overlaps;
   for (const auto& [video, of_one] : of_video) std::ranges::copy(FindOverlaps(of_one), std::back_inserter(overlaps));
   Fits fits(options);
   return AssociateTracklets(pointers, overlaps, searches, fits);

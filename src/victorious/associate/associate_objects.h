@@ -41,7 +41,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
 /// @param tracklets  by id, with their summaries; content only as far as `fits` needs it
 /// @param overlaps   of all tracklets
 std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
-                                             std::span<const PixelOverlap> overlaps, const SearchCounts& searches,
+                                             std::span<const TrackletOverlap> overlaps, const SearchCounts& searches,
                                              Fits& fits);
 
 }  // namespace victorious

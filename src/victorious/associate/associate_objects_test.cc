@@ -34,18 +34,43 @@ struct SimulatedTracklet {
   std::optional<double> first_score;  // score of the first frame, if different
   bool is_category = false;           // then there is no range
   double noise_rad = 1e-4;
+  double heading_rad = 1.0;
   double heading_noise_rad = 0.05;
-  double too_large = 1;        // ratio by which the ranges are wrong
-  double camera_from_m = -60;  // east coordinate at frame 0
+  std::optional<Eigen::Vector3d> body_m;  // length, width, height of a CAD model; then its sightings have boxes
+  double too_large = 1;                   // ratio by which the ranges are wrong
+  double camera_from_m = -60;             // east coordinate at frame 0
   double camera_speed_m_s = 12;
   Eigen::Vector3d camera_bias_enu{0, 0, 0};  // error of telemetry
 };
+
+// The box of a body in the image of a camera that looks at the origin. Offsets from the origin, m; heading clockwise
+// from north.
+Box BoxOfBody(const Eigen::Vector3d& camera, const Eigen::Vector3d& centre, const Eigen::Vector3d& body_m,
+              double heading_rad) {
+  constexpr double kFocal_px = 2000;
+  const Eigen::Vector3d forward = -camera.normalized();
+  const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  const Eigen::Vector3d down = forward.cross(right);
+  const Eigen::Vector3d front(std::sin(heading_rad), std::cos(heading_rad), 0);
+  const Eigen::Vector3d left(-front.y(), front.x(), 0);
+  Eigen::AlignedBox2d box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d sign((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
+                               (corner & 4) != 0 ? 0.5 : -0.5);
+    const Eigen::Vector3d extent = sign.cwiseProduct(body_m);
+    const Eigen::Vector3d line =
+        centre + extent.x() * front + extent.y() * left + extent.z() * Eigen::Vector3d::UnitZ() - camera;
+    box.extend(Eigen::Vector2d(kFocal_px / line.dot(forward) * Eigen::Vector2d(line.dot(right), line.dot(down))));
+  }
+  return {box.min().x(), box.min().y(), box.sizes().x(), box.sizes().y()};
+}
 
 ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
   Random random(static_cast<std::uint64_t>(seen.id));
   const TangentPlane plane(kOrigin);
   ObservedTracklet tracklet{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
   tracklet.is_category = seen.is_category;
+  tracklet.is_cad_model = seen.body_m.has_value();
   tracklet.record.frames = seen.frames;
   tracklet.record.score = seen.score;
   tracklet.record.first_time_s = kFrameS * seen.first_frame;
@@ -53,8 +78,10 @@ ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
   for (int frame = seen.first_frame; frame < seen.first_frame + seen.frames; ++frame) {
     const double time_s = kFrameS * frame;
     const Eigen::Vector3d camera(seen.camera_from_m + seen.camera_speed_m_s * time_s, -70, 100);
-    const Eigen::Vector3d line = seen.place_enu + time_s * seen.velocity_enu - camera;
+    const Eigen::Vector3d place = seen.place_enu + time_s * seen.velocity_enu;
+    const Eigen::Vector3d line = place - camera;
     tracklet.frames.push_back(frame);
+    if (seen.body_m) tracklet.boxes.push_back(BoxOfBody(camera, place, *seen.body_m, seen.heading_rad));
     tracklet.scores.push_back(frame == seen.first_frame ? seen.first_score.value_or(seen.score) : seen.score);
     BearingObservation observation;
     observation.line = {.time_s = time_s,
@@ -68,8 +95,10 @@ ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
       observation.line.range_m.reset();
       observation.line.sigma_rad = seen.noise_rad;
     }
-    observation.heading_rad = WrapAngle(1.0 + seen.heading_noise_rad * random.Normal() + (frame % 4 == 0 ? kPi : 0));
+    observation.heading_rad =
+        WrapAngle(seen.heading_rad + seen.heading_noise_rad * random.Normal() + (frame % 4 == 0 ? kPi : 0));
     tracklet.observations.push_back(observation);
+    tracklet.observation_frames.push_back(frame);
   }
   return tracklet;
 }
@@ -457,6 +486,72 @@ TEST(AssociateTracklets, OverlappingPhotoModelIsNotRejected) {
   ObservedTracklet photo = MovingBox(1, 12, 50);
   photo.is_cad_model = false;
   EXPECT_THAT(RejectionsOf({photo, MovingBox(2, 30, 50)}), ElementsAre("", ""));
+}
+
+// A lorry of 10 m that drives at 6 m/s across the view; and another one beside it, `ahead` and `right` of its centre.
+constexpr double kLorryHeading_rad = 2.3;
+
+SimulatedTracklet Lorry(std::int64_t id, double ahead_m = 0, double right_m = 0, double turned_rad = 0) {
+  const Eigen::Vector3d front(std::sin(kLorryHeading_rad), std::cos(kLorryHeading_rad), 0);
+  const Eigen::Vector3d right(front.y(), -front.x(), 0);
+  return {.id = id,
+          .place_enu = ahead_m * front + right_m * right + Eigen::Vector3d::UnitZ(),
+          .velocity_enu = 6 * front,
+          .heading_rad = kLorryHeading_rad + turned_rad,
+          .body_m = Eigen::Vector3d(10, 2.5, 3)};
+}
+
+std::vector<std::string> RejectionsOf(const std::vector<SimulatedTracklet>& simulated) {
+  std::vector<std::string> rejections;
+  for (const ObjectRecord& object : ObjectsFrom(simulated)) rejections.push_back(object.rejected);
+  return rejections;
+}
+
+// Half of a lorry looks like the other half, turned: the same tank, or windows, reported once more.
+TEST(AssociateTracklets, OfTwoObjectsInTheSameSpaceTheOneWithLessEvidenceIsRejected) {
+  SimulatedTracklet turned = Lorry(2, -6.5, 0.2, kPi);
+  turned.score = 0.96;
+  turned.first_frame = 5;
+  turned.frames = 12;
+  EXPECT_THAT(RejectionsOf({Lorry(1), turned}), ElementsAre("", "in the same space as object 1"));
+  SimulatedTracklet parked = Lorry(1);
+  parked.velocity_enu.setZero();
+  turned.velocity_enu.setZero();
+  EXPECT_THAT(RejectionsOf({parked, turned}), ElementsAre("", "in the same space as object 1")) << "neither drives";
+  SimulatedTracklet brief = parked;
+  brief.frames = 10;
+  turned.first_frame = 0;
+  EXPECT_THAT(RejectionsOf({brief, turned}), ElementsAre("", "in the same space as object 1"))
+      << "the weaker one is seen in more frames";
+}
+
+TEST(AssociateTracklets, VehiclesSideBySideOrInARowStayTwo) {
+  EXPECT_THAT(RejectionsOf({Lorry(1), Lorry(2, 0, 2.8)}), ElementsAre("", "")) << "one partly behind the other";
+  EXPECT_THAT(RejectionsOf({Lorry(1), Lorry(2, -4, -2.8, kPi)}), ElementsAre("", "")) << "turned, beside it";
+  EXPECT_THAT(RejectionsOf({Lorry(1), Lorry(2, -10.5)}), ElementsAre("", "")) << "close behind";
+  SimulatedTracklet oncoming = Lorry(2, 9, 3.2, kPi);
+  oncoming.velocity_enu *= -1;
+  EXPECT_THAT(RejectionsOf({Lorry(1), oncoming}), ElementsAre("", "")) << "it passes";
+}
+
+// Seen from behind, two in a row overlap in the image.
+TEST(AssociateTracklets, ARowSeenFromBehindStaysTwo) {
+  SimulatedTracklet first = Lorry(1);
+  first.heading_rad = 0.5;
+  first.velocity_enu.setZero();
+  SimulatedTracklet second = first;
+  second.id = 2;
+  second.place_enu += 11 * Eigen::Vector3d(std::sin(0.5), std::cos(0.5), 0);
+  EXPECT_THAT(RejectionsOf({first, second}), ElementsAre("", ""));
+}
+
+TEST(AssociateTracklets, OneThatHoversAboveTheOtherStays) {
+  SimulatedTracklet below = Lorry(1);
+  below.velocity_enu.setZero();
+  SimulatedTracklet above = below;
+  above.id = 2;
+  above.place_enu += 30 * Eigen::Vector3d(-42, -70, 100).normalized();
+  EXPECT_THAT(RejectionsOf({below, above}), ElementsAre("", ""));
 }
 
 TEST(AssociateTracklets, CategoriesHaveAPlaceAndRejectNoObject) {

@@ -102,6 +102,7 @@ void KeptFits::DropContent() {
     known.tracklet->scores = {};
     known.tracklet->views = {};
     known.tracklet->observations = {};
+    known.tracklet->observation_frames = {};
   }
   content_ = 0;
 }
@@ -121,6 +122,7 @@ Status KeptFits::ReadContent(const SightingFilter& filter) {
     sighting.observation->recognition_id =
         NextRecognitionId(sighting, observations.empty() ? nullptr : &observations.back(), recognitions_);
     observations.push_back(*std::move(sighting.observation));
+    tracklet.observation_frames.push_back(sighting.frame);
     return true;
   });
 }

@@ -39,7 +39,7 @@ class KeptFits final : public Fits {
   [[nodiscard]] Status AddFlight(std::span<ObservedTracklet> tracklets);
 
   /// Of all flights.
-  [[nodiscard]] const std::vector<PixelOverlap>& overlaps() const { return overlaps_; }
+  [[nodiscard]] const std::vector<TrackletOverlap>& overlaps() const { return overlaps_; }
   [[nodiscard]] const std::map<std::int64_t, FlightErrors>& errors() const { return errors_; }
 
   // After a failure of the store they return an estimate without a place; see status().
@@ -90,7 +90,7 @@ class KeptFits final : public Fits {
   std::unordered_map<FitKey, Entry, KeyHash> entries_;
   std::unordered_map<std::int64_t, Known> known_;  ///< by tracklet
   std::map<std::int64_t, FlightErrors> errors_;    ///< by video
-  std::vector<PixelOverlap> overlaps_;
+  std::vector<TrackletOverlap> overlaps_;
   Status status_;
   std::int64_t recognitions_ = 0;
   std::int64_t content_ = 0;  ///< sightings held

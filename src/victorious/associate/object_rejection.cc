@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "victorious/associate/place_grid.h"
+#include "victorious/associate/same_space.h"
 #include "victorious/base/median.h"
 
 namespace victorious {
@@ -27,6 +28,26 @@ std::int64_t CountOverlappingFrames(const ObservedTracklet& tracklet, const Obse
   return covered;
 }
 
+// Number of frames in which two tracklets of one model are in the same space.
+std::int64_t CountFramesInSameSpace(const ObservedTracklet& first, const ObservedTracklet& second) {
+  const auto box_in = [](const ObservedTracklet& tracklet, std::int64_t frame) {
+    const auto at = std::ranges::lower_bound(tracklet.frames, frame);
+    return tracklet.boxes[static_cast<std::size_t>(at - tracklet.frames.begin())];
+  };
+  std::int64_t frames = 0;
+  auto other = second.observation_frames.begin();
+  for (std::size_t i = 0; i < first.observation_frames.size(); ++i) {
+    const std::int64_t frame = first.observation_frames[i];
+    other = std::lower_bound(other, second.observation_frames.end(), frame);
+    if (other == second.observation_frames.end()) break;
+    if (*other != frame) continue;
+    const auto j = static_cast<std::size_t>(other - second.observation_frames.begin());
+    if (AreInSameSpace(first.observations[i], box_in(first, frame), second.observations[j], box_in(second, frame)))
+      ++frames;
+  }
+  return frames;
+}
+
 std::int64_t CountObjectFrames(const ObjectRecord& object,
                                const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
   std::int64_t frames = 0;
@@ -38,6 +59,21 @@ std::int64_t CountObjectFrames(const ObjectRecord& object,
 bool HasMoreFrames(const ObjectRecord& a, const ObjectRecord& b,
                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
   return std::pair(CountObjectFrames(a, tracklets), -a.id) > std::pair(CountObjectFrames(b, tracklets), -b.id);
+}
+
+double SumEvidence(const ObjectRecord& object, const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+  double log_odds = 0;
+  for (const std::int64_t tracklet : object.tracklets) log_odds += tracklets.at(tracklet)->summary.log_odds;
+  return log_odds;
+}
+
+// Which of two reports of one model in the same space is true: the one with more evidence, of equals that with more
+// frames. The false one may be seen in more frames, where the true one was lost.
+bool HasMoreEvidence(const ObjectRecord& a, const ObjectRecord& b,
+                     const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+  const double of_a = SumEvidence(a, tracklets);
+  const double of_b = SumEvidence(b, tracklets);
+  return of_a != of_b ? of_a > of_b : HasMoreFrames(a, b, tracklets);
 }
 
 // Scores beyond it, and below its complement, have the log odds of it: they stay finite.
@@ -165,28 +201,29 @@ double SumLogOdds(std::span<const double> scores) {
   return sum;
 }
 
-std::vector<PixelOverlap> FindOverlaps(std::span<const ObservedTracklet* const> tracklets) {
-  std::vector<PixelOverlap> overlaps;
+std::vector<TrackletOverlap> FindOverlaps(std::span<const ObservedTracklet* const> tracklets) {
+  std::vector<TrackletOverlap> overlaps;
   for (const ObservedTracklet* first : tracklets) {
     if (!first->is_cad_model || first->frames.empty()) continue;
     for (const ObservedTracklet* second : tracklets) {
       if (second->record.id <= first->record.id || !second->is_cad_model || second->frames.empty()) continue;
-      if (second->record.model == first->record.model) continue;
       if (second->frames.front() > first->frames.back() || first->frames.front() > second->frames.back()) continue;
-      const std::int64_t frames = CountOverlappingFrames(*first, *second, kOcclusionIou);
+      const std::int64_t frames = second->record.model == first->record.model
+                                      ? CountFramesInSameSpace(*first, *second)
+                                      : CountOverlappingFrames(*first, *second, kOcclusionIou);
       if (frames > 0) overlaps.push_back({first->record.id, second->record.id, frames});
     }
   }
   return overlaps;
 }
 
-void RejectOccluded(std::vector<ObjectRecord>& objects,
-                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
-                    std::span<const PixelOverlap> overlaps) {
+void RejectOverlapping(std::vector<ObjectRecord>& objects,
+                       const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
+                       std::span<const TrackletOverlap> overlaps) {
   if (overlaps.empty()) return;
-  std::map<std::int64_t, std::vector<const PixelOverlap*>> of_tracklet;
+  std::map<std::int64_t, std::vector<const TrackletOverlap*>> of_tracklet;
   std::map<std::int64_t, std::size_t> object_of;  // indices into `objects`, by tracklet that overlaps another
-  for (const PixelOverlap& overlap : overlaps) {
+  for (const TrackletOverlap& overlap : overlaps) {
     of_tracklet[overlap.first].push_back(&overlap);
     of_tracklet[overlap.second].push_back(&overlap);
   }
@@ -201,16 +238,18 @@ void RejectOccluded(std::vector<ObjectRecord>& objects,
     for (const std::int64_t tracklet : less.tracklets) {
       const auto found = of_tracklet.find(tracklet);
       if (found == of_tracklet.end()) continue;
-      for (const PixelOverlap* overlap : found->second) {
+      for (const TrackletOverlap* overlap : found->second) {
         const auto by = object_of.find(overlap->first == tracklet ? overlap->second : overlap->first);
         if (by != object_of.end()) covered[by->second] += overlap->frames;
       }
     }
     for (const auto& [other, frames] : covered) {
       const ObjectRecord& more = objects[other];
-      if (!more.rejected.empty() || !HasMoreFrames(more, less, tracklets)) continue;
+      const bool is_same_model = more.model == less.model;
+      if (!more.rejected.empty()) continue;
+      if (is_same_model ? !HasMoreEvidence(more, less, tracklets) : !HasMoreFrames(more, less, tracklets)) continue;
       if (2 * frames < CountObjectFrames(less, tracklets)) continue;
-      less.rejected = fmt::format("in the same pixels as object {}", more.id);
+      less.rejected = fmt::format("in the same {} as object {}", is_same_model ? "space" : "pixels", more.id);
       break;
     }
   }

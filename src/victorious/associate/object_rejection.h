@@ -26,8 +26,9 @@ class HeightStatistics {
 /// Log odds of the scores of recognised sightings: their sum.
 [[nodiscard]] double SumLogOdds(std::span<const double> scores);
 
-/// Two tracklets of one video, of different CAD models, in the same pixels (kOcclusionIou) of some frames.
-struct PixelOverlap {
+/// Two tracklets of CAD models in one video that overlap in some frames: those of different models fill the same pixels
+/// (kOcclusionIou), those of one model the same space (same_space.h).
+struct TrackletOverlap {
   std::int64_t first = 0;  ///< the smaller id
   std::int64_t second = 0;
   std::int64_t frames = 0;  ///< at least 1
@@ -35,7 +36,7 @@ struct PixelOverlap {
 
 /// The overlaps among the tracklets of one video, by id.
 /// @param tracklets  by id, with their content
-[[nodiscard]] std::vector<PixelOverlap> FindOverlaps(std::span<const ObservedTracklet* const> tracklets);
+[[nodiscard]] std::vector<TrackletOverlap> FindOverlaps(std::span<const ObservedTracklet* const> tracklets);
 
 [[nodiscard]] bool IsSizeContradicted(const ObjectPlace& estimate, const ObjectOptions& options);
 
@@ -65,12 +66,14 @@ void RejectPlace(std::string reason, ObjectRecord& object);
 void RejectFloating(const ObjectHypothesis& hypothesis, const std::map<std::int64_t, double>& median_heights_m,
                     const ObjectOptions& options, ObjectRecord& object);
 
-/// Rejects the less-observed of two CAD objects in the same pixels: one would occlude the other.
+/// Rejects the less-observed of two CAD objects of different models in the same pixels, where one would occlude the
+/// other, and of two of one model in the same space the one with less evidence (sum of the log odds of its scores): if
+/// they overlap in half of its frames.
 /// @param tracklets  of all objects, by id
 /// @param overlaps   of all tracklets
-void RejectOccluded(std::vector<ObjectRecord>& objects,
-                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
-                    std::span<const PixelOverlap> overlaps);
+void RejectOverlapping(std::vector<ObjectRecord>& objects,
+                       const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
+                       std::span<const TrackletOverlap> overlaps);
 
 /// Rejects the less-observed of two coincident static objects.
 /// @param tracklets  of all objects, by id

@@ -51,6 +51,7 @@ struct ObservedTracklet {
   std::vector<double> scores;                    ///< scores of the recognised (not tracked) sightings
   std::vector<SightingView> views;               ///< views of those that have one, by time
   std::vector<BearingObservation> observations;  ///< bearing observations, by time; only of sightings that have one
+  std::vector<std::int64_t> observation_frames;  ///< one per observation, ascending
 
   TrackletSummary summary;
 };

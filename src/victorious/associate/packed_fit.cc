@@ -269,7 +269,7 @@ std::vector<std::byte> Pack(const FlightFits& fits) {
     writer.Put(fits.errors.range->objects);
   }
   writer.PutCount(fits.overlaps.size());
-  for (const PixelOverlap& overlap : fits.overlaps) {
+  for (const TrackletOverlap& overlap : fits.overlaps) {
     writer.Put(overlap.first);
     writer.Put(overlap.second);
     writer.Put(overlap.frames);
@@ -291,7 +291,7 @@ std::optional<FlightFits> UnpackFlightFits(std::span<const std::byte> bytes) {
     factor.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
   }
   fits.overlaps.resize(reader.GetSize(kOverlapBytes));
-  for (PixelOverlap& overlap : fits.overlaps) {
+  for (TrackletOverlap& overlap : fits.overlaps) {
     constexpr std::int64_t kMaxId = std::numeric_limits<std::int64_t>::max();
     overlap.first = reader.GetWhole<std::int64_t>(0, kMaxId);
     overlap.second = reader.GetWhole<std::int64_t>(0, kMaxId);

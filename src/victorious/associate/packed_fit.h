@@ -36,7 +36,7 @@ struct HypothesisFits {
 /// What is kept of a flight.
 struct FlightFits {
   FlightErrors errors;
-  std::vector<PixelOverlap> overlaps;
+  std::vector<TrackletOverlap> overlaps;
 };
 
 [[nodiscard]] std::vector<std::byte> Pack(const HypothesisFits& fits);

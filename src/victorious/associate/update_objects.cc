@@ -94,6 +94,7 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
                                      .scores = {},
                                      .views = {},
                                      .observations = {},
+                                     .observation_frames = {},
                                      .summary = {}});
   }
   return flights;

@@ -366,7 +366,7 @@ class DamagedPackedFitTest : public ::testing::Test {
   static bool IsRead(const FlightErrors& errors) {
     return UnpackFlightFits(Pack(FlightFits{.errors = errors, .overlaps = {}})).has_value();
   }
-  static bool IsRead(const PixelOverlap& overlap) {
+  static bool IsRead(const TrackletOverlap& overlap) {
     return UnpackFlightFits(Pack(FlightFits{.errors = {}, .overlaps = {overlap}})).has_value();
   }
 };
@@ -427,11 +427,11 @@ TEST_F(DamagedPackedFitTest, FramesAscend) {
 }
 
 TEST_F(DamagedPackedFitTest, OverlapsAreOfTwoTracklets) {
-  EXPECT_TRUE(IsRead(PixelOverlap{1, 2, 30}));
-  EXPECT_FALSE(IsRead(PixelOverlap{2, 2, 30}));
-  EXPECT_FALSE(IsRead(PixelOverlap{-1, 2, 30}));
-  EXPECT_FALSE(IsRead(PixelOverlap{1, 2, 0}));
-  EXPECT_FALSE(IsRead(PixelOverlap{1, 2, kMax})) << "sums of them overflow";
+  EXPECT_TRUE(IsRead(TrackletOverlap{1, 2, 30}));
+  EXPECT_FALSE(IsRead(TrackletOverlap{2, 2, 30}));
+  EXPECT_FALSE(IsRead(TrackletOverlap{-1, 2, 30}));
+  EXPECT_FALSE(IsRead(TrackletOverlap{1, 2, 0}));
+  EXPECT_FALSE(IsRead(TrackletOverlap{1, 2, kMax})) << "sums of them overflow";
 }
 
 // A size that the bytes cannot hold reserves no memory.
