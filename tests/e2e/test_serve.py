@@ -332,6 +332,36 @@ class ServeTest(program.ProgramTest):
             self.assertEqual(found["review"]["verdict"], "rejected")
             self.assertEqual(found["review"]["note"], "a shadow")
 
+    def test_thresholds_are_those_of_the_commands(self):
+        """A threshold set by the API leaves out of search, export and sheet what it leaves out of the API's list."""
+        def ids(*command):
+            return {row["object_id"] for row in self.succeeds(*command, "--db", self.db).rows()}
+
+        search, export = ("search", "--json"), ("export", "--format", "objects")
+        sightings = ("export", "--format", "sightings")
+        applied = ("--thresholds", "applied")
+        before = {command: self.succeeds(*command, "--db", self.db).out for command in (search, export, sightings)}
+        everything = ids(*search)
+        self.assertEqual(ids(*search, *applied), everything, "none is in force")
+        with self.serve() as server:
+            first = self.get(server, "/api/v1/objects")["objects"][0]
+            target = f"/api/v1/models/{first['model_id']}/threshold"
+            self.assertEqual(self.ask(server, target, "PUT", '{"min_score": 1}')[0], 200)
+            kept = {one["id"] for one in self.get(server, "/api/v1/objects?thresholds=applied")["objects"]}
+            self.assertNotIn(first["id"], kept)
+            for command in (search, export, sightings):
+                self.assertEqual(ids(*command, *applied), kept)
+                self.assertEqual(self.succeeds(*command, "--db", self.db).out, before[command], "ignored by default")
+            said = self.succeeds(*search, *applied, "--db", self.db, "--model", first["model"])
+            self.assertEqual(said.out, "")
+            self.assertIn("below the threshold of its model is left out", said.err)
+            sheet = ("sheet", "--db", self.db, "--out", self.scratch / "sheet.png", "--model", first["model"])
+            self.refuses(2, "no object", *sheet, *applied)
+            self.review(server, first["id"], verdict="accepted")
+            self.assertIn(first["id"], ids(*search, *applied))
+        self.refuses(2, "--thresholds and --image", "search", "--db", self.db, *applied, "--image", "x.png")
+        self.refuses(2, "--thresholds", "search", "--db", self.db, "--thresholds", "some")
+
     def test_reviews_survive_a_new_search(self):
         """The same video searched again from nothing: other ids, the same objects."""
         with self.serve() as server:

@@ -294,6 +294,13 @@ void FilterArguments::AddTo(ArgumentParser& parser) {
       .TypeName("LAT,LON,METRES");
   parser.Add("--object", object, "Only the object of this id").TypeName("ID");
   parser.AddFlag("--rejected", rejected, "Include rejected objects, with the reason");
+  parser
+      .Add("--thresholds", thresholds,
+           "applied: without the objects that nobody has reviewed and that score less than the threshold that reviews "
+           "have set for their model; ignored: with them")
+      .OneOf({std::string(ToText(kThresholdUseTexts, ThresholdUse::kApplied)),
+              std::string(ToText(kThresholdUseTexts, ThresholdUse::kIgnored))})
+      .ShowDefault();
 }
 
 Expected<SightingFilter> FilterArguments::Filter() const {
@@ -315,7 +322,20 @@ Expected<SightingFilter> FilterArguments::Filter() const {
   filter.to_s = to_s;
   filter.include_rejected = rejected;
   filter.object = object;
+  filter.thresholds = FromText(kThresholdUseTexts, thresholds).value_or(ThresholdUse::kIgnored);
   return filter;
+}
+
+Expected<std::string> ExplainThresholds(SightingFilter filter, IndexStore& store) {
+  if (filter.thresholds == ThresholdUse::kIgnored) return "";
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> listed, store.Objects(filter));
+  filter.thresholds = ThresholdUse::kIgnored;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> matching, store.Objects(filter));
+  const std::size_t left_out = matching.size() - std::min(matching.size(), listed.size());
+  if (left_out == 0) return "";
+  return fmt::format("{} below the threshold of {} left out (--thresholds ignored lists {})",
+                     CountText(left_out, "object"), left_out == 1 ? "its model is" : "their models are",
+                     left_out == 1 ? "it" : "them");
 }
 
 Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store) {
@@ -336,6 +356,8 @@ Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& sto
 Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> found, store.Objects(filter));
   if (!found.empty()) return "";
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, store));
+  if (!below.empty()) return "";
   VICTORIOUS_ASSIGN_OR_RETURN(std::string none_near, ExplainNoObjectNear(filter, store));
   if (!none_near.empty()) return none_near;
   SightingFilter with_rejected = filter;

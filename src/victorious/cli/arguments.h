@@ -121,6 +121,7 @@ struct FilterArguments {
   std::string near;
   std::optional<std::int64_t> object;
   bool rejected = false;
+  std::string thresholds = std::string(ToText(kThresholdUseTexts, ThresholdUse::kIgnored));
 
   void AddTo(ArgumentParser& parser);
   /// Returns the filter that the flags describe. Errors: kInvalidArgument if --from is after --to, if --near cannot be
@@ -132,8 +133,12 @@ struct FilterArguments {
 /// not set.
 [[nodiscard]] Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store);
 
+/// A message for the user that says how many of the matching objects the thresholds of their models leave out; empty if
+/// none.
+[[nodiscard]] Expected<std::string> ExplainThresholds(SightingFilter filter, IndexStore& store);
+
 /// A message for the user that explains why no object matches the filter: nothing near, all rejected (how many, and why
-/// the best one), or nothing seen. Empty if an object matches.
+/// the best one), or nothing seen. Empty if an object matches, or if thresholds leave out all that would.
 [[nodiscard]] Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store);
 
 /// A message for the user that says how many of the matching objects have no place, which a map leaves out, and why;

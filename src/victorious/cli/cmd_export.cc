@@ -41,7 +41,10 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
     return {};
   }
   if (drawing.sightings.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, ExplainNothingFound(filter, store));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::string why, ExplainThresholds(filter, store));
+    if (why.empty()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(why, ExplainNothingFound(filter, store));
+    }
     return Fail(ErrorCode::kNotFound, "--clip: no sighting to show: " + why);
   }
   const std::string table = ClipTelemetryPath(out).string();
@@ -133,6 +136,8 @@ Action SetUpExport(ArgumentParser& parser) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     std::ostringstream text;
     VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, *store));
+    if (!below.empty()) LogInfo(OneLine(below));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
     if (!nothing.empty()) LogInfo("nothing to export: {}", OneLine(nothing));
     if (IsMap(format)) {

@@ -82,6 +82,8 @@ Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, co
                        "score", "frames", "from", "to", "object", "place (CE90)", "heading", "m/s", "videos");
     for (const ListedObject& object : objects) text += ObjectLine(object);
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, store));
+  if (!below.empty()) LogInfo(OneLine(below));
   if (objects.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, ExplainNothingFound(filter, store));
     if (!why.empty()) LogInfo(OneLine(why));
@@ -162,6 +164,9 @@ Status Run(const Arguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument, "--rejected and --image exclude each other: give one of them");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments.filter.Filter());
+  if (filter.thresholds == ThresholdUse::kApplied && !arguments.image.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--thresholds and --image exclude each other: give one of them");
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   VICTORIOUS_RETURN_IF_ERROR(WarnAboutUnfinished(catalogue, *store));

@@ -162,9 +162,11 @@ ApiExpected<ObjectQuery> Api::ReadObjectQuery(QueryReader& query, const Caller& 
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.to_s, query.Number("to", 0, 1e9));
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.near, query.Circle("near"));
   VICTORIOUS_ASSIGN_OR_RETURN(wanted.area, query.Area("area"));
-  constexpr std::array<std::pair<std::string_view, bool>, 2> kThresholds = {{{"applied", true}, {"ignored", false}}};
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto has_thresholds, ReadChoice(query, "thresholds", kThresholds));
-  if (has_thresholds.value_or(false)) {
+  constexpr std::array<std::pair<std::string_view, ThresholdUse>, 2> kThresholds = {
+      {{ToText(kThresholdUseTexts, ThresholdUse::kApplied), ThresholdUse::kApplied},
+       {ToText(kThresholdUseTexts, ThresholdUse::kIgnored), ThresholdUse::kIgnored}}};
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto thresholds, ReadChoice(query, "thresholds", kThresholds));
+  if (thresholds == ThresholdUse::kApplied) {
     VICTORIOUS_ASSIGN_OR_RETURN(wanted.model_min_scores, MinScores());
   }
   return wanted;

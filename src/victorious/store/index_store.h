@@ -194,6 +194,13 @@ struct GeoCircle {
   double radius_m = 0;
 };
 
+/// Whether the thresholds of models (threshold_store.h) leave out objects that nobody has decided and that score less.
+enum class ThresholdUse { kIgnored, kApplied };
+
+/// The texts of the command line and of the API.
+inline constexpr auto kThresholdUseTexts =
+    std::to_array<EnumText<ThresholdUse>>({{ThresholdUse::kApplied, "applied"}, {ThresholdUse::kIgnored, "ignored"}});
+
 /// Selects objects or sightings. All conditions that are set must hold.
 struct SightingFilter {
   std::optional<std::string> model_name;
@@ -206,6 +213,8 @@ struct SightingFilter {
   std::optional<std::int64_t> object;    ///< the object of this id
   std::optional<std::int64_t> video;     ///< the video of this id, or objects seen in it
   std::optional<std::int64_t> tracklet;  ///< the tracklet of this id, or its object
+  /// kApplied: those in force. Error: kUnsupported in a store without thresholds, PostgreSQL.
+  ThresholdUse thresholds = ThresholdUse::kIgnored;
 };
 
 /// What a person says of an object.

@@ -14,6 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::UnorderedElementsAreArray;
 
 class ThresholdStoreTest : public ::testing::Test {
  protected:
@@ -111,6 +112,35 @@ TEST_F(ThresholdStoreTest, ThresholdsLeaveOutUndecidedObjectsOfTheirModel) {
   EXPECT_THAT(listed({.model_min_scores = {{"tank", 1}}}), SizeIs(4)) << "a model that the index has no more";
   const ObjectQuery thresholds{.model_min_scores = {{"jeep", 0.5}}};
   EXPECT_FALSE(thresholds.IsEmpty());
+}
+
+TEST_F(ThresholdStoreTest, ListsAndExportsApplyThoseInForceIfAsked) {
+  const std::int64_t good = AddObject(models_[0], 0.9);
+  const std::int64_t weak = AddObject(models_[0], 0.4);
+  const std::int64_t accepted = AddObject(models_[0], 0.3);
+  const std::int64_t other = AddObject(models_[1], 0.2);
+  ASSERT_TRUE(writer_->PutReview(accepted, {.verdict = Verdict::kAccepted, .updated_utc_us = 1}));
+  const auto listed = [&](const SightingFilter& filter) {
+    std::vector<std::int64_t> ids;
+    const auto objects = writer_->Objects(filter).value();
+    for (const ObjectRecord& one : objects) ids.push_back(one.id);
+    std::vector<std::int64_t> seen;
+    const auto sightings = writer_->Sightings(filter).value();
+    for (const SightingRecord& one : sightings) seen.push_back(one.object);
+    EXPECT_THAT(seen, UnorderedElementsAreArray(ids)) << "each has one sighting";
+    return ids;
+  };
+  const SightingFilter applied{.thresholds = ThresholdUse::kApplied};
+  EXPECT_THAT(listed(applied), ElementsAre(good, weak, accepted, other)) << "none is in force";
+  ASSERT_TRUE(store_->Put({.model = "jeep", .min_score = 0.5, .set_by = "ann", .set_utc_us = 1}));
+  EXPECT_THAT(listed(applied), ElementsAre(good, accepted, other));
+  EXPECT_THAT(listed({}), ElementsAre(good, weak, accepted, other)) << "by default they are ignored";
+  ASSERT_TRUE(store_->Put({.model = "jeep", .min_score = 0.4, .set_by = "ann", .set_utc_us = 2}));
+  EXPECT_THAT(listed(applied), ElementsAre(good, weak, accepted, other)) << "inclusive";
+  ASSERT_TRUE(store_->Put({.model = "jeep", .min_score = 1, .set_by = "ann", .set_utc_us = 3}));
+  EXPECT_THAT(listed({.model_name = "jeep", .thresholds = ThresholdUse::kApplied}), ElementsAre(accepted));
+  ASSERT_TRUE(store_->Remove("jeep", "ann", 4));
+  EXPECT_THAT(listed(applied), ElementsAre(good, weak, accepted, other));
 }
 
 }  // namespace

@@ -484,7 +484,15 @@ Expected<sql::NearIds> PostgresStore::FindNear(const SightingFilter& filter) {
   return ids;
 }
 
+Status PostgresStore::CheckThresholds(const SightingFilter& filter) const {
+  if (filter.thresholds == ThresholdUse::kIgnored) return {};
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("{}: thresholds are kept in the file of an index, not in a database: ignore them",
+                          connection_->name()));
+}
+
 Expected<std::vector<ObjectRecord>> PostgresStore::Objects(const SightingFilter& filter) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckThresholds(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::ObjectConditions(*this, filter, near));
   BoundValues values;
@@ -500,6 +508,7 @@ Expected<std::vector<ObjectRecord>> PostgresStore::Objects(const SightingFilter&
 }
 
 Status PostgresStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckThresholds(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::SightingConditions(*this, filter, near));
   BoundValues values;

@@ -91,6 +91,8 @@ class PostgresStore final : public IndexStore {
   [[nodiscard]] Expected<std::string> DescribeHolder();
   [[nodiscard]] Status UnlockObjects();
   [[nodiscard]] Expected<sql::NearIds> FindNear(const SightingFilter& filter);
+  /// Error: kUnsupported if the filter asks for thresholds, which a database does not keep.
+  [[nodiscard]] Status CheckThresholds(const SightingFilter& filter) const;
   /// The error of a statement that had to change one row, and did not.
   [[nodiscard]] Error Missing(std::string_view what, std::int64_t id) const;
 

@@ -237,6 +237,9 @@ TEST_F(PostgresStoreTest, ARoleThatMaySelectReads) {
   ASSERT_TRUE(reader) << reader.error().message;
   EXPECT_THAT(*(*reader)->Sightings({}), SizeIs(0));
   EXPECT_TRUE((*reader)->Objects({.near = GeoCircle{{0.5, 0.5, 0}, 100}}));
+  const SightingFilter applied{.thresholds = ThresholdUse::kApplied};
+  EXPECT_EQ((*reader)->Objects(applied).error().code, ErrorCode::kUnsupported) << "only files keep thresholds";
+  EXPECT_EQ((*reader)->Sightings(applied).error().code, ErrorCode::kUnsupported);
   const auto writer = OpenPostgresStore(url, StoreMode::kCreate);
   ASSERT_TRUE(writer) << writer.error().message;
   EXPECT_EQ((*writer)->PutVideo({.content_id = "c", .name = "a.mp4"}).error().code, ErrorCode::kPermissionDenied);
