@@ -1,7 +1,7 @@
 // Private to associate/: two sightings of one CAD model in one frame that two bodies of its size cannot both be.
-// Half of a vehicle may look like its other half, turned: it is then recognised twice, once where it is and once half of
-// its length off, by keypoints that the two share. Such a report drives, stands and turns as the true object does; what
-// contradicts it is that the space it fills is not free.
+// Half of a vehicle may look like its other half, turned: it is then recognised twice, once where it is and once half
+// of its length off, by keypoints that the two share. Such a report drives, stands and turns as the true object does;
+// what contradicts it is that the space it fills is not free.
 //
 // Both lines of sight begin at the same camera, so its errors cancel in the vector from one object to the other:
 //
