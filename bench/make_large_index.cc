@@ -1,11 +1,10 @@
-// make-large-index FILE [VIDEOS [OBJECTS_PER_VIDEO [SIGHTINGS_PER_OBJECT]]]: writes an index of drawn rows, with which
-// bench/page_scale.mjs measures the page. Default: 1000 videos, 50,000 objects, 5,000,000 sightings of 20 models in
-// about a gigabyte. The videos do not exist. The same rows at each run.
+// make-large-index FILE|URL [VIDEOS [OBJECTS_PER_VIDEO [SIGHTINGS_PER_OBJECT]]]: writes an index of drawn rows, with
+// which bench/page_scale.mjs measures the page. Default: 1000 videos, 50,000 objects, 5,000,000 sightings of 20 models
+// in about a gigabyte. The videos do not exist. The same rows at each run.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/store/index_store.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 namespace {
@@ -125,14 +124,14 @@ int main(int argc, char** argv) {
   for (int i = 2; i < argc && is_valid; ++i) is_valid = (*numbers[i - 2] = std::atoi(argv[i])) > 0;
   if (!is_valid || sizes.sightings > 5000) {
     fmt::print(stderr,
-               "usage: make-large-index FILE [VIDEOS [OBJECTS_PER_VIDEO [SIGHTINGS_PER_OBJECT, at most 5000]]]\n");
+               "usage: make-large-index FILE|URL [VIDEOS [OBJECTS_PER_VIDEO [SIGHTINGS_PER_OBJECT, at most 5000]]]\n");
     return 2;
   }
-  if (std::filesystem::exists(argv[1])) {
-    fmt::print(stderr, "{}: exists already\n", argv[1]);
+  if (victorious::HasIndex(argv[1]).value_or(false)) {
+    fmt::print(stderr, "{}: exists already\n", victorious::StoreName(argv[1]));
     return 2;
   }
-  const auto store = victorious::OpenSqliteStore(argv[1], victorious::StoreMode::kCreate);
+  const auto store = victorious::OpenStore(argv[1], victorious::StoreMode::kCreate);
   const victorious::Status filled =
       store ? victorious::Fill(**store, sizes) : victorious::Status(std::unexpected(store.error()));
   if (filled) return 0;

@@ -8,11 +8,14 @@ import program
 
 
 class Postgres:
-    """A scratch server (tools/scratch_postgres.sh), as a context manager."""
+    """A scratch server (tools/scratch_postgres.sh and its flags), as a context manager."""
+
+    def __init__(self, *flags):
+        self.flags = flags
 
     def __enter__(self) -> "Postgres":
         self.process = subprocess.Popen(
-            [program.REPOSITORY / "tools" / "scratch_postgres.sh"],
+            [program.REPOSITORY / "tools" / "scratch_postgres.sh", *self.flags],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -78,7 +81,10 @@ class AddressTest(program.ProgramTest):
                                 "--db", "postgresql://me:secret@127.0.0.1:1/videos")  # fmt: skip
             self.assertNotIn("secret", said)
         self.refuses(2, "postgresql://", "search", "--db", "postgresql://host:port/x%")
-        self.refuses(2, ["postgresql://me@host/videos", "a file"], "serve", "--db", "postgresql://me@host/videos")
+        for command in (["serve"], ["user", "list"]):
+            said = self.refuses(2, ["postgresql://me@127.0.0.1:1/videos", "start the server"], *command,
+                                "--db", "postgresql://me:secret@127.0.0.1:1/videos")  # fmt: skip
+            self.assertNotIn("secret", said)
 
 
 if __name__ == "__main__":

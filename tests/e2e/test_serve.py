@@ -80,23 +80,8 @@ def index_of_mp4():
     return path
 
 
-class ServeTest(program.ProgramTest):
-    def setUp(self):
-        super().setUp()
-        self.db = self.scratch / "index.db"
-        self.video = self.scratch / "flight.mp4"
-        shutil.copy(program.flight() / "flight.mp4", self.video)
-        shutil.copy(index_of_mp4(), self.db)
-        with contextlib.closing(sqlite3.connect(self.db)) as db, db:
-            db.execute("UPDATE videos SET name = ?", (str(self.video),))
-            # The drawn flight has no telemetry; the map needs a place.
-            db.execute(
-                "UPDATE objects SET place_time_s = 1, latitude_rad = 0.9, longitude_rad = 0.2, altitude_m = 40,"
-                " covariance_enu_m2 = zeroblob(72), ce90_m = 5, le90_m = 4"
-            )
-
-    def serve(self, *flags):
-        return program.Server(self.db, *flags)
+class ServerCase(program.ProgramTest):
+    """What tests ask a server."""
 
     def ask(self, server, path, method="GET", body=None, **headers):
         port = urllib.parse.urlsplit(server.url).port
@@ -117,6 +102,54 @@ class ServeTest(program.ProgramTest):
         status, _, body = self.ask(server, path, "PUT", json.dumps(review))
         self.assertEqual(status, 200, body)
         return json.loads(body)
+
+    def upload(self, server, path, name=None):
+        status, _, body = self.ask(
+            server, f"/api/v1/uploads?name={urllib.parse.quote(name or path.name)}", "POST", path.read_bytes(),
+            **{"Content-Type": "application/octet-stream"},
+        )  # fmt: skip
+        self.assertEqual(status, 200, body)
+        return self.described(body, "Upload")["id"]
+
+    def described(self, body, schema):
+        value = json.loads(body)
+        self.assertEqual(list(problems(value, {"$ref": f"#/components/schemas/{schema}"})), [])
+        return value
+
+    def post_job(self, server, **job):
+        status, _, body = self.ask(server, "/api/v1/jobs", "POST", json.dumps(job))
+        self.assertEqual(status, 200, body)
+        return self.described(body, "Job")["id"]
+
+    def wait_for_job(self, server, number, *states):
+        """The job once it is in one of these states."""
+        for _ in range(int(program.TIMEOUT_S / 0.05)):
+            jobs = self.described(self.ask(server, "/api/v1/jobs")[2], "JobList")["jobs"]
+            job = next(one for one in jobs if one["id"] == number)
+            if job["state"] in states:
+                return job
+            self.assertIn(job["state"], ("queued", "running"), job)
+            time.sleep(0.05)
+        self.fail(f"job {number} is still {job}")
+
+
+class ServeTest(ServerCase):
+    def setUp(self):
+        super().setUp()
+        self.db = self.scratch / "index.db"
+        self.video = self.scratch / "flight.mp4"
+        shutil.copy(program.flight() / "flight.mp4", self.video)
+        shutil.copy(index_of_mp4(), self.db)
+        with contextlib.closing(sqlite3.connect(self.db)) as db, db:
+            db.execute("UPDATE videos SET name = ?", (str(self.video),))
+            # The drawn flight has no telemetry; the map needs a place.
+            db.execute(
+                "UPDATE objects SET place_time_s = 1, latitude_rad = 0.9, longitude_rad = 0.2, altitude_m = 40,"
+                " covariance_enu_m2 = zeroblob(72), ce90_m = 5, le90_m = 4"
+            )
+
+    def serve(self, *flags):
+        return program.Server(self.db, *flags)
 
     def test_answers_as_described(self):
         """Each path of the description is asked once with values that exist, and once with values that do not."""
@@ -388,35 +421,6 @@ class ServeTest(program.ProgramTest):
                     break
                 time.sleep(0.05)
             self.assertEqual(seen, 1)
-
-    def upload(self, server, path, name=None):
-        status, _, body = self.ask(
-            server, f"/api/v1/uploads?name={urllib.parse.quote(name or path.name)}", "POST", path.read_bytes(),
-            **{"Content-Type": "application/octet-stream"},
-        )  # fmt: skip
-        self.assertEqual(status, 200, body)
-        return self.described(body, "Upload")["id"]
-
-    def described(self, body, schema):
-        value = json.loads(body)
-        self.assertEqual(list(problems(value, {"$ref": f"#/components/schemas/{schema}"})), [])
-        return value
-
-    def post_job(self, server, **job):
-        status, _, body = self.ask(server, "/api/v1/jobs", "POST", json.dumps(job))
-        self.assertEqual(status, 200, body)
-        return self.described(body, "Job")["id"]
-
-    def wait_for_job(self, server, number, *states):
-        """The job once it is in one of these states."""
-        for _ in range(int(program.TIMEOUT_S / 0.05)):
-            jobs = self.described(self.ask(server, "/api/v1/jobs")[2], "JobList")["jobs"]
-            job = next(one for one in jobs if one["id"] == number)
-            if job["state"] in states:
-                return job
-            self.assertIn(job["state"], ("queued", "running"), job)
-            time.sleep(0.05)
-        self.fail(f"job {number} is still {job}")
 
     def test_jobs_make_a_model_and_search_an_uploaded_video(self):
         """From an empty index and no model to finds, by the API alone."""

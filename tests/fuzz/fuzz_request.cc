@@ -37,8 +37,7 @@ struct Server {
     VICTORIOUS_CHECK((*store)->Commit(batch).has_value());
     if (has_accounts) {
       constexpr std::int64_t kForEver = std::int64_t{1} << 60;
-      const auto accounts =
-          victorious::OpenSqliteAccountStore(folder / "index.db", victorious::StoreMode::kCreate).value();
+      const auto accounts = victorious::OpenAccountStore(folder / "index.db", victorious::StoreMode::kCreate).value();
       const auto account = accounts->Add("ann", victorious::Role::kAnalyst, "no hash", 1).value();
       using Kind = victorious::CredentialKind;
       for (const auto& [kind, secret] : {std::pair(Kind::kSession, kSession), std::pair(Kind::kToken, kToken)}) {

@@ -89,14 +89,16 @@ async function writeReview(wanted: Decision) {
         return;
       } catch (error) {
         if (!isLatest()) return;
-        if (!(error instanceof ApiFailure && (error.status === 0 || error.status === 401))) {
+        // A server without its database answers, too: that is no refusal.
+        const isAway = error instanceof ApiFailure && (error.status === 0 || error.status === 500);
+        if (!isAway && !(error instanceof ApiFailure && error.status === 401)) {
           setPending(key, null);
           notify(`The review is not stored: ${messageOf(error)}`, "error");
           const shown = objects.objectOf(id) ?? object;
           objects.setReviews(id, withDecision(reviewsOf(shown), stored ?? asReview({ id, reviewer, verdict: null, note: "" })));
           return;
         }
-        if (error.status === 0) isConnected.value = false;
+        if (isAway) isConnected.value = false;
       }
     }
     // Nothing typed is lost: the review is kept and sent again once the server answers, or its person has logged in.

@@ -1,5 +1,6 @@
-// victorious serve --db FILE: the triage page and its API
+// victorious serve --db FILE|URL: the triage page and its API
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -30,6 +31,7 @@ struct Arguments {
   std::string tiles;
   std::string tiles_attribution;
   std::string uploads;
+  std::string copies;
   std::string tls_certificate;
   std::string tls_key;
   double max_upload_gb = 50;
@@ -46,20 +48,29 @@ std::filesystem::path FindPage() {
   return {};
 }
 
+// What the names of the folders of uploads and copies begin with: that of a file, or of a database in the present
+// folder. Absolute, because the index keeps it.
+std::string FilesBeside(const std::string& db) {
+  if (!IsDatabaseUrl(db)) return db;
+  const std::string name = StoreName(db);
+  const std::string database = name.substr(name.rfind('/', name.find('?')) + 1);
+  std::error_code error;
+  return std::filesystem::absolute(database.substr(0, database.find('?')), error).string();
+}
+
 Status Run(const Arguments& arguments) {
-  if (IsDatabaseUrl(arguments.db)) {
-    return Fail(ErrorCode::kUnsupported, fmt::format("{}: the page shows an index in a file; the other commands read "
-                                                     "this one, too",
-                                                     StoreName(arguments.db)));
-  }
   VICTORIOUS_ASSIGN_OR_RETURN(HttpServerOptions server_options, ParseListenAddress(arguments.listen));
   server_options.tls_certificate = arguments.tls_certificate;
   server_options.tls_key = arguments.tls_key;
   const bool has_tls = !arguments.tls_certificate.empty();
-  ApiOptions options{.index = arguments.db, .models = arguments.models, .telemetry = {}, .web = arguments.web};
+  const StoreAddress address = TakePassword(arguments.db);
+  // For this process and those of its jobs.
+  if (!address.password.empty()) ::setenv("PGPASSWORD", address.password.c_str(), 1);
+  const std::string beside = FilesBeside(address.name);
+  ApiOptions options{.index = address.name, .models = arguments.models, .telemetry = {}, .web = arguments.web};
   options.server = {.is_loopback = server_options.is_loopback, .has_tls = has_tls};
-  options.uploads = arguments.uploads.empty() ? arguments.db + ".uploads" : arguments.uploads;
-  options.copies = arguments.db + ".copies";
+  options.uploads = arguments.uploads.empty() ? beside + ".uploads" : arguments.uploads;
+  options.copies = arguments.copies.empty() ? beside + ".copies" : arguments.copies;
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   options.max_copies_bytes = static_cast<std::uint64_t>(arguments.max_copies_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
@@ -108,7 +119,7 @@ Status Run(const Arguments& arguments) {
 
 Action SetUpServe(ArgumentParser& parser) {
   const auto arguments = std::make_shared<Arguments>();
-  parser.Add("--db", arguments->db, "The index").Required().TypeName("FILE");
+  AddDb(parser, arguments->db, "The index");
   parser.Add("--models", arguments->models, "Model library: shows the view that matched beside a sighting")
       .TypeName("DIR");
   parser
@@ -131,7 +142,13 @@ Action SetUpServe(ArgumentParser& parser) {
       .Add("--telemetry", arguments->telemetry,
            "Telemetry of the index's only video (default: in the video or beside it)")
       .TypeName("FILE");
-  parser.Add("--uploads", arguments->uploads, "Folder for uploaded videos and models (default: FILE.uploads)")
+  parser
+      .Add("--uploads", arguments->uploads,
+           "Folder for uploaded videos and models (default: FILE.uploads, or DATABASE.uploads in the present folder)")
+      .TypeName("DIR");
+  parser
+      .Add("--copies", arguments->copies,
+           "Folder for copies of videos and for clips (default: FILE.copies, or DATABASE.copies in the present folder)")
       .TypeName("DIR");
   parser.Add("--max-upload", arguments->max_upload_gb, "Largest file that is taken, in GB")
       .ShowDefault()

@@ -1,7 +1,6 @@
 // victorious user add | change | remove | list | token | revoke | log: who may use `victorious serve`
 #include <array>
 #include <csignal>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -41,17 +40,9 @@ struct Arguments {
 };
 
 Expected<std::unique_ptr<AccountStore>> Open(const Arguments& arguments, StoreMode mode) {
-  if (IsDatabaseUrl(arguments.db)) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("{}: `victorious serve` shows an index in a file, and accounts are for it; a PostgreSQL "
-                            "server has its own",
-                            StoreName(arguments.db)));
-  }
-  std::error_code error;
-  if (!std::filesystem::exists(arguments.db, error)) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such index", arguments.db));
-  }
-  return OpenSqliteAccountStore(arguments.db, mode);
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool has_index, HasIndex(arguments.db));
+  if (!has_index) return Fail(ErrorCode::kNotFound, fmt::format("{}: no such index", StoreName(arguments.db)));
+  return OpenAccountStore(arguments.db, mode);
 }
 
 // The signal that came while typing was hidden, or 0.
@@ -128,7 +119,7 @@ Expected<Account> FindAccount(AccountStore& accounts, const Arguments& arguments
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Account> account, accounts.Find(arguments.name));
   if (account) return *account;
   return Fail(ErrorCode::kNotFound, fmt::format("{}: there is no account {}: `victorious user list` lists them",
-                                                arguments.db, arguments.name));
+                                                StoreName(arguments.db), arguments.name));
 }
 
 // Changes of accounts are in the log. No account has this actor's name, which has a space.
@@ -147,7 +138,7 @@ Status Add(const Arguments& arguments) {
   if (known) {
     return Fail(ErrorCode::kAlreadyExists, fmt::format("{}: there is an account {} already: `victorious user change` "
                                                        "changes it",
-                                                       arguments.db, known->name));
+                                                       StoreName(arguments.db), known->name));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadPassword());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, HashPassword(password));
@@ -267,7 +258,7 @@ Action SetUpUser(ArgumentParser& parser) {
   std::vector<std::pair<ArgumentParser, Status (*)(const Arguments&)>> parts;
   const auto add = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> ArgumentParser {
     ArgumentParser part = parser.AddCommand(name, summary);
-    part.Add("--db", arguments->db, "The index that `victorious serve` shows").Required().TypeName("FILE");
+    AddDb(part, arguments->db, "The index that `victorious serve` shows");
     parts.emplace_back(part, run);
     return part;
   };

@@ -11,6 +11,7 @@
 #include "victorious/base/utc.h"
 #include "victorious/serve/api_response.h"
 #include "victorious/serve/secret.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 namespace {
@@ -87,13 +88,13 @@ std::string FindCookie(std::string_view header, std::string_view name) {
   return {};
 }
 
-Expected<std::unique_ptr<AccessControl>> AccessControl::Open(const std::filesystem::path& index, bool can_write,
+Expected<std::unique_ptr<AccessControl>> AccessControl::Open(const std::string& index, bool can_write,
                                                              const ServerIdentity& server, Clock clock) {
   std::unique_ptr<AccountStore> writer;
   if (can_write) {
-    VICTORIOUS_ASSIGN_OR_RETURN(writer, OpenSqliteAccountStore(index, StoreMode::kCreate));
+    VICTORIOUS_ASSIGN_OR_RETURN(writer, OpenAccountStore(index, StoreMode::kCreate));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(auto reader, OpenSqliteAccountStore(index, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto reader, OpenAccountStore(index, StoreMode::kRead));
   std::unique_ptr<AccessControl> control(
       new AccessControl(std::move(reader), std::move(writer), server, std::move(clock)));
   VICTORIOUS_ASSIGN_OR_RETURN(const bool needs_account, control->NeedsAccount());
@@ -102,12 +103,13 @@ Expected<std::unique_ptr<AccessControl>> AccessControl::Open(const std::filesyst
         ErrorCode::kInvalidArgument,
         fmt::format("--listen: {} has no accounts, so only a loopback address (127.0.0.1, [::1]) is served: add "
                     "one by `victorious user add NAME --role admin --db {}`, or use an SSH tunnel",
-                    index.string(), index.string()));
+                    StoreName(index), StoreName(index)));
   }
   if (needs_account && !can_write) {
-    return Fail(ErrorCode::kPermissionDenied, fmt::format("{}: has accounts, but cannot be written, so nobody can log "
-                                                          "in: allow writing to the file and its folder",
-                                                          index.string()));
+    return Fail(ErrorCode::kPermissionDenied,
+                fmt::format("{}: has accounts, but cannot be written, so nobody can log "
+                            "in: allow writing to {}",
+                            StoreName(index), IsDatabaseUrl(index) ? "the role" : "the file and its folder"));
   }
   if (!server.is_loopback) control->needs_account_ = true;
   return control;
@@ -203,8 +205,8 @@ ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int p
   // Another process may add accounts to an index that this one cannot write.
   if (!writer_) {
     return std::unexpected(ApiError(Error{ErrorCode::kPermissionDenied,
-                                          "the index cannot be written, so nobody can log in: allow writing to the "
-                                          "file and its folder, then start again"}));
+                                          "the index cannot be written, so nobody can log in: allow writing to it, "
+                                          "then start again"}));
   }
   for (const char* member : {"name", "password"}) {
     if (!body->is_object() || !body->contains(member) || !(*body)[member].is_string()) {

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -46,11 +45,12 @@ class AccessControl {
  public:
   using Clock = std::function<std::int64_t()>;
 
-  /// @param can_write  the index can be written
+  /// @param index      by the name that OpenStore takes
+  /// @param can_write  it can be written
   /// @param clock      by which failed log-ins are limited; thread-safe
   /// Errors: kInvalidArgument for an address that is not a loopback address without accounts; kPermissionDenied for
-  /// accounts in an index that cannot be written; those of OpenSqliteAccountStore.
-  [[nodiscard]] static Expected<std::unique_ptr<AccessControl>> Open(const std::filesystem::path& index, bool can_write,
+  /// accounts in an index that cannot be written; those of OpenAccountStore.
+  [[nodiscard]] static Expected<std::unique_ptr<AccessControl>> Open(const std::string& index, bool can_write,
                                                                      const ServerIdentity& server,
                                                                      Clock clock = SteadyMicroseconds);
 

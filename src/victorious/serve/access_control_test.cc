@@ -51,7 +51,7 @@ class AccessTest : public ::testing::Test {
     batch.tracklets.push_back({std::nullopt, {.video = video.id, .model = model.id, .score = 0.5, .frames = 1}});
     batch.sightings.push_back({0, {.box = {1, 2, 30, 40}, .score = 0.5, .matches = 9}});
     ASSERT_TRUE(store->Commit(batch));
-    accounts_ = OpenSqliteAccountStore(index_, StoreMode::kCreate).value();
+    accounts_ = OpenAccountStore(index_, StoreMode::kCreate).value();
   }
 
   void Open(ServerIdentity server = {}) {

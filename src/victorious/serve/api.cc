@@ -15,6 +15,7 @@
 #include "victorious/serve/api_response.h"
 #include "victorious/serve/byte_range.h"
 #include "victorious/serve/request_guard.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 namespace {
@@ -42,6 +43,11 @@ ApiExpected<HttpResponse> SendFile(const HttpRequest& request, const std::filesy
   return FileResponse(request, path, size, ContentTypeOf(path), etag);
 }
 
+// As the page shows it: of a database all that its readers may see, of a file its name without its folder.
+std::string NameOfIndex(const std::string& index) {
+  return IsDatabaseUrl(index) ? StoreName(index) : std::filesystem::path(index).filename().string();
+}
+
 bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() && segments.front() == "api"; }
 
 }  // namespace
@@ -49,7 +55,7 @@ bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() &
 Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken& cancel)
     : options_(std::move(options)),
       index_(std::move(index)),
-      videos_(options_.index, cancel),
+      videos_(IsDatabaseUrl(options_.index) ? "" : options_.index, cancel),
       copies_(options_.copies, {.max_bytes = options_.max_copies_bytes}),
       page_(options_.web),
       camera_paths_(kMaxCameraPaths),
@@ -73,8 +79,7 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto access, AccessControl::Open(options.index, index->can_review(), options.server));
   VICTORIOUS_ASSIGN_OR_RETURN(
-      auto thresholds,
-      OpenSqliteThresholdStore(options.index, index->can_review() ? StoreMode::kCreate : StoreMode::kRead));
+      auto thresholds, OpenThresholdStore(options.index, index->can_review() ? StoreMode::kCreate : StoreMode::kRead));
   const JobFolders folders{
       .index = options.index, .models = options.models, .uploads = options.uploads, .categories = options.categories};
   std::unique_ptr<Api> api(new Api(std::move(options), std::move(index), cancel));
@@ -150,7 +155,7 @@ ApiExpected<HttpResponse> Api::Project(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count({}));
   const bool may_decide = call.caller.May(Role::kAnalyst);
-  return JsonResponse(ProjectToJson(options_.index, *lists, counts, index_->can_review() && may_decide,
+  return JsonResponse(ProjectToJson(NameOfIndex(options_.index), *lists, counts, index_->can_review() && may_decide,
                                     !options_.models.empty(), live_->has_jobs() && may_decide, options_.categories,
                                     options_.base_map));
 }

@@ -36,7 +36,7 @@
 namespace victorious {
 
 struct ApiOptions {
-  std::filesystem::path index;
+  std::string index;                      ///< by the name that OpenStore takes; without a password
   std::filesystem::path models;           ///< model library, for the images of views; empty: none
   std::optional<std::string> telemetry;   ///< telemetry file of the index's only video; std::nullopt: found by itself
   std::filesystem::path web;              ///< the built page

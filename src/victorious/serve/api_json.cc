@@ -246,9 +246,8 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
   return json;
 }
 
-Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, const ObjectCounts& counts,
-                   bool can_review, bool has_views, bool has_jobs, const std::filesystem::path& categories,
-                   const BaseMap& base_map) {
+Json ProjectToJson(const std::string& name, const IndexLists& lists, const ObjectCounts& counts, bool can_review,
+                   bool has_views, bool has_jobs, const std::filesystem::path& categories, const BaseMap& base_map) {
   Json models = Json::array();
   for (const ModelRecord& model : lists.models) {
     const auto objects = lists.objects_of_model.find(model.id);
@@ -262,7 +261,7 @@ Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists, 
     bounds = {GeodeticJson(lists.places->west_rad), GeodeticJson(lists.places->south_rad),
               GeodeticJson(lists.places->east_rad), GeodeticJson(lists.places->north_rad)};
   }
-  return {{"name", index.filename().string()},
+  return {{"name", name},
           {"version", kVersion},
           {"can_review", can_review},
           {"has_views", has_views},

@@ -42,8 +42,8 @@ namespace victorious {
 /// @param has_views   images of the models' views can be had
 /// @param has_jobs    videos and models can be added
 /// @param categories  the category model; empty: none
-[[nodiscard]] Json ProjectToJson(const std::filesystem::path& index, const IndexLists& lists,
-                                 const ObjectCounts& counts, bool can_review, bool has_views, bool has_jobs,
+[[nodiscard]] Json ProjectToJson(const std::string& name, const IndexLists& lists, const ObjectCounts& counts,
+                                 bool can_review, bool has_views, bool has_jobs,
                                  const std::filesystem::path& categories, const BaseMap& base_map);
 
 [[nodiscard]] Json CameraPathToJson(const CameraPath& path);

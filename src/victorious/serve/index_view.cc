@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "victorious/base/utc.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 namespace {
@@ -13,7 +16,6 @@ namespace {
 constexpr int kRestAfterRefresh = 4;
 constexpr std::chrono::milliseconds kMinRefreshInterval{50};
 constexpr std::chrono::milliseconds kMaxRefreshInterval{1000};
-constexpr std::size_t kMaxIdleReaders = 8;
 
 template <typename Record>
 const Record* FindById(const std::vector<Record>& records, std::int64_t id) {
@@ -40,29 +42,25 @@ Expected<IndexLists> ReadLists(const IndexReader& reader) {
   return lists;
 }
 
-Expected<IndexReader> OpenReader(const std::filesystem::path& path) {
-  IndexReader reader;
-  VICTORIOUS_ASSIGN_OR_RETURN(reader.sightings, OpenSqliteStore(path, StoreMode::kRead));
-  VICTORIOUS_ASSIGN_OR_RETURN(reader.objects, OpenSqliteTriageStore(path));
-  return reader;
-}
-
 }  // namespace
 
 const VideoRecord* IndexLists::Video(std::int64_t id) const { return FindById(videos, id); }
 
 const ModelRecord* IndexLists::Model(std::int64_t id) const { return FindById(models, id); }
 
-Expected<std::unique_ptr<IndexView>> IndexView::Open(const std::filesystem::path& path) {
-  std::error_code error;
+Expected<std::unique_ptr<IndexView>> IndexView::Open(const std::string& name) {
   std::unique_ptr<IndexStore> writer;
-  if (std::filesystem::exists(path, error)) {
-    auto opened = OpenSqliteStore(path, StoreMode::kCreate);
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool has_index, HasIndex(name));
+  if (has_index) {
+    auto opened = OpenStore(name, StoreMode::kCreate);
     if (!opened && opened.error().code != ErrorCode::kPermissionDenied) return std::unexpected(opened.error());
-    if (opened) writer = *std::move(opened);
+    if (opened) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool may_serve, MayServe(name));
+      if (may_serve) writer = *std::move(opened);
+    }
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(IndexReader lister, OpenReader(path));
-  std::unique_ptr<IndexView> view(new IndexView(path, std::move(writer), std::move(lister)));
+  VICTORIOUS_ASSIGN_OR_RETURN(IndexReader lister, OpenIndexReader(name));
+  std::unique_ptr<IndexView> view(new IndexView(name, std::move(writer), std::move(lister)));
   VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const auto first, view->Lists());
   return view;
 }
@@ -95,29 +93,41 @@ Expected<std::shared_ptr<const IndexLists>> IndexView::Lists() {
 
 Expected<IndexView::Loan> IndexView::Borrow() {
   {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_);
+    if (!returned_.wait_for(lock, kMaxWait, [this] { return lent_ < kMaxReaders; })) {
+      return Fail(ErrorCode::kInternal,
+                  fmt::format("{}: {} requests read it and do not end: try again later", StoreName(name_), lent_));
+    }
+    ++lent_;
     if (!readers_.empty()) {
       std::unique_ptr<IndexReader> reader = std::move(readers_.back());
       readers_.pop_back();
       return Loan(*this, std::move(reader));
     }
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(IndexReader reader, OpenReader(path_));
-  return Loan(*this, std::make_unique<IndexReader>(std::move(reader)));
+  auto reader = OpenIndexReader(name_);
+  if (!reader) {
+    Return(nullptr);
+    return std::unexpected(std::move(reader).error());
+  }
+  return Loan(*this, std::make_unique<IndexReader>(*std::move(reader)));
 }
 
 void IndexView::Return(std::unique_ptr<IndexReader> reader) {
   const std::scoped_lock lock(mutex_);
-  if (readers_.size() < kMaxIdleReaders) readers_.push_back(std::move(reader));
+  --lent_;
+  if (reader) readers_.push_back(std::move(reader));
+  returned_.notify_one();
 }
 
 Status IndexView::PutReview(std::int64_t object, Review review) {
   const std::scoped_lock lock(writer_mutex_);
   if (!writer_) {
     return Fail(ErrorCode::kPermissionDenied,
-                path_.string() +
-                    ": cannot be written, so reviews are not kept: allow writing to the file and its "
-                    "folder, then start `victorious serve` again");
+                fmt::format("{}: cannot be written, so reviews are not kept: allow {}, then start `victorious serve` "
+                            "again",
+                            StoreName(name_),
+                            IsDatabaseUrl(name_) ? "the role to write" : "writing to the file and its folder"));
   }
   review.updated_utc_us = NowUtcMicroseconds();
   return writer_->PutReview(object, review);

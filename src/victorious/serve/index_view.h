@@ -7,8 +7,8 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,12 +36,6 @@ struct IndexLists {
   [[nodiscard]] const ModelRecord* Model(std::int64_t id) const;
 };
 
-/// Connections for one request.
-struct IndexReader {
-  std::unique_ptr<IndexStore> sightings;
-  std::unique_ptr<TriageStore> objects;
-};
-
 class IndexView {
  public:
   /// An IndexReader that returns to the view when it is destroyed.
@@ -60,29 +54,33 @@ class IndexView {
     std::unique_ptr<IndexReader> reader_;
   };
 
-  /// Opens an index; an index of an older schema is migrated. An index that cannot be written is shown, but takes no
-  /// reviews. Errors: those of OpenSqliteStore.
-  [[nodiscard]] static Expected<std::unique_ptr<IndexView>> Open(const std::filesystem::path& path);
+  /// Opens an index, by the name that OpenStore takes; an index of an older schema is migrated. An index that cannot be
+  /// written is shown, but takes no reviews. Errors: those of OpenStore; kNotFound if there is none.
+  [[nodiscard]] static Expected<std::unique_ptr<IndexView>> Open(const std::string& name);
 
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] bool can_review() const { return writer_ != nullptr; }
 
   [[nodiscard]] Expected<std::shared_ptr<const IndexLists>> Lists();
 
-  /// Errors: those of OpenSqliteStore.
+  /// At most kMaxReaders are lent at once; waits for one that comes back. Borrow one at a time: two requests that each
+  /// wait for a second one would wait for each other. Errors: those of OpenStore; kInternal after kMaxWait.
   [[nodiscard]] Expected<Loan> Borrow();
 
   /// Stores the review with the present time. Errors: kPermissionDenied; those of IndexStore::PutReview.
   [[nodiscard]] Status PutReview(std::int64_t object, Review review);
 
  private:
-  IndexView(std::filesystem::path path, std::unique_ptr<IndexStore> writer, IndexReader lister)
-      : path_(std::move(path)), writer_(std::move(writer)), lister_(std::move(lister)) {}
+  IndexView(std::string name, std::unique_ptr<IndexStore> writer, IndexReader lister)
+      : name_(std::move(name)), writer_(std::move(writer)), lister_(std::move(lister)) {}
 
   [[nodiscard]] Status Refresh();
+  /// @param reader  null: it could not be opened
   void Return(std::unique_ptr<IndexReader> reader);
 
-  std::filesystem::path path_;
+  static constexpr int kMaxReaders = 9;  ///< the threads that answer (http_server.h), and the one that watches
+  static constexpr std::chrono::seconds kMaxWait{10};
+
+  std::string name_;
   std::mutex writer_mutex_;
   std::unique_ptr<IndexStore> writer_;  ///< null: the index cannot be written
   std::mutex refresh_mutex_;            ///< guards the next three; held while lists are read
@@ -93,6 +91,8 @@ class IndexView {
   std::mutex mutex_;                                        ///< guards the rest; held for moments
   std::shared_ptr<const IndexLists> lists_;
   std::vector<std::unique_ptr<IndexReader>> readers_;  ///< idle
+  int lent_ = 0;                                       ///< readers
+  std::condition_variable returned_;
 };
 
 }  // namespace victorious

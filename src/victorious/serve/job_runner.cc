@@ -66,16 +66,11 @@ Expected<std::vector<std::string>> ClipArguments(const nlohmann::json& input, co
   if (object == input.end() || !object->is_number_integer()) {
     return Fail(ErrorCode::kInvalidArgument, "object: must be the number of an object");
   }
-  std::vector<std::string> arguments = {"export",
-                                        "--format",
-                                        "video",
-                                        "--db",
-                                        folders.index.string(),
-                                        "--video=" + video,
-                                        "--object",
-                                        std::to_string(object->get<std::int64_t>()),
-                                        "--clip",
-                                        "2"};
+  std::vector<std::string> arguments = {"export",      "--format",
+                                        "video",       "--db",
+                                        folders.index, "--video=" + video,
+                                        "--object",    std::to_string(object->get<std::int64_t>()),
+                                        "--clip",      "2"};
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "from_s", "--from", arguments));
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "to_s", "--to", arguments));
   VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
@@ -87,7 +82,7 @@ Expected<std::vector<std::string>> ClipArguments(const nlohmann::json& input, co
 
 Expected<std::vector<std::string>> IndexArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
-  std::vector<std::string> arguments = {"index", "--models", folders.models.string(), "--db", folders.index.string()};
+  std::vector<std::string> arguments = {"index", "--models", folders.models.string(), "--db", folders.index};
   if (!folders.categories.empty()) arguments.push_back("--categories=" + folders.categories.string());
   VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
   arguments.insert(arguments.end(), {"--", video});
@@ -140,8 +135,8 @@ Expected<std::vector<std::string>> TrackArguments(const nlohmann::json& input) {
 Expected<std::vector<std::string>> RefineArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string categories, TextMember(input, "categories"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string refined, TextMember(input, "refined"));
-  return std::vector<std::string>{
-      "category", "refine", "--model=" + categories, "--db=" + folders.index.string(), "--force", "--out=" + refined};
+  return std::vector<std::string>{"category", "refine",          "--model=" + categories, "--db=" + folders.index,
+                                  "--force",  "--out=" + refined};
 }
 
 }  // namespace
@@ -239,9 +234,13 @@ void JobRunner::WaitForWork() {
 }
 
 void JobRunner::Run() {
+  std::string failure;  // the last one, until there is none
   while (!is_ending_) {
     const auto job = queue_->Claim(worker_name_, options_.kinds, NowUtcMicroseconds(), Microseconds(options_.lease));
-    if (!job) LogWarning("the queue of jobs: {}", job.error().message);
+    const std::string message = job ? "" : job.error().message;
+    // Once for all failures in a row.
+    if (message != failure && !message.empty()) LogWarning("the queue of jobs: {}", message);
+    failure = message;
     if (!job || !*job) {
       WaitForWork();
       continue;

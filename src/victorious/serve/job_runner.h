@@ -21,7 +21,7 @@
 namespace victorious {
 
 struct JobFolders {
-  std::filesystem::path index;
+  std::string index;                      ///< by the name that OpenStore takes; without a password
   std::filesystem::path models;           ///< the model library; empty: no job can run
   std::filesystem::path uploads;          ///< one folder an upload
   std::filesystem::path categories = {};  ///< the category model that videos are searched for; empty: none

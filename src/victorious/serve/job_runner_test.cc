@@ -139,7 +139,7 @@ TEST(RemoveUnfinishedCopies, RemovesTheTemporaryFilesOfTheCopy) {
 class JobRunnerTest : public ::testing::Test {
  protected:
   JobRunnerTest() {
-    auto queue = OpenSqliteJobQueue(Index());
+    auto queue = OpenJobQueue(Index());
     EXPECT_TRUE(queue) << queue.error().message;
     queue_ = *std::move(queue);
   }
@@ -158,7 +158,7 @@ class JobRunnerTest : public ::testing::Test {
     options.command = [script = "cd '" + folder_.path().string() + "'; " + script](const std::vector<std::string>&) {
       return ChildCommand{.executable = "/bin/sh", .arguments = {"sh", "-c", script}};
     };
-    return std::make_unique<JobRunner>(*OpenSqliteJobQueue(Index()), kFolders, [] {}, std::move(options));
+    return std::make_unique<JobRunner>(*OpenJobQueue(Index()), kFolders, [] {}, std::move(options));
   }
 
   // False if the condition does not come true within a minute.

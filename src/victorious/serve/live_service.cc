@@ -32,12 +32,12 @@ Expected<std::unique_ptr<LiveService>> LiveService::Start(IndexView& index, Copy
   std::unique_ptr<JobQueue> queue;
   const bool can_run = index.can_review() && !folders.models.empty();
   if (can_run) {
-    VICTORIOUS_ASSIGN_OR_RETURN(queue, OpenSqliteJobQueue(folders.index));
+    VICTORIOUS_ASSIGN_OR_RETURN(queue, OpenJobQueue(folders.index));
   }
   std::unique_ptr<LiveService> service(new LiveService(index, copies, std::move(queue)));
   if (can_run) {
     for (std::vector<JobKind>& kinds : KindsOfRunners()) {
-      VICTORIOUS_ASSIGN_OR_RETURN(auto own, OpenSqliteJobQueue(folders.index));
+      VICTORIOUS_ASSIGN_OR_RETURN(auto own, OpenJobQueue(folders.index));
       service->runners_.push_back(std::make_unique<JobRunner>(
           std::move(own), folders, [raw = service.get()] { raw->jobs_changed_ = true; },
           JobRunner::Options{.kinds = std::move(kinds)}));

@@ -24,7 +24,7 @@ class LiveService {
  public:
   /// @param index, copies  must outlive this
   /// @param folders        without models: no jobs, only events
-  /// Errors: those of OpenSqliteJobQueue.
+  /// Errors: those of OpenJobQueue.
   [[nodiscard]] static Expected<std::unique_ptr<LiveService>> Start(IndexView& index, CopyFolder& copies,
                                                                     const JobFolders& folders);
   ~LiveService();

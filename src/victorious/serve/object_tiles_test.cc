@@ -45,7 +45,7 @@ class ObjectTilesTest : public ::testing::Test {
     }
     ASSERT_TRUE(store_->PutObjects(objects));
     ids_ = *ids;
-    auto reader = OpenSqliteTriageStore(folder_ / "index.db");
+    auto reader = OpenTriageStore(folder_ / "index.db");
     ASSERT_TRUE(reader) << reader.error().message;
     reader_ = *std::move(reader);
   }

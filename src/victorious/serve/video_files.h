@@ -21,8 +21,8 @@ namespace victorious {
 
 class VideoFiles {
  public:
-  /// @param index   the index: a relative name of a video that is not found from the current folder is looked for from
-  ///                the index's folder
+  /// @param index   the file of the index: a relative name of a video that is not found from the current folder is
+  ///                looked for from the index's folder; empty: there is no file
   /// @param cancel  ends long reading; must outlive this
   VideoFiles(const std::filesystem::path& index, const CancelToken& cancel);
 

@@ -2,13 +2,12 @@
 // sessions and tokens, entries of the log (from serve/). Output: the same. No secret is stored in clear, and none is
 // computed here: serve/secret.h does that.
 //
-// Accounts belong to the index that `victorious serve` shows, which is a SQLite file. A PostgreSQL index has the
-// accounts of its own server.
+// Accounts belong to the index that `victorious serve` shows. They are not the roles of a PostgreSQL server, which say
+// what programs may do to the database.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -131,8 +130,7 @@ class AccountStore {
                                                                  std::optional<std::int64_t> before) = 0;
 };
 
-/// Opens the accounts of an index. Errors: those of OpenSqliteStore.
-[[nodiscard]] Expected<std::unique_ptr<AccountStore>> OpenSqliteAccountStore(const std::filesystem::path& path,
-                                                                             StoreMode mode);
+/// Opens the accounts of an index, that OpenStore opens under this name. Errors: those of OpenStore.
+[[nodiscard]] Expected<std::unique_ptr<AccountStore>> OpenAccountStore(const std::string& name, StoreMode mode);
 
 }  // namespace victorious

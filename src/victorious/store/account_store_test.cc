@@ -1,10 +1,12 @@
-// The contract of AccountStore.
+// The contract of AccountStore, tested for every implementation.
 #include "victorious/store/account_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "testing/scratch_postgres.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 namespace {
@@ -14,25 +16,27 @@ using ::testing::SizeIs;
 
 constexpr std::int64_t kHour = 3'600'000'000;
 
-class AccountStoreTest : public ::testing::Test {
+class AccountStoreTest : public ::testing::TestWithParam<testing::StoreKind> {
  protected:
   void SetUp() override {
+    VICTORIOUS_STORE_OR_SKIP(name_, GetParam().make(folder_.path()));
     accounts_ = Open();
     other_ = Open();
   }
 
   std::unique_ptr<AccountStore> Open() {
-    auto store = OpenSqliteAccountStore(folder_ / "index.db", StoreMode::kCreate);
+    auto store = OpenAccountStore(name_, StoreMode::kCreate);
     EXPECT_TRUE(store) << store.error().message;
     return *std::move(store);
   }
 
   testing::ScratchFolder folder_;
+  std::string name_;
   std::unique_ptr<AccountStore> accounts_;
   std::unique_ptr<AccountStore> other_;  // of another process
 };
 
-TEST_F(AccountStoreTest, AccountsAreAddedChangedAndRemoved) {
+TEST_P(AccountStoreTest, AccountsAreAddedChangedAndRemoved) {
   EXPECT_FALSE(*accounts_->HasAccounts());
   const auto ann = accounts_->Add("Ann", Role::kAnalyst, "hash 1", 10);
   ASSERT_TRUE(ann) << ann.error().message;
@@ -62,7 +66,7 @@ TEST_F(AccountStoreTest, AccountsAreAddedChangedAndRemoved) {
   EXPECT_NE(accounts_->Add("ann", Role::kViewer, "", 20)->id, ann->id) << "an id is never another account's";
 }
 
-TEST_F(AccountStoreTest, NamesAreOfAFewCharacters) {
+TEST_P(AccountStoreTest, NamesAreOfAFewCharacters) {
   for (const std::string name : {"a", "Ann.Lee-2_x@example.org", "0"}) EXPECT_TRUE(CheckAccountName(name)) << name;
   for (const std::string name : {"", " ann", "ann lee", ".ann", "an\nn", "\xc3\xa4nn", "a/b", "-x"}) {
     EXPECT_FALSE(CheckAccountName(name)) << name;
@@ -72,7 +76,7 @@ TEST_F(AccountStoreTest, NamesAreOfAFewCharacters) {
   EXPECT_FALSE(CheckAccountName(std::string(65, 'a')));
 }
 
-TEST_F(AccountStoreTest, CredentialsProveTheirAccountUntilTheyEnd) {
+TEST_P(AccountStoreTest, CredentialsProveTheirAccountUntilTheyEnd) {
   const std::int64_t ann = accounts_->Add("ann", Role::kAnalyst, "h", 1)->id;
   const std::int64_t bob = accounts_->Add("bob", Role::kViewer, "h", 1)->id;
   const auto session = accounts_->AddCredential({.account = ann,
@@ -127,7 +131,7 @@ TEST_F(AccountStoreTest, CredentialsProveTheirAccountUntilTheyEnd) {
             ErrorCode::kNotFound);
 }
 
-TEST_F(AccountStoreTest, FormerPasswordGivesNoSession) {
+TEST_P(AccountStoreTest, FormerPasswordGivesNoSession) {
   const std::int64_t ann = accounts_->Add("ann", Role::kAnalyst, "h1", 1)->id;
   NewCredential session{.account = ann, .digest = "a", .now_us = 100, .lifetime_us = kHour, .proved_hash = "h1"};
   ASSERT_TRUE(accounts_->AddCredential(session));
@@ -142,7 +146,7 @@ TEST_F(AccountStoreTest, FormerPasswordGivesNoSession) {
   EXPECT_TRUE(*other_->Prove("b", 101));
 }
 
-TEST_F(AccountStoreTest, SessionsOfAnAccountAreLimited) {
+TEST_P(AccountStoreTest, SessionsOfAnAccountAreLimited) {
   const std::int64_t ann = accounts_->Add("ann", Role::kAnalyst, "h", 1)->id;
   const std::int64_t bob = accounts_->Add("bob", Role::kAnalyst, "h", 1)->id;
   const auto add = [&](std::int64_t account, CredentialKind kind, const std::string& digest) {
@@ -157,7 +161,7 @@ TEST_F(AccountStoreTest, SessionsOfAnAccountAreLimited) {
   EXPECT_TRUE(*other_->Prove("token", 101));
 }
 
-TEST_F(AccountStoreTest, LogIsReadFromTheLatestEntry) {
+TEST_P(AccountStoreTest, LogIsReadFromTheLatestEntry) {
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(accounts_->Log(
         {.time_utc_us = 10 + i, .actor = "ann", .action = "upload", .subject = std::to_string(i), .detail = "{}"}));
@@ -172,7 +176,7 @@ TEST_F(AccountStoreTest, LogIsReadFromTheLatestEntry) {
   EXPECT_EQ(next->front().subject, "2");
 }
 
-TEST_F(AccountStoreTest, AChangeAndItsEntryAreOneTransaction) {
+TEST_P(AccountStoreTest, AChangeAndItsEntryAreOneTransaction) {
   const auto entry = [](std::string subject) {
     return AuditRecord{.time_utc_us = 5, .actor = "x", .action = "add_account", .subject = std::move(subject)};
   };
@@ -200,8 +204,8 @@ TEST_F(AccountStoreTest, AChangeAndItsEntryAreOneTransaction) {
 }
 
 // A review and its entry in the log are one transaction.
-TEST_F(AccountStoreTest, ReviewsAreInTheLog) {
-  const auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate).value();
+TEST_P(AccountStoreTest, ReviewsAreInTheLog) {
+  const auto store = OpenStore(name_, StoreMode::kCreate).value();
   const std::int64_t video = store->PutVideo({.content_id = "c1", .name = "a.mp4", .width = 640, .height = 480})->id;
   const std::int64_t model = store->PutModel({.name = "jeep", .content_id = "m1"})->id;
   IndexBatch batch;
@@ -221,6 +225,8 @@ TEST_F(AccountStoreTest, ReviewsAreInTheLog) {
   EXPECT_EQ(log->back().subject, "object " + std::to_string(object));
   EXPECT_EQ(log->back().detail, R"({"verdict":"rejected","note":"a \"shed\"","model":"jeep","video":"c1","frame":7})");
 }
+
+VICTORIOUS_TEST_ON_ALL_STORES(AccountStoreTest);
 
 }  // namespace
 }  // namespace victorious

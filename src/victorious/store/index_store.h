@@ -213,8 +213,7 @@ struct SightingFilter {
   std::optional<std::int64_t> object;    ///< the object of this id
   std::optional<std::int64_t> video;     ///< the video of this id, or objects seen in it
   std::optional<std::int64_t> tracklet;  ///< the tracklet of this id, or its object
-  /// kApplied: those in force. Error: kUnsupported in a store without thresholds, PostgreSQL.
-  ThresholdUse thresholds = ThresholdUse::kIgnored;
+  ThresholdUse thresholds = ThresholdUse::kIgnored;  ///< kApplied: those in force
 };
 
 /// What a person says of an object.

@@ -1,5 +1,5 @@
 // A queue of jobs that survives a kill of everyone who works on it, in the words of work_state.h. Input: jobs of users
-// (from serve/). Output: the jobs, one at a time, to whoever claims them. sqlite/ keeps it in the file of an index.
+// (from serve/). Output: the jobs, one at a time, to whoever claims them. It is kept in the index.
 //
 // A queued job that is cancelled ends at once; a running one once its worker, which learns it from Renew, has stopped
 // it. A lost lease is another attempt, the third a failure. All times are given by the caller, microseconds since 1970.
@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -119,7 +118,7 @@ class JobQueue {
   [[nodiscard]] virtual Expected<std::int64_t> CountOpen() = 0;
 };
 
-/// Opens the queue of an index. Errors: those of OpenSqliteStore(kCreate).
-[[nodiscard]] Expected<std::unique_ptr<JobQueue>> OpenSqliteJobQueue(const std::filesystem::path& path);
+/// Opens the queue of an index, that OpenStore opens under this name. Errors: those of OpenStore(kCreate).
+[[nodiscard]] Expected<std::unique_ptr<JobQueue>> OpenJobQueue(const std::string& name);
 
 }  // namespace victorious

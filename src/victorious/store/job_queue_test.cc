@@ -1,4 +1,4 @@
-// The contract of JobQueue.
+// The contract of JobQueue, tested for every implementation.
 #include "victorious/store/job_queue.h"
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "testing/scratch_postgres.h"
 #include "victorious/store/account_store.h"
 
 namespace victorious {
@@ -18,25 +19,27 @@ constexpr std::array kAllKinds = {JobKind::kIndex, JobKind::kModel, JobKind::kCo
                                   JobKind::kClip,  JobKind::kLive,  JobKind::kTrack};
 constexpr std::int64_t kLease = 100;
 
-class JobQueueTest : public ::testing::Test {
+class JobQueueTest : public ::testing::TestWithParam<testing::StoreKind> {
  protected:
   void SetUp() override {
+    VICTORIOUS_STORE_OR_SKIP(name_, GetParam().make(folder_.path()));
     queue_ = Open();
     other_ = Open();
   }
 
   std::unique_ptr<JobQueue> Open() {
-    auto queue = OpenSqliteJobQueue(folder_ / "index.db");
+    auto queue = OpenJobQueue(name_);
     EXPECT_TRUE(queue) << queue.error().message;
     return *std::move(queue);
   }
 
   testing::ScratchFolder folder_;
+  std::string name_;
   std::unique_ptr<JobQueue> queue_;
   std::unique_ptr<JobQueue> other_;  // of another process
 };
 
-TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
+TEST_P(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
   const auto first = queue_->Submit({JobKind::kIndex, R"({"video": "a"})", 1});
   const auto second = queue_->Submit({JobKind::kModel, "{}", 2});
   ASSERT_TRUE(first && second);
@@ -58,7 +61,7 @@ TEST_F(JobQueueTest, JobsAreTakenOnceInTheirOrder) {
   EXPECT_EQ(queue_->Fail(first->id, "A", "", 21).error().code, ErrorCode::kConflict);
 }
 
-TEST_F(JobQueueTest, AJobIsSubmittedOnceAsLongAsItIsOpen) {
+TEST_P(JobQueueTest, AJobIsSubmittedOnceAsLongAsItIsOpen) {
   const NewJob asked{.kind = JobKind::kCopy, .input_json = R"({"video": "a"})", .now_us = 1, .actor = "ann"};
   const auto first = queue_->SubmitOnce(asked);
   ASSERT_TRUE(first);
@@ -74,12 +77,12 @@ TEST_F(JobQueueTest, AJobIsSubmittedOnceAsLongAsItIsOpen) {
   EXPECT_TRUE(other_->SubmitOnce(asked)->is_new);
 }
 
-TEST_F(JobQueueTest, TheLogSaysWhoAskedForAJobAndWhoCancelledIt) {
+TEST_P(JobQueueTest, TheLogSaysWhoAskedForAJobAndWhoCancelledIt) {
   const auto job = queue_->Submit({.kind = JobKind::kIndex, .input_json = "{}", .now_us = 5, .actor = "ann"});
   ASSERT_TRUE(queue_->SubmitOnce({.kind = JobKind::kIndex, .input_json = "{}", .now_us = 6, .actor = "bob"}));
   ASSERT_TRUE(queue_->Cancel(job->id, 7, "bob"));
   EXPECT_FALSE(queue_->Cancel(99, 8, "bob"));
-  const auto accounts = OpenSqliteAccountStore(folder_ / "index.db", StoreMode::kRead);
+  const auto accounts = OpenAccountStore(name_, StoreMode::kRead);
   const auto log = (*accounts)->Audit(10, std::nullopt);
   ASSERT_THAT(*log, SizeIs(2)) << "what was asked for before is no change, nor is what failed";
   EXPECT_EQ((*log)[1].action, "job");
@@ -90,7 +93,7 @@ TEST_F(JobQueueTest, TheLogSaysWhoAskedForAJobAndWhoCancelledIt) {
   EXPECT_EQ((*log)[0].actor, "bob");
 }
 
-TEST_F(JobQueueTest, CopiesAreTakenFirst) {
+TEST_P(JobQueueTest, CopiesAreTakenFirst) {
   const auto search = queue_->Submit({JobKind::kIndex, "{}", 1});
   const auto first = queue_->Submit({JobKind::kCopy, R"({"video": "a"})", 2});
   const auto second = queue_->Submit({JobKind::kCopy, R"({"video": "b"})", 3});
@@ -98,7 +101,7 @@ TEST_F(JobQueueTest, CopiesAreTakenFirst) {
     EXPECT_EQ((*other_->Claim("A", kAllKinds, 10, kLease))->id, id);
 }
 
-TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
+TEST_P(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
   EXPECT_TRUE(*queue_->Renew(job->id, "A", 100, kLease, {.done = 5, .total = 9, .unit = "frames", .message = "x"}));
@@ -109,7 +112,7 @@ TEST_F(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
   EXPECT_EQ((*found)->progress.unit, "frames");
 }
 
-TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
+TEST_P(JobQueueTest, JobOfADeadWorkerGoesOn) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
   EXPECT_FALSE(*other_->Claim("B", kAllKinds, 110, kLease)) << "the lease runs until 110";
@@ -121,7 +124,7 @@ TEST_F(JobQueueTest, JobOfADeadWorkerGoesOn) {
   EXPECT_EQ(queue_->Complete(job->id, "A", "", 120).error().code, ErrorCode::kConflict);
 }
 
-TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
+TEST_P(JobQueueTest, JobThatKillsItsWorkersFails) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
     ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 1000 * (attempt + 1), kLease)) << attempt;
@@ -131,7 +134,7 @@ TEST_F(JobQueueTest, JobThatKillsItsWorkersFails) {
   EXPECT_THAT((*queue_->Find(job->id))->progress.message, ::testing::HasSubstr("was killed 3 times"));
 }
 
-TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
+TEST_P(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
@@ -141,7 +144,7 @@ TEST_F(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {
   EXPECT_EQ(queue_->Release(job->id, "A").error().code, ErrorCode::kConflict);
 }
 
-TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
+TEST_P(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
   const auto running = queue_->Submit({JobKind::kIndex, "{}", 1});
   const auto waiting = queue_->Submit({JobKind::kIndex, "{}", 2});
   ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
@@ -158,7 +161,7 @@ TEST_F(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
   EXPECT_EQ((*queue_->Find(orphan->id))->state, WorkState::kCancelled);
 }
 
-TEST_F(JobQueueTest, ClaimsOnlyTheWantedKinds) {
+TEST_P(JobQueueTest, ClaimsOnlyTheWantedKinds) {
   const auto live =
       queue_->Submit({JobKind::kLive, R"({"video":"rtsp://a:b@c"})", 1, "ann", R"({"title":"rtsp://c"})"});
   const auto clip = queue_->Submit({JobKind::kClip, "{}", 2});
@@ -168,7 +171,7 @@ TEST_F(JobQueueTest, ClaimsOnlyTheWantedKinds) {
   EXPECT_EQ((*queue_->Claim("B", std::array{JobKind::kLive}, 10, kLease))->id, live->id);
 }
 
-TEST_F(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {
+TEST_P(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {
   std::vector<std::int64_t> ids;
   for (int i = 0; i < 5; ++i) {
     ids.push_back(queue_->Submit({JobKind::kIndex, "{}", i})->id);
@@ -183,6 +186,8 @@ TEST_F(JobQueueTest, ListsWhatGoesOnThenWhatEndedLast) {
   EXPECT_EQ((*jobs)[2].id, ids[2]);
   EXPECT_EQ((*jobs)[3].id, ids[1]);
 }
+
+VICTORIOUS_TEST_ON_ALL_STORES(JobQueueTest);
 
 }  // namespace
 }  // namespace victorious

@@ -1,11 +1,9 @@
 // The thresholds of models that a team has put into force: what nobody has decided and scores lower is left out.
 // Input: thresholds (from serve/, score_threshold.h learns them). Output: the same; the decisions that they are learnt
-// from. A threshold belongs to the name of a model, as reviews do, and outlives a new search. sqlite/ keeps them in the
-// file of an index.
+// from. A threshold belongs to the name of a model, as reviews do, and outlives a new search.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,8 +42,7 @@ class ThresholdStore {
   [[nodiscard]] virtual Expected<std::vector<ModelDecisions>> Decisions() = 0;
 };
 
-/// Opens the thresholds of an index. Errors: those of OpenSqliteStore.
-[[nodiscard]] Expected<std::unique_ptr<ThresholdStore>> OpenSqliteThresholdStore(const std::filesystem::path& path,
-                                                                                 StoreMode mode);
+/// Opens the thresholds of an index, that OpenStore opens under this name. Errors: those of OpenStore.
+[[nodiscard]] Expected<std::unique_ptr<ThresholdStore>> OpenThresholdStore(const std::string& name, StoreMode mode);
 
 }  // namespace victorious

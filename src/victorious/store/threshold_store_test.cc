@@ -1,11 +1,14 @@
-// The contract of ThresholdStore, and what its thresholds make of queries (triage_store.h).
+// The contract of ThresholdStore, and what its thresholds make of queries (triage_store.h), tested for every
+// implementation.
 #include "victorious/store/threshold_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "testing/scratch_postgres.h"
 #include "victorious/store/account_store.h"
+#include "victorious/store/open_store.h"
 #include "victorious/store/triage_store.h"
 
 namespace victorious {
@@ -16,15 +19,16 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::UnorderedElementsAreArray;
 
-class ThresholdStoreTest : public ::testing::Test {
+class ThresholdStoreTest : public ::testing::TestWithParam<testing::StoreKind> {
  protected:
   void SetUp() override {
-    writer_ = OpenSqliteStore(path_, StoreMode::kCreate).value();
+    VICTORIOUS_STORE_OR_SKIP(name_, GetParam().make(folder_.path()));
+    writer_ = OpenStore(name_, StoreMode::kCreate).value();
     video_ = writer_->PutVideo({.content_id = "a", .name = "a.mp4", .width = 640, .height = 480})->id;
     for (const char* name : {"jeep", "crane"}) {
       models_.push_back(writer_->PutModel({.name = name, .content_id = name, .kind = ModelKind::kCad})->id);
     }
-    store_ = OpenSqliteThresholdStore(path_, StoreMode::kCreate).value();
+    store_ = OpenThresholdStore(name_, StoreMode::kCreate).value();
   }
 
   std::int64_t AddObject(std::int64_t model, double score) {
@@ -35,7 +39,7 @@ class ThresholdStoreTest : public ::testing::Test {
   }
 
   testing::ScratchFolder folder_;
-  std::filesystem::path path_ = folder_ / "index.db";
+  std::string name_;
   std::unique_ptr<IndexStore> writer_;
   std::unique_ptr<ThresholdStore> store_;
   std::int64_t video_ = 0;
@@ -43,12 +47,12 @@ class ThresholdStoreTest : public ::testing::Test {
   std::vector<std::int64_t> models_;
 };
 
-TEST_F(ThresholdStoreTest, KeepsOneThresholdForEachModel) {
+TEST_P(ThresholdStoreTest, KeepsOneThresholdForEachModel) {
   EXPECT_THAT(store_->Thresholds().value(), IsEmpty());
   ASSERT_TRUE(store_->Put({.model = "jeep", .min_score = 0.5, .set_by = "ann", .set_utc_us = 1}));
   ASSERT_TRUE(store_->Put({.model = "crane", .min_score = 0.25, .set_by = "", .set_utc_us = 2}));
   ASSERT_TRUE(store_->Put({.model = "jeep", .min_score = 0.75, .set_by = "bob", .set_utc_us = 3}));
-  const auto other = OpenSqliteThresholdStore(path_, StoreMode::kRead).value();
+  const auto other = OpenThresholdStore(name_, StoreMode::kRead).value();
   const auto found = other->Thresholds().value();
   ASSERT_THAT(found, SizeIs(2));
   EXPECT_EQ(found[0].model, "crane");
@@ -58,7 +62,7 @@ TEST_F(ThresholdStoreTest, KeepsOneThresholdForEachModel) {
   ASSERT_TRUE(store_->Remove("jeep", "ann", 4));
   ASSERT_TRUE(store_->Remove("tank", "ann", 5)) << "one that is not there";
   EXPECT_THAT(other->Thresholds().value(), SizeIs(1));
-  const auto log = OpenSqliteAccountStore(path_, StoreMode::kRead).value()->Audit(10, std::nullopt).value();
+  const auto log = OpenAccountStore(name_, StoreMode::kRead).value()->Audit(10, std::nullopt).value();
   ASSERT_THAT(log, SizeIs(4));
   EXPECT_EQ(log[0].action, "threshold");
   EXPECT_EQ(log[0].subject, "model jeep");
@@ -68,7 +72,7 @@ TEST_F(ThresholdStoreTest, KeepsOneThresholdForEachModel) {
   EXPECT_FALSE(other->Put({.model = "jeep"})) << "opened for reading";
 }
 
-TEST_F(ThresholdStoreTest, ListsDecisionsOfTheTeamByModel) {
+TEST_P(ThresholdStoreTest, ListsDecisionsOfTheTeamByModel) {
   EXPECT_THAT(store_->Decisions().value(), IsEmpty());
   const std::int64_t good = AddObject(models_[0], 0.9);
   const std::int64_t bad = AddObject(models_[0], 0.4);
@@ -90,13 +94,13 @@ TEST_F(ThresholdStoreTest, ListsDecisionsOfTheTeamByModel) {
 }
 
 // A threshold is asked of what nobody has decided.
-TEST_F(ThresholdStoreTest, ThresholdsLeaveOutUndecidedObjectsOfTheirModel) {
+TEST_P(ThresholdStoreTest, ThresholdsLeaveOutUndecidedObjectsOfTheirModel) {
   const std::int64_t good = AddObject(models_[0], 0.9);
   const std::int64_t weak = AddObject(models_[0], 0.4);
   const std::int64_t accepted = AddObject(models_[0], 0.3);
   const std::int64_t other = AddObject(models_[1], 0.2);
   ASSERT_TRUE(writer_->PutReview(accepted, {.verdict = Verdict::kAccepted, .updated_utc_us = 1}));
-  const auto triage = OpenSqliteTriageStore(path_).value();
+  const auto triage = OpenTriageStore(name_).value();
   const auto listed = [&](const ObjectQuery& query) {
     std::vector<std::int64_t> ids;
     const auto objects = triage->Objects(query, {}).value();
@@ -114,7 +118,7 @@ TEST_F(ThresholdStoreTest, ThresholdsLeaveOutUndecidedObjectsOfTheirModel) {
   EXPECT_FALSE(thresholds.IsEmpty());
 }
 
-TEST_F(ThresholdStoreTest, ListsAndExportsApplyThoseInForceIfAsked) {
+TEST_P(ThresholdStoreTest, ListsAndExportsApplyThoseInForceIfAsked) {
   const std::int64_t good = AddObject(models_[0], 0.9);
   const std::int64_t weak = AddObject(models_[0], 0.4);
   const std::int64_t accepted = AddObject(models_[0], 0.3);
@@ -142,6 +146,8 @@ TEST_F(ThresholdStoreTest, ListsAndExportsApplyThoseInForceIfAsked) {
   ASSERT_TRUE(store_->Remove("jeep", "ann", 4));
   EXPECT_THAT(listed(applied), ElementsAre(good, weak, accepted, other));
 }
+
+VICTORIOUS_TEST_ON_ALL_STORES(ThresholdStoreTest);
 
 }  // namespace
 }  // namespace victorious

@@ -1,12 +1,10 @@
 // What a person who reviews an index asks of it: pages of the list of objects, filtered and sorted, their counts, their
 // places on a map. Input: an index (index_store.h writes it). Output: bounded answers, each read by an index of the
-// store, so that an archive of 50,000 objects answers in milliseconds. sqlite/ implements it; a server database can
-// implement it as well.
+// store, so that an archive of 50,000 objects answers in milliseconds.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -165,7 +163,17 @@ class TriageStore {
   [[nodiscard]] virtual Expected<std::vector<SearchRecord>> Searches() = 0;
 };
 
-/// Opens an index for reading. Errors: those of OpenSqliteStore.
-[[nodiscard]] Expected<std::unique_ptr<TriageStore>> OpenSqliteTriageStore(const std::filesystem::path& path);
+/// Opens the index that OpenStore opens under this name, for reading. Errors: those of OpenStore.
+[[nodiscard]] Expected<std::unique_ptr<TriageStore>> OpenTriageStore(const std::string& name);
+
+/// What one request reads of an index. Use both from one thread at a time.
+struct IndexReader {
+  std::unique_ptr<IndexStore> sightings;
+  std::unique_ptr<TriageStore> objects;
+};
+
+/// Opens both; of a database they share one connection, on which no statement runs longer than 30 s. Errors: those of
+/// OpenStore.
+[[nodiscard]] Expected<IndexReader> OpenIndexReader(const std::string& name);
 
 }  // namespace victorious

@@ -1,11 +1,13 @@
-// The contract of TriageStore.
+// The contract of TriageStore, tested for every implementation.
 #include "victorious/store/triage_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "testing/scratch_postgres.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious {
 namespace {
@@ -15,10 +17,11 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 // Six objects of two models in two videos. By rank: ids_[0] to ids_[5]; ids_[2] and ids_[3] have the same score.
-class TriageStoreTest : public ::testing::Test {
+class TriageStoreTest : public ::testing::TestWithParam<testing::StoreKind> {
  protected:
   void SetUp() override {
-    auto writer = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+    VICTORIOUS_STORE_OR_SKIP(name_, GetParam().make(folder_.path()));
+    auto writer = OpenStore(name_, StoreMode::kCreate);
     ASSERT_TRUE(writer) << writer.error().message;
     writer_ = *std::move(writer);
     for (const char* name : {"a.mp4", "b.mp4"}) {
@@ -30,7 +33,7 @@ class TriageStoreTest : public ::testing::Test {
     const double scores[] = {0.95, 0.9, 0.8, 0.8, 0.5, 0.1};
     const int frames[] = {2, 2, 3, 2, 2, 2};
     for (int i = 0; i < 6; ++i) ids_.push_back(Commit(videos_[i % 2], models_[i / 4], scores[i], frames[i], i));
-    auto store = OpenSqliteTriageStore(folder_ / "index.db");
+    auto store = OpenTriageStore(name_);
     ASSERT_TRUE(store) << store.error().message;
     store_ = *std::move(store);
   }
@@ -81,6 +84,7 @@ class TriageStoreTest : public ::testing::Test {
   }
 
   testing::ScratchFolder folder_;
+  std::string name_;
   std::unique_ptr<IndexStore> writer_;
   std::unique_ptr<TriageStore> store_;
   std::vector<std::int64_t> videos_;
@@ -88,7 +92,7 @@ class TriageStoreTest : public ::testing::Test {
   std::vector<std::int64_t> ids_;
 };
 
-TEST_F(TriageStoreTest, ListsWhatTheIndexStoreLists) {
+TEST_P(TriageStoreTest, ListsWhatTheIndexStoreLists) {
   const auto expected = writer_->Objects({});
   const auto listed = store_->Objects({}, {});
   ASSERT_TRUE(listed) << listed.error().message;
@@ -104,7 +108,7 @@ TEST_F(TriageStoreTest, ListsWhatTheIndexStoreLists) {
   }
 }
 
-TEST_F(TriageStoreTest, ListsByTheScoresOfObjects) {
+TEST_P(TriageStoreTest, ListsByTheScoresOfObjects) {
   std::vector<ObjectRecord> objects = *writer_->Objects({});
   for (std::size_t i = 0; i < objects.size(); ++i) objects[i].object_score = 0.1 + 0.1 * static_cast<double>(i);
   objects.front().against = {"size 12 % off"};
@@ -126,7 +130,7 @@ TEST_F(TriageStoreTest, ListsByTheScoresOfObjects) {
   EXPECT_EQ(store_->Objects({}, {})->back().object.score, 0.1);
 }
 
-TEST_F(TriageStoreTest, SummaryFollowsTracklets) {
+TEST_P(TriageStoreTest, SummaryFollowsTracklets) {
   // A tracklet grows, is joined to another object, and is deleted.
   IndexBatch grown;
   grown.tracklets.push_back(
@@ -151,7 +155,7 @@ TEST_F(TriageStoreTest, SummaryFollowsTracklets) {
   EXPECT_THAT(List({}), ElementsAre(ids_[0], ids_[1], ids_[2], ids_[3])) << "without tracklets it is not listed";
 }
 
-TEST_F(TriageStoreTest, KeysWalkTheListBothWays) {
+TEST_P(TriageStoreTest, KeysWalkTheListBothWays) {
   for (const ObjectOrder order : {ObjectOrder::kRank, ObjectOrder::kQueue, ObjectOrder::kNewest}) {
     ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kAccepted, "", 10}));
     ASSERT_TRUE(writer_->PutReview(ids_[3], {Verdict::kRejected, "", 10}));
@@ -185,7 +189,7 @@ TEST_F(TriageStoreTest, KeysWalkTheListBothWays) {
 }
 
 // What is reviewed while the queue is worked off keeps its place in it.
-TEST_F(TriageStoreTest, QueueStaysWhileItIsWorkedOff) {
+TEST_P(TriageStoreTest, QueueStaysWhileItIsWorkedOff) {
   ASSERT_TRUE(writer_->PutReview(ids_[0], {Verdict::kAccepted, "", 100}));
   const ObjectSlice before{.order = ObjectOrder::kQueue, .queue_utc_us = 50};
   const ObjectSlice later{.order = ObjectOrder::kQueue, .queue_utc_us = 150};
@@ -193,7 +197,7 @@ TEST_F(TriageStoreTest, QueueStaysWhileItIsWorkedOff) {
   EXPECT_EQ(List({}, later).back(), ids_[0]);
 }
 
-TEST_F(TriageStoreTest, FiltersSelect) {
+TEST_P(TriageStoreTest, FiltersSelect) {
   PutPlace(ids_[1], 52, 13);
   ASSERT_TRUE(writer_->PutReview(ids_[2], {Verdict::kAccepted, "By the Barn", 10, "ann"}));
   using State = ObjectQuery::ReviewState;
@@ -220,7 +224,7 @@ TEST_F(TriageStoreTest, FiltersSelect) {
   EXPECT_EQ(counts->scores[95], 1);
 }
 
-TEST_F(TriageStoreTest, DecisionsOfPersonsSelect) {
+TEST_P(TriageStoreTest, DecisionsOfPersonsSelect) {
   ASSERT_TRUE(writer_->PutReview(ids_[0], {Verdict::kAccepted, "", 10, "ann"}));
   ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kAccepted, "", 11, "ann"}));
   ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kRejected, "no", 12, "bob"}));
@@ -250,7 +254,7 @@ TEST_F(TriageStoreTest, DecisionsOfPersonsSelect) {
   EXPECT_THAT(of(State::kDisputed, ""), IsEmpty());
 }
 
-TEST_F(TriageStoreTest, RowsHaveTheLatestDecisionsOnly) {
+TEST_P(TriageStoreTest, RowsHaveTheLatestDecisionsOnly) {
   for (int i = 0; i < 2 * TriageObject::kMaxDecisions; ++i) {
     ASSERT_TRUE(writer_->PutReview(ids_[0], {Verdict::kAccepted, "", i, "person " + std::to_string(i)}));
   }
@@ -260,7 +264,7 @@ TEST_F(TriageStoreTest, RowsHaveTheLatestDecisionsOnly) {
   EXPECT_THAT(*writer_->Decisions(ids_[0]), SizeIs(2 * TriageObject::kMaxDecisions));
 }
 
-TEST_F(TriageStoreTest, AreasSelect) {
+TEST_P(TriageStoreTest, AreasSelect) {
   PutPlace(ids_[0], 52, 13);
   PutPlace(ids_[1], 52, 13.002);
   PutPlace(ids_[4], 52, 13.001);
@@ -292,7 +296,7 @@ TEST_F(TriageStoreTest, AreasSelect) {
   EXPECT_EQ(*store_->CountObjects({.area = GeoPolygon{{{0.9, 0.22, 0}, {0.92, 0.22, 0}, {0.91, 0.24, 0}}}}), 3);
 }
 
-TEST_F(TriageStoreTest, CirclesCrossTheAntimeridianAndThePole) {
+TEST_P(TriageStoreTest, CirclesCrossTheAntimeridianAndThePole) {
   PutPlace(ids_[0], 10, 179.9995);
   PutPlace(ids_[1], 89.9999, -90);
   EXPECT_THAT(List({.near = GeoCircle{{RadiansFromDegrees(10), RadiansFromDegrees(-179.9995), 0}, 200}}),
@@ -301,7 +305,7 @@ TEST_F(TriageStoreTest, CirclesCrossTheAntimeridianAndThePole) {
               ElementsAre(ids_[1]));
 }
 
-TEST_F(TriageStoreTest, RejectedObjectsAreNotListed) {
+TEST_P(TriageStoreTest, RejectedObjectsAreNotListed) {
   PutPlace(ids_[0], 52, 13, "it floats");
   EXPECT_THAT(List({}), SizeIs(5));
   EXPECT_EQ(store_->Count({})->objects, 5);
@@ -312,7 +316,7 @@ TEST_F(TriageStoreTest, RejectedObjectsAreNotListed) {
   EXPECT_THAT(List({}), SizeIs(6));
 }
 
-TEST_F(TriageStoreTest, PlacesOfARegion) {
+TEST_P(TriageStoreTest, PlacesOfARegion) {
   PutPlace(ids_[0], 52, 13);
   PutPlace(ids_[1], 52.5, 14);
   const auto visit = [&](const GeoBox& region, const ObjectQuery& query) {
@@ -339,7 +343,7 @@ TEST_F(TriageStoreTest, PlacesOfARegion) {
   EXPECT_THAT(*store_->PlaceShapes(ids_), SizeIs(2));
 }
 
-TEST_F(TriageStoreTest, BestSightingHasMostMatches) {
+TEST_P(TriageStoreTest, BestSightingHasMostMatches) {
   const auto best = store_->BestSighting(ids_[3]);
   ASSERT_TRUE(best && *best) << best.error().message;
   EXPECT_EQ((*best)->frame, 31);
@@ -347,12 +351,14 @@ TEST_F(TriageStoreTest, BestSightingHasMostMatches) {
   EXPECT_FALSE(*store_->BestSighting(4711));
 }
 
-TEST_F(TriageStoreTest, NumbersOfVideosAndModels) {
+TEST_P(TriageStoreTest, NumbersOfVideosAndModels) {
   ASSERT_THAT(*store_->ObjectsOfVideos(), SizeIs(2));
   EXPECT_EQ(store_->ObjectsOfVideos()->front().objects, 3);
   EXPECT_EQ(store_->ObjectsOfModels()->back().objects, 2);
   EXPECT_THAT(*store_->Searches(), IsEmpty());
 }
+
+VICTORIOUS_TEST_ON_ALL_STORES(TriageStoreTest);
 
 }  // namespace
 }  // namespace victorious

@@ -18,8 +18,9 @@ namespace {
 
 constexpr int kOldestServer = 150000;
 
-// Of the advisory lock of Exclusion: "VICT" in ASCII.
+// Of the advisory locks of Exclusion: "VICT" and "SERV" in ASCII.
 constexpr std::int64_t kLockKey = 0x56494354;
+constexpr std::int64_t kServerLockKey = 0x53455256;
 
 // Runs of blanks and line ends become one space: libpq and the server write several lines, a message has one.
 std::string CollapseBlanks(std::string_view text) {
@@ -106,6 +107,33 @@ Error ConnectionError(const std::string& name, const std::string& url, const std
 }
 
 }  // namespace
+
+// As libpq reads a URL: the first "@" before the first "/" ends user and password, "?" begins the parameters.
+StoreAddress TakePassword(const std::string& url) {
+  const OptionsPtr options(PQconninfoParse(url.c_str(), nullptr));
+  if (!options) return {.name = url, .password = {}};
+  const std::size_t begin = url.find("://") + 3;
+  const std::size_t at = url.find_first_of("@/", begin);
+  std::string name = url;
+  if (at != std::string::npos && url[at] == '@') {
+    const std::size_t colon = url.find(':', begin);
+    if (colon < at) name.erase(colon, at - colon);
+  }
+  const std::size_t question = name.find('?');
+  if (question != std::string::npos) {
+    std::string kept;
+    std::string_view rest = std::string_view(name).substr(question + 1);
+    while (!rest.empty()) {
+      const std::string_view part = rest.substr(0, rest.find('&'));
+      rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+      if (part.starts_with("password=")) continue;
+      kept += kept.empty() ? '?' : '&';
+      kept += part;
+    }
+    name.replace(question, std::string::npos, kept);
+  }
+  return {.name = std::move(name), .password = OptionValue(options.get(), "password")};
+}
 
 std::string DatabaseName(const std::string& url) {
   const OptionsPtr options(PQconninfoParse(url.c_str(), nullptr));
@@ -199,7 +227,7 @@ Status Connection::Reconnect() {
   prepared_.clear();
   PQreset(handle_);
   if (IsLost()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: the connection was lost: {}: start the server again", name_,
+    return Fail(ErrorCode::kInternal, fmt::format("{}: the connection was lost: {}: start the server again", name_,
                                                   FirstLine(PQerrorMessage(handle_))));
   }
   return PrepareSession();
@@ -211,6 +239,8 @@ Expected<Result> Connection::Finish() {
   while (PGresult* result = PQgetResult(handle_)) {
     const ExecStatusType status = PQresultStatus(result);
     if (status == PGRES_FATAL_ERROR || status == PGRES_BAD_RESPONSE) {
+      // An error of sending, not of the server: libpq may not have read yet that the connection has ended.
+      if (PQresultErrorField(result, PG_DIAG_SQLSTATE) == nullptr) ReadNotices();
       if (!error) error = ErrorFromResult(result);
     }
     last.emplace(result);
@@ -376,7 +406,8 @@ Expected<Transaction> Transaction::Begin(Connection& connection, Exclusion exclu
   Transaction transaction(connection);
   if (exclusion == Exclusion::kNothing) return transaction;
   const std::string_view share = exclusion == Exclusion::kShared ? "_shared" : "";
-  VICTORIOUS_RETURN_IF_ERROR(connection.Execute(fmt::format("SELECT pg_advisory_xact_lock{}({})", share, kLockKey)));
+  const std::int64_t key = exclusion == Exclusion::kServer ? kServerLockKey : kLockKey;
+  VICTORIOUS_RETURN_IF_ERROR(connection.Execute(fmt::format("SELECT pg_advisory_xact_lock{}({})", share, key)));
   return transaction;
 }
 

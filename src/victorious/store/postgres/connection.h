@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "victorious/base/error.h"
+#include "victorious/store/open_store.h"
 #include "victorious/store/postgres/values.h"
 
 struct pg_conn;
@@ -18,6 +19,9 @@ namespace victorious::postgres {
 
 /// The schema of the tables, the first in the search path of every connection.
 inline constexpr std::string_view kSchemaName = "victorious";
+
+/// See victorious::TakePassword. Also takes the parameter `password` of a URL.
+[[nodiscard]] StoreAddress TakePassword(const std::string& url);
 
 /// Returns the database of a URL for messages: "postgresql://user@host:5432/name", without password and parameters; the
 /// text itself if it is not a URL.
@@ -109,6 +113,7 @@ enum class Exclusion {
   kNothing,  ///< for writes that lock their rows by themselves
   kShared,   ///< kAll of other processes, not their kShared: for writes that touch only rows of their own
   kAll,      ///< all other writes of the index: for what changes rows that others write, too
+  kServer,   ///< kServer of other processes: for what servers alone write; no indexer waits for it
 };
 
 /// An RAII transaction that writes: the destructor rolls back unless Commit was called. The server ends it if the

@@ -34,9 +34,9 @@ Status AddPostgis(Connection& connection) {
 
 std::span<const Migration> Migrations() {
   static constexpr std::array kMigrations = {
-      Migration{1, kSchema001}, Migration{2, kSchema002}, Migration{3, kSchema003},
-      Migration{4, kSchema004}, Migration{5, kSchema005}, Migration{6, kSchema006},
-      Migration{7, kSchema007}, Migration{8, kSchema008}, Migration{9, kSchema009}};
+      Migration{1, kSchema001}, Migration{2, kSchema002}, Migration{3, kSchema003}, Migration{4, kSchema004},
+      Migration{5, kSchema005}, Migration{6, kSchema006}, Migration{7, kSchema007}, Migration{8, kSchema008},
+      Migration{9, kSchema009}, Migration{10, kSchema010}};
   return kMigrations;
 }
 
@@ -90,6 +90,13 @@ Status Migrate(Connection& connection, std::span<const Migration> migrations) {
     VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   }
   return {};
+}
+
+Expected<std::unique_ptr<Connection>> OpenIndex(const std::string& url, StoreMode mode) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, Connection::Open(url, mode == StoreMode::kRead));
+  VICTORIOUS_RETURN_IF_ERROR(mode == StoreMode::kCreate ? Migrate(*connection, Migrations())
+                                                        : CheckVersion(*connection));
+  return connection;
 }
 
 }  // namespace victorious::postgres

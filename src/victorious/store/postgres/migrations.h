@@ -2,10 +2,13 @@
 // table `version` has the version.
 #pragma once
 
+#include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "victorious/base/error.h"
+#include "victorious/store/index_store.h"
 #include "victorious/store/postgres/connection.h"
 
 namespace victorious::postgres {
@@ -30,5 +33,9 @@ std::span<const Migration> Migrations();
 /// Migrates the database to the last of `migrations`, each in its own transaction. Safe if two processes do so at once.
 /// Errors: kUnsupported if the server has no PostGIS; kPermissionDenied if the role may not add it, or make a schema.
 [[nodiscard]] Status Migrate(Connection& connection, std::span<const Migration> migrations);
+
+/// Opens the connection to an index; kCreate makes its tables if there are none. Errors: those of Connection::Open,
+/// CheckVersion and Migrate.
+[[nodiscard]] Expected<std::unique_ptr<Connection>> OpenIndex(const std::string& url, StoreMode mode);
 
 }  // namespace victorious::postgres

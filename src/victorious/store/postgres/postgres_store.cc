@@ -12,6 +12,7 @@
 #include "victorious/base/check.h"
 #include "victorious/store/postgres/migrations.h"
 #include "victorious/store/sql/changed_objects.h"
+#include "victorious/store/sql/dialect.h"
 #include "victorious/store/sql/records.h"
 
 namespace victorious::postgres {
@@ -224,6 +225,20 @@ Status PostgresStore::PutProgress(const IndexBatch::Progress& progress) {
                           connection_->name(), stored ? stored->next_frame : 0, progress.expected_next_frame));
 }
 
+Status PostgresStore::LockObjectsOf(const std::vector<IndexBatch::TrackletUpdate>& updates) {
+  std::vector<std::int64_t> known;
+  for (const auto& [known_id, tracklet] : updates) {
+    if (known_id) known.push_back(*known_id);
+  }
+  if (known.empty()) return {};
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+      fmt::format("SELECT id FROM objects WHERE id IN (SELECT object_id FROM tracklets WHERE {}) ORDER BY id "
+                  "FOR NO KEY UPDATE",
+                  sql::IsOneOf(sql::Dialect::kPostgres, "id")),
+      sql::ListText(sql::Dialect::kPostgres, known)));
+  return {};
+}
+
 Expected<std::vector<std::int64_t>> PostgresStore::PutTracklets(
     const std::vector<IndexBatch::TrackletUpdate>& updates) {
   std::map<std::int64_t, std::int64_t> next_ids;  // by video
@@ -253,13 +268,15 @@ Expected<std::vector<std::int64_t>> PostgresStore::PutTracklets(
       ids.push_back(*known_id);
     } else {
       ids.push_back(next_ids[tracklet.video]++);
-      objects.AddRow(ids.back(), tracklet.model);
+      objects.AddRow(ids.back(), tracklet.model, tracklet.score, tracklet.frames, tracklet.first_time_s,
+                     tracklet.last_time_s);
       tracklets.AddRow(tracklet.video, tracklet.model, tracklet.score, tracklet.frames, tracklet.first_time_s,
                        tracklet.last_time_s, ids.back(), ids.back());
     }
   }
   if (objects.IsEmpty()) return ids;
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("objects (id, model_id)", objects));
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Copy("objects (id, model_id, score, frames, first_time_s, last_time_s)", objects));
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Copy(fmt::format("tracklets ({}, id, object_id)", sql::kTrackletColumns.Names()), tracklets));
   return ids;
@@ -293,9 +310,11 @@ Status PostgresStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
 Expected<std::vector<std::int64_t>> PostgresStore::Commit(const IndexBatch& batch) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
   for (const IndexBatch::Progress& progress : batch.progress) VICTORIOUS_RETURN_IF_ERROR(PutProgress(progress));
+  VICTORIOUS_RETURN_IF_ERROR(LockObjectsOf(batch.tracklets));
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::int64_t> tracklet_ids, PutTracklets(batch.tracklets));
   VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
+  VICTORIOUS_RETURN_IF_ERROR(AssignReviewsOf(tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return tracklet_ids;
 }
@@ -353,8 +372,10 @@ Status PostgresStore::WriteObjects(std::span<const ObjectRecord> objects) {
         "WHERE t.id = n.tracklet_id",
         columns, sql::kObjectColumns.Updates(sql::kObjectColumns.Index("place_time_s")))));
   }
-  return connection_->Execute(
-      "DELETE FROM objects o WHERE NOT EXISTS (SELECT 1 FROM tracklets t WHERE t.object_id = o.id)");
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
+      "DELETE FROM objects o WHERE NOT EXISTS (SELECT 1 FROM tracklets t WHERE t.object_id = o.id)"));
+  // New sightings of the same objects: Commit has assigned their reviews.
+  return object_rows.IsEmpty() && member_rows.IsEmpty() ? Status() : AssignAllReviews();
 }
 
 Status PostgresStore::WriteFits(const ObjectUpdate& update) {
@@ -484,15 +505,7 @@ Expected<sql::NearIds> PostgresStore::FindNear(const SightingFilter& filter) {
   return ids;
 }
 
-Status PostgresStore::CheckThresholds(const SightingFilter& filter) const {
-  if (filter.thresholds == ThresholdUse::kIgnored) return {};
-  return Fail(ErrorCode::kUnsupported,
-              fmt::format("{}: thresholds are kept in the file of an index, not in a database: ignore them",
-                          connection_->name()));
-}
-
 Expected<std::vector<ObjectRecord>> PostgresStore::Objects(const SightingFilter& filter) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckThresholds(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::ObjectConditions(*this, filter, near));
   BoundValues values;
@@ -508,9 +521,10 @@ Expected<std::vector<ObjectRecord>> PostgresStore::Objects(const SightingFilter&
 }
 
 Status PostgresStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckThresholds(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(filter));
-  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::SightingConditions(*this, filter, near));
+  VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions, sql::SightingConditions(*this, filter, near));
+  // Of the parts of sightings, only those of the tracklets' videos are looked into.
+  if (filter.object || filter.tracklet) conditions.Add("s.video_id = t.video_id");
   BoundValues values;
   conditions.Bind(values);
   return connection_->Visit(sql::SelectSightings() + conditions.text() + std::string(sql::kOrderSightings), values,
@@ -579,9 +593,7 @@ Expected<std::vector<std::string>> PostgresStore::FindFaults() {
 namespace victorious {
 
 Expected<std::unique_ptr<IndexStore>> OpenPostgresStore(const std::string& url, StoreMode mode) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::Connection::Open(url, mode == StoreMode::kRead));
-  VICTORIOUS_RETURN_IF_ERROR(mode == StoreMode::kCreate ? postgres::Migrate(*connection, postgres::Migrations())
-                                                        : postgres::CheckVersion(*connection));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::OpenIndex(url, mode));
   return std::make_unique<postgres::PostgresStore>(std::move(connection));
 }
 

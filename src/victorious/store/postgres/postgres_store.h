@@ -27,7 +27,8 @@ struct ObjectsPatience {
 /// reads.
 class PostgresStore final : public IndexStore {
  public:
-  explicit PostgresStore(std::unique_ptr<Connection> connection, ObjectsPatience patience = {})
+  /// @param connection  of a database with an index of this version
+  explicit PostgresStore(std::shared_ptr<Connection> connection, ObjectsPatience patience = {})
       : connection_(std::move(connection)), patience_(patience) {}
 
   [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override;
@@ -76,6 +77,13 @@ class PostgresStore final : public IndexStore {
       const std::vector<IndexBatch::TrackletUpdate>& updates);
   [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
+  /// Locks the objects of the tracklets that a batch adds to, in the order of their ids, so that two batches that add
+  /// to the same objects wait for each other, but not in a circle. Inside a transaction.
+  [[nodiscard]] Status LockObjectsOf(const std::vector<IndexBatch::TrackletUpdate>& updates);
+  /// Writes to each object its decisions and its review. Inside a transaction.
+  [[nodiscard]] Status AssignAllReviews();
+  /// Likewise, to the objects of these tracklets, whose former reviews stay.
+  [[nodiscard]] Status AssignReviewsOf(std::span<const std::int64_t> tracklets);
   /// PutObjects inside a transaction.
   [[nodiscard]] Status WriteObjects(std::span<const ObjectRecord> objects);
   /// Inside a transaction.
@@ -91,12 +99,10 @@ class PostgresStore final : public IndexStore {
   [[nodiscard]] Expected<std::string> DescribeHolder();
   [[nodiscard]] Status UnlockObjects();
   [[nodiscard]] Expected<sql::NearIds> FindNear(const SightingFilter& filter);
-  /// Error: kUnsupported if the filter asks for thresholds, which a database does not keep.
-  [[nodiscard]] Status CheckThresholds(const SightingFilter& filter) const;
   /// The error of a statement that had to change one row, and did not.
   [[nodiscard]] Error Missing(std::string_view what, std::int64_t id) const;
 
-  std::unique_ptr<Connection> connection_;
+  std::shared_ptr<Connection> connection_;
   ObjectsPatience patience_;
 };
 

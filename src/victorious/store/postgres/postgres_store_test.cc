@@ -13,8 +13,12 @@
 #include "testing/data.h"
 #include "testing/scratch_postgres.h"
 #include "testing/sighting_batch.h"
+#include "victorious/store/account_store.h"
+#include "victorious/store/job_queue.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/migrations.h"
+#include "victorious/store/threshold_store.h"
+#include "victorious/store/triage_store.h"
 
 namespace victorious::postgres {
 namespace {
@@ -80,6 +84,23 @@ TEST(PostgresName, HasNoPassword) {
   EXPECT_FALSE(IsDatabaseUrl("postgresql.db"));
 }
 
+TEST(PostgresName, PasswordIsTakenOutOfAUrl) {
+  const auto taken = [](const std::string& url) {
+    const StoreAddress address = victorious::TakePassword(url);
+    return std::pair(address.name, address.password);
+  };
+  EXPECT_EQ(taken("postgresql://me:s%20t@host:5433/videos?sslmode=require"),
+            std::pair(std::string("postgresql://me@host:5433/videos?sslmode=require"), std::string("s t")));
+  EXPECT_EQ(taken("postgres://host/videos?password=a&sslmode=require&password=b"),
+            std::pair(std::string("postgres://host/videos?sslmode=require"), std::string("b")));
+  EXPECT_EQ(taken("postgresql://host/videos?password=a"),
+            std::pair(std::string("postgresql://host/videos"), std::string("a")));
+  for (const std::string none : {"postgresql://me@host:5433/videos", "postgresql:///videos?host=/run/a:b@c",
+                                 "folder/a:b@c.db", "postgresql://host:port/x%"}) {
+    EXPECT_EQ(taken(none), std::pair(none, std::string()));
+  }
+}
+
 TEST(PostgresName, AbsentServerIsNotFound) {
   const Error error = OpenError("postgresql://me:secret@127.0.0.1:1/videos");
   EXPECT_EQ(error.code, ErrorCode::kNotFound);
@@ -133,7 +154,7 @@ TEST_F(PostgresStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(url_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 9)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 10)"));
   }
   Run("DELETE FROM version");
   EXPECT_EQ(OpenError(url_).code, ErrorCode::kDataLoss);
@@ -175,7 +196,7 @@ TEST_F(PostgresStoreTest, MigratesIndexOfVersion1) {
   Run("INSERT INTO videos (content_id, name, folder, width_px, height_px) VALUES ('c', 'a.mp4', '', 640, 480)");
   const Error error = OpenError(url_, StoreMode::kRead);
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-  EXPECT_THAT(error.message, HasSubstr("written by an older version (schema 1; this program reads 9)"));
+  EXPECT_THAT(error.message, HasSubstr("written by an older version (schema 1; this program reads 10)"));
   EXPECT_THAT(*OpenOrDie()->Videos(), SizeIs(1));
   EXPECT_THAT(*OpenOrDie(StoreMode::kRead)->Videos(), SizeIs(1));
 }
@@ -226,23 +247,125 @@ TEST_F(PostgresStoreTest, SaysThatPostgisIsMissing) {
   EXPECT_TRUE(store) << store.error().message;
 }
 
+// The lists and reviews of an index of schema 9 are made by the migration.
+TEST_F(PostgresStoreTest, MigratesObjectsAndReviewsOfVersion9) {
+  ASSERT_TRUE(Migrate(*ConnectOrDie(), Migrations().first(9)));
+  Run("INSERT INTO videos (content_id, name, folder, width_px, height_px) VALUES ('c', 'a.mp4', '', 640, 480); "
+      "INSERT INTO models (name, content_id, kind) VALUES ('jeep', '1', 'cad'); "
+      "INSERT INTO objects (id, model_id, object_score) VALUES (1, 1, 0.75), (3, 1, NULL), (4, 1, NULL); "
+      "INSERT INTO tracklets (id, object_id, video_id, model_id, score, frames, first_time_s, last_time_s) VALUES "
+      "(1, 1, 1, 1, 0.5, 2, 1, 2), (2, 1, 1, 1, 0.9, 3, 4, 5), (3, 3, 1, 1, 0.25, 1, 7, 7); "
+      "INSERT INTO sightings (video_id, frame, tracklet_id, time_s, box_x_px, box_y_px, box_width_px, box_height_px, "
+      "outline, score, source, matches, view_index, in_plane_rad) VALUES (1, 7, 1, 0.7, 0, 0, 10, 10, '', 0.5, "
+      "'recognised', 9, 0, 0); "
+      "INSERT INTO reviews (video_content_id, model_name, frame, box_x_px, box_y_px, box_width_px, box_height_px, "
+      "verdict, note, updated_utc_us, reviewer) VALUES ('c', 'jeep', 7, 0, 0, 10, 9, 'accepted', 'n', 5, 'ann'), "
+      "('c', 'jeep', 7, 0, 0, 10, 10, 'rejected', '', 6, 'bob'), ('c', 'jeep', 7, 90, 0, 10, 10, 'rejected', '', 7, "
+      "'')");
+  ASSERT_TRUE(OpenOrDie());
+  const auto listed = OpenTriageStore(url_).value()->Objects({}, {}).value();
+  ASSERT_THAT(listed, SizeIs(2)) << "object 4 has no tracklet";
+  const TriageObject& first = listed.front();
+  EXPECT_EQ(std::tuple(first.object.id, first.object.score, first.object.frames, first.object.last_time_s),
+            std::tuple(1, 0.75, 5, 5.0));
+  EXPECT_EQ(first.review.verdict, Verdict::kRejected);
+  EXPECT_TRUE(first.is_disputed);
+  EXPECT_THAT(first.decisions, SizeIs(2));
+  EXPECT_EQ(listed.back().object.score, 0.25);
+}
+
+// Two videos that are indexed at once show one object: its summary counts the tracklets of both.
+TEST_F(PostgresStoreTest, BatchesOfTwoVideosAddToTheSameObjects) {
+  constexpr int kObjects = 3;
+  constexpr int kBatches = 20;
+  const auto store = OpenOrDie();
+  const ModelRecord model = *store->PutModel({.name = "m", .content_id = "1"});
+  std::array<VideoRecord, 2> videos;
+  std::array<std::vector<std::int64_t>, 2> tracklets;
+  for (std::size_t i = 0; i < videos.size(); ++i) {
+    videos[i] = *store->PutVideo({.content_id = std::to_string(i), .name = "a.mp4"});
+    IndexBatch batch;
+    for (int j = 0; j < kObjects; ++j) {
+      batch.tracklets.push_back({std::nullopt, {.video = videos[i].id, .model = model.id, .score = 0.5, .frames = 1}});
+    }
+    tracklets[i] = *store->Commit(batch);
+  }
+  std::vector<ObjectRecord> joined;
+  for (std::size_t j = 0; j < kObjects; ++j) {
+    joined.push_back({.id = tracklets[0][j], .model = model.id, .tracklets = {tracklets[0][j], tracklets[1][j]}});
+  }
+  ASSERT_TRUE(store->PutObjects(joined));
+  const auto write = [&](std::size_t i) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto own, OpenPostgresStore(url_, StoreMode::kCreate));
+    for (int frames = 2; frames < 2 + kBatches; ++frames) {
+      IndexBatch batch;
+      // The one in ascending, the other in descending order.
+      for (std::size_t j = 0; j < kObjects; ++j) {
+        batch.tracklets.push_back({tracklets[i][i == 0 ? j : kObjects - 1 - j],
+                                   {.video = videos[i].id, .model = model.id, .score = 0.5, .frames = frames}});
+      }
+      VICTORIOUS_RETURN_IF_ERROR(own->Commit(batch));
+    }
+    return {};
+  };
+  std::array<std::string, 2> faults;
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    threads.emplace_back([&, i] {
+      const Status status = write(i);
+      faults[i] = status ? "" : status.error().message;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(faults, Each(""));
+  const auto listed = OpenTriageStore(url_).value()->Objects({}, {}).value();
+  ASSERT_THAT(listed, SizeIs(kObjects));
+  for (const TriageObject& one : listed) EXPECT_EQ(one.object.frames, 2 * (kBatches + 1));
+}
+
 // The rights that docs/cluster.md gives a role that only reads.
 TEST_F(PostgresStoreTest, ARoleThatMaySelectReads) {
   OpenOrDie();
   Run("DO $$ BEGIN CREATE ROLE reader LOGIN; EXCEPTION WHEN duplicate_object THEN END $$");
   const std::string url = UrlOf("reader", "index");
   EXPECT_EQ(OpenError(url, StoreMode::kRead).code, ErrorCode::kPermissionDenied);
-  Run("GRANT USAGE ON SCHEMA victorious TO reader; GRANT SELECT ON ALL TABLES IN SCHEMA victorious TO reader");
+  Run("GRANT USAGE ON SCHEMA victorious TO reader; GRANT SELECT ON ALL TABLES IN SCHEMA victorious TO reader; "
+      "REVOKE ALL ON victorious.accounts, victorious.credentials, victorious.jobs, victorious.audit FROM reader");
+  EXPECT_FALSE(MayServe(url).value());
+  EXPECT_TRUE(OpenTriageStore(url).value()->Objects({}, {}));
+  EXPECT_EQ(OpenAccountStore(url, StoreMode::kRead).value()->Accounts().error().code, ErrorCode::kPermissionDenied);
   const auto reader = OpenPostgresStore(url, StoreMode::kRead);
   ASSERT_TRUE(reader) << reader.error().message;
   EXPECT_THAT(*(*reader)->Sightings({}), SizeIs(0));
   EXPECT_TRUE((*reader)->Objects({.near = GeoCircle{{0.5, 0.5, 0}, 100}}));
-  const SightingFilter applied{.thresholds = ThresholdUse::kApplied};
-  EXPECT_EQ((*reader)->Objects(applied).error().code, ErrorCode::kUnsupported) << "only files keep thresholds";
-  EXPECT_EQ((*reader)->Sightings(applied).error().code, ErrorCode::kUnsupported);
+  EXPECT_TRUE((*reader)->Objects({.thresholds = ThresholdUse::kApplied}));
   const auto writer = OpenPostgresStore(url, StoreMode::kCreate);
   ASSERT_TRUE(writer) << writer.error().message;
   EXPECT_EQ((*writer)->PutVideo({.content_id = "c", .name = "a.mp4"}).error().code, ErrorCode::kPermissionDenied);
+}
+
+// The rights that docs/cluster.md gives a server without jobs.
+TEST_F(PostgresStoreTest, ARoleThatServesWritesReviewsAndNoSightings) {
+  const auto store = OpenOrDie();
+  const auto video = *store->PutVideo({.content_id = "c", .name = "a.mp4"});
+  const auto model = *store->PutModel({.name = "m", .content_id = "1"});
+  const std::int64_t object = store->Commit(SightingBatch(video.id, model.id, 0))->front();
+  Run("DO $$ BEGIN CREATE ROLE server LOGIN; EXCEPTION WHEN duplicate_object THEN END $$");
+  Run("GRANT USAGE ON SCHEMA victorious TO server; GRANT SELECT ON ALL TABLES IN SCHEMA victorious TO server; "
+      "GRANT INSERT, UPDATE, DELETE ON victorious.reviews, victorious.decisions, victorious.thresholds, "
+      "victorious.jobs, victorious.accounts, victorious.credentials TO server; "
+      "GRANT INSERT ON victorious.audit TO server; "
+      "GRANT UPDATE (verdict, note, reviewer, reviewed_utc_us, is_contested) ON victorious.objects TO server");
+  const std::string url = UrlOf("server", "index");
+  EXPECT_TRUE(MayServe(url).value());
+  const auto served = OpenPostgresStore(url, StoreMode::kCreate).value();
+  const Status reviewed = served->PutReview(object, {Verdict::kAccepted, "", 1, "ann"});
+  EXPECT_TRUE(reviewed) << reviewed.error().message;
+  EXPECT_EQ(served->Commit(SightingBatch(video.id, model.id, kSightingsInBatch)).error().code,
+            ErrorCode::kPermissionDenied);
+  EXPECT_TRUE(OpenAccountStore(url, StoreMode::kCreate).value()->Add("ann", Role::kAdmin, "h", 1));
+  EXPECT_TRUE(OpenJobQueue(url).value()->Submit({.kind = JobKind::kIndex, .input_json = "{}", .now_us = 1}));
+  EXPECT_TRUE(OpenThresholdStore(url, StoreMode::kCreate).value()->Put({.model = "m", .min_score = 0.5}));
 }
 
 TEST_F(PostgresStoreTest, RefusesOtherEncodings) {

@@ -3,6 +3,8 @@
 
 #include "victorious/base/enum_text.h"
 #include "victorious/store/postgres/postgres_store.h"
+#include "victorious/store/sql/audit.h"
+#include "victorious/store/sql/dialect.h"
 #include "victorious/store/sql/records.h"
 
 namespace victorious::postgres {
@@ -23,63 +25,135 @@ constexpr std::string_view kFromReviews =
     "s.box_x_px)) * greatest(0, least(r.box_y_px + r.box_height_px, s.box_y_px + s.box_height_px) - "
     "greatest(r.box_y_px, s.box_y_px)) >= r.box_width_px * r.box_height_px + s.box_width_px * s.box_height_px";
 
+// The first sighting of each tracklet of an object, s.
+constexpr std::string_view kFirstSightings =
+    "FROM tracklets t JOIN videos v ON v.id = t.video_id JOIN models m ON m.id = t.model_id "
+    "CROSS JOIN LATERAL (SELECT * FROM sightings f WHERE f.video_id = t.video_id AND f.tracklet_id = t.id "
+    "ORDER BY f.frame LIMIT 1) s WHERE t.object_id = ?";
+
+constexpr std::string_view kDecisionColumns = "object_id, reviewer, verdict, note, decided_utc_us";
+
+// Each person's latest review of each object.
+// @param where  joins to kFromReviews
+std::string SelectDecisions(std::string_view where) {
+  return fmt::format(
+      "SELECT DISTINCT ON (t.object_id, r.reviewer) t.object_id, r.reviewer, r.verdict, r.note, r.updated_utc_us AS "
+      "decided_utc_us FROM {} {} ORDER BY t.object_id, r.reviewer, r.updated_utc_us DESC",
+      kFromReviews, where);
+}
+
+// Follows the decisions about some objects: the latest with a verdict, else the latest of all; NULL without any.
+// @param where  selects from objects o
+std::string AssignTeamReview(std::string_view where) {
+  return fmt::format(
+      "UPDATE objects o SET (verdict, note, reviewer, reviewed_utc_us) = "
+      "(SELECT d.verdict, d.note, d.reviewer, d.decided_utc_us FROM decisions d WHERE d.object_id = o.id "
+      "ORDER BY d.verdict IS NULL, d.decided_utc_us DESC, d.reviewer LIMIT 1), "
+      "is_contested = (SELECT CASE WHEN count(DISTINCT d.verdict) > 1 THEN 1 ELSE 0 END FROM decisions d "
+      "WHERE d.object_id = o.id) WHERE {}",
+      where);
+}
+
+constexpr std::string_view kReplaceDecision =
+    "ON CONFLICT (object_id, reviewer) DO UPDATE SET verdict = excluded.verdict, note = excluded.note, "
+    "decided_utc_us = excluded.decided_utc_us";
+
 }  // namespace
 
 Status PostgresStore::PutReview(std::int64_t object, const Review& review) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result place,
+      connection_->Query(fmt::format("SELECT m.name, v.content_id, s.frame {} ORDER BY t.id LIMIT 1", kFirstSightings),
+                         object));
+  if (!place.Next()) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: object {} does not exist (another process may have deleted or joined it)",
+                            connection_->name(), object));
+  }
   VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
       fmt::format("DELETE FROM reviews WHERE ({0}) IN (SELECT r.video_content_id, r.model_name, r.frame, r.box_x_px, "
                   "r.box_y_px, r.box_width_px, r.box_height_px FROM {1} WHERE t.object_id = ?) AND reviewer = ?",
                   kKey, kFromReviews),
       object, review.reviewer));
-  // The first sighting of each of its tracklets.
-  const std::string_view sightings =
-      "FROM tracklets t JOIN videos v ON v.id = t.video_id JOIN models m ON m.id = t.model_id "
-      "CROSS JOIN LATERAL (SELECT * FROM sightings f WHERE f.video_id = t.video_id AND f.tracklet_id = t.id "
-      "ORDER BY f.frame LIMIT 1) s WHERE t.object_id = ?";
-  VICTORIOUS_ASSIGN_OR_RETURN(Result count, connection_->Query(fmt::format("SELECT count(*) {}", sightings), object));
-  if (!count.Next() || count.Integer(0) == 0) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: object {} does not exist (another process may have deleted or joined it)",
-                            connection_->name(), object));
-  }
-  if (!review.IsEmpty()) {
+  if (review.IsEmpty()) {
+    VICTORIOUS_RETURN_IF_ERROR(
+        connection_->Query("DELETE FROM decisions WHERE object_id = ? AND reviewer = ?", object, review.reviewer));
+  } else {
     const auto verdict = review.verdict ? std::optional(std::string(ToText(*review.verdict))) : std::nullopt;
     VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
         fmt::format(
             "INSERT INTO reviews ({0}, verdict, note, updated_utc_us, reviewer) SELECT v.content_id, m.name, s.frame, "
             "s.box_x_px, s.box_y_px, s.box_width_px, s.box_height_px, ?::text, ?, ?, ? {1} ON CONFLICT ({0}, reviewer) "
             "DO UPDATE SET verdict = excluded.verdict, note = excluded.note, updated_utc_us = excluded.updated_utc_us",
-            kKey, sightings),
+            kKey, kFirstSightings),
         verdict, review.note, review.updated_utc_us, review.reviewer, object));
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+        fmt::format("INSERT INTO decisions ({}) VALUES (?, ?, ?, ?, ?) {}", kDecisionColumns, kReplaceDecision), object,
+        review.reviewer, verdict, review.note, review.updated_utc_us));
   }
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(AssignTeamReview("o.id = ?"), object));
+  const AuditRecord record = sql::AuditOfReview(object, review, place.Text(0), place.Text(1), place.Integer(2));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(sql::kInsertAudit, record.time_utc_us, record.actor, record.action,
+                                                record.subject, record.detail));
   return transaction.Commit();
+}
+
+Status PostgresStore::AssignAllReviews() {
+  // Writes only what differs.
+  return connection_->Execute(fmt::format(
+      "CREATE TEMPORARY TABLE new_decisions ON COMMIT DROP AS {1}; "
+      "CREATE TEMPORARY TABLE decided_objects (object_id bigint) ON COMMIT DROP; ANALYZE new_decisions; "
+      "WITH gone AS (DELETE FROM decisions d WHERE NOT EXISTS (SELECT FROM new_decisions n WHERE n.object_id = "
+      "d.object_id AND n.reviewer = d.reviewer) RETURNING d.object_id) "
+      "INSERT INTO decided_objects SELECT object_id FROM gone; "
+      "WITH put AS (INSERT INTO decisions ({0}) SELECT {0} FROM new_decisions {2} WHERE (decisions.verdict, "
+      "decisions.note, decisions.decided_utc_us) IS DISTINCT FROM (excluded.verdict, excluded.note, "
+      "excluded.decided_utc_us) RETURNING object_id) INSERT INTO decided_objects SELECT object_id FROM put; "
+      "ANALYZE decided_objects; {3}",
+      kDecisionColumns, SelectDecisions(""), kReplaceDecision,
+      AssignTeamReview("o.id IN (SELECT object_id FROM decided_objects)")));
+}
+
+Status PostgresStore::AssignReviewsOf(std::span<const std::int64_t> tracklets) {
+  if (tracklets.empty()) return {};
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(Result any, connection_->Query("SELECT EXISTS (SELECT FROM reviews)"));
+    if (!any.Next() || any.Integer(0) == 0) return {};
+  }
+  const std::string ids = sql::ListText(sql::Dialect::kPostgres, tracklets);
+  const std::string is_of_batch = sql::IsOneOf(sql::Dialect::kPostgres, "t.id");
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result added,
+      connection_->Query(fmt::format("INSERT INTO decisions ({}) {} {} WHERE excluded.decided_utc_us > "
+                                     "decisions.decided_utc_us",
+                                     kDecisionColumns, SelectDecisions("WHERE " + is_of_batch), kReplaceDecision),
+                         ids));
+  if (added.Changes() == 0) return {};
+  const auto assigned = connection_->Query(
+      AssignTeamReview(fmt::format("o.id IN (SELECT t.object_id FROM tracklets t WHERE {})", is_of_batch)), ids);
+  if (!assigned) return std::unexpected(assigned.error());
+  return {};
 }
 
 Expected<std::vector<ReviewedObject>> PostgresStore::Reviews() {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result rows,
-      connection_->Query(fmt::format("SELECT DISTINCT ON (t.object_id) t.object_id, r.verdict, r.note, r.reviewer, "
-                                     "r.updated_utc_us "
-                                     "FROM {} ORDER BY t.object_id, r.verdict IS NULL, r.updated_utc_us DESC, "
-                                     "r.reviewer",
-                                     kFromReviews)));
+      Result rows, connection_->Query("SELECT verdict, note, reviewer, reviewed_utc_us, id FROM objects "
+                                      "WHERE reviewed_utc_us IS NOT NULL AND coalesce(frames, 0) > 0 ORDER BY id"));
   std::vector<ReviewedObject> reviews;
   while (rows.Next()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(Review review, sql::ReadReview(rows, 1, connection_->name()));
-    reviews.push_back({rows.Integer(0), std::move(review)});
+    VICTORIOUS_ASSIGN_OR_RETURN(Review review, sql::ReadReview(rows, 0, connection_->name()));
+    reviews.push_back({rows.Integer(4), std::move(review)});
   }
   return reviews;
 }
 
 Expected<std::vector<Review>> PostgresStore::Decisions(std::int64_t object) {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result rows,
-      connection_->Query(fmt::format("SELECT verdict, note, reviewer, updated_utc_us FROM (SELECT DISTINCT ON "
-                                     "(r.reviewer) r.* FROM {} WHERE t.object_id = ? ORDER BY r.reviewer, "
-                                     "r.updated_utc_us DESC) latest ORDER BY updated_utc_us DESC, reviewer",
-                                     kFromReviews),
-                         object));
+      Result rows, connection_->Query("SELECT d.verdict, d.note, d.reviewer, d.decided_utc_us FROM decisions d "
+                                      "JOIN objects o ON o.id = d.object_id WHERE d.object_id = ? AND "
+                                      "coalesce(o.frames, 0) > 0 ORDER BY d.decided_utc_us DESC, d.reviewer",
+                                      object));
   std::vector<Review> decisions;
   while (rows.Next()) {
     VICTORIOUS_ASSIGN_OR_RETURN(Review decision, sql::ReadReview(rows, 0, connection_->name()));

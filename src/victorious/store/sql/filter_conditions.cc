@@ -26,6 +26,14 @@ void AddRejected(const SightingFilter& filter, Conditions& conditions) {
                  reason);
 }
 
+// Of objects that nobody has decided.
+void AddThresholds(const SightingFilter& filter, Conditions& conditions) {
+  if (filter.thresholds == ThresholdUse::kIgnored) return;
+  conditions.Add(
+      "(o.verdict IS NOT NULL OR o.order_score <= -coalesce((SELECT h.min_score FROM thresholds h JOIN models m ON "
+      "m.name = h.model_name WHERE m.id = o.model_id), 0))");
+}
+
 void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
   const std::string category(ToText(ModelKind::kCategory));
   if (filter.model_name) {
@@ -55,6 +63,7 @@ Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& f
   Conditions conditions;
   AddModel(filter, "o.model_id", conditions);
   AddRejected(filter, conditions);
+  AddThresholds(filter, conditions);
   if (near) conditions.AddOneOf("o.id", *near);
   conditions.AddQuery("o.id IN (SELECT object_id FROM tracklets {})", tracklet_conditions);
   if (filter.object) conditions.AddOneOf("o.id", {*filter.object});
@@ -69,6 +78,7 @@ Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter&
   if (filter.tracklet) conditions.AddOneOf("s.tracklet_id", {*filter.tracklet});
   AddTimes(filter, "s.time_s", "s.time_s", conditions);
   AddRejected(filter, conditions);
+  AddThresholds(filter, conditions);
   if (near) conditions.AddOneOf("o.id", *near);
   return conditions;
 }

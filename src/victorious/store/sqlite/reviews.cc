@@ -1,11 +1,9 @@
 // The reviews of an index: bound to a sighting's place in a video, resolved to the object that is there at present.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "victorious/base/enum_text.h"
-#include "victorious/base/json.h"
-#include "victorious/store/export_json.h"
+#include "victorious/store/sql/audit.h"
 #include "victorious/store/sql/records.h"
 #include "victorious/store/sqlite/sqlite_store.h"
 
@@ -108,19 +106,10 @@ std::string AddDecisions(std::string_view from, std::string_view where) {
       from, where);
 }
 
-// Writes to the log who decided what. The place says which object it was after its id has changed.
 Status LogReview(Connection& connection, std::int64_t object, const Review& review, const Anchor& place) {
-  Json detail;
-  detail["verdict"] = review.verdict ? Json(ToText(*review.verdict)) : Json();
-  detail["note"] = review.note;
-  detail["model"] = place.model_name;
-  detail["video"] = place.video_content_id;
-  detail["frame"] = place.frame;
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
-                              connection.Prepare("INSERT INTO audit (time_utc_us, actor, action, subject, detail) "
-                                                 "VALUES (?, ?, 'review', ?, ?)"));
-  insert.Bind(review.updated_utc_us, review.reviewer, fmt::format("object {}", object), DumpJson(detail));
-  return insert.Run();
+  const AuditRecord record = sql::AuditOfReview(object, review, place.model_name, place.video_content_id, place.frame);
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection.Prepare(sql::kInsertAudit));
+  return insert.Bind(record.time_utc_us, record.actor, record.action, record.subject, record.detail).Run();
 }
 
 }  // namespace

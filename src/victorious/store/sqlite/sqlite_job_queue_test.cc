@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 
 TEST(SqliteJobQueue, UnknownKindIsAnErrorThatNamesIt) {
   const testing::ScratchFolder folder;
-  const auto queue = OpenSqliteJobQueue(folder / "index.db").value();
+  const auto queue = OpenJobQueue(folder / "index.db").value();
   ASSERT_TRUE(queue->Submit({.kind = JobKind::kIndex, .input_json = "{}", .now_us = 1}));
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open((folder / "index.db").c_str(), &database), SQLITE_OK);

@@ -71,14 +71,6 @@ Expected<sql::NearIds> FindNear(Connection& connection, const SightingFilter& fi
   }
 }
 
-// Of objects that nobody has decided. Aliases: o for the object.
-void AddThresholds(const SightingFilter& filter, sql::Conditions& conditions) {
-  if (filter.thresholds == ThresholdUse::kIgnored) return;
-  conditions.Add(
-      "(o.verdict IS NOT NULL OR o.order_score <= -coalesce((SELECT h.min_score FROM thresholds h JOIN models m ON "
-      "m.name = h.model_name WHERE m.id = o.model_id), 0))");
-}
-
 // To be followed by conditions, then by kGroupObjects.
 std::string SelectObjects() {
   return "SELECT " + sql::ObjectResultColumns() + ", group_concat(t.video_id), group_concat(t.id)" +
@@ -401,7 +393,6 @@ Expected<std::vector<std::byte>> SqliteStore::FindKeptPath(const FitKey& key) {
 Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& filter) {
   VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(*connection_, filter));
   VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions, sql::ObjectConditions(*this, filter, near));
-  AddThresholds(filter, conditions);
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement select, connection_->Prepare(SelectObjects() + conditions.text() + std::string(sql::kGroupObjects)));
   conditions.Bind(select);
@@ -422,7 +413,6 @@ Status SqliteStore::VisitSightings(const SightingFilter& filter, const std::func
   if (filter.tracklet) indexed.video.reset();
   VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions, sql::SightingConditions(*this, indexed, near));
   if (filter.tracklet && filter.video) conditions.Add("+s.video_id = ?", *filter.video);
-  AddThresholds(filter, conditions);
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::SelectSightings() + conditions.text() +
                                                                      std::string(sql::kOrderSightings)));
   conditions.Bind(select);

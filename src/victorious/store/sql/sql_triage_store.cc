@@ -1,4 +1,6 @@
-// TriageStore in the SQLite file of an index.
+// TriageStore in an index.
+#include "victorious/store/sql/sql_triage_store.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,26 +9,13 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "victorious/store/sql/conditions.h"
+#include "victorious/store/sql/database.h"
 #include "victorious/store/sql/records.h"
-#include "victorious/store/sqlite/open_database.h"
-#include "victorious/store/triage_store.h"
 
-namespace victorious::sqlite {
+namespace victorious::sql {
 namespace {
-
-using sql::Conditions;
-using sql::kObjectColumns;
-using sql::ReadModel;
-using sql::ReadObjectRow;
-using sql::ReadReview;
-using sql::ReadSighting;
-using sql::ReadTracklet;
-using sql::SelectModels;
-using sql::SelectSightings;
-using sql::SelectTracklets;
 
 using ReviewState = ObjectQuery::ReviewState;
 
@@ -63,9 +52,7 @@ std::string SelectListed() {
          "FROM objects o ";
 }
 
-std::string IdList(const std::vector<std::int64_t>& ids) { return fmt::format("[{}]", fmt::join(ids, ",")); }
-
-Expected<TriageObject> ReadListed(const Statement& row, std::string_view name) {
+Expected<TriageObject> ReadListed(const Row& row, std::string_view name) {
   TriageObject listed;
   VICTORIOUS_ASSIGN_OR_RETURN(listed.object, ReadObjectRow(row, name));
   VICTORIOUS_ASSIGN_OR_RETURN(listed.review, ReadReview(row, kReviewColumns, name));
@@ -83,9 +70,10 @@ GeoBox BoundsOf(const GeoCircle& circle) {
   return {latitude - angle, circle.centre.longitude_rad - width, latitude + angle, circle.centre.longitude_rad + width};
 }
 
-class SqliteTriageStore final : public TriageStore {
+class SqlTriageStore final : public TriageStore {
  public:
-  explicit SqliteTriageStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+  explicit SqlTriageStore(std::unique_ptr<Database> database)
+      : database_(std::move(database)), dialect_(database_->dialect()) {}
 
   Expected<std::vector<TriageObject>> Objects(const ObjectQuery& query, const ObjectSlice& slice) override {
     VICTORIOUS_ASSIGN_OR_RETURN(const Conditions matching, MakeConditions(query));
@@ -100,27 +88,23 @@ class SqliteTriageStore final : public TriageStore {
   }
 
   Expected<std::vector<TriageObject>> ObjectsById(std::span<const std::int64_t> ids) override {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select, connection_->Prepare(SelectListed() + "WHERE o.id IN (SELECT value FROM json_each(?)) AND "
-                                                                "o.is_listed = 1 ORDER BY o.id LIMIT 1000"));
-    select.Bind(IdList({ids.begin(), ids.end()}));
-    std::vector<TriageObject> objects;
-    VICTORIOUS_RETURN_IF_ERROR(ReadObjects(select, objects));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TriageObject> objects,
+                                ReadObjects(fmt::format("{}WHERE {} AND o.is_listed = 1 ORDER BY o.id LIMIT 1000",
+                                                        SelectListed(), IsOneOf(dialect_, "o.id")),
+                                            ValueList(ListText(dialect_, ids))));
     VICTORIOUS_RETURN_IF_ERROR(Complete(objects));
     return objects;
   }
 
   Expected<std::optional<ObjectKey>> FindKey(std::int64_t object, const ObjectSlice& slice) override {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select, connection_->Prepare("SELECT score, frames, verdict IS NOT NULL AND reviewed_utc_us < ? "
-                                               "FROM objects WHERE id = ? AND is_listed = 1"));
-    select.Bind(slice.queue_utc_us, object);
-    VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Step());
-    if (!found) return std::nullopt;
-    return ObjectKey{.is_done = slice.order == ObjectOrder::kQueue && select.Integer(2) != 0,
-                     .score = select.Real(0),
-                     .frames = select.Integer(1),
-                     .id = object};
+    return database_->ReadOne(
+        "SELECT score, frames, verdict IS NOT NULL AND reviewed_utc_us < ? FROM objects WHERE id = ? AND is_listed = 1",
+        ValueList(slice.queue_utc_us, object), [&](const Row& row) -> Expected<ObjectKey> {
+          return ObjectKey{.is_done = slice.order == ObjectOrder::kQueue && row.Integer(2) != 0,
+                           .score = row.Real(0),
+                           .frames = row.Integer(1),
+                           .id = object};
+        });
   }
 
   Expected<std::int64_t> CountBefore(const ObjectQuery& query, const ObjectSlice& slice,
@@ -143,156 +127,150 @@ class SqliteTriageStore final : public TriageStore {
 
   Expected<ObjectCounts> Count(const ObjectQuery& query) override {
     VICTORIOUS_ASSIGN_OR_RETURN(const Conditions matching, MakeConditions(query));
-    // Counted here: a GROUP BY takes three times as long.
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select, connection_->Prepare("SELECT o.order_score, o.verdict FROM objects o " + matching.text()));
-    matching.Bind(select);
+    static_assert(ObjectCounts::kBins == 100);
+    constexpr std::string_view kScorePart = "least(greatest(trunc(-o.order_score * 100), 0), 99)::bigint";
+    // SQLite counts here, because a GROUP BY takes three times as long; a server would send each row.
+    const std::string sql =
+        dialect_ == Dialect::kSqlite
+            ? "SELECT CAST(min(max(-o.order_score * 100, 0), 99) AS INTEGER), o.verdict, 1 FROM objects o " +
+                  matching.text()
+            : fmt::format("SELECT {0}, o.verdict, count(*) FROM objects o {1}GROUP BY {0}, o.verdict", kScorePart,
+                          matching.text());
     ObjectCounts counts;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return counts;
-      const double part = std::clamp(-select.Real(0) * ObjectCounts::kBins, 0.0, ObjectCounts::kBins - 1.0);
-      ++counts.objects;
-      ++counts.scores[static_cast<std::size_t>(part)];
-      if (select.IsNull(1)) continue;
-      ++(select.Text(1) == ToText(Verdict::kAccepted) ? counts.accepted : counts.rejected);
-    }
+    VICTORIOUS_RETURN_IF_ERROR(
+        database_->Visit(sql, ValuesOf(matching), RowCount::kFew, [&](const Row& row) -> Expected<bool> {
+          const std::int64_t number = row.Integer(2);
+          counts.objects += number;
+          counts.scores[static_cast<std::size_t>(row.Integer(0))] += number;
+          if (row.IsNull(1)) return true;
+          (row.Text(1) == ToText(Verdict::kAccepted) ? counts.accepted : counts.rejected) += number;
+          return true;
+        }));
+    return counts;
   }
 
   Status VisitPlaces(const GeoBox& region, const ObjectQuery& query,
                      const std::function<bool(const PlacedObject&)>& visit) override {
     VICTORIOUS_ASSIGN_OR_RETURN(const Conditions matching, MakeConditions(query));
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select, connection_->Prepare(fmt::format(
-                              "SELECT o.id, o.model_id, -o.order_score, o.latitude_rad, o.longitude_rad, o.verdict, {} "
-                              "FROM objects o INDEXED BY objects_by_place WHERE o.latitude_rad BETWEEN ? AND ? AND "
-                              "o.longitude_rad BETWEEN ? AND ? AND o.is_listed = 1",
-                              matching.Expression())));
-    int parameter = matching.Bind(select);
+    ValueList values;
+    int parameter = matching.Bind(values);
     for (const double bound : {region.south_rad, region.north_rad, region.west_rad, region.east_rad}) {
-      select.BindAt(parameter++, bound);
+      values.BindAt(parameter++, bound);
     }
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return {};
-      PlacedObject placed{.id = select.Integer(0),
-                          .model = select.Integer(1),
-                          .score = select.Real(2),
-                          .latitude_rad = select.Real(3),
-                          .longitude_rad = select.Real(4),
-                          .verdict = {},
-                          .matches = select.Integer(6) != 0};
-      if (!select.IsNull(5)) placed.verdict = FromText(kVerdictTexts, select.Text(5));
-      if (!visit(placed)) return {};
-    }
+    return database_->Visit(
+        fmt::format("SELECT o.id, o.model_id, -o.order_score, o.latitude_rad, o.longitude_rad, o.verdict, {} "
+                    "FROM objects o{} WHERE o.latitude_rad BETWEEN ? AND ? AND o.longitude_rad BETWEEN ? AND ? AND "
+                    "o.is_listed = 1 ORDER BY o.latitude_rad, o.longitude_rad",
+                    matching.Expression(), IndexedBy(dialect_, "objects_by_place")),
+        values, RowCount::kMany, [&](const Row& row) -> Expected<bool> {
+          PlacedObject placed{.id = row.Integer(0),
+                              .model = row.Integer(1),
+                              .score = row.Real(2),
+                              .latitude_rad = row.Real(3),
+                              .longitude_rad = row.Real(4),
+                              .verdict = {},
+                              .matches = row.Integer(6) != 0};
+          if (!row.IsNull(5)) placed.verdict = FromText(kVerdictTexts, row.Text(5));
+          return visit(placed);
+        });
   }
 
   Expected<std::vector<PlacedShape>> PlaceShapes(std::span<const std::int64_t> ids) override {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select, connection_->Prepare(SelectListed() + "WHERE o.id IN (SELECT value FROM json_each(?)) AND "
-                                                                "o.latitude_rad IS NOT NULL ORDER BY o.id LIMIT 1000"));
-    select.Bind(IdList({ids.begin(), ids.end()}));
     std::vector<PlacedShape> shapes;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return shapes;
-      VICTORIOUS_ASSIGN_OR_RETURN(const ObjectRecord object, ReadObjectRow(select, connection_->name()));
-      if (object.place) shapes.push_back({object.id, *object.place, object.heading_rad});
-    }
+    VICTORIOUS_RETURN_IF_ERROR(database_->Visit(
+        fmt::format("{}WHERE {} AND o.latitude_rad IS NOT NULL ORDER BY o.id LIMIT 1000", SelectListed(),
+                    IsOneOf(dialect_, "o.id")),
+        ValueList(ListText(dialect_, ids)), RowCount::kFew, [&](const Row& row) -> Expected<bool> {
+          VICTORIOUS_ASSIGN_OR_RETURN(const ObjectRecord object, ReadObjectRow(row, database_->name()));
+          if (object.place) shapes.push_back({object.id, *object.place, object.heading_rad});
+          return true;
+        }));
+    return shapes;
   }
 
   Expected<std::optional<GeoBox>> PlaceBounds() override {
     VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select,
-        connection_->Prepare("SELECT min(latitude_rad), min(longitude_rad), max(latitude_rad), max(longitude_rad) "
-                             "FROM objects INDEXED BY objects_by_place WHERE latitude_rad IS NOT NULL AND "
-                             "is_listed = 1"));
-    VICTORIOUS_RETURN_IF_ERROR(select.Step());
-    if (select.IsNull(0)) return std::nullopt;
-    return GeoBox{select.Real(0), select.Real(1), select.Real(2), select.Real(3)};
+        const auto bounds,
+        database_->ReadOne(fmt::format("SELECT min(latitude_rad), min(longitude_rad), max(latitude_rad), "
+                                       "max(longitude_rad) FROM objects{} WHERE latitude_rad IS NOT NULL AND "
+                                       "is_listed = 1",
+                                       IndexedBy(dialect_, "objects_by_place")),
+                           ValueList(), [](const Row& row) -> Expected<std::optional<GeoBox>> {
+                             if (row.IsNull(0)) return std::nullopt;
+                             return GeoBox{row.Real(0), row.Real(1), row.Real(2), row.Real(3)};
+                           }));
+    return bounds.value_or(std::nullopt);
   }
 
   Expected<std::vector<double>> PlaceHeights(std::int64_t video) override {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select, connection_->Prepare("SELECT altitude_m FROM objects WHERE id IN (SELECT object_id FROM "
-                                               "tracklets WHERE video_id = ?) AND altitude_m IS NOT NULL AND "
-                                               "is_listed = 1 ORDER BY id LIMIT 1000"));
-    select.Bind(video);
-    std::vector<double> heights_m;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return heights_m;
-      heights_m.push_back(select.Real(0));
-    }
+    return database_->ReadAll(
+        "SELECT altitude_m FROM objects WHERE id IN (SELECT object_id FROM tracklets WHERE video_id = ?) AND "
+        "altitude_m IS NOT NULL AND is_listed = 1 ORDER BY id LIMIT 1000",
+        ValueList(video), [](const Row& row) -> Expected<double> { return row.Real(0); });
   }
 
   Expected<std::optional<SightingRecord>> BestSighting(std::int64_t object) override {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select,
-        connection_->Prepare(SelectSightings() +
-                             "WHERE t.object_id = ? AND s.video_id = t.video_id AND s.frame = (SELECT frame FROM "
-                             "sightings WHERE tracklet_id = t.id ORDER BY matches DESC, score DESC LIMIT 1) "
-                             "ORDER BY s.matches DESC, s.score DESC LIMIT 1"));
-    VICTORIOUS_ASSIGN_OR_RETURN(const bool found, select.Bind(object).Step());
-    if (!found) return std::nullopt;
-    VICTORIOUS_ASSIGN_OR_RETURN(SightingRecord sighting, ReadSighting(select, connection_->name()));
-    return sighting;
+    // PostgreSQL looks into the part of sightings that has the video.
+    constexpr std::string_view kOfTracklet =
+        "WHERE t.object_id = ? AND s.video_id = t.video_id AND s.frame = (SELECT b.frame FROM sightings b WHERE {}"
+        "b.tracklet_id = t.id ORDER BY b.matches DESC, b.score DESC LIMIT 1) ORDER BY s.matches DESC, s.score DESC "
+        "LIMIT 1";
+    const std::string_view part = dialect_ == Dialect::kSqlite ? "" : "b.video_id = t.video_id AND ";
+    return database_->ReadOne(SelectSightings() + fmt::format(kOfTracklet, part), ValueList(object),
+                              [&](const Row& row) { return ReadSighting(row, database_->name()); });
   }
 
   Expected<std::vector<ObjectNumbers>> ObjectsOfVideos() override {
+    // CROSS JOIN: SQLite joins in the order of the index, so that nothing is sorted.
     return ReadNumbers(
-        // CROSS JOIN: in the order of the index, so that nothing is sorted.
-        "SELECT t.video_id, count(DISTINCT t.object_id) FROM tracklets t INDEXED BY tracklets_by_video "
-        "CROSS JOIN objects o ON o.id = t.object_id WHERE o.is_listed = 1 GROUP BY t.video_id");
+        fmt::format("SELECT t.video_id, count(DISTINCT t.object_id) FROM tracklets t{} {} JOIN objects o ON o.id = "
+                    "t.object_id WHERE o.is_listed = 1 GROUP BY t.video_id ORDER BY t.video_id",
+                    IndexedBy(dialect_, "tracklets_by_video"), dialect_ == Dialect::kSqlite ? "CROSS" : "INNER"));
   }
 
   Expected<std::vector<ObjectNumbers>> ObjectsOfModels() override {
-    return ReadNumbers("SELECT model_id, count(*) FROM objects WHERE is_listed = 1 GROUP BY model_id");
+    return ReadNumbers(
+        "SELECT model_id, count(*) FROM objects WHERE is_listed = 1 GROUP BY model_id ORDER BY model_id");
   }
 
   Expected<std::vector<SearchRecord>> Searches() override {
-    VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
-                                connection_->Prepare("SELECT video_id, model_id, next_frame, finished, program_version "
-                                                     "FROM searches ORDER BY video_id, model_id"));
-    std::vector<SearchRecord> searches;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return searches;
-      searches.push_back({.video = select.Integer(0),
-                          .model = select.Integer(1),
-                          .next_frame = select.Integer(2),
-                          .finished = select.Integer(3) != 0,
-                          .options_json = {},
-                          .program_version = select.Text(4)});
-    }
+    return database_->ReadAll(
+        "SELECT video_id, model_id, next_frame, finished, program_version FROM searches ORDER BY video_id, model_id",
+        ValueList(), [](const Row& row) -> Expected<SearchRecord> {
+          return SearchRecord{.video = row.Integer(0),
+                              .model = row.Integer(1),
+                              .next_frame = row.Integer(2),
+                              .finished = row.Integer(3) != 0,
+                              .options_json = {},
+                              .program_version = row.Text(4)};
+        });
   }
 
  private:
-  Expected<std::vector<std::int64_t>> ReadIds(std::string_view sql, const std::string& text) {
-    VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql));
-    select.Bind(text);
-    std::vector<std::int64_t> ids;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return ids;
-      ids.push_back(select.Integer(0));
-    }
+  static ValueList ValuesOf(const Conditions& conditions) {
+    ValueList values;
+    conditions.Bind(values);
+    return values;
+  }
+
+  Expected<std::vector<std::int64_t>> ReadIds(const std::string& sql, const std::string& text) {
+    return database_->ReadAll(sql, ValueList(text),
+                              [](const Row& row) -> Expected<std::int64_t> { return row.Integer(0); });
   }
 
   // The listed objects between two latitudes whose place passes a test, which SQL cannot make: it has no geodesy.
   Expected<std::vector<std::int64_t>> ReadPlaced(double south_rad, double north_rad,
                                                  const std::function<bool(double, double)>& is_wanted) {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select,
-        connection_->Prepare("SELECT id, latitude_rad, longitude_rad FROM objects INDEXED BY objects_by_place "
-                             "WHERE latitude_rad BETWEEN ? AND ? AND is_listed = 1"));
-    select.Bind(south_rad, north_rad);
     std::vector<std::int64_t> ids;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return ids;
-      if (is_wanted(select.Real(1), select.Real(2))) ids.push_back(select.Integer(0));
-    }
+    VICTORIOUS_RETURN_IF_ERROR(database_->Visit(
+        fmt::format("SELECT id, latitude_rad, longitude_rad FROM objects{} WHERE latitude_rad BETWEEN ? AND ? AND "
+                    "is_listed = 1",
+                    IndexedBy(dialect_, "objects_by_place")),
+        ValueList(south_rad, north_rad), RowCount::kMany, [&](const Row& row) -> Expected<bool> {
+          if (is_wanted(row.Real(1), row.Real(2))) ids.push_back(row.Integer(0));
+          return true;
+        }));
+    return ids;
   }
 
   Expected<std::vector<std::int64_t>> ReadNear(const GeoCircle& circle) {
@@ -314,7 +292,7 @@ class SqliteTriageStore final : public TriageStore {
   }
 
   Expected<Conditions> MakeConditions(const ObjectQuery& query) {
-    constexpr std::string_view kInList = "o.id IN (SELECT value FROM json_each(?))";
+    const std::string in_list = IsOneOf(dialect_, "o.id");
     Conditions conditions;
     conditions.Add("o.is_listed = 1");
     if (!query.models.empty()) {
@@ -323,7 +301,7 @@ class SqliteTriageStore final : public TriageStore {
       for (const ModelRecord& model : models) {
         if (std::ranges::find(query.models, model.name) != query.models.end()) ids.push_back(model.id);
       }
-      conditions.Add("o.model_id IN (SELECT value FROM json_each(?))", IdList(ids));
+      conditions.Add(IsOneOf(dialect_, "o.model_id"), ListText(dialect_, ids));
     }
     if (query.min_score) conditions.Add("o.order_score <= ?", -*query.min_score);
     VICTORIOUS_RETURN_IF_ERROR(AddModelMinScores(query, conditions));
@@ -336,11 +314,11 @@ class SqliteTriageStore final : public TriageStore {
     }
     if (query.near) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> ids, ReadNear(*query.near));
-      conditions.Add(kInList, IdList(ids));
+      conditions.Add(in_list, ListText(dialect_, ids));
     }
     if (query.area) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> ids, ReadInside(*query.area));
-      conditions.Add(kInList, IdList(ids));
+      conditions.Add(in_list, ListText(dialect_, ids));
     }
     switch (query.review) {
       case ReviewState::kAny:
@@ -367,15 +345,18 @@ class SqliteTriageStore final : public TriageStore {
         break;
     }
     for (const std::string& word : query.words) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const auto models,
-                                  ReadIds("SELECT id FROM models WHERE instr(lower(name), lower(?)) > 0", word));
-      VICTORIOUS_ASSIGN_OR_RETURN(const auto noted, ReadIds("SELECT id FROM objects INDEXED BY objects_with_note "
-                                                            "WHERE note <> '' AND instr(lower(note), lower(?)) > 0",
-                                                            word));
-      conditions.Add(
-          "(o.model_id IN (SELECT value FROM json_each(?)) OR instr(CAST(o.id AS TEXT), ?) > 0 OR "
-          "o.id IN (SELECT value FROM json_each(?)))",
-          IdList(models), word, IdList(noted));
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          const auto models,
+          ReadIds("SELECT id FROM models WHERE " + Contains(dialect_, Lower(dialect_, "name"), Lower(dialect_, "?")),
+                  word));
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          const auto noted, ReadIds(fmt::format("SELECT id FROM objects{} WHERE note <> '' AND {}",
+                                                IndexedBy(dialect_, "objects_with_note"),
+                                                Contains(dialect_, Lower(dialect_, "note"), Lower(dialect_, "?"))),
+                                    word));
+      conditions.Add(fmt::format("({} OR {} OR {})", IsOneOf(dialect_, "o.model_id"),
+                                 Contains(dialect_, "CAST(o.id AS TEXT)", "?"), in_list),
+                     ListText(dialect_, models), word, ListText(dialect_, noted));
     }
     return conditions;
   }
@@ -392,14 +373,8 @@ class SqliteTriageStore final : public TriageStore {
   }
 
   Expected<std::vector<ModelRecord>> Models() {
-    VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectModels()));
-    std::vector<ModelRecord> models;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return models;
-      VICTORIOUS_ASSIGN_OR_RETURN(ModelRecord model, ReadModel(select, connection_->name()));
-      models.push_back(std::move(model));
-    }
+    return database_->ReadAll(SelectModels(), ValueList(),
+                              [&](const Row& row) { return ReadModel(row, database_->name()); });
   }
 
   // Adds what limits a query to a part of the queue, and to one side of a key.
@@ -431,22 +406,20 @@ class SqliteTriageStore final : public TriageStore {
     const std::string_view direction = is_descending ? "DESC" : "ASC";
     const std::string order = is_newest ? fmt::format("o.id {}", direction)
                                         : fmt::format("o.order_score {0}, o.order_frames {0}, o.id {0}", direction);
-    VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
-                                connection_->Prepare(fmt::format("{}{}ORDER BY {} LIMIT ? OFFSET ?", SelectListed(),
-                                                                 conditions.text(), order)));
-    const int parameter = conditions.Bind(select);
-    select.BindAt(parameter, slice.limit - std::ssize(objects));
-    select.BindAt(parameter + 1, offset);
-    return ReadObjects(select, objects);
+    ValueList values;
+    const int parameter = conditions.Bind(values);
+    values.BindAt(parameter, slice.limit - std::ssize(objects));
+    values.BindAt(parameter + 1, offset);
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        std::vector<TriageObject> part,
+        ReadObjects(fmt::format("{}{}ORDER BY {} LIMIT ? OFFSET ?", SelectListed(), conditions.text(), order), values));
+    std::ranges::move(part, std::back_inserter(objects));
+    return {};
   }
 
   Expected<std::int64_t> CountPart(const Conditions& matching, const ObjectSlice& slice, std::optional<bool> is_done) {
     const Conditions conditions = AddPosition(matching, slice, is_done);
-    VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
-                                connection_->Prepare("SELECT count(*) FROM objects o " + conditions.text()));
-    conditions.Bind(select);
-    VICTORIOUS_RETURN_IF_ERROR(select.Step());
-    return select.Integer(0);
+    return database_->ReadInteger("SELECT count(*) FROM objects o " + conditions.text(), ValuesOf(conditions));
   }
 
   // The two parts of the queue one after the other, from a key or an offset on.
@@ -467,13 +440,8 @@ class SqliteTriageStore final : public TriageStore {
     return {};
   }
 
-  Status ReadObjects(Statement& select, std::vector<TriageObject>& objects) {
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return {};
-      VICTORIOUS_ASSIGN_OR_RETURN(TriageObject listed, ReadListed(select, connection_->name()));
-      objects.push_back(std::move(listed));
-    }
+  Expected<std::vector<TriageObject>> ReadObjects(const std::string& sql, const ValueList& values) {
+    return database_->ReadAll(sql, values, [&](const Row& row) { return ReadListed(row, database_->name()); });
   }
 
   using ObjectPointers = std::map<std::int64_t, TriageObject*>;  // by id
@@ -491,50 +459,46 @@ class SqliteTriageStore final : public TriageStore {
   }
 
   Status AddDecisions(const ObjectPointers& by_id, const std::vector<std::int64_t>& ids) {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select,
-        connection_->Prepare("SELECT verdict, note, reviewer, decided_utc_us, object_id FROM decisions WHERE object_id "
-                             "IN (SELECT value FROM json_each(?)) ORDER BY object_id, decided_utc_us DESC, reviewer"));
-    select.Bind(IdList(ids));
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return {};
-      std::vector<Review>& decisions = by_id.at(select.Integer(4))->decisions;
-      if (std::ssize(decisions) == TriageObject::kMaxDecisions) continue;
-      VICTORIOUS_ASSIGN_OR_RETURN(Review decision, ReadReview(select, 0, connection_->name()));
-      decisions.push_back(std::move(decision));
-    }
+    return database_->Visit(
+        fmt::format("SELECT verdict, note, reviewer, decided_utc_us, object_id FROM decisions WHERE {} "
+                    "ORDER BY object_id, decided_utc_us DESC, reviewer",
+                    IsOneOf(dialect_, "object_id")),
+        ValueList(ListText(dialect_, ids)), RowCount::kFew, [&](const Row& row) -> Expected<bool> {
+          std::vector<Review>& decisions = by_id.at(row.Integer(4))->decisions;
+          if (std::ssize(decisions) == TriageObject::kMaxDecisions) return true;
+          VICTORIOUS_ASSIGN_OR_RETURN(Review decision, ReadReview(row, 0, database_->name()));
+          decisions.push_back(std::move(decision));
+          return true;
+        });
   }
 
   Status AddMoments(const ObjectPointers& by_id, const std::vector<std::int64_t>& ids) {
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement select,
-        connection_->Prepare(SelectTracklets() + "WHERE object_id IN (SELECT value FROM json_each(?)) "
-                                                 "ORDER BY object_id, video_id, first_time_s"));
-    select.Bind(IdList(ids));
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return {};
-      const TrackletRecord tracklet = ReadTracklet(select);
-      by_id.at(tracklet.object)->moments.push_back(tracklet);
-    }
+    return database_->Visit(fmt::format("{}WHERE {} ORDER BY object_id, video_id, first_time_s", SelectTracklets(),
+                                        IsOneOf(dialect_, "object_id")),
+                            ValueList(ListText(dialect_, ids)), RowCount::kFew, [&](const Row& row) -> Expected<bool> {
+                              const TrackletRecord tracklet = ReadTracklet(row);
+                              by_id.at(tracklet.object)->moments.push_back(tracklet);
+                              return true;
+                            });
   }
 
-  Expected<std::vector<ObjectNumbers>> ReadNumbers(std::string_view sql) {
-    VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql));
-    std::vector<ObjectNumbers> numbers;
-    while (true) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-      if (!has_row) return numbers;
-      numbers.push_back({select.Integer(0), select.Integer(1)});
-    }
+  Expected<std::vector<ObjectNumbers>> ReadNumbers(const std::string& sql) {
+    return database_->ReadAll(sql, ValueList(), [](const Row& row) -> Expected<ObjectNumbers> {
+      return ObjectNumbers{row.Integer(0), row.Integer(1)};
+    });
   }
 
-  std::unique_ptr<Connection> connection_;
+  std::unique_ptr<Database> database_;
+  Dialect dialect_;
 };
 
 }  // namespace
-}  // namespace victorious::sqlite
+
+std::unique_ptr<TriageStore> MakeTriageStore(std::unique_ptr<Database> database) {
+  return std::make_unique<SqlTriageStore>(std::move(database));
+}
+
+}  // namespace victorious::sql
 
 namespace victorious {
 
@@ -543,9 +507,9 @@ bool ObjectQuery::IsEmpty() const {
          words.empty() && review == ReviewState::kAny;
 }
 
-Expected<std::unique_ptr<TriageStore>> OpenSqliteTriageStore(const std::filesystem::path& path) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, sqlite::OpenDatabase(path, StoreMode::kRead));
-  return std::make_unique<sqlite::SqliteTriageStore>(std::move(connection));
+Expected<std::unique_ptr<TriageStore>> OpenTriageStore(const std::string& name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto database, sql::OpenDatabase(name, StoreMode::kRead));
+  return sql::MakeTriageStore(std::move(database));
 }
 
 }  // namespace victorious

@@ -1,0 +1,64 @@
+#include "victorious/store/sqlite/sqlite_database.h"
+
+#include <optional>
+#include <utility>
+
+#include "victorious/store/sqlite/open_database.h"
+
+namespace victorious::sqlite {
+namespace {
+
+class SqliteDatabase final : public sql::Database {
+ public:
+  explicit SqliteDatabase(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+
+  const std::string& name() const override { return connection_->name(); }
+  sql::Dialect dialect() const override { return sql::Dialect::kSqlite; }
+
+  Status Visit(const std::string& sql, const sql::ValueList& values, sql::RowCount /*rows*/,
+               const std::function<Expected<bool>(const sql::Row&)>& visit) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement statement, connection_->Prepare(sql));
+    values.BindTo(statement);
+    while (true) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, statement.Step());
+      if (!has_row) return {};
+      VICTORIOUS_ASSIGN_OR_RETURN(const bool goes_on, visit(statement));
+      if (!goes_on) return {};
+    }
+  }
+
+  Expected<std::int64_t> Write(const std::string& sql, const sql::ValueList& values) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement statement, connection_->Prepare(sql));
+    values.BindTo(statement);
+    VICTORIOUS_RETURN_IF_ERROR(statement.Run());
+    return connection_->Changes();
+  }
+
+  Status Begin() override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+    transaction_.emplace(std::move(transaction));
+    return {};
+  }
+
+  Status Commit() override {
+    const Status committed = transaction_->Commit();
+    transaction_.reset();
+    return committed;
+  }
+
+  void RollBack() override { transaction_.reset(); }
+  bool IsInTransaction() const override { return transaction_.has_value(); }
+
+ private:
+  std::unique_ptr<Connection> connection_;
+  std::optional<Transaction> transaction_;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<sql::Database>> OpenSqlDatabase(const std::filesystem::path& path, StoreMode mode) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, OpenDatabase(path, mode));
+  return std::make_unique<SqliteDatabase>(std::move(connection));
+}
+
+}  // namespace victorious::sqlite
