@@ -226,8 +226,11 @@ async function triage(page) {
   await becomes(() => page.locator(".inspector h2").innerText(), second.model);
   assert.ok(await page.locator(".crop img").first().evaluate((image) => image.complete || image.decode().then(() => true)));
 
-  // The address bar holds the selection; a colleague who opens it sees the same.
-  await page.waitForFunction((id) => location.search.includes(`object=${id}`), second.id);
+  // The address bar holds the selection and the time; a colleague who opens it sees the same.
+  await page.waitForFunction(([id, time]) => {
+    const query = new URLSearchParams(location.search);
+    return query.get("object") === String(id) && Math.abs(Number(query.get("t")) - time) < 0.01;
+  }, [second.id, best.time_s]);
   await open(page, page.url());
   await becomes(() => selectedId(page), second.id);
   await waitForFrame(page, best.frame);
