@@ -26,6 +26,7 @@ constexpr double kMinDensity = 0.3;
 constexpr double kMaxDensity = 5.0;
 // The fraction of scene keypoints whose scale agrees with a pose within kVoteScaleFactor.
 constexpr double kScaleAgreement = 0.35;
+constexpr double kMinTurn_rad = 0.3;  // a narrower interval of orientations counts as this wide
 constexpr double kMinExpectedVotes = 1e-3;
 constexpr VoteOptions kVoteOptions;  // as the vote search by default
 constexpr std::size_t kMinFitted = 3;
@@ -82,18 +83,27 @@ float TurnBetween(float a, float b) {
   return std::min(difference, std::abs(kCircle_rad - difference));
 }
 
+// The chance that two keypoints of allowed orientation agree in rotation.
+double TurnChance(double max_turn_rad) { return std::min(1.0, kTurn_rad / std::max(kMinTurn_rad, max_turn_rad)); }
+
 class Proposer {
  public:
   Proposer(const FeatureSet& scene, const KeypointDensity& density, std::span<const Keypoint> model,
            std::span<const RankedMatch> matches, const Polygon& outline, double max_turn_rad,
            const std::optional<UprightPrior>& upright)
-      : scene_(scene), density_(density), model_(model), matches_(matches), upright_(upright), votes_(matches.size()) {
+      : scene_(scene),
+        density_(density),
+        model_(model),
+        matches_(matches),
+        max_turn_rad_(max_turn_rad),
+        upright_(upright),
+        votes_(matches.size()) {
     const Box bounds = BoundingBox(outline);
     centre_ = {bounds.x + bounds.width / 2, bounds.y + bounds.height / 2};
     length_px_ = static_cast<float>(std::hypot(bounds.width, bounds.height));
     size_px_ = std::sqrt(std::abs(SignedArea(outline)));
     area_px2_ = std::max(1.0, scene.SearchedBox().Area());
-    turn_chance_ = std::min(1.0, kTurn_rad / std::max(0.3, max_turn_rad));
+    turn_chance_ = TurnChance(max_turn_rad);
     CollectVotes();
     near_.resize(votes_.size() + kernels::kVotePadding);
     near_error2_px2_.resize(near_.size());
@@ -201,11 +211,27 @@ class Proposer {
       }
       const std::vector<Inlier> inliers = GatherInliers(map, factor * RadiusPx(map));
       if (inliers.size() < kMinInliers) return best;
-      const double neg_log10_nfa = NegLog10Nfa(map, inliers, factor * RadiusPx(map));
-      if (!best || neg_log10_nfa > best->neg_log10_nfa)
-        best = PoseProposal{neg_log10_nfa, map.Apply(centre_), size_px_ * map.scale};
+      PoseProposal proposal = Test(map, inliers, factor * RadiusPx(map));
+      if (!best || proposal.neg_log10_nfa > best->neg_log10_nfa) best = std::move(proposal);
     }
     return best;
+  }
+
+  [[nodiscard]] PoseProposal Test(const Similarity2& map, std::span<const Inlier> inliers, double radius_px) const {
+    const Eigen::Vector2d centre = map.Apply(centre_);
+    const double density =
+        std::clamp(density_.Around(centre.x(), centre.y(), 0.5 * length_px_ * map.scale), kMinDensity, kMaxDensity);
+    PoseProposal proposal{
+        .neg_log10_nfa = 0,
+        .centre_px = centre,
+        .size_px = size_px_ * map.scale,
+        .inliers = {},
+        .agreeing_fraction = std::min(1.0, kPi * radius_px * radius_px / area_px2_) * kScaleAgreement * density,
+        .log10_pose_count = Log10PoseCount(map, radius_px, size_px_, scene_),
+        .template_keypoints = model_.size()};
+    for (const Inlier& inlier : inliers) proposal.inliers.push_back(MatchOf(inlier));
+    proposal.neg_log10_nfa = ComputeNegLog10Nfa(proposal, scene_, proposal.inliers, max_turn_rad_);
+    return proposal;
   }
 
   // Refits to the inliers of a window; false if there are too few.
@@ -265,34 +291,11 @@ class Proposer {
 
   [[nodiscard]] const RankedMatch& MatchOf(const Inlier& inlier) const { return matches_[votes_.match[inlier.vote]]; }
 
-  [[nodiscard]] double NegLog10Nfa(const Similarity2& map, std::vector<Inlier> inliers, double radius_px) const {
-    const Eigen::Vector2d centre = map.Apply(centre_);
-    const double density =
-        std::clamp(density_.Around(centre.x(), centre.y(), 0.5 * length_px_ * map.scale), kMinDensity, kMaxDensity);
-    const double chance =
-        std::min(1.0, kPi * radius_px * radius_px / area_px2_) * turn_chance_ * kScaleAgreement * density;
-    std::ranges::stable_sort(inliers, {}, [&](const Inlier& inlier) { return MatchOf(inlier).rank; });
-    const auto n = static_cast<double>(model_.size());
-    std::vector<const Keypoint*> independent;
-    double min_log = 0;  // of C(n, k) p_k^k
-    for (const Inlier& inlier : inliers) {
-      const Keypoint& keypoint = scene_.keypoints[MatchOf(inlier).scene_keypoint];
-      const bool is_dependent = std::ranges::any_of(independent, [&](const Keypoint* other) {
-        return std::hypot(keypoint.x - other->x, keypoint.y - other->y) <
-               kSeparationScales * std::max(keypoint.scale_px, other->scale_px);
-      });
-      if (is_dependent) continue;
-      independent.push_back(&keypoint);
-      const auto k = static_cast<double>(independent.size());
-      min_log = std::min(min_log, LogChoose(n, k) + k * std::log(std::min(1.0, MatchOf(inlier).rank * chance)));
-    }
-    return -min_log / std::log(10.0) - Log10PoseCount(map, radius_px, size_px_, scene_) - kDependenceDecades;
-  }
-
   const FeatureSet& scene_;
   const KeypointDensity& density_;
   std::span<const Keypoint> model_;
   std::span<const RankedMatch> matches_;
+  double max_turn_rad_;
   const std::optional<UprightPrior>& upright_;
   Eigen::Vector2d centre_;
   float length_px_ = 0;
@@ -347,6 +350,27 @@ std::optional<PoseProposal> ProposePose(const FeatureSet& scene, const KeypointD
                                         double max_turn_rad, const std::optional<UprightPrior>& upright) {
   if (outline.size() < 3 || matches.size() < kMinInliers) return std::nullopt;
   return Proposer(scene, density, template_keypoints, matches, outline, max_turn_rad, upright).Propose();
+}
+
+double ComputeNegLog10Nfa(const PoseProposal& proposal, const FeatureSet& scene, std::vector<RankedMatch> inliers,
+                          double max_turn_rad) {
+  const double chance = proposal.agreeing_fraction * TurnChance(max_turn_rad);
+  std::ranges::stable_sort(inliers, {}, &RankedMatch::rank);
+  const auto n = static_cast<double>(proposal.template_keypoints);
+  std::vector<const Keypoint*> independent;
+  double min_log = 0;  // of C(n, k) p_k^k
+  for (const RankedMatch& inlier : inliers) {
+    const Keypoint& keypoint = scene.keypoints[inlier.scene_keypoint];
+    const bool is_dependent = std::ranges::any_of(independent, [&](const Keypoint* other) {
+      return std::hypot(keypoint.x - other->x, keypoint.y - other->y) <
+             kSeparationScales * std::max(keypoint.scale_px, other->scale_px);
+    });
+    if (is_dependent) continue;
+    independent.push_back(&keypoint);
+    const auto k = static_cast<double>(independent.size());
+    min_log = std::min(min_log, LogChoose(n, k) + k * std::log(std::min(1.0, inlier.rank * chance)));
+  }
+  return -min_log / std::log(10.0) - proposal.log10_pose_count - kDependenceDecades;
 }
 
 }  // namespace victorious

@@ -7,7 +7,9 @@
 //   -log10 NFA ~ max over k of -log10(T C(n, k) p_k^k) - kDependenceDecades,   p = rank * (fraction of agreeing
 //   keypoints)
 // as in rank_nfa.h, but with that fraction estimated from the area of the window and the density of keypoints around
-// the object. On 26 sightings of three movies the best two of about 100 templates held a neighbour of the right view
+// the object. Ranks are those among the keypoints of allowed orientation; ComputeNegLog10Nfa() repeats the test with ranks
+// in the whole scene, which separate true proposals from chance: of chance inliers most have a rank above eight there.
+// On 26 sightings of three movies the best two of about 100 templates held a neighbour of the right view
 // each time; by the likelihood ratio of the votes alone, the best twenty did not (docs/adr/0018).
 #pragma once
 
@@ -45,6 +47,11 @@ struct PoseProposal {
   double neg_log10_nfa;       ///< approximate, of one template
   Eigen::Vector2d centre_px;  ///< of the outline's box, in the scene
   double size_px;             ///< square root of the outline's area, in the scene
+  /// One-to-one, of the window with that NFA.
+  std::vector<RankedMatch> inliers;
+  double agreeing_fraction;        ///< of the scene's keypoints: that agree with the pose in position and scale
+  double log10_pose_count;         ///< T
+  std::size_t template_keypoints;  ///< n
 };
 
 /// @param matches       of the template, sorted by template keypoint; ranks among the keypoints of allowed orientation
@@ -57,5 +64,11 @@ struct PoseProposal {
                                                       std::span<const RankedMatch> matches, const Polygon& outline,
                                                       double max_turn_rad,
                                                       const std::optional<UprightPrior>& upright = {});
+
+/// The approximate -log10 NFA of a proposal whose inliers have the given ranks instead of their own.
+/// @param inliers       of the proposal, some or all, with ranks among the scene keypoints within max_turn_rad
+/// @param max_turn_rad  half the interval of orientations in which ranks are counted, (0, pi]
+[[nodiscard]] double ComputeNegLog10Nfa(const PoseProposal& proposal, const FeatureSet& scene,
+                                        std::vector<RankedMatch> inliers, double max_turn_rad);
 
 }  // namespace victorious

@@ -100,6 +100,21 @@ TEST(ProposePose, CountsEachSceneKeypointOnce) {
   }
 }
 
+// The test repeated with the proposal's own ranks gives its -log10 NFA; with higher ranks, and with fewer inliers, less.
+TEST(ProposePose, IsTestedAgainByOtherRanks) {
+  const World world = MakeWorld(5, 12, {0.9, 1.1, {350, 250}});
+  const std::optional<PoseProposal> found = Propose(world);
+  ASSERT_TRUE(found);
+  EXPECT_DOUBLE_EQ(ComputeNegLog10Nfa(*found, world.scene, found->inliers, kPi), found->neg_log10_nfa);
+  std::vector<RankedMatch> other = found->inliers;
+  for (RankedMatch& inlier : other) inlier.rank *= 4;
+  EXPECT_LT(ComputeNegLog10Nfa(*found, world.scene, other, kPi), found->neg_log10_nfa - 3);
+  other = found->inliers;
+  other.resize(4);
+  EXPECT_LT(ComputeNegLog10Nfa(*found, world.scene, other, kPi), found->neg_log10_nfa);
+  EXPECT_LT(ComputeNegLog10Nfa(*found, world.scene, {}, kPi), 0);
+}
+
 TEST(ProposePose, NoOutlineAndNoMatchesGiveNoPose) {
   World world = MakeWorld(4, 12, {});
   EXPECT_FALSE(ProposePose(world.scene, KeypointDensity(world.scene), world.model, world.matches, {}, kPi));

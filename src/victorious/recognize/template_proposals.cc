@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -23,6 +24,10 @@ constexpr double kSamePlaceFraction = 0.5;
 // A proposal of this -log10 NFA is certain to show an instance: half of the others at its place suffice.
 constexpr double kCertainNegLog10Nfa = 10;
 
+// Proposals from this -log10 NFA on are confirmed by ranks in the whole scene: any other one is dropped.
+constexpr double kMinConfirmedNegLog10Nfa = -1;
+constexpr int kMaxSceneRank = 8;
+
 // The prior of a view, as ModelMatcher applies it; nullopt for a view of unknown angles.
 std::optional<UprightPrior> PriorOf(const ModelView& view, const std::optional<Vertical>& vertical,
                                     const VoteSearchOptions& options) {
@@ -30,6 +35,37 @@ std::optional<UprightPrior> PriorOf(const ModelView& view, const std::optional<V
   const double off_nadir_rad = view.angles->off_nadir_rad;
   return vertical ? UprightPrior::FromVertical(*vertical, off_nadir_rad, options.max_tilt_rad)
                   : UprightPrior::AssumingUprightCamera(off_nadir_rad, options.max_hanging_rad);
+}
+
+// The mean of a proposal's -log10 NFA by the ranks of its inliers among the keypoints of allowed orientation, and by
+// those among all keypoints, which are counted up to kMaxSceneRank; for the proposals that may be significant.
+void ConfirmInScene(const PreparedScene& scene, std::span<const UprightTemplate> templates,
+                    std::span<std::optional<PoseProposal>> poses) {
+  const auto is_confirmed = [](const std::optional<PoseProposal>& pose) {
+    return pose && pose->neg_log10_nfa >= kMinConfirmedNegLog10Nfa;
+  };
+  std::vector<std::uint8_t> rows;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!is_confirmed(poses[i])) continue;
+    for (const RankedMatch& inlier : poses[i]->inliers) {
+      std::ranges::copy(templates[i].features.Descriptor(inlier.template_keypoint), std::back_inserter(rows));
+    }
+  }
+  const std::vector<RankedMatch> matches = scene.ranked_matcher().Match(kernels::PackQueries(rows), kMaxSceneRank);
+  std::size_t first = 0;  // of the pose's inliers' matches
+  for (std::optional<PoseProposal>& pose : poses) {
+    if (!is_confirmed(pose) || matches.empty()) continue;
+    std::vector<RankedMatch> confirmed;
+    for (const RankedMatch& inlier : pose->inliers) {
+      for (const RankedMatch& match : std::span(matches).subspan(first, kMaxSceneRank)) {
+        if (match.scene_keypoint == inlier.scene_keypoint)
+          confirmed.push_back({inlier.scene_keypoint, inlier.template_keypoint, match.rank});
+      }
+      first += kMaxSceneRank;
+    }
+    const double in_scene = ComputeNegLog10Nfa(*pose, scene.features(), std::move(confirmed), kPi);
+    pose->neg_log10_nfa = (pose->neg_log10_nfa + in_scene) / 2;
+  }
 }
 
 bool AreAtOnePlace(const PoseProposal& a, const PoseProposal& b) {
@@ -75,15 +111,23 @@ Expected<std::vector<TemplateProposal>> ProposeTemplates(const ShortenedViews& v
       const StageScope scope(Stage::kMatching);
       matches = scene.upright_matcher().Match(templates, std::min(kPi, max_turn_rad + kLeanDifference_rad), nearest);
     }
-    const StageScope scope(Stage::kPoses);
+    std::vector<std::optional<PoseProposal>> poses;
+    {
+      const StageScope scope(Stage::kPoses);
+      for (std::size_t k = 0; k < indices.size(); ++k) {
+        const std::optional<UprightPrior>& prior = priors[indices[k]];
+        std::optional<PoseProposal>& pose = poses.emplace_back(
+            ProposePose(scene.features(), scene.density(), templates[k].features.keypoints, matches[k],
+                        model.views[variants[indices[k]].view].outline, max_turn_rad, prior));
+        if (!pose || !prior) continue;
+        pose->neg_log10_nfa += prior->SearchReductionDecades();
+        pose->log10_pose_count -= prior->SearchReductionDecades();
+      }
+    }
+    const StageScope scope(Stage::kMatching);
+    ConfirmInScene(scene, templates, poses);
     for (std::size_t k = 0; k < indices.size(); ++k) {
-      const std::optional<UprightPrior>& prior = priors[indices[k]];
-      std::optional<PoseProposal> pose =
-          ProposePose(scene.features(), scene.density(), templates[k].features.keypoints, matches[k],
-                      model.views[variants[indices[k]].view].outline, max_turn_rad, prior);
-      if (!pose) continue;
-      if (prior) pose->neg_log10_nfa += prior->SearchReductionDecades();
-      proposals.push_back({variants[indices[k]], *pose});
+      if (poses[k]) proposals.push_back({variants[indices[k]], *std::move(poses[k])});
     }
   }
   return proposals;
