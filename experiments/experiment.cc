@@ -85,6 +85,8 @@ std::span<const Experiment> Experiments() {
                  &RunTableFeatures},
       Experiment{"table-shortlist", "The shortlist search against the vote search: lost sightings and time",
                  &RunTableShortlist},
+      Experiment{"descriptor-cells", "Cells of shortened descriptors for proposals: writes descriptor_cells.inc",
+                 &RunDescriptorCells},
       Experiment{"table-object-pose", "Errors of view and distance, by what is known of the camera",
                  &RunTableObjectPose},
       Experiment{"table-cheyenne", "Places from a real flight's stares, against the recorded frame centres",

@@ -5,6 +5,7 @@
 
 namespace victorious {
 
+[[nodiscard]] Expected<Report> RunDescriptorCells(const ExperimentSettings& settings);
 [[nodiscard]] Expected<Report> RunFigure318(const ExperimentSettings& settings);
 [[nodiscard]] Expected<Report> RunFigureCalibration(const ExperimentSettings& settings);
 [[nodiscard]] Expected<Report> RunTableFeatures(const ExperimentSettings& settings);

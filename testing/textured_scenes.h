@@ -17,7 +17,7 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
-#include "victorious/kernels/shorten.h"
+#include "victorious/match/descriptor_cells.h"
 #include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
 
@@ -102,7 +102,7 @@ class SunDependentTemplates : public RelitTemplateSource {
     for (std::size_t i = 0; i < kAround * kAround; ++i) {
       auto lit = std::make_shared<RelitTemplate>();
       lit->features = FeaturesOf(ImageOf(i / kAround, i % kAround));
-      lit->shortened = kernels::ShortenToQueries(lit->features.descriptors);
+      lit->shortened = ShortenDescriptors(lit->features.descriptors);
       lit_.push_back(std::move(lit));
     }
   }

@@ -3,27 +3,25 @@
 #include <cstring>
 
 #include "victorious/kernels/k_nearest.h"
-#include "victorious/kernels/short_nearest.h"
 
 namespace victorious::kernels {
-PackedDescriptors Pack(std::span<const std::uint8_t> rows, std::size_t row_bytes) {
+
+PackedDescriptors Pack(std::span<const std::uint8_t> rows) {
   PackedDescriptors set;
-  set.count = rows.size() / row_bytes;
-  set.row_bytes = row_bytes;
+  set.count = rows.size() / kDescriptorBytes;
   const std::size_t blocks = (set.count + kBlockDescriptors - 1) / kBlockDescriptors;
-  set.blocks.assign(blocks * kBlockDescriptors * row_bytes, 0);
-  set.constant.assign(blocks * kBlockDescriptors, row_bytes == kShortBytes ? kShortPaddingDistance : kPaddingDistance);
+  set.blocks.assign(blocks * kBlockBytes, 0);
+  set.constant.assign(blocks * kBlockDescriptors, kPaddingDistance);
   for (std::size_t i = 0; i < set.count; ++i) {
-    const std::uint8_t* row = rows.data() + i * row_bytes;
-    std::uint8_t* lane =
-        set.blocks.data() + (i / kBlockDescriptors) * kBlockDescriptors * row_bytes + (i % kBlockDescriptors) * 4;
+    const std::uint8_t* row = rows.data() + i * kDescriptorBytes;
+    std::uint8_t* lane = set.blocks.data() + (i / kBlockDescriptors) * kBlockBytes + (i % kBlockDescriptors) * 4;
     std::int32_t squared = 0;
     std::int32_t sum = 0;
-    for (std::size_t byte = 0; byte < row_bytes; ++byte) {
+    for (std::size_t byte = 0; byte < kDescriptorBytes; ++byte) {
       squared += row[byte] * row[byte];
       sum += row[byte];
     }
-    for (std::size_t group = 0; group < row_bytes / 4; ++group) {
+    for (std::size_t group = 0; group < kDescriptorBytes / 4; ++group) {
       std::memcpy(lane + group * 4 * kBlockDescriptors, row + group * 4, 4);
     }
     set.constant[i] = squared - 256 * sum;
@@ -31,15 +29,14 @@ PackedDescriptors Pack(std::span<const std::uint8_t> rows, std::size_t row_bytes
   return set;
 }
 
-PackedQueries PackQueries(std::span<const std::uint8_t> rows, std::size_t row_bytes) {
+PackedQueries PackQueries(std::span<const std::uint8_t> rows) {
   PackedQueries queries;
-  queries.count = rows.size() / row_bytes;
-  queries.row_bytes = row_bytes;
-  queries.rows.resize(queries.count * row_bytes);
+  queries.count = rows.size() / kDescriptorBytes;
+  queries.rows.resize(queries.count * kDescriptorBytes);
   queries.squared.resize(queries.count);
   for (std::size_t q = 0; q < queries.count; ++q) {
     std::int32_t squared = 0;
-    for (std::size_t byte = q * row_bytes; byte < (q + 1) * row_bytes; ++byte) {
+    for (std::size_t byte = q * kDescriptorBytes; byte < (q + 1) * kDescriptorBytes; ++byte) {
       squared += rows[byte] * rows[byte];
       queries.rows[byte] = static_cast<std::int8_t>(rows[byte] - 128);
     }
@@ -63,16 +60,6 @@ void FindNearestK(const PackedQueries& queries, const PackedDescriptors& set, st
     FindNearestKVnni(queries, set, k, out);
   } else {
     FindNearestKSimd(queries, set, k, out);
-  }
-}
-
-void FindShortNearest(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                      std::span<const BlockRange> ranges, std::span<std::uint32_t> out) {
-  static const bool has_vnni = HasVnni();
-  if (has_vnni) {
-    FindShortNearestVnni(queries, set, k, ranges, out);
-  } else {
-    FindShortNearestSimd(queries, set, k, ranges, out);
   }
 }
 

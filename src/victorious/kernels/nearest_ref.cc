@@ -1,4 +1,4 @@
-// The reference implementations of FindNearestTwo, FindNearestK and FindShortNearest: one byte at a time.
+// The reference implementations of FindNearestTwo and FindNearestK: one byte at a time.
 #include <algorithm>
 #include <vector>
 
@@ -10,15 +10,14 @@ namespace {
 int PackedByte(const PackedDescriptors& set, std::size_t descriptor, std::size_t byte) {
   const std::size_t block = descriptor / kBlockDescriptors;
   const std::size_t lane = descriptor % kBlockDescriptors;
-  return set
-      .blocks[block * kBlockDescriptors * set.row_bytes + (byte / 4) * (4 * kBlockDescriptors) + lane * 4 + byte % 4];
+  return set.blocks[block * kBlockBytes + (byte / 4) * (4 * kBlockDescriptors) + lane * 4 + byte % 4];
 }
 
 std::uint32_t Distance2(const PackedQueries& queries, std::size_t query, const PackedDescriptors& set,
                         std::size_t descriptor) {
   std::uint32_t distance2 = 0;
-  for (std::size_t byte = 0; byte < set.row_bytes; ++byte) {
-    const int difference = queries.rows[query * set.row_bytes + byte] + 128 - PackedByte(set, descriptor, byte);
+  for (std::size_t byte = 0; byte < kDescriptorBytes; ++byte) {
+    const int difference = queries.rows[query * kDescriptorBytes + byte] + 128 - PackedByte(set, descriptor, byte);
     distance2 += static_cast<std::uint32_t>(difference * difference);
   }
   return distance2;
@@ -51,31 +50,6 @@ void FindNearestKRef(const PackedQueries& queries, const PackedDescriptors& set,
       all.push_back({static_cast<std::uint32_t>(i), Distance2(queries, q, set, i)});
     std::ranges::stable_sort(all, {}, &Neighbour::distance2);
     for (std::size_t r = 0; r < k; ++r) out[q * k + r] = r < all.size() ? all[r] : Neighbour{};
-  }
-}
-
-void FindShortNearestRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                         std::span<const BlockRange> ranges, std::span<std::uint32_t> out) {
-  const auto by_distance = [](const Neighbour& a, const Neighbour& b) {
-    return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.index < b.index;
-  };
-  for (std::size_t q = 0; q < queries.count; ++q) {
-    const BlockRange& range = ranges[q / kRangeQueries];
-    std::vector<Neighbour> considered;
-    for (std::size_t first = range.first; first < range.last; first += kSegmentBlocks) {
-      for (std::size_t lane = 0; lane < kBlockDescriptors; ++lane) {
-        std::vector<Neighbour> of_lane;
-        for (std::size_t block = first; block < std::min(range.last, first + kSegmentBlocks); ++block) {
-          const std::size_t i = block * kBlockDescriptors + lane;
-          if (i < set.count) of_lane.push_back({static_cast<std::uint32_t>(i), Distance2(queries, q, set, i)});
-        }
-        std::ranges::sort(of_lane, by_distance);
-        of_lane.resize(std::min<std::size_t>(of_lane.size(), 2));
-        considered.insert(considered.end(), of_lane.begin(), of_lane.end());
-      }
-    }
-    std::ranges::sort(considered, by_distance);
-    for (std::size_t r = 0; r < k; ++r) out[q * k + r] = r < considered.size() ? considered[r].index : kNoNeighbour;
   }
 }
 

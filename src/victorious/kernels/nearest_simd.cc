@@ -1,4 +1,4 @@
-// FindNearestTwo, FindNearestK and FindShortNearest on any vector width, through Highway: compiled once for each
+// FindNearestTwo and FindNearestK on any vector width, through Highway: compiled once for each
 // instruction set, chosen at run time.
 #include <algorithm>
 #include <vector>
@@ -6,7 +6,6 @@
 #include "victorious/kernels/k_nearest.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/kernels/reduce_nearest_two.h"
-#include "victorious/kernels/short_nearest.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "victorious/kernels/nearest_simd.cc"
@@ -79,29 +78,25 @@ HWY_INLINE void Update(V32 constant, V32 sum, std::size_t block, std::size_t lan
 
 constexpr std::size_t kTile = 4;  // queries per tile: each load of the set serves all of them
 
-template <std::size_t kRowBytes>
 struct QueryTile {
-  QueryGroup groups[kTile][kRowBytes / 4];
+  QueryGroup groups[kTile][kDescriptorBytes / 4];
 };
 
 // The last tile repeats its last query.
-template <std::size_t kRowBytes>
-QueryTile<kRowBytes> WidenTile(const PackedQueries& queries, std::size_t first) {
-  QueryTile<kRowBytes> tile;
+QueryTile WidenTile(const PackedQueries& queries, std::size_t first) {
+  QueryTile tile;
   for (std::size_t t = 0; t < kTile; ++t) {
-    const std::int8_t* row = queries.rows.data() + std::min(first + t, queries.count - 1) * kRowBytes;
-    for (std::size_t g = 0; g < kRowBytes / 4; ++g) tile.groups[t][g] = Widen(row + 4 * g);
+    const std::int8_t* row = queries.rows.data() + std::min(first + t, queries.count - 1) * kDescriptorBytes;
+    for (std::size_t g = 0; g < kDescriptorBytes / 4; ++g) tile.groups[t][g] = Widen(row + 4 * g);
   }
   return tile;
 }
 
 // The partial products of the tile's queries with the lanes of a block from `bytes` on.
-template <std::size_t kRowBytes>
-HWY_INLINE void DotLanes(const QueryTile<kRowBytes>& tile, const std::uint8_t* bytes, V32& sum0, V32& sum1, V32& sum2,
-                         V32& sum3) {
+HWY_INLINE void DotLanes(const QueryTile& tile, const std::uint8_t* bytes, V32& sum0, V32& sum1, V32& sum2, V32& sum3) {
   const D32 d32;
   sum0 = sum1 = sum2 = sum3 = hn::Zero(d32);
-  for (std::size_t g = 0; g < kRowBytes / 4; ++g) {
+  for (std::size_t g = 0; g < kDescriptorBytes / 4; ++g) {
     const V32 loaded = hn::LoadU(d32, reinterpret_cast<const std::int32_t*>(bytes + g * 4 * kBlockDescriptors));
     sum0 = AddDot4(loaded, tile.groups[0][g], sum0);
     sum1 = AddDot4(loaded, tile.groups[1][g], sum1);
@@ -113,7 +108,7 @@ HWY_INLINE void DotLanes(const QueryTile<kRowBytes>& tile, const std::uint8_t* b
 void FindNearestTwoTarget(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
   const D32 d32;
   for (std::size_t first = 0; first < queries.count; first += kTile) {
-    const QueryTile tile = WidenTile<kDescriptorBytes>(queries, first);
+    const QueryTile tile = WidenTile(queries, first);
     LaneResults results[kTile];
     for (LaneResults& result : results) {
       std::fill_n(result.best, kBlockDescriptors, 1 << 30);
@@ -153,7 +148,7 @@ void FindNearestKTarget(const PackedQueries& queries, const PackedDescriptors& s
                         std::span<Neighbour> out) {
   const D32 d32;
   for (std::size_t first = 0; first < queries.count; first += kTile) {
-    const QueryTile tile = WidenTile<kDescriptorBytes>(queries, first);
+    const QueryTile tile = WidenTile(queries, first);
     std::vector<KNearest> found(kTile, KNearest(k));
     for (std::size_t block = 0; block < set.block_count(); ++block) {
       for (std::size_t lane = 0; lane < kBlockDescriptors; lane += hn::Lanes(d32)) {
@@ -173,68 +168,6 @@ void FindNearestKTarget(const PackedQueries& queries, const PackedDescriptors& s
   }
 }
 
-// The two smallest keys of each lane.
-struct LaneKeys {
-  alignas(64) std::int32_t best[kBlockDescriptors];
-  alignas(64) std::int32_t second[kBlockDescriptors];
-};
-
-HWY_INLINE void UpdateKeys(V32 base, V32 sum, std::size_t lane, LaneKeys& keys) {
-  const D32 d32;
-  const V32 key = hn::Sub(base, hn::ShiftLeft<kBlockBits + 1>(sum));
-  const V32 best = hn::Load(d32, keys.best + lane);
-  const V32 second = hn::Load(d32, keys.second + lane);
-  hn::Store(hn::Min(second, hn::Max(best, key)), d32, keys.second + lane);
-  hn::Store(hn::Min(best, key), d32, keys.best + lane);
-}
-
-// Adds the nearest of a segment's 32 keys, in their order.
-void AddNearest(LaneKeys& keys, std::size_t k, std::size_t segment, ShortNearest& found) {
-  for (std::size_t r = 0; r < k; ++r) {
-    std::size_t lane = 0;
-    for (std::size_t other = 1; other < kBlockDescriptors; ++other) {
-      if (keys.best[other] < keys.best[lane]) lane = other;
-    }
-    if (!found.Add(keys.best[lane], segment, lane)) return;
-    keys.best[lane] = keys.second[lane];
-    keys.second[lane] = kNoKey;
-  }
-}
-
-void FindShortNearestTarget(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                            std::span<const BlockRange> ranges, std::span<std::uint32_t> out) {
-  static_assert(kRangeQueries % kTile == 0);
-  const D32 d32;
-  for (std::size_t first = 0; first < queries.count; first += kTile) {
-    const QueryTile tile = WidenTile<kShortBytes>(queries, first);
-    const BlockRange range = ranges[first / kRangeQueries];
-    ShortNearest found[kTile] = {ShortNearest(k), ShortNearest(k), ShortNearest(k), ShortNearest(k)};
-    for (std::size_t segment = range.first; segment < range.last; segment += kSegmentBlocks) {
-      LaneKeys keys[kTile];
-      for (LaneKeys& one : keys) {
-        std::fill_n(one.best, kBlockDescriptors, kNoKey);
-        std::fill_n(one.second, kBlockDescriptors, kNoKey);
-      }
-      for (std::size_t block = segment; block < std::min(range.last, segment + kSegmentBlocks); ++block) {
-        const V32 number = hn::Set(d32, static_cast<std::int32_t>(block - segment));
-        for (std::size_t lane = 0; lane < kBlockDescriptors; lane += hn::Lanes(d32)) {
-          V32 sum0, sum1, sum2, sum3;
-          DotLanes(tile, set.blocks.data() + block * kBlockDescriptors * kShortBytes + lane * 4, sum0, sum1, sum2,
-                   sum3);
-          const V32 constant = hn::LoadU(d32, set.constant.data() + block * kBlockDescriptors + lane);
-          const V32 base = hn::Add(hn::ShiftLeft<kBlockBits>(constant), number);
-          UpdateKeys(base, sum0, lane, keys[0]);
-          UpdateKeys(base, sum1, lane, keys[1]);
-          UpdateKeys(base, sum2, lane, keys[2]);
-          UpdateKeys(base, sum3, lane, keys[3]);
-        }
-      }
-      for (std::size_t t = 0; t < kTile; ++t) AddNearest(keys[t], k, segment, found[t]);
-    }
-    for (std::size_t t = 0; t < std::min(kTile, queries.count - first); ++t) found[t].Write(&out[(first + t) * k]);
-  }
-}
-
 const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace victorious::kernels::HWY_NAMESPACE
@@ -245,7 +178,6 @@ namespace victorious::kernels {
 
 HWY_EXPORT(FindNearestTwoTarget);
 HWY_EXPORT(FindNearestKTarget);
-HWY_EXPORT(FindShortNearestTarget);
 HWY_EXPORT(TargetName);
 
 void FindNearestTwoSimd(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
@@ -255,11 +187,6 @@ void FindNearestTwoSimd(const PackedQueries& queries, const PackedDescriptors& s
 void FindNearestKSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
                       std::span<Neighbour> out) {
   HWY_DYNAMIC_DISPATCH(FindNearestKTarget)(queries, set, k, out);
-}
-
-void FindShortNearestSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                          std::span<const BlockRange> ranges, std::span<std::uint32_t> out) {
-  HWY_DYNAMIC_DISPATCH(FindShortNearestTarget)(queries, set, k, ranges, out);
 }
 
 const char* NearestTwoTarget() { return HasVnni() ? "avx512_vnni" : HWY_DYNAMIC_DISPATCH(TargetName)(); }

@@ -16,8 +16,6 @@ namespace {
 
 using Find = void (*)(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>);
 using FindK = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>);
-using FindShort = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<const BlockRange>,
-                           std::span<std::uint32_t>);
 
 std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uint32_t levels) {
   std::vector<std::uint8_t> rows(count * kDescriptorBytes);
@@ -69,7 +67,6 @@ struct Implementation {
   std::string name;
   Find find;
   FindK find_k;
-  FindShort find_short;
   std::int64_t highway_target = 0;  ///< the only instruction set that Highway may use; 0: Highway's choice
 
   friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
@@ -77,13 +74,13 @@ struct Implementation {
 
 // The reference, VNNI, the dispatched one, and Highway's code for every instruction set of this machine.
 std::vector<Implementation> Implementations() {
-  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestKRef, &FindShortNearestRef},
-                                     {"vnni", &FindNearestTwoVnni, &FindNearestKVnni, &FindShortNearestVnni},
-                                     {"best", &FindNearestTwo, &FindNearestK, &FindShortNearest}};
+  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestKRef},
+                                     {"vnni", &FindNearestTwoVnni, &FindNearestKVnni},
+                                     {"best", &FindNearestTwo, &FindNearestK}};
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     std::string name = "simd_" + std::string(hwy::TargetName(target));
     std::erase_if(name, [](unsigned char c) { return c != '_' && std::isalnum(c) == 0; });
-    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestKSimd, &FindShortNearestSimd, target});
+    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestKSimd, target});
   }
   return all;
 }
@@ -142,50 +139,6 @@ TEST_P(NearestTest, IsExactAtTheExtremes) {
   Check(white, black);
   Check(white, white);
   Check(black, black);
-}
-
-// Short rows: as the reference over odd sizes, ranges, extremes and ties, and for a range of several segments.
-TEST_P(NearestTest, ShortNearestMatchesReference) {
-  Random random(9);
-  for (const std::uint32_t levels : {1U, 2U, 256U}) {
-    for (const std::size_t count : {std::size_t{1}, std::size_t{15}, std::size_t{33}, std::size_t{400},
-                                    (2 * kSegmentBlocks + 1) * kBlockDescriptors - 3}) {
-      if (count > 1000 && levels != 2) continue;
-      const std::size_t queries = count > 1000 ? 3 : 3 * kRangeQueries + 5;
-      std::vector<std::uint8_t> set = RandomRows(random, count / 4 + 1, levels);
-      set.resize(count * kShortBytes);
-      for (std::uint8_t& byte : set) byte = static_cast<std::uint8_t>(levels == 2 ? 255 * byte : byte);
-      std::vector<std::uint8_t> rows = RandomRows(random, queries / 4 + 1, 256);
-      rows.resize(queries * kShortBytes);
-      const PackedDescriptors packed = Pack(set, kShortBytes);
-      const std::size_t blocks = packed.block_count();
-      const std::vector<BlockRange> ranges = {{0, blocks}, {blocks / 2, blocks}, {blocks - 1, blocks}, {0, 0}};
-      for (const std::size_t k : {std::size_t{1}, std::size_t{4}, kMaxNeighbours}) {
-        std::vector<std::uint32_t> expected(queries * k);
-        std::vector<std::uint32_t> out(queries * k);
-        FindShortNearestRef(PackQueries(rows, kShortBytes), packed, k, ranges, expected);
-        GetParam().find_short(PackQueries(rows, kShortBytes), packed, k, ranges, out);
-        EXPECT_EQ(out, expected) << k << " of " << count << ", " << levels << " levels";
-      }
-    }
-  }
-}
-
-// The reference itself: the nearest is found, and the third nearest of one lane is not.
-TEST(ShortNearest, ConsidersTwoOfEachLane) {
-  std::vector<std::uint8_t> set(4 * kBlockDescriptors * kShortBytes, 200);
-  const auto paint = [&](std::size_t row, std::uint8_t value) {
-    std::fill_n(set.begin() + static_cast<std::ptrdiff_t>(row * kShortBytes), kShortBytes, value);
-  };
-  paint(5, 3);  // three in one lane, and a farther one in another
-  paint(5 + kBlockDescriptors, 2);
-  paint(5 + 2 * kBlockDescriptors, 1);
-  paint(6, 50);
-  const std::vector<std::uint8_t> query(kShortBytes, 0);
-  const std::vector<BlockRange> ranges = {{0, 4}};
-  std::vector<std::uint32_t> out(3);
-  FindShortNearestRef(PackQueries(query, kShortBytes), Pack(set, kShortBytes), 3, ranges, out);
-  EXPECT_EQ(out, (std::vector<std::uint32_t>{5 + 2 * kBlockDescriptors, 5 + kBlockDescriptors, 6}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Implementations, NearestTest, ::testing::ValuesIn(Implementations()),

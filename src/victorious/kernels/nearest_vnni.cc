@@ -1,10 +1,9 @@
-// FindNearestTwo, FindNearestK and FindShortNearest with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway
+// FindNearestTwo and FindNearestK with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway
 // lacks: 64 products per instruction.
 #include "victorious/base/check.h"
 #include "victorious/kernels/k_nearest.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/kernels/reduce_nearest_two.h"
-#include "victorious/kernels/short_nearest.h"
 
 #if defined(__x86_64__)
 
@@ -25,11 +24,10 @@ namespace {
 constexpr std::size_t kTile = 8;  // queries per tile: 8 sums and 24 running results fill the 32 registers
 
 // The 8 partial products q.b of one block's 16 descriptors with 8 queries. GCC keeps the array in registers.
-template <std::size_t kRowBytes>
 VICTORIOUS_VNNI inline void DotBlock(const std::uint8_t* block, const std::int8_t* const (&rows)[kTile],
                                      __m512i (&sums)[kTile]) {
   for (__m512i& sum : sums) sum = _mm512_setzero_si512();
-  for (std::size_t g = 0; g < kRowBytes / 4; ++g) {
+  for (std::size_t g = 0; g < kDescriptorBytes / 4; ++g) {
     const __m512i bytes = _mm512_loadu_si512(block + g * 4 * kBlockDescriptors);
     for (std::size_t t = 0; t < kTile; ++t) {
       int word;
@@ -42,7 +40,7 @@ VICTORIOUS_VNNI inline void DotBlock(const std::uint8_t* block, const std::int8_
 // The last tile repeats its last query.
 void TileRows(const PackedQueries& queries, std::size_t first, const std::int8_t* (&rows)[kTile]) {
   for (std::size_t t = 0; t < kTile; ++t) {
-    rows[t] = queries.rows.data() + std::min(first + t, queries.count - 1) * queries.row_bytes;
+    rows[t] = queries.rows.data() + std::min(first + t, queries.count - 1) * kDescriptorBytes;
   }
 }
 
@@ -69,7 +67,7 @@ VICTORIOUS_VNNI void FindNearestTwoVnni(const PackedQueries& queries, const Pack
     }
     for (std::size_t block = 0; block < blocks; ++block) {
       __m512i sums[kTile];
-      DotBlock<kDescriptorBytes>(set.blocks.data() + block * kBlockBytes, rows, sums);
+      DotBlock(set.blocks.data() + block * kBlockBytes, rows, sums);
       const __m512i constant = _mm512_loadu_si512(set.constant.data() + block * kBlockDescriptors);
       const __m512i number = _mm512_set1_epi32(static_cast<int>(block));
       for (std::size_t t = 0; t < kTile; ++t) {
@@ -100,7 +98,7 @@ VICTORIOUS_VNNI void FindNearestKVnni(const PackedQueries& queries, const Packed
     for (__m512i& one : worst) one = _mm512_set1_epi32(kPaddingDistance);
     for (std::size_t block = 0; block < set.block_count(); ++block) {
       __m512i sums[kTile];
-      DotBlock<kDescriptorBytes>(set.blocks.data() + block * kBlockBytes, rows, sums);
+      DotBlock(set.blocks.data() + block * kBlockBytes, rows, sums);
       const __m512i constant = _mm512_loadu_si512(set.constant.data() + block * kBlockDescriptors);
       for (std::size_t t = 0; t < kTile; ++t) {
         const __m512i distance = _mm512_sub_epi32(constant, _mm512_slli_epi32(sums[t], 1));
@@ -120,56 +118,6 @@ VICTORIOUS_VNNI void FindNearestKVnni(const PackedQueries& queries, const Packed
   }
 }
 
-namespace {
-
-// Adds the nearest of a segment's 32 keys, in their order: two per lane, best before second.
-VICTORIOUS_VNNI inline void AddNearest(__m512i best, __m512i second, std::size_t k, std::size_t segment,
-                                       ShortNearest& found) {
-  for (std::size_t r = 0; r < k; ++r) {
-    const std::int32_t key = _mm512_reduce_min_epi32(best);
-    const unsigned lanes = _mm512_cmpeq_epi32_mask(best, _mm512_set1_epi32(key));
-    const unsigned lane = static_cast<unsigned>(std::countr_zero(lanes));
-    if (!found.Add(key, segment, lane)) return;
-    const __mmask16 mask = static_cast<__mmask16>(1U << lane);
-    best = _mm512_mask_mov_epi32(best, mask, second);
-    second = _mm512_mask_mov_epi32(second, mask, _mm512_set1_epi32(kNoKey));
-  }
-}
-
-}  // namespace
-
-VICTORIOUS_VNNI void FindShortNearestVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
-                                          std::span<const BlockRange> ranges, std::span<std::uint32_t> out) {
-  static_assert(kRangeQueries % kTile == 0);
-  for (std::size_t first = 0; first < queries.count; first += kTile) {
-    const BlockRange range = ranges[first / kRangeQueries];
-    const std::int8_t* rows[kTile];
-    TileRows(queries, first, rows);
-    ShortNearest found[kTile] = {ShortNearest(k), ShortNearest(k), ShortNearest(k), ShortNearest(k),
-                                 ShortNearest(k), ShortNearest(k), ShortNearest(k), ShortNearest(k)};
-    for (std::size_t segment = range.first; segment < range.last; segment += kSegmentBlocks) {
-      __m512i best[kTile];
-      __m512i second[kTile];
-      for (std::size_t t = 0; t < kTile; ++t) best[t] = second[t] = _mm512_set1_epi32(kNoKey);
-      for (std::size_t block = segment; block < std::min(range.last, segment + kSegmentBlocks); ++block) {
-        __m512i sums[kTile];
-        DotBlock<kShortBytes>(set.blocks.data() + block * kBlockDescriptors * kShortBytes, rows, sums);
-        const __m512i constant = _mm512_loadu_si512(set.constant.data() + block * kBlockDescriptors);
-        const __m512i base = _mm512_add_epi32(_mm512_slli_epi32(constant, kBlockBits),
-                                              _mm512_set1_epi32(static_cast<int>(block - segment)));
-        for (std::size_t t = 0; t < kTile; ++t) {
-          const __m512i key = _mm512_sub_epi32(base, _mm512_slli_epi32(sums[t], kBlockBits + 1));
-          second[t] = _mm512_min_epi32(second[t], _mm512_max_epi32(best[t], key));
-          best[t] = _mm512_min_epi32(best[t], key);
-        }
-      }
-      for (std::size_t t = 0; t < kTile; ++t) AddNearest(best[t], second[t], k, segment, found[t]);
-    }
-    const std::size_t tile = std::min(kTile, queries.count - first);
-    for (std::size_t t = 0; t < tile; ++t) found[t].Write(&out[(first + t) * k]);
-  }
-}
-
 }  // namespace victorious::kernels
 
 #else
@@ -181,10 +129,6 @@ void FindNearestTwoVnni(const PackedQueries&, const PackedDescriptors&, std::spa
   VICTORIOUS_CHECK(HasVnni());
 }
 void FindNearestKVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>) {
-  VICTORIOUS_CHECK(HasVnni());
-}
-void FindShortNearestVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<const BlockRange>,
-                          std::span<std::uint32_t>) {
   VICTORIOUS_CHECK(HasVnni());
 }
 

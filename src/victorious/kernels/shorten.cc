@@ -34,8 +34,9 @@ constexpr Coefficient kCoefficients[kShortBytes] = {
     {0, 2, 1, -81}, {0, 2, 3, -46}, {0, 2, 5, -32}, {0, 3, 1, 7},   {0, 3, 5, 3},  {1, 0, 0, 0},  {1, 0, 1, 0},
     {1, 0, 2, 10},  {1, 0, 3, 0},   {1, 0, 4, 2},   {1, 1, 1, 0},   {1, 1, 2, 22}, {1, 2, 1, 0},  {1, 2, 2, -3},
     {2, 0, 2, 1},   {2, 1, 2, 0},   {2, 3, 1, -1},  {3, 0, 2, -1}};
-// The range of a coefficient, -384 to 381 about its mean, is four standard deviations of the most variable one.
-constexpr float kUnitsPerStep = 3;
+// The range of a coefficient, -384 to 378 about its mean, is four standard deviations of the most variable one.
+constexpr float kUnitsPerStep = 6;
+constexpr int kMaxShort = 127;
 constexpr float kPositive = 2048;  // more than any coefficient in steps
 
 }  // namespace
@@ -74,14 +75,18 @@ std::vector<std::uint8_t> Shorten(std::span<const std::uint8_t> rows) {
       const float value = (sums[0] + sums[1] + sums[2] + sums[3]) / kBasisScale - static_cast<float>(wanted.mean);
       // Rounds by truncating a positive number: std::floor is a call on the oldest processors.
       const int steps = static_cast<int>(value / kUnitsPerStep + kPositive + 0.5F) - static_cast<int>(kPositive);
-      out[i * kShortBytes + k] = static_cast<std::uint8_t>(std::clamp(128 + steps, 0, 255));
+      out[i * kShortBytes + k] = static_cast<std::uint8_t>(std::clamp(kShortCentre + steps, 0, kMaxShort));
     }
   }
   return out;
 }
 
 std::vector<std::int8_t> ShortenToQueries(std::span<const std::uint8_t> rows) {
-  return PackQueries(Shorten(rows), kShortBytes).rows;
+  const std::vector<std::uint8_t> shortened = Shorten(rows);
+  std::vector<std::int8_t> queries(shortened.size());
+  std::ranges::transform(shortened, queries.begin(),
+                         [](std::uint8_t value) { return static_cast<std::int8_t>(value - kShortCentre); });
+  return queries;
 }
 
 }  // namespace victorious::kernels

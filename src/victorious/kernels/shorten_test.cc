@@ -40,8 +40,8 @@ TEST(Shorten, ShortDistancesAreLowerBounds) {
     const std::vector<std::uint8_t> a = SmoothDescriptor(random);
     const std::vector<std::uint8_t> b = SmoothDescriptor(random);
     const double full = std::sqrt(Distance2(a, b));
-    const double shortened = 3 * std::sqrt(Distance2(Shorten(a), Shorten(b)));
-    EXPECT_LT(shortened, 1.03 * full + 3 * std::sqrt(32.0));
+    const double shortened = 6 * std::sqrt(Distance2(Shorten(a), Shorten(b)));
+    EXPECT_LT(shortened, 1.03 * full + 6 * std::sqrt(32.0));
   }
 }
 
@@ -72,9 +72,9 @@ TEST(Shorten, IsExactPerRowAndAtTheExtremes) {
   const std::vector<std::uint8_t> out = Shorten(rows);
   ASSERT_EQ(out.size(), 3 * kShortBytes);
   EXPECT_TRUE(std::equal(out.begin(), out.begin() + kShortBytes, out.begin() + 2 * kShortBytes));
-  EXPECT_EQ(out[0], 128 - 97);           // 0 - 290 in steps of 3, rounded
-  EXPECT_EQ(out[kShortBytes], 255);      // clipped: 255 * sqrt(128)
-  EXPECT_EQ(out[kShortBytes + 2], 128);  // no period: the mean, 1 unit, rounds to no step
+  EXPECT_EQ(out[0], 64 - 48);           // 0 - 290 in steps of 6, rounded
+  EXPECT_EQ(out[kShortBytes], 127);     // clipped: 255 * sqrt(128)
+  EXPECT_EQ(out[kShortBytes + 2], 64);  // no period: the mean, 1 unit, rounds to no step
   EXPECT_TRUE(Shorten({}).empty());
 }
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -16,6 +15,14 @@ namespace {
 
 constexpr auto kCircle_rad = static_cast<float>(2 * kPi);
 constexpr std::size_t kCandidates = 4;  // by shortened descriptors
+// A cell's list: this part of the scene's keypoints, but at least so many.
+constexpr std::size_t kListedFraction = 4;
+constexpr std::size_t kMinListed = 512;
+
+std::size_t BinOf(float orientation_rad, std::size_t bins) {
+  const float bin = (orientation_rad / kCircle_rad + 0.5F) * static_cast<float>(bins);
+  return static_cast<std::size_t>(std::clamp(bin, 0.0F, static_cast<float>(bins - 1)));
+}
 
 std::uint32_t Distance2(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) {
   std::int32_t squared = 0;
@@ -23,54 +30,49 @@ std::uint32_t Distance2(std::span<const std::uint8_t> a, std::span<const std::ui
   return static_cast<std::uint32_t>(squared);
 }
 
-void AppendDescriptor(const FeatureView& features, std::size_t keypoint, std::vector<std::uint8_t>& rows) {
-  const std::span<const std::uint8_t> row = features.Descriptor(keypoint);
-  rows.insert(rows.end(), row.begin(), row.end());
-}
-
 // A keypoint of one of the templates.
 struct Query {
-  float orientation_rad;
   std::uint32_t model;
   std::uint32_t keypoint;
 };
 
-constexpr std::size_t kBins = 1024;  // of orientations
+// The keypoints of all templates by cell: those of cell c from first[c] to first[c + 1]; in a cell in the order of the
+// templates and their keypoints.
+struct QueriesByCell {
+  std::array<std::uint32_t, kDescriptorCells + 1> first{};
+  std::vector<Query> queries;
+};
 
-std::size_t BinOf(float orientation_rad) {
-  const float bin = (orientation_rad / kCircle_rad + 0.5F) * static_cast<float>(kBins);
-  return static_cast<std::size_t>(std::clamp(bin, 0.0F, static_cast<float>(kBins - 1)));
-}
-
-// By bins of rising orientation; in a bin in the order of the templates and their keypoints.
-std::vector<Query> QueriesByOrientation(std::span<const UprightTemplate> templates) {
-  std::array<std::uint32_t, kBins + 1> next{};  // of each bin: the place of its next query
+QueriesByCell SortByCell(std::span<const UprightTemplate> templates) {
+  QueriesByCell sorted;
   for (const UprightTemplate& one : templates) {
-    for (const Keypoint& keypoint : one.features.keypoints) ++next[BinOf(keypoint.orientation_rad) + 1];
+    for (const std::uint16_t cell : one.shortened->cells) ++sorted.first[cell + 1U];
   }
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<Query> queries(next.back());
+  std::partial_sum(sorted.first.begin(), sorted.first.end(), sorted.first.begin());
+  sorted.queries.resize(sorted.first.back());
+  std::array<std::uint32_t, kDescriptorCells + 1> next = sorted.first;
   for (std::uint32_t model = 0; model < templates.size(); ++model) {
-    const std::span<const Keypoint> keypoints = templates[model].features.keypoints;
-    for (std::uint32_t i = 0; i < keypoints.size(); ++i) {
-      queries[next[BinOf(keypoints[i].orientation_rad)]++] = {keypoints[i].orientation_rad, model, i};
-    }
+    const std::span<const std::uint16_t> cells = templates[model].shortened->cells;
+    for (std::uint32_t i = 0; i < cells.size(); ++i) sorted.queries[next[cells[i]]++] = {model, i};
   }
-  return queries;
+  return sorted;
 }
 
-kernels::PackedQueries PackInOrder(std::span<const UprightTemplate> templates, std::span<const Query> queries) {
-  kernels::PackedQueries packed{.count = queries.size(), .row_bytes = kernels::kShortBytes, .rows = {}, .squared = {}};
-  packed.rows.resize(queries.size() * kernels::kShortBytes);
-  for (std::size_t q = 0; q < queries.size(); ++q) {
-    const std::span<const std::int8_t> rows = templates[queries[q].model].shortened;
-    std::memcpy(packed.rows.data() + q * kernels::kShortBytes, rows.data() + queries[q].keypoint * kernels::kShortBytes,
-                kernels::kShortBytes);
+// The greatest half distance to keep so that at least `count` of all are kept, but for rounding to bins.
+std::int32_t ChooseMaxDistance(std::span<const std::int32_t> half_distances, std::size_t count) {
+  constexpr std::int32_t kBin = 256;
+  const auto [nearest, farthest] = std::ranges::minmax(half_distances);
+  std::vector<std::uint32_t> bins(static_cast<std::size_t>((farthest - nearest) / kBin + 1));
+  for (const std::int32_t distance : half_distances) ++bins[static_cast<std::size_t>((distance - nearest) / kBin)];
+  std::size_t kept = 0;
+  for (std::size_t bin = 0; bin < bins.size(); ++bin) {
+    kept += bins[bin];
+    if (kept >= count) return nearest + kBin * static_cast<std::int32_t>(bin + 1) - 1;
   }
-  return packed;
+  return farthest;
 }
 
-// Queries are sorted by orientation, so that their descriptors are anywhere in the templates' memory: they are fetched
+// Queries are sorted by cell, so that their descriptors are anywhere in the templates' memory: they are fetched
 // this many queries ahead.
 constexpr std::size_t kFetchedAhead = 8;
 
@@ -88,59 +90,98 @@ double TurnBetween(float a, float b) {
 }  // namespace
 
 UprightMatcher::UprightMatcher(const FeatureView& scene, std::span<const float> lean_rad)
-    : scene_(scene), order_(scene.size()) {
+    : scene_(scene), order_(scene.size()), lists_(std::make_unique<Lists>()) {
   for (std::size_t i = 0; i < scene.size(); ++i) {
     relative_rad_.push_back(static_cast<float>(WrapAngle(scene.keypoints[i].orientation_rad - lean_rad[i])));
   }
   std::iota(order_.begin(), order_.end(), 0U);
   std::ranges::stable_sort(order_, {}, [&](std::uint32_t i) { return relative_rad_[i]; });
-  std::vector<std::uint8_t> rows;
-  rows.reserve(scene.descriptors.size());
-  for (const std::uint32_t i : order_) AppendDescriptor(scene, i, rows);
-  shortened_ = kernels::Pack(kernels::Shorten(rows), kernels::kShortBytes);
-
-  const std::size_t padded = shortened_.constant.size();
-  for (std::size_t row = 0; row < 2 * padded; ++row) {
-    const std::size_t i = std::min(row % padded, order_.size() - 1);
-    packed_rad_.push_back(relative_rad_[order_[i]] + (row < padded ? 0.0F : kCircle_rad));
+  const std::vector<std::uint8_t> rows = kernels::Shorten(scene.descriptors);
+  shortened_.reserve(rows.size());
+  for (const std::uint32_t i : order_) {
+    const auto row = std::span(rows).subspan(i * kernels::kShortBytes, kernels::kShortBytes);
+    shortened_.insert(shortened_.end(), row.begin(), row.end());
   }
-  std::vector<std::uint8_t> blocks = shortened_.blocks;
-  std::vector<std::int32_t> constant = shortened_.constant;
-  shortened_.blocks.insert(shortened_.blocks.end(), blocks.begin(), blocks.end());
-  shortened_.constant.insert(shortened_.constant.end(), constant.begin(), constant.end());
-  shortened_.count = 2 * padded;  // padding inside is never nearest
+  packed_ = kernels::PackShort(shortened_);
 }
 
-// The blocks with all keypoints that template keypoints of orientations from first_rad to last_rad allow.
-kernels::BlockRange UprightMatcher::BlocksOf(float first_rad, float last_rad, float max_turn_rad) const {
-  const std::size_t blocks = shortened_.block_count() / 2;
-  const float width_rad = last_rad - first_rad + 2 * max_turn_rad;
-  if (width_rad >= kCircle_rad) return {0, blocks};
-  float low_rad = first_rad - max_turn_rad;
-  if (low_rad < -static_cast<float>(kPi)) low_rad += kCircle_rad;
-  const auto begin = std::ranges::lower_bound(packed_rad_, low_rad) - packed_rad_.begin();
-  const auto end = std::ranges::upper_bound(packed_rad_, low_rad + width_rad) - packed_rad_.begin();
-  const std::size_t first = static_cast<std::size_t>(begin) / kernels::kBlockDescriptors;
-  const std::size_t last =
-      (static_cast<std::size_t>(end) + kernels::kBlockDescriptors - 1) / kernels::kBlockDescriptors;
-  // More than all blocks: each keypoint of the first block would be there twice.
-  return last - first > blocks ? kernels::BlockRange{0, blocks} : kernels::BlockRange{first, std::max(first, last)};
+const UprightMatcher::CellList& UprightMatcher::ListOf(std::size_t cell) const {
+  std::call_once(lists_->once[cell], [&] { lists_->lists[cell] = MakeList(cell); });
+  return lists_->lists[cell];
+}
+
+UprightMatcher::CellList UprightMatcher::MakeList(std::size_t cell) const {
+  std::vector<std::int32_t> half_distances(packed_.half_constant.size());
+  kernels::ComputeHalfDistances(CellCentre(cell), packed_, half_distances);
+  half_distances.resize(packed_.count);
+  const std::size_t wanted = std::max(kMinListed, packed_.count / kListedFraction);
+  const std::int32_t max_distance = ChooseMaxDistance(half_distances, wanted);
+  CellList list;
+  list.first.fill(0);
+  std::vector<std::uint8_t> rows;
+  for (std::size_t k = 0; k < order_.size() && list.keypoints.size() < kernels::kMaxShortSet; ++k) {
+    if (half_distances[k] > max_distance) continue;
+    list.keypoints.push_back(order_[k]);
+    const auto row = std::span(shortened_).subspan(k * kernels::kShortBytes, kernels::kShortBytes);
+    rows.insert(rows.end(), row.begin(), row.end());
+    ++list.first[BinOf(relative_rad_[order_[k]], kOrientationBins) + 1];
+  }
+  std::partial_sum(list.first.begin(), list.first.end(), list.first.begin());
+  list.descriptors = kernels::PackShort(rows);
+  return list;
+}
+
+// The blocks with all keypoints that a template keypoint of this orientation allows.
+kernels::QueryBlocks UprightMatcher::BlocksOf(const CellList& list, float orientation_rad, float max_turn_rad) {
+  const std::size_t blocks = list.descriptors.block_count();
+  if (2 * max_turn_rad >= kCircle_rad) return {{0, blocks}, {}};
+  // The blocks of the keypoints in the bins of the orientations from low_rad to high_rad.
+  const auto range = [&](float low_rad, float high_rad) -> kernels::BlockRange {
+    const std::size_t begin = list.first[BinOf(low_rad, kOrientationBins)];
+    const std::size_t end = list.first[BinOf(high_rad, kOrientationBins) + 1];
+    return {begin / kernels::kShortBlock, (end + kernels::kShortBlock - 1) / kernels::kShortBlock};
+  };
+  const float low_rad = orientation_rad - max_turn_rad;
+  const float high_rad = orientation_rad + max_turn_rad;
+  constexpr auto kHalfCircle_rad = static_cast<float>(kPi);
+  kernels::QueryBlocks found{range(low_rad, high_rad), {}};
+  if (low_rad < -kHalfCircle_rad) {
+    found = {range(-kHalfCircle_rad, high_rad), range(low_rad + kCircle_rad, kHalfCircle_rad)};
+  } else if (high_rad > kHalfCircle_rad) {
+    found = {range(-kHalfCircle_rad, high_rad - kCircle_rad), range(low_rad, kHalfCircle_rad)};
+  }
+  const bool overlap = found.high.first < found.high.last && found.high.first < found.low.last;
+  return overlap ? kernels::QueryBlocks{{0, blocks}, {}} : found;
 }
 
 std::vector<std::vector<RankedMatch>> UprightMatcher::Match(std::span<const UprightTemplate> templates,
                                                             double max_turn_rad, int nearest) const {
   std::vector<std::vector<RankedMatch>> matches(templates.size());
   if (order_.empty()) return matches;
-  const std::vector<Query> queries = QueriesByOrientation(templates);
+  const QueriesByCell sorted = SortByCell(templates);
+  const std::vector<Query>& queries = sorted.queries;
   const auto turn_rad = static_cast<float>(max_turn_rad);
-  std::vector<kernels::BlockRange> ranges;
-  for (std::size_t q = 0; q < queries.size(); q += kernels::kRangeQueries) {
-    const auto tile = std::span(queries).subspan(q, std::min(kernels::kRangeQueries, queries.size() - q));
-    const auto [first, last] = std::ranges::minmax(tile, {}, &Query::orientation_rad);
-    ranges.push_back(BlocksOf(first.orientation_rad, last.orientation_rad, turn_rad));
+  std::vector<std::uint32_t> found(queries.size() * kCandidates);  // indices into scene_
+  std::vector<const std::int8_t*> rows;
+  std::vector<kernels::QueryBlocks> blocks;
+  for (std::size_t cell = 0; cell < kDescriptorCells; ++cell) {
+    const std::size_t first = sorted.first[cell];
+    const std::size_t count = sorted.first[cell + 1] - first;
+    if (count == 0) continue;
+    const CellList& list = ListOf(cell);
+    rows.clear();
+    blocks.clear();
+    for (const Query& query : std::span(queries).subspan(first, count)) {
+      const UprightTemplate& one = templates[query.model];
+      rows.push_back(one.shortened->rows.data() + query.keypoint * kernels::kShortBytes);
+      blocks.push_back(BlocksOf(list, one.features.keypoints[query.keypoint].orientation_rad, turn_rad));
+    }
+    const std::span<std::uint32_t> of_cell = std::span(found).subspan(first * kCandidates, count * kCandidates);
+    kernels::FindShortNearest(rows, list.descriptors, kCandidates, blocks, of_cell);
+    for (std::uint32_t& one : of_cell) {
+      if (one != kernels::kNoNeighbour) one = list.keypoints[one];
+    }
   }
-  std::vector<std::uint32_t> found(queries.size() * kCandidates);
-  kernels::FindShortNearest(PackInOrder(templates, queries), shortened_, kCandidates, ranges, found);
 
   // Per template keypoint: how many matches it has, and their scene keypoints by rank.
   struct Nearest {
@@ -151,7 +192,6 @@ std::vector<std::vector<RankedMatch>> UprightMatcher::Match(std::span<const Upri
   for (std::size_t model = 0; model < templates.size(); ++model) {
     of_template[model].resize(templates[model].features.size());
   }
-  const std::size_t padded = shortened_.constant.size() / 2;
   const std::size_t max_count = std::min(kCandidates, static_cast<std::size_t>(nearest));
   for (std::size_t q = 0; q < queries.size(); ++q) {
     const Query& query = queries[q];
@@ -159,17 +199,15 @@ std::vector<std::vector<RankedMatch>> UprightMatcher::Match(std::span<const Upri
       const Query& later = queries[q + kFetchedAhead];
       Prefetch(templates[later.model].features.Descriptor(later.keypoint));
       for (const std::uint32_t candidate : std::span(found).subspan((q + kFetchedAhead) * kCandidates, kCandidates)) {
-        if (candidate % padded < order_.size()) Prefetch(scene_.Descriptor(order_[candidate % padded]));
+        if (candidate != kernels::kNoNeighbour) Prefetch(scene_.Descriptor(candidate));
       }
     }
     std::array<std::pair<std::uint32_t, std::uint32_t>, kCandidates> near;  // distance, scene keypoint
     std::size_t count = 0;
-    for (const std::uint32_t candidate : std::span(found).subspan(q * kCandidates, kCandidates)) {
-      if (candidate == kernels::kNoNeighbour) break;
-      const std::size_t row = candidate % padded;
-      if (row >= order_.size()) continue;
-      const std::uint32_t keypoint = order_[row];
-      if (TurnBetween(relative_rad_[keypoint], query.orientation_rad) > max_turn_rad) continue;
+    const float orientation_rad = templates[query.model].features.keypoints[query.keypoint].orientation_rad;
+    for (const std::uint32_t keypoint : std::span(found).subspan(q * kCandidates, kCandidates)) {
+      if (keypoint == kernels::kNoNeighbour) break;
+      if (TurnBetween(relative_rad_[keypoint], orientation_rad) > max_turn_rad) continue;
       near[count++] = {
           Distance2(templates[query.model].features.Descriptor(query.keypoint), scene_.Descriptor(keypoint)), keypoint};
     }

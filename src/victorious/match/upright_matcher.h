@@ -1,19 +1,24 @@
 // match/, from template to scene, for proposals: as RankedMatcher, but only among the scene keypoints that an upright
-// object allows, and by shortened descriptors first. With a known camera attitude an upright object allows a sixth of
-// all in-plane rotations; a match outside of them cannot vote, so its pair of descriptors need not be compared.
+// object allows, of these only the ones that are alike, and by shortened descriptors first. With a known camera
+// attitude an upright object allows a sixth of all in-plane rotations; a match outside of them cannot vote, so its pair of
+// descriptors need not be compared.
 //
-// The scene is packed by orientation relative to the vertical's image at each keypoint, so that the allowed rotations
-// of a template keypoint are one range of blocks. The keypoints of all templates are matched together, sorted by
-// orientation: eight neighbours share a range that is hardly wider than one's own. In the range the nearest four by
-// shortened descriptors (kernels/shorten.h) are found, and of them the nearest k by whole descriptors: 89 % of the
-// nearest are among them (docs/adr/0018). Orientations are sorted into bins, in linear time.
+// Descriptors are partitioned into cells (descriptor_cells.h). Each cell has a list: the quarter of the scene's
+// keypoints that is nearest to its centre, sorted by orientation relative to the vertical's image there. A template
+// keypoint is compared with the list of its cell, in the ranges of allowed rotations: with some 300 of 6,000 scene
+// keypoints. The nearest four by shortened descriptors (kernels/short_nearest.h) are found, and of them the nearest k
+// by whole descriptors (docs/adr/0018). A list is made at the first use.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
-#include "victorious/kernels/nearest.h"
+#include "victorious/kernels/short_nearest.h"
+#include "victorious/match/descriptor_cells.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/match_set.h"
 
@@ -22,10 +27,10 @@ namespace victorious {
 /// A template with its shortened descriptors. Non-owning.
 struct UprightTemplate {
   FeatureView features;
-  std::span<const std::int8_t> shortened;  ///< kernels::ShortenToQueries of its descriptors
+  const ShortDescriptors* shortened;  ///< of the features
 };
 
-/// A scene packed by orientation, matched with any number of templates. Thread-safe.
+/// A scene sorted by orientation, matched with any number of templates. Thread-safe.
 class UprightMatcher {
  public:
   /// @param scene     its memory must outlive this
@@ -37,18 +42,34 @@ class UprightMatcher {
   /// @param nearest  k, the maximum number of scene keypoints per template keypoint, 1 to 4
   /// @return in the order of the templates; sorted by template keypoint, then by rank, which counts compared keypoints
   ///         only. Fewer than k where fewer are allowed.
-  /// Cost: 8-bit products: keypoints x scene x (fraction of allowed rotations) x 32.
+  /// Cost: 8-bit products: keypoints x scene / 4 x (fraction of allowed rotations) x 32.
   [[nodiscard]] std::vector<std::vector<RankedMatch>> Match(std::span<const UprightTemplate> templates,
                                                             double max_turn_rad, int nearest) const;
 
  private:
-  [[nodiscard]] kernels::BlockRange BlocksOf(float first_rad, float last_rad, float max_turn_rad) const;
+  static constexpr std::size_t kOrientationBins = 128;
+
+  // The scene keypoints that are compared with the template keypoints of a cell, by rising relative_rad_.
+  struct CellList {
+    std::vector<std::uint32_t> keypoints;  // of scene_
+    kernels::ShortSet descriptors;
+    std::array<std::uint16_t, kOrientationBins + 1> first;  // in each bin of relative_rad_
+  };
+
+  [[nodiscard]] const CellList& ListOf(std::size_t cell) const;
+  [[nodiscard]] CellList MakeList(std::size_t cell) const;
+  [[nodiscard]] static kernels::QueryBlocks BlocksOf(const CellList& list, float orientation_rad, float max_turn_rad);
 
   FeatureView scene_;
-  std::vector<float> relative_rad_;       // orientation minus lean, in [-pi, pi], of scene_'s keypoints
-  std::vector<std::uint32_t> order_;      // indices into scene_ by rising relative_rad_
-  kernels::PackedDescriptors shortened_;  // in that order, padded to whole blocks, twice: ranges may pass pi
-  std::vector<float> packed_rad_;         // relative orientation of each packed row, rising from -pi to 3 pi
+  std::vector<float> relative_rad_;      // orientation minus lean, in [-pi, pi], of scene_'s keypoints
+  std::vector<std::uint32_t> order_;     // indices into scene_ by rising relative_rad_
+  std::vector<std::uint8_t> shortened_;  // of scene_'s keypoints, in that order
+  kernels::ShortSet packed_;             // the same
+  struct Lists {
+    std::array<std::once_flag, kDescriptorCells> once;
+    std::array<CellList, kDescriptorCells> lists;
+  };
+  std::unique_ptr<Lists> lists_;  // made when first asked for
 };
 
 }  // namespace victorious

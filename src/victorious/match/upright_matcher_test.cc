@@ -9,7 +9,6 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/kernels/shorten.h"
 
 namespace victorious {
 namespace {
@@ -28,11 +27,11 @@ FeatureSet RandomFeatures(Random& random, std::size_t count) {
 // A template and its shortened descriptors.
 struct ShortenedFeatures {
   explicit ShortenedFeatures(const FeatureView& view)
-      : features(view), shortened(kernels::ShortenToQueries(view.descriptors)) {}
-  [[nodiscard]] UprightTemplate View() const { return {features, shortened}; }
+      : features(view), shortened(ShortenDescriptors(view.descriptors)) {}
+  [[nodiscard]] UprightTemplate View() const { return {features, &shortened}; }
 
   FeatureView features;
-  std::vector<std::int8_t> shortened;
+  ShortDescriptors shortened;
 };
 
 bool IsAllowed(const Keypoint& scene, float lean_rad, const Keypoint& model, double max_turn_rad) {

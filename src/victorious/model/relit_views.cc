@@ -19,7 +19,7 @@
 #include "victorious/base/mapped_pages.h"
 #include "victorious/base/stage_time.h"
 #include "victorious/geometry/view_sphere.h"
-#include "victorious/kernels/shorten.h"
+#include "victorious/match/descriptor_cells.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/template_features.h"
 #include "victorious/model/view_appearance.h"
@@ -35,7 +35,7 @@ std::size_t Bytes(const std::vector<T>& values) {
 }
 std::size_t Bytes(const RelitTemplate& made) {
   return sizeof(made) + Bytes(made.features.keypoints) + Bytes(made.features.descriptors) +
-         Bytes(made.points_in_model) + Bytes(made.shortened);
+         Bytes(made.points_in_model) + Bytes(made.shortened.rows) + Bytes(made.shortened.cells);
 }
 std::size_t Bytes(const ViewAppearance& made) { return sizeof(made) + Bytes(made.points); }
 std::size_t Bytes(const SurfacePart& made) {
@@ -175,7 +175,7 @@ class RelitViews : public RelitTemplateSource {
       keypoint.y *= static_cast<float>(shrink);
       keypoint.scale_px *= static_cast<float>(shrink);
     }
-    made.shortened = kernels::ShortenToQueries(features.descriptors);
+    made.shortened = ShortenDescriptors(features.descriptors);
     features.keypoints.shrink_to_fit();  // it stays in the cache
     features.descriptors.shrink_to_fit();
     made.points_in_model.shrink_to_fit();

@@ -7,9 +7,9 @@
 //   -log10 NFA ~ max over k of -log10(T C(n, k) p_k^k) - kDependenceDecades,   p = rank * (fraction of agreeing
 //   keypoints)
 // as in rank_nfa.h, but with that fraction estimated from the area of the window and the density of keypoints around
-// the object. Ranks are those among the keypoints of allowed orientation; ComputeNegLog10Nfa() repeats the test with ranks
-// in the whole scene, which separate true proposals from chance: of chance inliers most have a rank above eight there.
-// On 26 sightings of three movies the best two of about 100 templates held a neighbour of the right view
+// the object. Ranks are those among the keypoints of allowed orientation; ComputeNegLog10Nfa() repeats the test with
+// ranks in the whole scene, which separate true proposals from chance: of chance inliers most have a rank above eight
+// there. On 26 sightings of three movies the best two of about 100 templates held a neighbour of the right view
 // each time; by the likelihood ratio of the votes alone, the best twenty did not (docs/adr/0018).
 #pragma once
 

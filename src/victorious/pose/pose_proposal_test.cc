@@ -100,7 +100,7 @@ TEST(ProposePose, CountsEachSceneKeypointOnce) {
   }
 }
 
-// The test repeated with the proposal's own ranks gives its -log10 NFA; with higher ranks, and with fewer inliers, less.
+// Repeated with the proposal's own ranks, the test gives its -log10 NFA; with higher ranks, or fewer inliers, less.
 TEST(ProposePose, IsTestedAgainByOtherRanks) {
   const World world = MakeWorld(5, 12, {0.9, 1.1, {350, 250}});
   const std::optional<PoseProposal> found = Propose(world);

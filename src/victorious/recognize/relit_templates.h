@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "victorious/base/error.h"
+#include "victorious/match/descriptor_cells.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/object_model.h"
 
@@ -22,7 +23,7 @@ namespace victorious {
 struct RelitTemplate {
   FeatureSet features;
   std::vector<Point3> points_in_model;  ///< the surface point of each feature, model frame, m
-  std::vector<std::int8_t> shortened;   ///< the descriptors as kernels::ShortenToQueries makes them
+  ShortDescriptors shortened;           ///< of the features
 };
 
 /// Key of a relit template: a view, and the sun's direction quantised to the direction of another view's camera.

@@ -3,11 +3,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <mutex>
 #include <vector>
 
-#include "victorious/kernels/shorten.h"
+#include "victorious/match/descriptor_cells.h"
 #include "victorious/match/upright_matcher.h"
 #include "victorious/types/object_model.h"
 
@@ -18,20 +17,20 @@ class ShortenedViews {
  public:
   /// @param model  must outlive this
   explicit ShortenedViews(const ObjectModel& model)
-      : model_(model), once_(model.views.size()), rows_(model.views.size()) {}
+      : model_(model), once_(model.views.size()), shortened_(model.views.size()) {}
 
   [[nodiscard]] const ObjectModel& model() const { return model_; }
 
   [[nodiscard]] UprightTemplate Of(std::size_t view) const {
     const FeatureView features = model_.ViewFeatures(view);
-    std::call_once(once_[view], [&] { rows_[view] = kernels::ShortenToQueries(features.descriptors); });
-    return {features, rows_[view]};
+    std::call_once(once_[view], [&] { shortened_[view] = ShortenDescriptors(features.descriptors); });
+    return {features, &shortened_[view]};
   }
 
  private:
   const ObjectModel& model_;
   mutable std::vector<std::once_flag> once_;
-  mutable std::vector<std::vector<std::int8_t>> rows_;
+  mutable std::vector<ShortDescriptors> shortened_;
 };
 
 }  // namespace victorious

@@ -96,7 +96,7 @@ Expected<std::vector<TemplateProposal>> ProposeTemplates(const ShortenedViews& v
       VICTORIOUS_ASSIGN_OR_RETURN(
           relit[i], relit_templates->GetTemplate({*variant.sun_view, variant.view, variant.half_resolution}));
     }
-    all.push_back(relit[i] ? UprightTemplate{relit[i]->features.View(), relit[i]->shortened} : views.Of(variant.view));
+    all.push_back(relit[i] ? UprightTemplate{relit[i]->features.View(), &relit[i]->shortened} : views.Of(variant.view));
     const std::optional<UprightPrior>& prior =
         priors.emplace_back(PriorOf(model.views[variant.view], scene.vertical(), options));
     by_max_turn[prior ? prior->MaxTurnFromLean(min_ray_rad, max_ray_rad) : kPi].push_back(i);
