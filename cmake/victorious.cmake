@@ -81,10 +81,12 @@ function(victorious_library name)
   target_link_libraries(${target} ${scope} ${ARG_PUBLIC})
 endfunction()
 
-# The tests of one folder: foo_test.cc beside foo.cc, one binary a folder, one ctest entry a suite named "folder/Suite".
-#   TOGETHER  "Name*": the suites whose names begin so share a costly set-up and are one entry, "folder/Name"
+# The tests of one folder: foo_test.cc beside foo.cc, one binary a folder. ctest has an entry for each suite of ALONE, named
+# "folder/Suite", and one for all others, "folder/others".
+#   ALONE  suites that take some seconds each: entries of their own keep both cores busy. "Name*": the suites whose names
+#          begin so share a costly set-up and are one entry, "folder/Name"
 function(victorious_tests name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;TOGETHER" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;ALONE" ${ARGN})
   set(target ${name}_tests)
   add_executable(${target} ${ARG_SOURCES})
   if(TARGET victorious_${name})
@@ -92,8 +94,10 @@ function(victorious_tests name)
   endif()
   target_link_libraries(${target} PRIVATE ${ARG_LINKS} victorious_testing victorious_warnings GTest::gmock GTest::gtest_main)
   victorious_precompile(tests ${target})
+  set(suites "${CMAKE_CURRENT_BINARY_DIR}/${target}_suites.txt")
+  add_custom_command(TARGET ${target} POST_BUILD COMMAND ${target} --gtest_list_tests > "${suites}" VERBATIM)
   set(entries "${CMAKE_CURRENT_BINARY_DIR}/${target}_entries.cmake")
   file(GENERATE OUTPUT "${entries}" CONTENT
-    "set(NAME [[${name}]])\nset(PROGRAM [[$<TARGET_FILE:${target}>]])\nset(TOGETHER [[${ARG_TOGETHER}]])\ninclude([[${PROJECT_SOURCE_DIR}/cmake/add_suites.cmake]])\n")
+    "set(NAME [[${name}]])\nset(PROGRAM [[$<TARGET_FILE:${target}>]])\nset(SUITES [[${suites}]])\nset(ALONE [[${ARG_ALONE}]])\ninclude([[${PROJECT_SOURCE_DIR}/cmake/add_suites.cmake]])\n")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${entries}")
 endfunction()
