@@ -30,13 +30,18 @@ if [[ -e $models && $program -nt $models ]]; then
 fi
 
 names=$(sed -n 's/.*"model":"\([^"]*\)".*/\1/p' "$flight/truth.jsonl" | sort -u)
+missing=()
 for name in $names; do
-  if ! "$program" model show "$name" --models "$models" >/dev/null 2>&1; then
-    say "Making a searchable model of $cad/$name.glb, rendered from all sides:"
-    "$program" model add "$name" "$cad/$name.glb" --models "$models"
-  fi
+  "$program" model show "$name" --models "$models" >/dev/null 2>&1 || missing+=("$name")
+done
+if [[ ${#missing[@]} -gt 0 ]]; then
+  say "Making searchable models of ${missing[*]} from the CAD files in $cad, one on each processor:"
+  printf '%s\n' "${missing[@]}" |
+    xargs -P "$(nproc)" -I NAME "$program" model add NAME "$cad/NAME.glb" --models "$models"
+fi
+mkdir -p "$dir/views"
+for name in $names; do
   if [[ ! -e $dir/views/$name.jpg ]]; then
-    mkdir -p "$dir/views"
     "$program" model show "$name" --models "$models" --views "$dir/views/$name.jpg" >/dev/null
   fi
 done
