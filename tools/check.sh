@@ -19,7 +19,7 @@ checked() {
 }
 
 tidy_changed() {
-  if ! command -v clang-tidy-19 clang++-19 >/dev/null; then
+  if ! command -v clang-tidy-19 >/dev/null || ! command -v clang++-19 >/dev/null; then
     echo "SKIPPED: clang-tidy-19 is not installed (tools/install_packages.sh --tidy)"
     return 77
   fi
