@@ -41,12 +41,20 @@ if(VICTORIOUS_PCH)
   _victorious_precompiled_header(json HEADERS <nlohmann/json.hpp> LINKS nlohmann_json::nlohmann_json)
 endif()
 
+# victorious_unity(TARGET): compiles its sources in batches, with VICTORIOUS_UNITY: names in unnamed namespaces are unique in
+# the folder.
+function(victorious_unity target)
+  if(VICTORIOUS_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 9)
+  endif()
+endfunction()
+
 # One static library a folder of src/victorious.
 #   FOLDERS   the lower folders it includes (checked against layers.toml)
 #   PUBLIC    third-party targets whose types stand in its headers
 #   PRIVATE   third-party targets that stay inside
 #   PCH       its precompiled header (victorious_precompile), or NONE; common if not given
-#   UNITY     compiles its sources in batches, with VICTORIOUS_UNITY: names in unnamed namespaces are unique in the folder
+#   UNITY     compiles its sources in batches (victorious_unity)
 function(victorious_library name)
   cmake_parse_arguments(ARG "UNITY" "PCH" "SOURCES;FOLDERS;PUBLIC;PRIVATE" ${ARGN})
   if(NOT DEFINED VICTORIOUS_LEVEL_${name})
@@ -60,8 +68,8 @@ function(victorious_library name)
     if(NOT ARG_PCH)
       set(ARG_PCH common)
     endif()
-    if(ARG_UNITY AND VICTORIOUS_UNITY)
-      set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 9)
+    if(ARG_UNITY)
+      victorious_unity(${target})
     endif()
     if(NOT ARG_PCH STREQUAL NONE)
       victorious_precompile(${ARG_PCH} ${target})

@@ -29,7 +29,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct CategoryArguments {
   std::string images;
   std::string list;
   std::string out;
@@ -56,7 +56,7 @@ Status WarnWithoutBackground(const CategoryModel& model) {
 }
 
 // The images of the list, which the command reads.
-std::vector<std::string> ListImages(const Arguments& arguments, const std::vector<CategoryListRow>& rows) {
+std::vector<std::string> ListImages(const CategoryArguments& arguments, const std::vector<CategoryListRow>& rows) {
   std::vector<std::string> images;
   for (const CategoryListRow& row : rows) {
     images.push_back((std::filesystem::path(arguments.images) / row.image).string());
@@ -72,7 +72,7 @@ Error WithListContext(Error error, const std::string& list) {
 
 std::string ToLine(const nlohmann::ordered_json& json) { return DumpJson(json) + "\n"; }
 
-Status Train(const Arguments& arguments, const ArgumentParser& parser) {
+Status Train(const CategoryArguments& arguments, const ArgumentParser& parser) {
   CategoryTrainOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.seed) options.category.seed = *arguments.seed;
@@ -139,7 +139,7 @@ Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel&
                                             ComputeContributions(model, classified.image, result.label), caption));
 }
 
-Status Classify(const Arguments& arguments, const ArgumentParser& parser) {
+Status Classify(const CategoryArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategoryModel(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
@@ -173,7 +173,7 @@ Status Classify(const Arguments& arguments, const ArgumentParser& parser) {
 }
 
 // Reads the marks of a list.
-Expected<std::vector<CategoryFeedback>> ReadListedMarks(const Arguments& arguments,
+Expected<std::vector<CategoryFeedback>> ReadListedMarks(const CategoryArguments& arguments,
                                                         const std::vector<CategoryListRow>& rows,
                                                         const CategoryFeaturizer& featurizer) {
   std::vector<CategoryFeedback> marks(rows.size());
@@ -193,7 +193,8 @@ Expected<std::vector<CategoryFeedback>> ReadListedMarks(const Arguments& argumen
 }
 
 // Reads the marks that the reviews of an index give. Those that cannot be used are left out with a warning.
-Expected<std::vector<CategoryFeedback>> ReadReviewedMarks(const Arguments& arguments, const CategoryModel& model,
+Expected<std::vector<CategoryFeedback>> ReadReviewedMarks(const CategoryArguments& arguments,
+                                                          const CategoryModel& model,
                                                           const CategoryFeaturizer& featurizer) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ReviewMark> reviewed, ListReviewMarks(*store));
@@ -222,7 +223,7 @@ Expected<std::vector<CategoryFeedback>> ReadReviewedMarks(const Arguments& argum
                   StoreName(arguments.db), arguments.model));
 }
 
-Status Refine(const Arguments& arguments, const ArgumentParser& parser) {
+Status Refine(const CategoryArguments& arguments, const ArgumentParser& parser) {
   const bool has_list = !arguments.images.empty() && !arguments.list.empty();
   if (has_list == !arguments.db.empty() || (!has_list && !(arguments.images.empty() && arguments.list.empty()))) {
     return Fail(ErrorCode::kInvalidArgument, "give --images and --list, or --db: where the marks are");
@@ -268,7 +269,7 @@ Status Refine(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpCategory(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CategoryArguments>();
   parser.RequireCommand();
   const auto add_images = [&](ArgumentParser& command, const char* list) {
     command.Add("--images", arguments->images, "Folder to which the paths of the list are relative")

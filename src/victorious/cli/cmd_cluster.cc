@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::int64_t kMaxListed = 1000;
 
-struct Arguments {
+struct ClusterArguments {
   std::string db;
   bool json = false;
 };
@@ -100,7 +100,7 @@ std::optional<double> HoursLeft(const postgres::TaskCounts& counts, const std::o
   return (static_cast<double>(counts.queued) / static_cast<double>(counts.running) + 0.5) * *mean_s / 3600;
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const ClusterArguments& arguments) {
   if (!IsDatabaseUrl(arguments.db)) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
@@ -176,7 +176,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 Action SetUpCluster(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ClusterArguments>();
   parser.RequireCommand();
   ArgumentParser status = parser.AddCommand(
       "status", "Videos that are queued, run, are done or have failed; rate, time left, and frames that were left out");

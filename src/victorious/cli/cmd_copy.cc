@@ -12,12 +12,12 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct CopyArguments {
   std::string video;
   std::string out;
 };
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const CopyArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, FileKind::kVideo}}));
   if (!arguments.out.ends_with(".mp4")) {
     return Fail(ErrorCode::kInvalidArgument, OneLine(arguments.out) + ": the copy's name must end in .mp4");
@@ -31,7 +31,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpCopy(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CopyArguments>();
   parser.Add("VIDEO", arguments->video, "A file or a folder of frames").Required();
   parser.Add("--out", arguments->out, "The copy (.mp4)").Required().TypeName("FILE");
   AddForce(parser);

@@ -17,7 +17,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct EvaluateArguments {
   std::string db;
   std::string truth;
   std::string video;
@@ -27,7 +27,7 @@ struct Arguments {
   bool json = false;
 };
 
-Status Run(const Arguments& arguments) {
+Status Run(const EvaluateArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TruthRow> truth, ReadTruth(arguments.truth));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   SightingFilter filter;
@@ -58,7 +58,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 Action SetUpEvaluate(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<EvaluateArguments>();
   AddDb(parser, arguments->db);
   parser.Add("--truth", arguments->truth, "Ground truth (truth.jsonl) of the video").Required().TypeName("FILE");
   parser.Add("--models", arguments->models, "Models that were searched: truth of other models is ignored")

@@ -12,14 +12,14 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct FeaturesArguments {
   std::string image;
   std::string out;
   std::string engine;
   std::string params;
 };
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const FeaturesArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, FileKind::kFeatures}}));
   FeatureOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
@@ -44,7 +44,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpFeatures(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<FeaturesArguments>();
   parser.Add("IMAGE", arguments->image, "An image (PNG, JPEG)").Required();
   parser
       .Add("--out", arguments->out,

@@ -16,7 +16,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct FrameArguments {
   std::string video;
   std::optional<double> at_s;
   std::optional<std::int64_t> number;
@@ -24,7 +24,7 @@ struct Arguments {
   std::string out;
 };
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const FrameArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, FileKind::kImage}}));
   if (arguments.at_s.has_value() == arguments.number.has_value()) {
     return Fail(ErrorCode::kInvalidArgument, "give either --at or --number");
@@ -50,7 +50,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpFrame(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<FrameArguments>();
   parser.Add("VIDEO", arguments->video, "A file or a folder of frames").Required();
   parser.Add("--at", arguments->at_s, "First frame at this time or later: seconds, or as 1:30 or 1:02:03.5")
       .TypeName("TIME")

@@ -32,7 +32,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct IndexArguments {
   std::vector<std::string> videos;
   std::string models;
   std::string categories;
@@ -97,7 +97,7 @@ Status SetKeptFeatures(const std::string& text, KeepOptions& keep) {
 }
 
 // The parameters by preset and flags: a flag overrides the file, and the file the quality.
-Expected<IndexOptions> ReadOptions(const Arguments& arguments, const std::vector<ObjectModel>& models) {
+Expected<IndexOptions> ReadOptions(const IndexArguments& arguments, const std::vector<ObjectModel>& models) {
   IndexOptions options;
   if (!arguments.quality.empty()) {
     const bool cad_only =
@@ -115,7 +115,7 @@ Expected<IndexOptions> ReadOptions(const Arguments& arguments, const std::vector
   return options;
 }
 
-Status CheckArguments(const Arguments& arguments) {
+Status CheckArguments(const IndexArguments& arguments) {
   if (!arguments.draw.empty() && arguments.videos.size() > 1) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--draw applies to one video: draw the others by `victorious export --format video --video NAME`");
@@ -223,7 +223,7 @@ Status WarnOfRejectedPlaces(IndexStore& store) {
   return {};
 }
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(
       CheckOutputs(parser, {{"--db", arguments.db, std::nullopt}, {"--draw", arguments.draw, FileKind::kVideo}}));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
@@ -301,7 +301,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpIndex(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<IndexArguments>();
   parser.Add("VIDEO", arguments->videos, "Files, folders of frames, or live URLs").Required();
   parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
   parser

@@ -22,7 +22,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct LocateArguments {
   std::string lines;
   std::string motion;
   std::string method;
@@ -110,7 +110,7 @@ std::vector<bool> ExpandToRows(const std::vector<bool>& inliers, const std::vect
   return by_row;
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const LocateArguments& arguments) {
   LocateOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (!arguments.motion.empty()) options.motion = FromText(kMotionModelTexts, arguments.motion).value();
@@ -128,7 +128,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 Action SetUpLocate(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<LocateArguments>();
   parser.Add("LINES", arguments->lines, "Lines of sight (CSV, docs/formats/locate.md)").Required().TypeName("FILE");
   parser.Add("--motion", arguments->motion, "Motion model of the object (default static)")
       .OneOf(Texts(kMotionModelTexts));

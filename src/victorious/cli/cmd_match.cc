@@ -24,7 +24,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Arguments {
+struct MatchArguments {
   std::string scene;
   std::string model;
   std::optional<double> ratio;
@@ -115,7 +115,7 @@ cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const Featu
   return canvas;
 }
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const MatchArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--draw", arguments.draw, FileKind::kImage}}));
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
@@ -158,7 +158,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpMatch(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<MatchArguments>();
   parser.Add("SCENE", arguments->scene, "The image to search").Required();
   parser.Add("TEMPLATE", arguments->model, "The image of the object; an alpha channel masks the background").Required();
   parser.Add("--ratio", arguments->ratio, "Lowe's ratio test (default 0.8)").TypeName("R");

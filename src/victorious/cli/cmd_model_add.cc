@@ -24,7 +24,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct ModelAddArguments {
   std::string folder;
   std::string name;
   std::vector<std::string> inputs;
@@ -66,7 +66,7 @@ void LogUncroppedPhotos(const std::vector<Photo>& photos) {
   }
 }
 
-Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
+Expected<ObjectModel> FromPhotos(const ModelAddArguments& arguments) {
   if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.up.empty() || !arguments.front.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--step, --max-off-nadir, --up and --front apply to CAD files, not to photos");
@@ -93,7 +93,7 @@ Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
   return model;
 }
 
-Expected<ObjectModel> FromCad(const Arguments& arguments) {
+Expected<ObjectModel> FromCad(const ModelAddArguments& arguments) {
   const std::string& input = arguments.inputs.front();
   if (!arguments.boxes.empty() || !arguments.draw.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "--box and --draw apply to photos, not to CAD files");
@@ -149,7 +149,7 @@ std::string DescribePromise(const ObjectModel& model) {
   return "recognisable when large";
 }
 
-Status Add(const Arguments& arguments, const ArgumentParser& parser) {
+Status Add(const ModelAddArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--draw", arguments.draw, FileKind::kImage}}));
   const ModelLibrary library(arguments.folder);
   VICTORIOUS_RETURN_IF_ERROR(library.CheckNewName(arguments.name));
@@ -172,7 +172,7 @@ Status Add(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpModelAdd(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ModelAddArguments>();
   AddModelsFolder(parser, arguments->folder);
   parser.Add("NAME", arguments->name, "Name of the object").Required();
   parser

@@ -23,7 +23,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct NavigateArguments {
   std::string video;
   std::string landmarks;
   std::string models;
@@ -40,7 +40,7 @@ std::int64_t CountFramesWithLandmark(const NavigationResult& result) {
                                [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
 }
 
-nlohmann::ordered_json ToJson(const Arguments& arguments, const NavigationResult& result) {
+nlohmann::ordered_json ToJson(const NavigateArguments& arguments, const NavigationResult& result) {
   nlohmann::ordered_json landmarks = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < result.landmarks.size(); ++i) {
     const Landmark& landmark = result.landmarks[i];
@@ -102,7 +102,7 @@ void LogSummary(const NavigationResult& result, const NavigateOptions& options) 
   }
 }
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const NavigateArguments& arguments, const ArgumentParser& parser) {
   NavigateVideoOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
@@ -130,7 +130,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpNavigate(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<NavigateArguments>();
   parser.Add("VIDEO", arguments->video, "A file or a folder of frames").Required();
   parser
       .Add("--landmarks", arguments->landmarks,

@@ -22,7 +22,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Arguments {
+struct SearchArguments {
   std::string db;
   FilterArguments filter;
   std::string image;
@@ -68,7 +68,7 @@ std::string ObjectLine(const ListedObject& listed) {
       speed_m_s ? fmt::format("{:.1f}", *speed_m_s) : "-", fmt::join(listed.videos, ", "), ReasonText(object));
 }
 
-Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
+Status PrintObjects(const SearchArguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
                     IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
   if (arguments.most > 0) objects.resize(std::min(objects.size(), static_cast<std::size_t>(arguments.most)));
@@ -95,7 +95,7 @@ Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, co
   return WriteOutput("", text);
 }
 
-Status PrintMoments(const Arguments& arguments, const SightingFilter& filter, IndexStore& store) {
+Status PrintMoments(const SearchArguments& arguments, const SightingFilter& filter, IndexStore& store) {
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   std::optional<Box> box;
@@ -151,7 +151,7 @@ Status WarnAboutUnfinished(const Catalogue& catalogue, IndexStore& store) {
   return {};
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const SearchArguments& arguments) {
   if (!arguments.image.empty() && !(arguments.filter.model.empty() && arguments.filter.category.empty())) {
     return Fail(ErrorCode::kInvalidArgument, arguments.filter.model.empty()
                                                  ? "--image and --category exclude each other: give one of them"
@@ -177,7 +177,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 Action SetUpSearch(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SearchArguments>();
   AddDb(parser, arguments->db);
   arguments->filter.AddTo(parser);
   parser.Add("--image", arguments->image, "Example image: list the moments that show its object").TypeName("FILE");

@@ -21,7 +21,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct ServeArguments {
   std::string db;
   std::string models;
   std::string categories;
@@ -58,7 +58,7 @@ std::string FilesBeside(const std::string& db) {
   return std::filesystem::absolute(database.substr(0, database.find('?')), error).string();
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const ServeArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(HttpServerOptions server_options, ParseListenAddress(arguments.listen));
   server_options.tls_certificate = arguments.tls_certificate;
   server_options.tls_key = arguments.tls_key;
@@ -118,7 +118,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 Action SetUpServe(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ServeArguments>();
   AddDb(parser, arguments->db, "The index");
   parser.Add("--models", arguments->models, "Model library: shows the view that matched beside a sighting")
       .TypeName("DIR");

@@ -16,14 +16,14 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct SimulateArguments {
   std::string scene;
   std::string out;
   bool gpu = false;
   bool json = false;
 };
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const SimulateArguments& arguments, const ArgumentParser& parser) {
   std::vector<OutputFile> outputs;
   for (const char* name : {"video.mp4", "telemetry.csv", "truth.jsonl"}) {
     outputs.push_back({"--out", (std::filesystem::path(arguments.out) / name).string(), FileKind::kSimulation});
@@ -42,7 +42,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpSimulate(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SimulateArguments>();
   parser.Add("SCENE", arguments->scene, "The scene, JSON").Required().TypeName("SCENE.json");
   parser.Add("--out", arguments->out, "Output folder for video.mp4, telemetry.csv and truth.jsonl")
       .Required()

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct SubmitArguments {
   std::vector<std::string> videos;
   std::string models;
   std::string categories;
@@ -40,10 +40,12 @@ struct Arguments {
 
 std::string AbsolutePath(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
 
-bool IsParamsFile(const Arguments& arguments) { return !arguments.params.empty() && !FindPreset(arguments.params); }
+bool IsParamsFile(const SubmitArguments& arguments) {
+  return !arguments.params.empty() && !FindPreset(arguments.params);
+}
 
 // The options of `victorious index`, with absolute paths: workers start in other folders.
-std::vector<std::string> IndexOptionsOf(const Arguments& arguments) {
+std::vector<std::string> IndexOptionsOf(const SubmitArguments& arguments) {
   std::vector<std::string> options;
   const auto add = [&](const char* flag, const std::string& value) {
     if (!value.empty()) options.insert(options.end(), {flag, value});
@@ -58,7 +60,7 @@ std::vector<std::string> IndexOptionsOf(const Arguments& arguments) {
 }
 
 // Identifies what is searched for and how: the files of the models, categories and parameters.
-Expected<std::string> IdOfTargets(const Arguments& arguments) {
+Expected<std::string> IdOfTargets(const SubmitArguments& arguments) {
   std::vector<fs::path> files;
   if (!arguments.models.empty()) {
     const ModelLibrary library(arguments.models);
@@ -74,7 +76,7 @@ Expected<std::string> IdOfTargets(const Arguments& arguments) {
   return ContentIdOfFiles(files, Interrupt());
 }
 
-Status CheckArguments(const Arguments& arguments) {
+Status CheckArguments(const SubmitArguments& arguments) {
   if (!IsDatabaseUrl(arguments.db)) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE; into a file, "
@@ -103,7 +105,7 @@ Expected<VideoRecord> DescribeVideo(const std::string& video, const std::string&
   return VideoRecord{.content_id = content, .name = path, .width = info.width, .height = info.height};
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const SubmitArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string targets, IdOfTargets(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
@@ -146,7 +148,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 Action SetUpSubmit(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SubmitArguments>();
   parser.Add("VIDEO", arguments->videos, "Files or folders of frames, at the same path on all machines").Required();
   parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
   parser.Add("--categories", arguments->categories, "A category model, searched for as well").TypeName("FILE");

@@ -21,7 +21,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct TelemetryArguments {
   std::string file;
   std::string video;
   std::string out;
@@ -41,7 +41,7 @@ nlohmann::json ToJson(const TimeOffset& offset, double before_s) {
 }
 
 // Reads telemetry from a file, from the video, or from a file beside the video.
-Expected<Telemetry> Read(const Arguments& arguments, const TelemetryOptions& options) {
+Expected<Telemetry> Read(const TelemetryArguments& arguments, const TelemetryOptions& options) {
   if (!arguments.file.empty()) return ReadTelemetry(arguments.file, options);
   VICTORIOUS_ASSIGN_OR_RETURN(
       std::optional<Telemetry> telemetry,
@@ -54,7 +54,7 @@ Expected<Telemetry> Read(const Arguments& arguments, const TelemetryOptions& opt
 }
 
 // Prints the time offset to standard output, and writes the corrected table to --out.
-Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& parameters, Telemetry telemetry) {
+Status RunEstimate(const TelemetryArguments& arguments, const TimedTelemetryOptions& parameters, Telemetry telemetry) {
   const std::string& video = arguments.video.empty() ? arguments.file : arguments.video;
   if (arguments.video.empty() && IsTelemetryFile(arguments.file)) {
     return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: needs the video as well: give --video");
@@ -78,7 +78,7 @@ Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& para
                                         : Describe(offset) + "\n");
 }
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const TelemetryArguments& arguments, const ArgumentParser& parser) {
   const FileKind kind =
       arguments.json && !arguments.estimate_offset ? FileKind::kTelemetryReport : FileKind::kCameraTable;
   std::vector<std::string> beside;
@@ -105,7 +105,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpTelemetry(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TelemetryArguments>();
   parser.Add("FILE", arguments->file, "A video, KLV, the .SRT of a DJI aircraft, or a table (CSV)");
   parser.Add("--video", arguments->video, "The video of the telemetry; without FILE, the video's own telemetry is read")
       .TypeName("FILE");

@@ -27,7 +27,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct TrackArguments {
   std::string video;
   std::vector<std::string> boxes;
   std::vector<double> at_s;
@@ -139,7 +139,7 @@ Status CheckDifferent(const std::vector<std::string>& videos) {
   return {};
 }
 
-Status Run(const Arguments& arguments, const ArgumentParser& parser) {
+Status Run(const TrackArguments& arguments, const ArgumentParser& parser) {
   TrackBoxesOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
@@ -188,7 +188,7 @@ Status Run(const Arguments& arguments, const ArgumentParser& parser) {
 }  // namespace
 
 Action SetUpTrack(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TrackArguments>();
   parser.Add("VIDEO", arguments->video, "A file or a folder of frames").Required();
   parser.Add("--box", arguments->boxes, "Box around an object, px; repeatable, with one --at each: box-1, box-2, ...")
       .Required()

@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::int64_t kDay = 86'400'000'000;
 
-struct Arguments {
+struct UserArguments {
   std::string db;
   std::string name;
   std::string role;
@@ -39,7 +39,7 @@ struct Arguments {
   bool json = false;
 };
 
-Expected<std::unique_ptr<AccountStore>> Open(const Arguments& arguments, StoreMode mode) {
+Expected<std::unique_ptr<AccountStore>> Open(const UserArguments& arguments, StoreMode mode) {
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_index, HasIndex(arguments.db));
   if (!has_index) return Fail(ErrorCode::kNotFound, fmt::format("{}: no such index", StoreName(arguments.db)));
   return OpenAccountStore(arguments.db, mode);
@@ -115,7 +115,7 @@ Expected<std::string> ReadPassword() {
   return password;
 }
 
-Expected<Account> FindAccount(AccountStore& accounts, const Arguments& arguments) {
+Expected<Account> FindAccount(AccountStore& accounts, const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Account> account, accounts.Find(arguments.name));
   if (account) return *account;
   return Fail(ErrorCode::kNotFound, fmt::format("{}: there is no account {}: `victorious user list` lists them",
@@ -123,7 +123,7 @@ Expected<Account> FindAccount(AccountStore& accounts, const Arguments& arguments
 }
 
 // Changes of accounts are in the log. No account has this actor's name, which has a space.
-AuditRecord EntryOf(const Arguments& arguments, const char* action, const Json& detail) {
+AuditRecord EntryOf(const UserArguments& arguments, const char* action, const Json& detail) {
   return {.time_utc_us = NowUtcMicroseconds(),
           .actor = "victorious user",
           .action = action,
@@ -131,7 +131,7 @@ AuditRecord EntryOf(const Arguments& arguments, const char* action, const Json& 
           .detail = DumpJson(detail)};
 }
 
-Status Add(const Arguments& arguments) {
+Status Add(const UserArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckAccountName(arguments.name));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Account> known, accounts->Find(arguments.name));
@@ -149,7 +149,7 @@ Status Add(const Arguments& arguments) {
   });
 }
 
-Status Change(const Arguments& arguments) {
+Status Change(const UserArguments& arguments) {
   if (arguments.role.empty() && !arguments.has_new_password) {
     return Fail(ErrorCode::kInvalidArgument, "give --role, --password or both: what is to be changed");
   }
@@ -171,7 +171,7 @@ Status Change(const Arguments& arguments) {
   });
 }
 
-Status Remove(const Arguments& arguments) {
+Status Remove(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
     VICTORIOUS_RETURN_IF_ERROR(accounts->Remove(arguments.name));
@@ -179,7 +179,7 @@ Status Remove(const Arguments& arguments) {
   });
 }
 
-Status List(const Arguments& arguments) {
+Status List(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Account> all, accounts->Accounts());
   std::string text;
@@ -201,7 +201,7 @@ Status List(const Arguments& arguments) {
   return WriteOutput("", text);
 }
 
-Status AddToken(const Arguments& arguments) {
+Status AddToken(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string secret, MakeSecret());
@@ -218,7 +218,7 @@ Status AddToken(const Arguments& arguments) {
   return WriteOutput("", secret + "\n");
 }
 
-Status Revoke(const Arguments& arguments) {
+Status Revoke(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
   return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
@@ -227,7 +227,7 @@ Status Revoke(const Arguments& arguments) {
   });
 }
 
-Status PrintLog(const Arguments& arguments) {
+Status PrintLog(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<AuditRecord> log, accounts->Audit(arguments.limit, std::nullopt));
   std::string text;
@@ -254,15 +254,16 @@ Argument AddRole(ArgumentParser& parser, std::string& role, const std::string& d
 
 Action SetUpUser(ArgumentParser& parser) {
   parser.RequireCommand();
-  const auto arguments = std::make_shared<Arguments>();
-  std::vector<std::pair<ArgumentParser, Status (*)(const Arguments&)>> parts;
-  const auto add = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> ArgumentParser {
+  const auto arguments = std::make_shared<UserArguments>();
+  std::vector<std::pair<ArgumentParser, Status (*)(const UserArguments&)>> parts;
+  const auto add = [&](const char* name, const char* summary, Status (*run)(const UserArguments&)) -> ArgumentParser {
     ArgumentParser part = parser.AddCommand(name, summary);
     AddDb(part, arguments->db, "The index that `victorious serve` shows");
     parts.emplace_back(part, run);
     return part;
   };
-  const auto add_named = [&](const char* name, const char* summary, Status (*run)(const Arguments&)) -> ArgumentParser {
+  const auto add_named = [&](const char* name, const char* summary,
+                             Status (*run)(const UserArguments&)) -> ArgumentParser {
     ArgumentParser part = add(name, summary, run);
     part.Add("NAME", arguments->name, "Of the account").Required();
     return part;

@@ -19,7 +19,7 @@
 namespace victorious::cli {
 namespace {
 
-struct Arguments {
+struct WorkArguments {
   std::string db;
   int threads = 0;
   int lease_s = static_cast<int>(postgres::TaskQueueOptions{}.lease.count());
@@ -34,7 +34,7 @@ std::string WorkerName() {
   return fmt::format("{}:{}", host, ::getpid());
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const WorkArguments& arguments) {
   if (!IsDatabaseUrl(arguments.db)) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
@@ -73,7 +73,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 Action SetUpWork(ArgumentParser& parser) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WorkArguments>();
   parser.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
   parser.Add("--threads", arguments->threads, "Number of threads; 0: one per processor").Range(0, 1024).TypeName("N");
   parser
