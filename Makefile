@@ -13,15 +13,13 @@ say = @echo "$(1), the first time; each line counts the files done and the secon
 build:
 	$(call say,make build: about 15 minutes on two cores)
 	$(call configure,release)
-	cmake --build --preset release --target victorious victorious-bench victorious-experiment
-	./tools/build_web.sh build/web
+	cmake --build --preset release --target victorious_page victorious victorious-bench victorious-experiment
 
 # The program and its page: all that the demo needs.
 victorious:
 	$(call say,make victorious: about 10 minutes on two cores)
 	$(call configure,release)
-	cmake --build --preset release --target victorious
-	./tools/build_web.sh build/web
+	cmake --build --preset release --target victorious_page victorious
 
 # The page alone, from web/.
 web:
@@ -42,8 +40,7 @@ package: build
 test:
 	$(call say,make test: about 40 minutes on two cores)
 	$(call configure,release,--test)
-	cmake --build --preset release
-	./tools/build_web.sh build/web
+	cmake --build --preset release --target victorious_page all
 	ctest --preset release
 	@sed -nE 's/^\[  SKIPPED \] (.*) \(.* ms\)$$/SKIPPED: \1/p' build/Testing/Temporary/LastTest.log
 
