@@ -1,4 +1,5 @@
 // Places compared with surveyed or recorded ones, on external real data.
+#include <algorithm>
 #include <map>
 #include <string>
 

@@ -7,7 +7,6 @@
 // Texts are stored in files: a published text never changes its value.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -25,15 +24,19 @@ struct EnumText {
 /// Returns the text of `value`; empty for a value that the table does not have.
 template <typename Enum, std::size_t count>
 constexpr std::string_view ToText(const std::array<EnumText<Enum>, count>& table, Enum value) {
-  const auto* const entry = std::ranges::find(table, value, &EnumText<Enum>::value);
-  return entry == table.end() ? std::string_view() : entry->text;
+  for (const EnumText<Enum>& entry : table) {
+    if (entry.value == value) return entry.text;
+  }
+  return {};
 }
 
 /// Returns the value of `text`; std::nullopt for a text that the table does not have.
 template <typename Enum, std::size_t count>
 constexpr std::optional<Enum> FromText(const std::array<EnumText<Enum>, count>& table, std::string_view text) {
-  const auto* const entry = std::ranges::find(table, text, &EnumText<Enum>::text);
-  return entry == table.end() ? std::nullopt : std::optional<Enum>(entry->value);
+  for (const EnumText<Enum>& entry : table) {
+    if (entry.text == text) return entry.value;
+  }
+  return std::nullopt;
 }
 
 }  // namespace victorious

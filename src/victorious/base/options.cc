@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -158,6 +159,36 @@ Status Report(const std::vector<std::string>& violations) {
 }
 
 }  // namespace
+
+FieldList::FieldList() = default;
+FieldList::~FieldList() = default;
+
+void FieldList::Add(std::string_view name, double& value, FieldSpec spec) {
+  fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
+}
+void FieldList::Add(std::string_view name, int& value, FieldSpec spec) {
+  fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
+}
+void FieldList::Add(std::string_view name, bool& value, FieldSpec spec) {
+  fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
+}
+void FieldList::Add(std::string_view name, std::uint64_t& value, FieldSpec spec) {
+  fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
+}
+void FieldList::Add(std::string_view name, std::string& value, FieldSpec spec) {
+  fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
+}
+void FieldList::Add(std::string_view name, std::optional<double>& value, FieldSpec spec) {
+  fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
+}
+
+void FieldList::AddEnum(std::string_view name, EnumFieldRef value, FieldSpec spec) {
+  fields_.push_back({prefix_ + std::string(name), std::move(value), std::move(spec)});
+}
+
+std::string FieldList::EnterGroup(std::string_view name) {
+  return std::exchange(prefix_, prefix_ + std::string(name) + ".");
+}
 
 nlohmann::json ToJson(const std::vector<FieldRef>& fields) {
   json root = json::object();

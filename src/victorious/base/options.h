@@ -67,10 +67,17 @@ struct FieldRef {
 /// The fields of an options struct, groups flattened into dotted names.
 class FieldList {
  public:
-  template <typename T>
-  void Add(std::string_view name, T& value, FieldSpec spec) {
-    fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
-  }
+  FieldList();
+  ~FieldList();
+  FieldList(const FieldList&) = delete;
+  FieldList& operator=(const FieldList&) = delete;
+
+  void Add(std::string_view name, double& value, FieldSpec spec);
+  void Add(std::string_view name, int& value, FieldSpec spec);
+  void Add(std::string_view name, bool& value, FieldSpec spec);
+  void Add(std::string_view name, std::uint64_t& value, FieldSpec spec);
+  void Add(std::string_view name, std::string& value, FieldSpec spec);
+  void Add(std::string_view name, std::optional<double>& value, FieldSpec spec);
 
   /// A field that is an enum.
   /// @param texts  of all values, in the order in which the manual lists them. Static: the field refers to it.
@@ -79,16 +86,15 @@ class FieldList {
   void Add(std::string_view name, Enum& value, const std::array<EnumText<Enum>, count>& texts, FieldSpec spec) {
     VICTORIOUS_CHECK(spec.choices.empty());
     for (const EnumText<Enum>& entry : texts) spec.choices.emplace_back(entry.text);
-    fields_.push_back(
-        {prefix_ + std::string(name),
-         EnumFieldRef{.text = [&value, &texts] { return ToText(texts, value); },
-                      .set_text = [&value, &texts](std::string_view text) { value = FromText(texts, text).value(); }},
-         std::move(spec)});
+    AddEnum(name,
+            {.text = [&value, &texts] { return ToText(texts, value); },
+             .set_text = [&value, &texts](std::string_view text) { value = FromText(texts, text).value(); }},
+            std::move(spec));
   }
 
   template <typename Options>
   void AddGroup(std::string_view name, Options& options) {
-    const std::string outer = std::exchange(prefix_, prefix_ + std::string(name) + ".");
+    const std::string outer = EnterGroup(name);
     options.ListFields(*this);
     prefix_ = outer;
   }
@@ -96,6 +102,9 @@ class FieldList {
   [[nodiscard]] const std::vector<FieldRef>& fields() const { return fields_; }
 
  private:
+  void AddEnum(std::string_view name, EnumFieldRef value, FieldSpec spec);
+  std::string EnterGroup(std::string_view name);  // returns the prefix outside it
+
   std::string prefix_;
   std::vector<FieldRef> fields_;
 };
@@ -130,12 +139,16 @@ std::string ToJsonText(const std::vector<FieldRef>& fields);
 
 template <typename Options>
 std::string OptionsToJsonText(Options options) {
-  return ToJsonText(CollectFields(options));
+  FieldList list;
+  options.ListFields(list);
+  return ToJsonText(list.fields());
 }
 
 template <typename Options>
 [[nodiscard]] Status ValidateOptions(Options options) {
-  return Validate(CollectFields(options));
+  FieldList list;
+  options.ListFields(list);
+  return Validate(list.fields());
 }
 
 }  // namespace victorious

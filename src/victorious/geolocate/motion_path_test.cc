@@ -1,5 +1,6 @@
 #include "victorious/geolocate/motion_path.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>

@@ -1,5 +1,6 @@
 #include "victorious/pipeline/follower.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <utility>

@@ -1,5 +1,6 @@
 #include "victorious/telemetry/klv_packets.h"
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <optional>
