@@ -17,7 +17,7 @@ using Complex = std::complex<float>;
 
 constexpr double kResponseWidth = 1.0 / 16;  // standard deviation of y relative to the object's size (Galoogahi 2017)
 // Size of the ellipse that models the object, relative to the one inscribed in its box: keeps the object's outline.
-constexpr double kReach = 1.1;
+constexpr double kEllipseReach = 1.1;
 // ADMM: the penalty starts at kInitialGamma of the window's mean energy and grows by kGammaGrowth a step (Galoogahi
 // 2017, Li 2018: 10); the first window starts from zero and takes more steps than the later ones.
 constexpr float kInitialGamma = 0.1F;
@@ -63,7 +63,7 @@ cv::Mat MakeObjectMask(const FilterShape& shape) {
     for (int column = 0; column < mask.cols; ++column) {
       const double x = (column + 0.5 - mask.cols / 2.0) / (shape.object_cells.width / 2);
       const double y = (row + 0.5 - mask.rows / 2.0) / (shape.object_cells.height / 2);
-      const double from_edge_cells = (1 - std::hypot(x, y) / kReach) * cells;
+      const double from_edge_cells = (1 - std::hypot(x, y) / kEllipseReach) * cells;
       mask.at<float>(row, column) = static_cast<float>(std::clamp(from_edge_cells + 0.5, 0.0, 1.0));
     }
   }
