@@ -1,7 +1,7 @@
 // match/, from template to scene, for proposals: as RankedMatcher, but only among the scene keypoints that an upright
 // object allows, of these only the ones that are alike, and by shortened descriptors first. With a known camera
-// attitude an upright object allows a sixth of all in-plane rotations; a match outside of them cannot vote, so its pair of
-// descriptors need not be compared.
+// attitude an upright object allows a sixth of all in-plane rotations; a match outside of them cannot vote, so its pair
+// of descriptors need not be compared.
 //
 // Descriptors are partitioned into cells (descriptor_cells.h). Each cell has a list: the quarter of the scene's
 // keypoints that is nearest to its centre, sorted by orientation relative to the vertical's image there. A template
