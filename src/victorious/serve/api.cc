@@ -20,10 +20,11 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kMaxCameraPaths = 200;  // bodies of at most 300 kB; a click on the map looks through 100 videos
-constexpr std::size_t kMaxCameras = 4;        // trajectories of some megabytes
-constexpr std::size_t kMaxEvidence = 64;      // bodies of at most 150 kB
-constexpr std::size_t kMaxModels = 8;         // mapped files of 9 to 32 MB: a turning model asks for hundreds of views
+constexpr std::size_t kMaxCameraPaths = 200;   // bodies of at most 300 kB; a click on the map looks through 100 videos
+constexpr std::size_t kMaxThresholdLists = 2;  // the present one, and one that others wait for
+constexpr std::size_t kMaxCameras = 4;         // trajectories of some megabytes
+constexpr std::size_t kMaxEvidence = 64;       // bodies of at most 150 kB
+constexpr std::size_t kMaxModels = 8;          // mapped files of 9 to 32 MB: a turning model asks for hundreds of views
 
 HttpResponse MethodNotAllowed(std::string_view allowed) {
   HttpResponse response = ErrorResponse(405, "method_not_allowed", fmt::format("only {} is answered here", allowed));
@@ -59,6 +60,7 @@ Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken
       copies_(options_.copies, {.max_bytes = options_.max_copies_bytes}),
       page_(options_.web),
       camera_paths_(kMaxCameraPaths),
+      threshold_lists_(kMaxThresholdLists),
       cameras_(kMaxCameras),
       evidence_(kMaxEvidence),
       models_(kMaxModels),
@@ -282,8 +284,7 @@ ApiExpected<HttpResponse> Api::VideoCamera(const Call& call) {
     VICTORIOUS_ASSIGN_OR_RETURN(const CameraPath path, ReadCameraPath(video, ground_m));
     return DumpJson(CameraPathToJson(path)) + "\n";
   }));
-  return HttpResponse{
-      .content_type = "application/json", .headers = {{"Cache-Control", "no-store"}}, .body = *body, .file = {}};
+  return JsonTextResponse(*body);
 }
 
 }  // namespace victorious

@@ -2,6 +2,7 @@
 // the one table of them. No network here: http_server.h calls Handle from several threads.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -160,7 +161,9 @@ class Api {
 
   /// The thresholds in force.
   ApiExpected<std::vector<ModelMinScore>> MinScores();
-  ApiExpected<Json> ThresholdsToJson();
+  /// The body of the answer, made once for all that ask for it between two changes.
+  [[nodiscard]] Expected<std::shared_ptr<const std::string>> ThresholdList();
+  [[nodiscard]] Expected<std::string> MakeThresholdList(const IndexLists& lists);
   /// The filters of the list, of its counts and of tiles.
   ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query, const Caller& caller);
 
@@ -197,14 +200,16 @@ class Api {
   std::unique_ptr<IndexView> index_;
   std::unique_ptr<AccessControl> access_;
   std::mutex thresholds_mutex_;
-  std::unique_ptr<ThresholdStore> thresholds_;
+  std::unique_ptr<ThresholdStore> thresholds_;  ///< for what is put into force; readers have their own
   VideoFiles videos_;
   CopyFolder copies_;
   StaticFiles page_;
-  OnceCache<std::string> camera_paths_;  ///< bodies of answers
-  OnceCache<CameraStates> cameras_;      ///< by the video's content and the telemetry's options
-  OnceCache<std::string> evidence_;      ///< bodies of answers
-  OnceCache<ObjectModel> models_;        ///< by name and state of the file; the files are mapped
+  OnceCache<std::string> camera_paths_;        ///< bodies of answers
+  OnceCache<std::string> threshold_lists_;     ///< the body of the answer, by the lists and `own_changes_`
+  std::atomic<std::int64_t> own_changes_ = 0;  ///< of reviews and thresholds, which the lists show a little later
+  OnceCache<CameraStates> cameras_;            ///< by the video's content and the telemetry's options
+  OnceCache<std::string> evidence_;            ///< bodies of answers
+  OnceCache<ObjectModel> models_;              ///< by name and state of the file; the files are mapped
   std::counting_semaphore<> evidence_slots_{1};
   UploadFolder uploads_;
   std::unique_ptr<LiveService> live_;  // last: its threads use what is above

@@ -337,6 +337,7 @@ ApiExpected<HttpResponse> Api::PutReview(const Call& call) {
   // With accounts, nobody decides in the name of another.
   if (!call.caller.is_open) review.reviewer = call.caller.name();
   VICTORIOUS_RETURN_IF_ERROR(index_->PutReview(found.object.id, std::move(review)));
+  ++own_changes_;
   // What it makes of the team's review, and of those of others.
   VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject reviewed, FindObject(call.parameters[0]));
   return JsonResponse({{"object_id", reviewed.object.id},

@@ -12,10 +12,12 @@
 
 namespace victorious {
 
-HttpResponse JsonResponse(const Json& json) {
+HttpResponse JsonResponse(const Json& json) { return JsonTextResponse(DumpJson(json) + "\n"); }
+
+HttpResponse JsonTextResponse(std::string text) {
   return {.content_type = "application/json",
           .headers = {{"Cache-Control", "no-store"}},
-          .body = DumpJson(json) + "\n",
+          .body = std::move(text),
           .file = {}};
 }
 

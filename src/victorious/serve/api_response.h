@@ -10,6 +10,8 @@
 namespace victorious {
 
 [[nodiscard]] HttpResponse JsonResponse(const Json& json);
+/// @param text  JSON
+[[nodiscard]] HttpResponse JsonTextResponse(std::string text);
 
 [[nodiscard]] std::unexpected<ApiError> NotFound(std::string message);
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,6 +18,7 @@ namespace victorious {
 namespace {
 
 using nlohmann::json;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
@@ -138,6 +140,19 @@ TEST_F(ApiTest, ThresholdsAreLearntAndAppliedOnRequest) {
   EXPECT_THAT(Listed("thresholds=applied"), ElementsAre(ids_[0])) << "what was decided stays";
   ASSERT_EQ(put(model, R"({"min_score": null})").status, 200);
   EXPECT_THAT(Listed("thresholds=applied"), SizeIs(3));
+
+  // What another process decides shows soon.
+  const auto other = *OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+  ASSERT_TRUE(other->PutReview(ids_[2], {.verdict = Verdict::kRejected, .updated_utc_us = 9, .reviewer = "bob"}));
+  while (Get("/api/v1/thresholds")["models"][0]["rejected"] == 0) std::this_thread::yield();
+  // Those who ask at once get the same answer.
+  std::vector<std::string> answers(8);
+  std::vector<std::thread> threads;
+  for (std::string& one : answers) {
+    threads.emplace_back([&] { one = Send({.target = "/api/v1/thresholds"}).body; });
+  }
+  for (std::thread& one : threads) one.join();
+  EXPECT_THAT(answers, Each(answers.front()));
 
   for (const char* body : {"", "{}", "[]", R"({"min_score": 1.5})", R"({"min_score": "x"})",
                            R"({"min_score": 0, "a": 1})", R"({"min_score": 0, "reviewer": 3})"}) {

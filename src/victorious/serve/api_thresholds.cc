@@ -59,25 +59,19 @@ ApiExpected<ThresholdInput> ParseThreshold(std::string_view body) {
 }  // namespace
 
 ApiExpected<std::vector<ModelMinScore>> Api::MinScores() {
-  const std::scoped_lock lock(thresholds_mutex_);
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ModelThreshold> thresholds, thresholds_->Thresholds());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ModelThreshold> thresholds, reader->thresholds->Thresholds());
   std::vector<ModelMinScore> scores;
   for (ModelThreshold& one : thresholds) scores.push_back({std::move(one.model), one.min_score});
   return scores;
 }
 
-ApiExpected<Json> Api::ThresholdsToJson() {
-  std::vector<ModelThreshold> in_force;
-  std::vector<ModelDecisions> decided;
-  {
-    const std::scoped_lock lock(thresholds_mutex_);
-    VICTORIOUS_ASSIGN_OR_RETURN(in_force, thresholds_->Thresholds());
-    VICTORIOUS_ASSIGN_OR_RETURN(decided, thresholds_->Decisions());
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+Expected<std::string> Api::MakeThresholdList(const IndexLists& lists) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelThreshold> in_force, reader->thresholds->Thresholds());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelDecisions> decided, reader->thresholds->Decisions());
   Json rows = Json::array();
-  for (const ModelRecord& model : lists->models) {
+  for (const ModelRecord& model : lists.models) {
     const auto decisions = std::ranges::find(decided, model.id, &ModelDecisions::model);
     const auto threshold = std::ranges::find(in_force, model.name, &ModelThreshold::model);
     const bool is_decided = decisions != decided.end();
@@ -111,12 +105,20 @@ ApiExpected<Json> Api::ThresholdsToJson() {
                     {"learnt", std::move(learnt)},
                     {"in_force", std::move(applied)}});
   }
-  return Json{{"min_decisions", kMinDecisions}, {"models", std::move(rows)}};
+  return DumpJson(Json{{"min_decisions", kMinDecisions}, {"models", std::move(rows)}}) + "\n";
+}
+
+Expected<std::shared_ptr<const std::string>> Api::ThresholdList() {
+  // Both are read before what is counted: a change in between makes another key.
+  const std::int64_t own_changes = own_changes_;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  return threshold_lists_.Get(fmt::format("{} {}", lists->version, own_changes),
+                              [&] { return MakeThresholdList(*lists); });
 }
 
 ApiExpected<HttpResponse> Api::Thresholds(const Call& /*call*/) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const Json json, ThresholdsToJson());
-  return JsonResponse(json);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, ThresholdList());
+  return JsonTextResponse(*body);
 }
 
 ApiExpected<HttpResponse> Api::PutThreshold(const Call& call) {
@@ -142,8 +144,8 @@ ApiExpected<HttpResponse> Api::PutThreshold(const Call& call) {
                   {.model = model->name, .min_score = *input.min_score, .set_by = actor, .set_utc_us = now_us})
             : thresholds_->Remove(model->name, actor, now_us));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const Json json, ThresholdsToJson());
-  return JsonResponse(json);
+  ++own_changes_;
+  return Thresholds(call);
 }
 
 }  // namespace victorious

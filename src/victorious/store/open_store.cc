@@ -6,6 +6,7 @@
 #include "victorious/store/postgres/migrations.h"
 #include "victorious/store/postgres/postgres_database.h"
 #include "victorious/store/postgres/postgres_store.h"
+#include "victorious/store/sql/sql_threshold_store.h"
 #include "victorious/store/sql/sql_triage_store.h"
 #include "victorious/store/sqlite/sqlite_database.h"
 #include "victorious/store/triage_store.h"
@@ -58,13 +59,15 @@ Expected<IndexReader> OpenIndexReader(const std::string& name) {
   if (!IsDatabaseUrl(name)) {
     VICTORIOUS_ASSIGN_OR_RETURN(reader.sightings, OpenSqliteStore(name, StoreMode::kRead));
     VICTORIOUS_ASSIGN_OR_RETURN(reader.objects, OpenTriageStore(name));
+    VICTORIOUS_ASSIGN_OR_RETURN(reader.thresholds, OpenThresholdStore(name, StoreMode::kRead));
     return reader;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<postgres::Connection> connection,
                               postgres::Connection::Open(name, /*is_read_only=*/true, kReaderSettings));
   VICTORIOUS_RETURN_IF_ERROR(postgres::CheckVersion(*connection));
   reader.sightings = std::make_unique<postgres::PostgresStore>(connection);
-  reader.objects = sql::MakeTriageStore(postgres::MakeSqlDatabase(std::move(connection)));
+  reader.objects = sql::MakeTriageStore(postgres::MakeSqlDatabase(connection));
+  reader.thresholds = sql::MakeThresholdStore(postgres::MakeSqlDatabase(std::move(connection)));
   return reader;
 }
 

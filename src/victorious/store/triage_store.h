@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "victorious/store/index_store.h"
+#include "victorious/store/threshold_store.h"
 
 namespace victorious {
 
@@ -166,13 +167,14 @@ class TriageStore {
 /// Opens the index that OpenStore opens under this name, for reading. Errors: those of OpenStore.
 [[nodiscard]] Expected<std::unique_ptr<TriageStore>> OpenTriageStore(const std::string& name);
 
-/// What one request reads of an index. Use both from one thread at a time.
+/// What one request reads of an index. Use all of it from one thread at a time.
 struct IndexReader {
   std::unique_ptr<IndexStore> sightings;
   std::unique_ptr<TriageStore> objects;
+  std::unique_ptr<ThresholdStore> thresholds;
 };
 
-/// Opens both; of a database they share one connection, on which no statement runs longer than 30 s. Errors: those of
+/// Opens them; of a database they share one connection, on which no statement runs longer than 30 s. Errors: those of
 /// OpenStore.
 [[nodiscard]] Expected<IndexReader> OpenIndexReader(const std::string& name);
 

@@ -1,4 +1,6 @@
 // ThresholdStore in an index.
+#include "victorious/store/sql/sql_threshold_store.h"
+
 #include <map>
 #include <utility>
 
@@ -9,7 +11,6 @@
 #include "victorious/store/export_json.h"
 #include "victorious/store/sql/audit.h"
 #include "victorious/store/sql/database.h"
-#include "victorious/store/threshold_store.h"
 
 namespace victorious::sql {
 namespace {
@@ -76,13 +77,18 @@ class SqlThresholdStore final : public ThresholdStore {
 };
 
 }  // namespace
+
+std::unique_ptr<ThresholdStore> MakeThresholdStore(std::unique_ptr<Database> database) {
+  return std::make_unique<SqlThresholdStore>(std::move(database));
+}
+
 }  // namespace victorious::sql
 
 namespace victorious {
 
 Expected<std::unique_ptr<ThresholdStore>> OpenThresholdStore(const std::string& name, StoreMode mode) {
   VICTORIOUS_ASSIGN_OR_RETURN(auto database, sql::OpenDatabase(name, mode));
-  return std::make_unique<sql::SqlThresholdStore>(std::move(database));
+  return sql::MakeThresholdStore(std::move(database));
 }
 
 }  // namespace victorious
