@@ -2,6 +2,7 @@
 
 import functools
 import json
+import os
 import random
 import time
 import unittest
@@ -274,6 +275,21 @@ class CategoryTest(program.ProgramTest):
             with urllib.request.urlopen(f"{server.url}/api/v1/jobs/{job['id']}/files/categories") as response:
                 self.assertIn(f'"{model.stem}-refined.vcat"', response.headers["Content-Disposition"])
                 made = response.read()
+            again = self.ask(server, "POST", "jobs", {"kind": "refine"})
+            self.assertEqual((again["id"], again["message"]), (job["id"], job["message"]), "nothing was decided since")
+            (file,) = Path(f"{db}.copies").iterdir()
+            forgotten = file.with_stem(file.stem[:-16] + 16 * "0")  # by a job that is not listed any more
+            forgotten.touch()
+            os.utime(forgotten, (0, 0))
+            for number in range(2):  # another decision is another job, once
+                self.ask(server, "PUT", f"objects/{found['id']}/review", {"verdict": "rejected" if verdict == "accepted" else "accepted"})
+                other = self.ask(server, "POST", "jobs", {"kind": "refine"})
+                self.assertEqual(other["id"], job["id"] + 1)
+            while forgotten.exists():
+                time.sleep(0.05)
+            self.assertTrue(file.exists())
+            self.ask(server, "PUT", f"objects/{found['id']}/review", {"verdict": verdict})
+            self.assertEqual(self.ask(server, "POST", "jobs", {"kind": "refine"})["id"], job["id"], "decided as at first")
         (report,) = self.succeeds(*command, "--json").rows()
         self.assertEqual((report["marks"], report["right"], report["wrong"]), (2, 1, 1))
         self.assertGreaterEqual(report["agreed_after"], report["agreed_before"])

@@ -174,6 +174,8 @@ class Api {
   ApiExpected<Json> CopyInput(const nlohmann::json& body);
   ApiExpected<Json> ClipInput(const nlohmann::json& body);
   ApiExpected<Json> RefineInput(const nlohmann::json& body);
+  /// A listed job that has made what is asked for; std::nullopt: none, or its file was removed.
+  ApiExpected<std::optional<JobRecord>> FindMade(const NewJob& asked);
   // In api_follow.cc.
   ApiExpected<Json> LiveInput(const nlohmann::json& body);
   ApiExpected<Json> TrackInput(const nlohmann::json& body);

@@ -13,6 +13,7 @@
 #include "victorious/base/utc.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/drawn_video.h"
+#include "victorious/pipeline/review_marks.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
@@ -235,9 +236,33 @@ ApiExpected<Json> Api::RefineInput(const Body& body) {
   }
   // The file stays as it is: searches go on with it until the server is started with the refined one.
   const std::filesystem::path& file = options_.categories;
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto refined, uploads_.Create(fmt::format("{}-refined{}", file.stem().string(),
-                                                                              file.extension().string())));
-  return Json{{"categories", file.string()}, {"refined", refined.string()}};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string model, ReadFile(file));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ReviewMark> marks, ListReviewMarks(*reader->sightings));
+  // All that the refined model depends on: after another decision it is another file.
+  Json content = {{"categories", Checksum(std::as_bytes(std::span(model)))}};
+  for (const ReviewMark& mark : marks) {
+    content["marks"].push_back({mark.category, mark.is_right, mark.video.content_id, mark.video.name, mark.time_s});
+  }
+  const std::string text = DumpJson(content);
+  VICTORIOUS_RETURN_IF_ERROR(copies_.Create());
+  const std::string name =
+      fmt::format("{}{:016x}.vcat", RefinedPrefix(options_.index), Checksum(std::as_bytes(std::span(text))));
+  // From now on it is in use, so that it is not removed before a job refers to it.
+  static_cast<void>(copies_.Take(name));
+  return Json{{"categories", file.string()}, {"refine", copies_.PathOf(name).string()}};
+}
+
+ApiExpected<std::optional<JobRecord>> Api::FindMade(const NewJob& asked) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<JobRecord> jobs, live_->Jobs());
+  const auto is_made = [&](const JobRecord& job) {
+    if (job.kind != asked.kind || job.state != WorkState::kDone || job.input_json != asked.input_json) return false;
+    const auto made = MadeFileOf(job);
+    return made && copies_.Has(made->filename().string());
+  };
+  const auto found = std::ranges::find_if(jobs, is_made);
+  if (found == jobs.end()) return std::nullopt;
+  return std::move(*found);
 }
 
 ApiExpected<HttpResponse> Api::JobFile(const Call& call) {
@@ -273,9 +298,11 @@ ApiExpected<HttpResponse> Api::SendJobFile(const HttpRequest& request, const Job
   HttpResponse response;
   std::string saved = JobTitle(job);
   if (job.kind == JobKind::kRefine) {
+    const auto use = copies_.Take(made.filename().string());
     response = send(made, "application/octet-stream");
-    if (error) return NotFound("the refined category model was removed");
-    saved = made.filename().string();
+    if (!use || error) return NotFound("the refined category model was removed: refine the categories again");
+    if (response.file) response.file->hold = use->hold;
+    saved = std::filesystem::path(saved).stem().string() + "-refined.vcat";
   } else {
     VICTORIOUS_ASSIGN_OR_RETURN(response, SendMade(request, made.filename().string()));
     if (name == "telemetry") {
@@ -305,6 +332,11 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
                      .now_us = NowUtcMicroseconds(),
                      .actor = call.caller.name(),
                      .logged = *kind == JobKind::kLive ? DumpJson(Json({{"title", input["title"]}})) : ""};
+  // What it said of its marks is shown again, with the file.
+  if (*kind == JobKind::kRefine) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> made, FindMade(asked));
+    if (made) return JsonResponse(JobToJson(*made, NowUtcMicroseconds()));
+  }
   // Several viewers ask for the same file.
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, MakesFile(*kind) ? live_->SubmitOnce(asked) : live_->Submit(asked));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));

@@ -31,7 +31,7 @@ std::vector<MadeFile> List(const fs::path& folder) {
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     std::string name = at->path().filename().string();
     struct stat status{};
-    const bool is_made = name.ends_with(".mp4") || name.ends_with(".jsonl");
+    const bool is_made = name.ends_with(".mp4") || name.ends_with(".jsonl") || name.ends_with(".vcat");
     if (!is_made || ::stat(at->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
     files.push_back({.used_ns = std::max(Nanoseconds(status.st_atim), Nanoseconds(status.st_mtim)),
                      .bytes = static_cast<std::uint64_t>(status.st_size),
@@ -86,10 +86,8 @@ void CopyFolder::Trim() {
   const std::vector<MadeFile> files = List(folder_);
   std::uint64_t total = 0;
   for (const MadeFile& file : files) total += file.bytes;
-  const std::int64_t unused_before_ns = NowNs() - std::chrono::nanoseconds(limits_.in_use).count();
   for (std::size_t i = 0; i + 1 < files.size() && total > limits_.max_bytes; ++i) {
-    if (files[i].used_ns > unused_before_ns) break;
-    if (holds_.contains(files[i].name)) continue;
+    if (IsInUse(files[i].name, files[i].used_ns)) continue;
     std::error_code error;
     if (!fs::remove(folder_ / files[i].name, error) && error) {
       LogWarning("remove {}: {}", (folder_ / files[i].name).string(), error.message());
@@ -99,6 +97,22 @@ void CopyFolder::Trim() {
     fs::remove(ClipTelemetryPath(folder_ / files[i].name), error);
     if (error) LogWarning("remove the telemetry of {}: {}", (folder_ / files[i].name).string(), error.message());
   }
+}
+
+void CopyFolder::RemoveOthers(const std::string& prefix, const std::set<std::string>& kept) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(holds_, [](const auto& one) { return one.second.expired(); });
+  for (const MadeFile& file : List(folder_)) {
+    if (!file.name.starts_with(prefix) || kept.contains(file.name) || IsInUse(file.name, file.used_ns)) continue;
+    std::error_code error;
+    if (!fs::remove(folder_ / file.name, error) && error) {
+      LogWarning("remove {}: {}", (folder_ / file.name).string(), error.message());
+    }
+  }
+}
+
+bool CopyFolder::IsInUse(const std::string& name, std::int64_t used_ns) const {
+  return holds_.contains(name) || used_ns > NowNs() - std::chrono::nanoseconds(limits_.in_use).count();
 }
 
 }  // namespace victorious

@@ -1,6 +1,6 @@
-// The folder of the videos that the server makes: copies that browsers play, and clips. It is a cache: what was not
-// used for the longest time is removed where the files take more than a limit, and is made again when somebody asks for
-// it. Thread-safe; several servers may share a folder.
+// The folder of the files that the server makes: copies of videos that browsers play, clips, tracks, refined category
+// models. It is a cache: what was not used for the longest time is removed where the files take more than a limit, and
+// is made again when somebody asks for it. Thread-safe; several servers may share a folder.
 #pragma once
 
 #include <chrono>
@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "victorious/base/error.h"
@@ -47,7 +48,12 @@ class CopyFolder {
   /// telemetry of a clip goes with it.
   void Trim();
 
+  /// Removes the complete files whose names begin with `prefix`, but for those of `kept` and those in use.
+  void RemoveOthers(const std::string& prefix, const std::set<std::string>& kept);
+
  private:
+  /// With the lock, and holds that are alive.
+  [[nodiscard]] bool IsInUse(const std::string& name, std::int64_t used_ns) const;
   std::filesystem::path folder_;
   Limits limits_;
   std::mutex mutex_;

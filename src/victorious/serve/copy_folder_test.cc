@@ -37,6 +37,19 @@ class CopyFolderTest : public ::testing::Test {
   CopyFolder copies_{folder_.path(), {.max_bytes = 250}};
 };
 
+TEST_F(CopyFolderTest, RemovesFilesThatNothingRefersTo) {
+  for (const char* name : {"x-1.vcat", "x-2.vcat", "x-3.vcat", "x-4.vcat.tmp-7", "y-1.vcat"}) Put(name, 10, 100);
+  Put("x-5.vcat", 10, 1);
+  {
+    const auto use = copies_.Take("x-3.vcat");
+    Put("x-3.vcat", 10, 100);
+    copies_.RemoveOthers("x-", {"x-1.vcat"});
+    EXPECT_THAT(Left(), ElementsAre("x-1.vcat", "x-3.vcat", "x-4.vcat.tmp-7", "x-5.vcat", "y-1.vcat"));
+  }
+  copies_.RemoveOthers("x-", {});
+  EXPECT_THAT(Left(), ElementsAre("x-4.vcat.tmp-7", "x-5.vcat", "y-1.vcat")) << "one was just made";
+}
+
 TEST_F(CopyFolderTest, RemovesFilesNotUsedForTheLongestTime) {
   Put("a.mp4", 100, 500);
   Put("b.mp4", 100, 800);

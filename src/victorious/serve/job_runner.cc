@@ -1,6 +1,7 @@
 #include "victorious/serve/job_runner.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/base/utc.h"
@@ -134,7 +136,7 @@ Expected<std::vector<std::string>> TrackArguments(const nlohmann::json& input) {
 
 Expected<std::vector<std::string>> RefineArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string categories, TextMember(input, "categories"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string refined, TextMember(input, "refined"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string refined, TextMember(input, "refine"));
   return std::vector<std::string>{"category", "refine",          "--model=" + categories, "--db=" + folders.index,
                                   "--force",  "--out=" + refined};
 }
@@ -162,12 +164,15 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
   return ClipArguments(input, folders);
 }
 
+std::string RefinedPrefix(const std::string& index) {
+  return fmt::format("categories-{:016x}-", Checksum(std::as_bytes(std::span(index))));
+}
+
 std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job) {
-  const bool is_refinement = job.kind == JobKind::kRefine;
-  if (!MakesFile(job.kind) && !is_refinement) return std::nullopt;
+  if (!MakesFile(job.kind)) return std::nullopt;
   const auto input = ParseJson(job.input_json);
   if (!input || !input->is_object()) return std::nullopt;
-  const auto path = TextMember(*input, is_refinement ? "refined" : std::string(ToText(job.kind)).c_str());
+  const auto path = TextMember(*input, std::string(ToText(job.kind)).c_str());
   return path ? std::optional<std::filesystem::path>(*path) : std::nullopt;
 }
 

@@ -36,15 +36,19 @@ struct JobFolders {
 ///   copy   {"video": path, "copy": path}
 ///   clip   {"video": name in the index, "object": id, "from_s", "to_s": numbers or null, "telemetry": path or null,
 ///          "clip": path}
-///   refine {"categories": path, "refined": path}
+///   refine {"categories": path, "refine": path}
 ///   model  {"name": text, "files": [path, …], "length_m": number or null, "box": [x, y, w, h] or null}
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);
 
 /// Whether a job of this kind makes a file that is kept for all users who ask for the same. Its input names that file
 /// by the text of the kind.
 [[nodiscard]] constexpr bool MakesFile(JobKind kind) {
-  return kind == JobKind::kCopy || kind == JobKind::kClip || kind == JobKind::kTrack;
+  return kind == JobKind::kCopy || kind == JobKind::kClip || kind == JobKind::kTrack || kind == JobKind::kRefine;
 }
+
+/// How the names of the refined category models of an index begin in the folder of copies. Other servers may have files
+/// of other indexes there.
+[[nodiscard]] std::string RefinedPrefix(const std::string& index);
 
 /// The file that a job makes for users; std::nullopt: none, or an input that is not valid.
 [[nodiscard]] std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job);

@@ -50,11 +50,10 @@ TEST(JobArguments, OfCategories) {
               ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--categories=/d/kinds.vcat", "--",
                           "/v/a.mp4"));
   const JobRecord refine{.kind = JobKind::kRefine,
-                         .input_json = R"({"categories": "/d/kinds.vcat", "refined": "/u/kinds-refined.vcat"})"};
-  EXPECT_THAT(*JobArguments(refine, folders),
-              ElementsAre("category", "refine", "--model=/d/kinds.vcat", "--db=/d/index.db", "--force",
-                          "--out=/u/kinds-refined.vcat"));
-  EXPECT_EQ(MadeFileOf(refine), "/u/kinds-refined.vcat");
+                         .input_json = R"({"categories": "/d/kinds.vcat", "refine": "/u/categories-1.vcat"})"};
+  EXPECT_THAT(*JobArguments(refine, folders), ElementsAre("category", "refine", "--model=/d/kinds.vcat",
+                                                          "--db=/d/index.db", "--force", "--out=/u/categories-1.vcat"));
+  EXPECT_EQ(MadeFileOf(refine), "/u/categories-1.vcat");
   EXPECT_FALSE(JobArguments({.kind = JobKind::kRefine, .input_json = "{}"}, folders));
 }
 

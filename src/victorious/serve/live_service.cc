@@ -1,6 +1,7 @@
 #include "victorious/serve/live_service.h"
 
 #include <chrono>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -34,7 +35,7 @@ Expected<std::unique_ptr<LiveService>> LiveService::Start(IndexView& index, Copy
   if (can_run) {
     VICTORIOUS_ASSIGN_OR_RETURN(queue, OpenJobQueue(folders.index));
   }
-  std::unique_ptr<LiveService> service(new LiveService(index, copies, std::move(queue)));
+  std::unique_ptr<LiveService> service(new LiveService(index, copies, RefinedPrefix(folders.index), std::move(queue)));
   if (can_run) {
     for (std::vector<JobKind>& kinds : KindsOfRunners()) {
       VICTORIOUS_ASSIGN_OR_RETURN(auto own, OpenJobQueue(folders.index));
@@ -118,7 +119,18 @@ void LiveService::Watch() {
 // A job may have made a file, or one that was in use may be so no more.
 void LiveService::TrimCopies() {
   copies_.Trim();
+  RemoveRefined();
   trimmed_ = std::chrono::steady_clock::now();
+}
+
+void LiveService::RemoveRefined() {
+  const auto jobs = Jobs();
+  if (!jobs) return LogWarning("the queue of jobs: {}", jobs.error().message);
+  std::set<std::string> kept;
+  for (const JobRecord& job : *jobs) {
+    if (const auto made = job.kind == JobKind::kRefine ? MadeFileOf(job) : std::nullopt) kept.insert(made->filename());
+  }
+  copies_.RemoveOthers(refined_prefix_, kept);
 }
 
 void LiveService::PublishIndex() {

@@ -41,19 +41,22 @@ class LiveService {
   [[nodiscard]] Expected<std::optional<JobRecord>> Find(std::int64_t job);
 
  private:
-  LiveService(IndexView& index, CopyFolder& copies, std::unique_ptr<JobQueue> queue)
-      : index_(index), copies_(copies), queue_(std::move(queue)) {}
+  LiveService(IndexView& index, CopyFolder& copies, std::string refined_prefix, std::unique_ptr<JobQueue> queue)
+      : index_(index), copies_(copies), refined_prefix_(std::move(refined_prefix)), queue_(std::move(queue)) {}
 
   [[nodiscard]] Status CheckHasJobs() const;
   void WakeRunners();
   void Watch();
   void TrimCopies();
+  /// Removes the refined category models that no listed job has made.
+  void RemoveRefined();
   void PublishIndex();
   [[nodiscard]] Status PublishNewIndex();
   void PublishJobs();
 
   IndexView& index_;
   CopyFolder& copies_;
+  std::string refined_prefix_;
   std::shared_ptr<EventHub> hub_ = std::make_shared<EventHub>();
   std::mutex queue_mutex_;
   std::unique_ptr<JobQueue> queue_;  ///< null: no jobs
