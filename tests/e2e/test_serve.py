@@ -636,6 +636,28 @@ class ServeTest(ServerCase):
                     states += [one["state"] for one in data["jobs"] if one["id"] == number]
             self.assertEqual(sorted(set(states)), sorted(set(states) & {"queued", "running", "done"}))
 
+    def test_a_locked_file_is_said_and_waited_for(self):
+        """While another program holds a lock of the file, requests that need it are answered with 503; then as before."""
+        db = self.scratch / "locked.db"
+        shutil.copy(self.db, db)
+        with program.Server(db, "--models", program.models()) as server:
+            before = self.get(server, "/api/v1/objects")
+            number = before["objects"][0]["id"]
+            writes = (("PUT", f"/api/v1/objects/{number}/review", '{"verdict": "accepted"}'),
+                      ("PUT", f"/api/v1/models/{before['objects'][0]['model_id']}/threshold", '{"min_score": 0.5}'),
+                      ("POST", "/api/v1/jobs", '{"kind": "index", "video_id": 1}'))  # fmt: skip
+            with contextlib.closing(sqlite3.connect(db, isolation_level=None)) as other:
+                other.execute("BEGIN IMMEDIATE")
+                self.assertEqual(self.get(server, "/api/v1/objects"), before, "reading goes on")
+                with concurrent.futures.ThreadPoolExecutor(len(writes)) as pool:
+                    for status, _, body in pool.map(lambda one: self.ask(server, one[1], one[0], one[2]), writes):
+                        self.assertEqual(status, 503, body)
+                        error = self.described(body, "Error")
+                        self.assertEqual(error["code"], "unavailable")
+                        self.assertIn("locked by another process", error["message"])
+                other.execute("ROLLBACK")
+            self.assertEqual(self.ask(server, writes[0][1], "PUT", writes[0][2])[0], 200)
+
     def test_ends_when_asked(self):
         for sent in (signal.SIGINT, signal.SIGTERM):
             with self.serve() as server:

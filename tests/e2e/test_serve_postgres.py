@@ -182,13 +182,20 @@ class ServePostgresTest(test_serve.ServerCase):
             try:
                 os.kill(int((folder / "data" / "postmaster.pid").read_text().split()[0]), signal.SIGQUIT)
                 self.wait_until(lambda: self.ask(server, "/api/v1/objects")[0] != 200)
-                for path in ("/api/v1/objects", "/api/v1/project", f"/api/v1/objects/{number}"):
-                    status, _, body = self.ask(server, path)
-                    self.assertEqual(status, 500, body)
-                    self.assertIn("the connection was lost", self.described(body, "Error")["message"])
-                    self.assertIn("start the server", json.loads(body)["message"])
-                status, _, body = self.ask(server, f"/api/v1/objects/{number}/review", "PUT", '{"verdict": "accepted"}')
-                self.assertEqual(status, 500, body)
+                for route in ("project", "objects", "objects?thresholds=applied", "objects/counts", f"objects/{number}",
+                              f"objects/{number}/sightings", f"objects/{number}/thumbnail", f"objects/{number}/decisions",
+                              f"objects/{number}/evidence", "tiles/0/0/0", "thresholds", "videos", "videos/1",
+                              "videos/1/sightings", "videos/1/camera", "videos/1/times", "jobs", "audit", "session"):  # fmt: skip
+                    self.refused_as_away(server, f"/api/v1/{route}")
+                for method, route, body in (("PUT", f"objects/{number}/review", {"verdict": "accepted"}),
+                                            ("PUT", "models/1/threshold", {"min_score": 0.5}),
+                                            ("POST", "jobs", {"kind": "index", "video_id": 1}),
+                                            ("POST", "jobs/1/cancel", {})):  # fmt: skip
+                    self.refused_as_away(server, f"/api/v1/{route}", method, json.dumps(body))
+                # More at once than have ever been open: they open connections of their own.
+                with concurrent.futures.ThreadPoolExecutor(16) as pool:
+                    answers = pool.map(lambda _: self.ask(server, f"/api/v1/objects/{number}")[0], range(64))
+                    self.assertEqual(set(answers), {503})
                 time.sleep(3)  # in which jobs are looked for and the index is watched
             finally:
                 script.send_signal(signal.SIGCONT)
@@ -201,6 +208,13 @@ class ServePostgresTest(test_serve.ServerCase):
         warnings = [line for line in server.err.splitlines() if "connection" in line]
         self.assertGreater(len(warnings), 0)
         self.assertLess(len(warnings), 30, "not one for each look")
+
+    def refused_as_away(self, server, *request):
+        status, _, body = self.ask(server, *request)
+        self.assertEqual(status, 503, f"{request}: {body}")
+        error = self.described(body, "Error")
+        self.assertEqual(error["code"], "unavailable", request)
+        self.assertIn("start the server", error["message"])
 
     def test_bad_arguments(self):
         empty = self.url.replace("/t", "/none", 1)

@@ -19,6 +19,9 @@ import {
 
 const RETRY_MS = 3000;
 
+/** Whether the server does not answer, or its database is away: it tells so itself. */
+const isAway = (error: unknown) => error instanceof ApiFailure && (error.status === 0 || error.status === 503);
+
 /** Loads what the page begins with; tries again by itself while the server does not answer. */
 export async function load() {
   try {
@@ -34,7 +37,7 @@ export async function load() {
     await openFromUrl();
     startLive();
   } catch (error) {
-    isConnected.value = !(error instanceof ApiFailure && error.status === 0);
+    isConnected.value = !isAway(error);
     const isLoggedOut = error instanceof ApiFailure && error.status === 401;
     if (project.value.state !== "ready" && !isLoggedOut) project.value = { state: "failed", message: messageOf(error) };
     setTimeout(() => void load(), RETRY_MS);
@@ -52,12 +55,14 @@ export async function refresh() {
     batch(() => {
       project.value = { state: "ready", value: summary };
       videos.value = found;
+      isConnected.value = true;
       indexVersion.value++;
     });
     if (videoId.peek() === null && found[0]) showTime(found[0].id, 0);
     if (selectedId.peek() === null && isFirst) step(1);
   } catch (error) {
-    isConnected.value = !(error instanceof ApiFailure && error.status === 0);
+    isConnected.value = !isAway(error);
+    if (isAway(error)) setTimeout(() => void refresh(), RETRY_MS);
   }
 }
 

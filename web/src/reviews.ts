@@ -90,7 +90,7 @@ async function writeReview(wanted: Decision) {
       } catch (error) {
         if (!isLatest()) return;
         // A server without its database answers, too: that is no refusal.
-        const isAway = error instanceof ApiFailure && (error.status === 0 || error.status === 500);
+        const isAway = error instanceof ApiFailure && (error.status === 0 || error.status >= 500);
         if (!isAway && !(error instanceof ApiFailure && error.status === 401)) {
           setPending(key, null);
           notify(`The review is not stored: ${messageOf(error)}`, "error");

@@ -54,6 +54,7 @@ int ExitStatus(ErrorCode code) {
     case ErrorCode::kConflict:
     case ErrorCode::kCancelled:
     case ErrorCode::kInternal:
+    case ErrorCode::kUnavailable:
       return 1;
   }
   VICTORIOUS_CHECK(false);
@@ -82,6 +83,8 @@ std::string_view Name(ErrorCode code) {
       return "cancelled";
     case ErrorCode::kInternal:
       return "internal";
+    case ErrorCode::kUnavailable:
+      return "unavailable";
   }
   VICTORIOUS_CHECK(false);
   return "";

@@ -16,9 +16,9 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr std::array kAllCodes = {
-    ErrorCode::kInvalidArgument, ErrorCode::kNotFound,    ErrorCode::kAlreadyExists,
-    ErrorCode::kDataLoss,        ErrorCode::kUnsupported, ErrorCode::kPermissionDenied,
-    ErrorCode::kNoSpace,         ErrorCode::kCancelled,   ErrorCode::kInternal,
+    ErrorCode::kInvalidArgument, ErrorCode::kNotFound,         ErrorCode::kAlreadyExists, ErrorCode::kDataLoss,
+    ErrorCode::kUnsupported,     ErrorCode::kPermissionDenied, ErrorCode::kNoSpace,       ErrorCode::kConflict,
+    ErrorCode::kCancelled,       ErrorCode::kInternal,         ErrorCode::kUnavailable,
 };
 
 TEST(Error, AddContextPrependsTextAndKeepsTheCode) {

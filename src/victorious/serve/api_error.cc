@@ -23,6 +23,7 @@ int HttpStatus(ErrorCode code) {
     case ErrorCode::kDataLoss:
       return 422;
     case ErrorCode::kCancelled:
+    case ErrorCode::kUnavailable:
       return 503;
     case ErrorCode::kNoSpace:
       return 507;

@@ -95,7 +95,7 @@ Expected<IndexView::Loan> IndexView::Borrow() {
   {
     std::unique_lock lock(mutex_);
     if (!returned_.wait_for(lock, kMaxWait, [this] { return lent_ < kMaxReaders; })) {
-      return Fail(ErrorCode::kInternal,
+      return Fail(ErrorCode::kUnavailable,
                   fmt::format("{}: {} requests read it and do not end: try again later", StoreName(name_), lent_));
     }
     ++lent_;
@@ -108,7 +108,10 @@ Expected<IndexView::Loan> IndexView::Borrow() {
   auto reader = OpenIndexReader(name_);
   if (!reader) {
     Return(nullptr);
-    return std::unexpected(std::move(reader).error());
+    Error error = std::move(reader).error();
+    // It was there when the server started.
+    if (error.code == ErrorCode::kNotFound) error.code = ErrorCode::kUnavailable;
+    return std::unexpected(std::move(error));
   }
   return Loan(*this, std::make_unique<IndexReader>(*std::move(reader)));
 }

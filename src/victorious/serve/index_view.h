@@ -63,7 +63,8 @@ class IndexView {
   [[nodiscard]] Expected<std::shared_ptr<const IndexLists>> Lists();
 
   /// At most kMaxReaders are lent at once; waits for one that comes back. Borrow one at a time: two requests that each
-  /// wait for a second one would wait for each other. Errors: those of OpenStore; kInternal after kMaxWait.
+  /// wait for a second one would wait for each other. Errors: those of OpenStore; kUnavailable after kMaxWait,
+  /// and if the index is not there any more.
   [[nodiscard]] Expected<Loan> Borrow();
 
   /// Stores the review with the present time. Errors: kPermissionDenied; those of IndexStore::PutReview.

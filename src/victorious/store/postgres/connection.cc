@@ -92,11 +92,11 @@ Error ConnectionError(const std::string& name, const std::string& url, const std
     return {ErrorCode::kNotFound, fmt::format("{}: {}: start the server, or correct its host and port", name, text)};
   }
   if (ping == PQPING_REJECT) {
-    return {ErrorCode::kInternal, fmt::format("{}: {}: the server is starting or stopping: try again", name, text)};
+    return {ErrorCode::kUnavailable, fmt::format("{}: {}: the server is starting or stopping: try again", name, text)};
   }
   const std::array<std::string_view, 3> no_room = {"too many clients", "too many connections", "connection slots"};
   if (std::ranges::any_of(no_room, [&](std::string_view words) { return text.find(words) != std::string::npos; })) {
-    return {ErrorCode::kInternal,
+    return {ErrorCode::kUnavailable,
             fmt::format("{}: {}: raise the server's max_connections, three for each worker, or run fewer", name, text)};
   }
   if (text.find("database") != std::string::npos && text.find("does not exist") != std::string::npos) {
@@ -227,7 +227,7 @@ Status Connection::Reconnect() {
   prepared_.clear();
   PQreset(handle_);
   if (IsLost()) {
-    return Fail(ErrorCode::kInternal, fmt::format("{}: the connection was lost: {}: start the server again", name_,
+    return Fail(ErrorCode::kUnavailable, fmt::format("{}: the connection was lost: {}: start the server again", name_,
                                                   FirstLine(PQerrorMessage(handle_))));
   }
   return PrepareSession();
@@ -360,7 +360,7 @@ Error Connection::ErrorFromResult(const pg_result* result) const {
   const std::string state = field == nullptr ? "" : field;
   // PostgreSQL's manual, appendix A. The first two characters are the class.
   if (IsLost() || state.starts_with("08") || state.starts_with("57P")) {
-    return {ErrorCode::kInternal,
+    return {ErrorCode::kUnavailable,
             fmt::format("{}: the connection was lost ({}): nothing of this transaction is written, "
                         "unless it was lost at its end: run it again",
                         name_, reason)};
@@ -387,7 +387,7 @@ Error Connection::ErrorFromResult(const pg_result* result) const {
   if (state == "55P03" || state.starts_with("40")) {
     // Not kConflict, which says that another process does the same work.
     return {
-        ErrorCode::kInternal,
+        ErrorCode::kUnavailable,
         fmt::format("{}: the database is busy, other processes hold its locks ({}): run this again", name_, reason)};
   }
   if (state == "42P01" || state == "42703" || state == "3F000") {

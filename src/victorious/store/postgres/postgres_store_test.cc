@@ -128,7 +128,7 @@ TEST_F(PostgresStoreTest, TooManyConnectionsAreNoFaultOfThePassword) {
   const auto first = Connection::Open(UrlOf("one_at_a_time", "index"), true);
   ASSERT_TRUE(first) << first.error().message;
   const Error error = OpenError(UrlOf("one_at_a_time", "index"));
-  EXPECT_EQ(error.code, ErrorCode::kInternal);
+  EXPECT_EQ(error.code, ErrorCode::kUnavailable);
   EXPECT_THAT(error.message, HasSubstr("raise the server's max_connections"));
 }
 

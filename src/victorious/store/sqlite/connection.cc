@@ -137,9 +137,9 @@ Error Connection::ErrorFromCode(int code) const {
               fmt::format("{}: cannot be written ({}): allow writing to the file and its folder", name_, reason)};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return {ErrorCode::kInternal, fmt::format("{}: locked by another process for more than {} s: try "
-                                                "again when it has finished",
-                                                name_, kBusyTimeout.count())};
+      return {ErrorCode::kUnavailable, fmt::format("{}: locked by another process for more than {} s: try "
+                                                   "again when it has finished",
+                                                   name_, kBusyTimeout.count())};
     case SQLITE_CONSTRAINT:
       if (code == SQLITE_CONSTRAINT_FOREIGNKEY) {
         return {ErrorCode::kNotFound,
