@@ -94,6 +94,16 @@ class MemorySegmentStore final : public SegmentStore {
 
   [[nodiscard]] Expected<std::vector<CoverageGap>> Gaps() override { return gaps_; }
 
+  [[nodiscard]] Expected<std::vector<QuarantinedSegment>> Quarantined() override {
+    std::vector<QuarantinedSegment> all;
+    for (const auto& [id, kept] : cuts_) {
+      for (const Segment& one : kept.cut.segments) {
+        if (one.state == SegmentState::kQuarantined) all.push_back({kept.cut.video, one.frames, one.reason});
+      }
+    }
+    return all;
+  }
+
  private:
   struct Kept {
     VideoCut cut;

@@ -71,7 +71,7 @@ class ServePostgresTest(test_serve.ServerCase):
                 self.assertEqual(set(answers), {200})
             connections = self.sql("SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND"
                                    " pid <> pg_backend_pid()")  # fmt: skip
-            self.assertLessEqual(int(connections[0]), 21, "as docs/cluster.md says")
+            self.assertLessEqual(int(connections[0]), 22, "as docs/cluster.md says")
 
     def test_analysts_log_in_and_review(self):
         """Accounts, reviews, thresholds and the log are in the database, for every server of it."""
@@ -172,6 +172,30 @@ class ServePostgresTest(test_serve.ServerCase):
                     commands.append((process / "cmdline").read_bytes().decode().split("\0"))
         return commands
 
+    def test_says_what_workers_do(self):
+        other = self.scratch / "other.mkv"
+        shutil.copy(program.flight(20) / "flight.mkv", other)
+        gone = self.write("gone.mkv", other.read_bytes() + b"0")
+        with self.serve() as server:
+
+            def status():
+                time.sleep(1.1)  # an answer is a second old at most
+                return self.described(self.ask(server, "/api/v1/cluster")[2], "Cluster")
+
+            nothing = status()
+            self.assertEqual((nothing["is_shared"], nothing["videos"]["queued"], nothing["tasks"]), (True, 0, []))
+            self.succeeds("submit", other, gone, "--models", program.models(), "--db", self.url)
+            self.assertEqual(status()["videos"]["queued"], 2)
+            gone.unlink()
+            self.succeeds("work", "--db", self.url, "--until-empty", "--retry-delay", "0", "--threads", 1)
+            ended = status()
+            self.assertEqual((ended["videos"]["done"], ended["videos"]["failed"], ended["workers"]), (1, 1, 0))
+            self.assertGreater(ended["video_s"], 0)
+            self.assertEqual([(task["video"], task["state"]) for task in ended["tasks"]], [(str(gone), "failed")])
+            self.assertIn("gone.mkv", ended["tasks"][0]["reason"])
+            printed = json.loads(self.succeeds("cluster", "status", "--db", self.url, "--json").out)
+            self.assertEqual(printed["seconds_per_video"], ended["video_s"])
+
     def test_database_goes_away_and_comes_back(self):
         folder = Path(urllib.parse.parse_qs(self.url.partition("?")[2])["host"][0])
         script = self.postgres.process
@@ -185,7 +209,7 @@ class ServePostgresTest(test_serve.ServerCase):
                 for route in ("project", "objects", "objects?thresholds=applied", "objects/counts", f"objects/{number}",
                               f"objects/{number}/sightings", f"objects/{number}/thumbnail", f"objects/{number}/decisions",
                               f"objects/{number}/evidence", "tiles/0/0/0", "thresholds", "videos", "videos/1",
-                              "videos/1/sightings", "videos/1/camera", "videos/1/times", "jobs", "audit", "session"):  # fmt: skip
+                              "videos/1/sightings", "videos/1/camera", "videos/1/times", "cluster", "jobs", "audit", "session"):  # fmt: skip
                     self.refused_as_away(server, f"/api/v1/{route}")
                 for method, route, body in (("PUT", f"objects/{number}/review", {"verdict": "accepted"}),
                                             ("PUT", "models/1/threshold", {"min_score": 0.5}),

@@ -146,6 +146,7 @@ std::vector<std::string> FuzzSeeds() {
       "POST\n/api/v1/jobs\n\n\n\n{\"kind\": \"index\", \"upload\": \"0123456789abcdef\", \"telemetry\": \"x\"}",
       "POST\n/api/v1/jobs\n\n\n\n{\"kind\": \"copy\", \"video_id\": 1}",
       "GET\n/api/v1/videos/1/copy\nbytes=0-9\n\n\n",
+      "GET\n/api/v1/cluster",
       "POST\n/api/v1/jobs/1/cancel\n\n\n\n{}",
       "POST\n/api/v1/uploads?name=a.mp4\n\n\n\n",
       "POST\n/api/v1/project\n\n\n\n",

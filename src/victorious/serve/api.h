@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "victorious/base/cancel.h"
+#include "victorious/cluster/cluster_status.h"
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/serve/access_control.h"
 #include "victorious/serve/api_error.h"
@@ -135,6 +137,8 @@ class Api {
   ApiExpected<HttpResponse> VideoFile(const Call& call);
   ApiExpected<HttpResponse> VideoCopy(const Call& call);
   ApiExpected<HttpResponse> VideoFrame(const Call& call);
+  // In api_cluster.cc.
+  ApiExpected<HttpResponse> Cluster(const Call& call);
   // In api_evidence.cc.
   ApiExpected<HttpResponse> ModelViews(const Call& call);
   ApiExpected<HttpResponse> ViewImage(const Call& call);
@@ -201,6 +205,10 @@ class Api {
   ApiOptions options_;
   std::unique_ptr<IndexView> index_;
   std::unique_ptr<AccessControl> access_;
+  std::mutex cluster_mutex_;
+  std::unique_ptr<ClusterReader> cluster_;  ///< opened by the first request for it
+  std::string cluster_body_;                ///< of the last answer, for those who ask at once
+  std::chrono::steady_clock::time_point cluster_read_;
   std::mutex thresholds_mutex_;
   std::unique_ptr<ThresholdStore> thresholds_;  ///< for what is put into force; readers have their own
   VideoFiles videos_;

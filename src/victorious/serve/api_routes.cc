@@ -53,6 +53,7 @@ std::span<const Api::Route> Api::Routes() {
       {HttpMethod::kGet, "/api/v1/objects/{id}/decisions", Role::kViewer, &Api::Decisions},
       {HttpMethod::kPut, "/api/v1/objects/{id}/review", Role::kAnalyst, &Api::PutReview},
       {HttpMethod::kPost, "/api/v1/uploads", Role::kAnalyst, &Api::Upload, kHasQuery},
+      {HttpMethod::kGet, "/api/v1/cluster", Role::kViewer, &Api::Cluster},
       {HttpMethod::kGet, "/api/v1/jobs", Role::kViewer, &Api::Jobs},
       {HttpMethod::kPost, "/api/v1/jobs", Role::kAnalyst, &Api::SubmitJob},
       {HttpMethod::kPost, "/api/v1/jobs/{id}/cancel", Role::kAnalyst, &Api::CancelJob},

@@ -72,6 +72,15 @@ struct CoverageGap {
   bool operator==(const CoverageGap&) const = default;
 };
 
+/// A segment that is left out of a search that has not ended yet: it will be a gap.
+struct QuarantinedSegment {
+  std::int64_t video = 0;
+  FrameInterval frames;
+  std::string reason;
+
+  bool operator==(const QuarantinedSegment&) const = default;
+};
+
 /// Not thread-safe: use from one thread at a time. Other processes may write at the same time.
 class SegmentStore {
  public:
@@ -114,6 +123,9 @@ class SegmentStore {
 
   /// The stored gaps of all videos, by video and frame; a gap of several models once.
   [[nodiscard]] virtual Expected<std::vector<CoverageGap>> Gaps() = 0;
+
+  /// The quarantined segments of all cuts, by video and frame; one of several cuts once.
+  [[nodiscard]] virtual Expected<std::vector<QuarantinedSegment>> Quarantined() = 0;
 };
 
 /// Where GiveUp cuts a segment; std::nullopt: not at all.

@@ -141,6 +141,8 @@ TEST_P(SegmentStoreTest, GivenUpSegmentIsCutDownToTheSmallest) {
               ElementsAre(Segment{{0, 120}, SegmentState::kOpen, ""},
                           Segment{{120, 180}, SegmentState::kQuarantined, "signal 11"},
                           Segment{{180, 240}, SegmentState::kOpen, ""}, Segment{{240, 340}, SegmentState::kOpen, ""}));
+  EXPECT_THAT(segments_->Quarantined().value(),
+              ElementsAre(QuarantinedSegment{.video = video_, .frames = {120, 180}, .reason = "signal 11"}));
   ASSERT_TRUE(segments_->GiveUp(cut, {240, 340}, "signal 9"));
   EXPECT_EQ(Segments(cut).back().frames, (FrameInterval{300, 340}));
   ASSERT_TRUE(segments_->Complete(cut, {0, 120}, {}));

@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Counts, Evidence, Job, ModelViews, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
+import type { ApiErrorBody, CameraPath, Cluster, Counts, Evidence, Job, ModelViews, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
 import { readTrack } from "../logic/followed";
 import { type SightingPages, inHalves } from "../logic/halves";
 
@@ -104,6 +104,8 @@ export const getModelViews = (model: number, signal: AbortSignal) => request<Mod
 /** All pixels that the model has of a view. */
 export const fullViewUrl = (model: number, view: number) => `${viewUrl(model, view)}?size=full`;
 export const viewUrl = (model: number, view: number) => `${ROOT}/models/${model}/views/${view}`;
+/** What workers do that share the videos of an index in a database. */
+export const getCluster = () => request<Cluster>("/cluster");
 export const listJobs = async () => (await request<components["schemas"]["JobList"]>("/jobs")).jobs;
 
 export const postJob = (job: NewJob) => send<Job>("/jobs", "POST", job);

@@ -21,6 +21,7 @@ import { Notices } from "./notices";
 import { TurntableDialog } from "./turntable";
 import { VideoPane, toggleBoxing, togglePlay } from "./video";
 import { WhyDialog } from "./why";
+import { WorkersPanel } from "./workers";
 
 const isTyping = (target: EventTarget | null) =>
   target instanceof HTMLElement && target.matches("input:not([type=range]), textarea, select");
@@ -155,6 +156,7 @@ export function App() {
         </div>
       )}
       <JobsPanel />
+      <WorkersPanel />
       <ModelDialog />
       <WhyDialog />
       <TurntableDialog />

@@ -5,6 +5,7 @@ import * as notices from "../notices";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { JobsButton } from "./jobs";
+import { WorkersButton } from "./workers";
 
 const NEXT_THEME = { system: "light", light: "dark", dark: "system" } as const;
 
@@ -92,6 +93,7 @@ export function Header() {
       </form>
       <Progress />
       <Reviewer />
+      <WorkersButton />
       <JobsButton />
       <div class="tools">
         <button

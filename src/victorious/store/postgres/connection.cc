@@ -228,7 +228,7 @@ Status Connection::Reconnect() {
   PQreset(handle_);
   if (IsLost()) {
     return Fail(ErrorCode::kUnavailable, fmt::format("{}: the connection was lost: {}: start the server again", name_,
-                                                  FirstLine(PQerrorMessage(handle_))));
+                                                     FirstLine(PQerrorMessage(handle_))));
   }
   return PrepareSession();
 }

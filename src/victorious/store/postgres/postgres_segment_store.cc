@@ -20,7 +20,7 @@ std::string ArrayText(std::span<const std::int64_t> numbers) { return fmt::forma
 
 class PostgresSegmentStore final : public SegmentStore {
  public:
-  explicit PostgresSegmentStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+  explicit PostgresSegmentStore(std::shared_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
   [[nodiscard]] Expected<std::int64_t> Put(const VideoCut& cut, std::span<const std::int64_t> models,
                                            std::span<const std::byte> prepared) override;
@@ -34,13 +34,14 @@ class PostgresSegmentStore final : public SegmentStore {
   [[nodiscard]] Status GiveUp(std::int64_t cut, FrameInterval frames, const std::string& reason) override;
   [[nodiscard]] Status Finish(std::int64_t cut, std::span<const CoverageGap> gaps) override;
   [[nodiscard]] Expected<std::vector<CoverageGap>> Gaps() override;
+  [[nodiscard]] Expected<std::vector<QuarantinedSegment>> Quarantined() override;
 
  private:
   // @param column  that has this value: "id" or "video_id"
   Expected<std::vector<VideoCut>> ReadCuts(std::string_view column, std::int64_t value);
   [[nodiscard]] std::unexpected<Error> NoCut(std::int64_t cut) const;
 
-  std::unique_ptr<Connection> connection_;
+  std::shared_ptr<Connection> connection_;
 };
 
 std::unexpected<Error> PostgresSegmentStore::NoCut(std::int64_t cut) const {
@@ -215,6 +216,19 @@ Expected<std::vector<CoverageGap>> PostgresSegmentStore::Gaps() {
   return gaps;
 }
 
+Expected<std::vector<QuarantinedSegment>> PostgresSegmentStore::Quarantined() {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result rows, connection_->Query("SELECT DISTINCT c.video_id, s.from_frame, s.to_frame, s.reason FROM segments s "
+                                      "JOIN video_cuts c ON c.id = s.cut_id WHERE s.state = 'quarantined' "
+                                      "ORDER BY c.video_id, s.from_frame, s.to_frame"));
+  std::vector<QuarantinedSegment> segments;
+  while (rows.Next()) {
+    segments.push_back(
+        {.video = rows.Integer(0), .frames = {rows.Integer(1), rows.Integer(2)}, .reason = rows.Text(3)});
+  }
+  return segments;
+}
+
 }  // namespace
 }  // namespace victorious::postgres
 
@@ -223,6 +237,10 @@ namespace victorious {
 Expected<std::unique_ptr<SegmentStore>> OpenPostgresSegmentStore(const std::string& url, StoreMode mode) {
   VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::Connection::Open(url, mode == StoreMode::kRead));
   VICTORIOUS_RETURN_IF_ERROR(postgres::CheckVersion(*connection));
+  return MakePostgresSegmentStore(std::move(connection));
+}
+
+std::unique_ptr<SegmentStore> MakePostgresSegmentStore(std::shared_ptr<postgres::Connection> connection) {
   return std::make_unique<postgres::PostgresSegmentStore>(std::move(connection));
 }
 

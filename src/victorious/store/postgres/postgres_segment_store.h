@@ -13,4 +13,7 @@ namespace victorious {
 /// Opens the segments of an index that exists. Errors: those of OpenPostgresStore.
 [[nodiscard]] Expected<std::unique_ptr<SegmentStore>> OpenPostgresSegmentStore(const std::string& url, StoreMode mode);
 
+/// @param connection  of an index of this version
+[[nodiscard]] std::unique_ptr<SegmentStore> MakePostgresSegmentStore(std::shared_ptr<postgres::Connection> connection);
+
 }  // namespace victorious

@@ -21,6 +21,10 @@ Expected<std::unique_ptr<TaskQueue>> TaskQueue::Open(const std::string& url, Tas
   VICTORIOUS_ASSIGN_OR_RETURN(auto connection,
                               Connection::Open(url, options.is_read_only, options.is_read_only ? "" : kPlans));
   VICTORIOUS_RETURN_IF_ERROR(CheckVersion(*connection));
+  return On(std::move(connection), std::move(options));
+}
+
+std::unique_ptr<TaskQueue> TaskQueue::On(std::shared_ptr<Connection> connection, TaskQueueOptions options) {
   return std::unique_ptr<TaskQueue>(new TaskQueue(std::move(connection), std::move(options)));
 }
 
@@ -94,7 +98,8 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
           "WITH next AS (SELECT id FROM tasks WHERE state = 'queued' AND program = ? AND "
           "(not_before IS NULL OR not_before <= now()) ORDER BY priority, coalesce(parent, id), id LIMIT 1 "
           "FOR UPDATE SKIP LOCKED), claimed AS (UPDATE tasks t SET state = 'running', "
-          "attempt = t.attempt + 1, worker = ?, leased_until = now() + ? * interval '1 s' FROM next "
+          "attempt = t.attempt + 1, worker = ?, leased_until = now() + ? * interval '1 s', renewed_at = now() FROM "
+          "next "
           "WHERE t.id = next.id RETURNING t.id, t.attempt, t.kind, t.key, t.payload, t.failures, t.parent), logged AS ("
           "INSERT INTO task_log (task_id, attempt, event, worker) "
           "SELECT id, attempt, 'claimed', ? FROM claimed) SELECT * FROM claimed",
@@ -118,9 +123,10 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
 Status TaskQueue::Renew(const Task& task, bool has_progress) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result renewed,
-      connection_->Write("UPDATE tasks SET leased_until = now() + ? * interval '1 s', failures = failures * ? "
-                         "WHERE id = ? AND attempt = ? AND state = 'running'",
-                         static_cast<double>(options_.lease.count()), has_progress ? 0 : 1, task.id, task.attempt));
+      connection_->Write(
+          "UPDATE tasks SET leased_until = now() + ? * interval '1 s', renewed_at = now(), failures = failures * ? "
+          "WHERE id = ? AND attempt = ? AND state = 'running'",
+          static_cast<double>(options_.lease.count()), has_progress ? 0 : 1, task.id, task.attempt));
   if (renewed.Changes() != 1) return LostLease(task);
   return {};
 }
@@ -193,6 +199,7 @@ Expected<std::vector<TaskRecord>> TaskQueue::FatalParts(const Task& task) {
                      .attempt = rows.Integer(3),
                      .worker = {},
                      .lease_left_s = {},
+                     .silent_s = {},
                      .reason = rows.Text(4),
                      .program = rows.Text(5)});
   }
@@ -249,7 +256,8 @@ Expected<std::vector<TaskRecord>> TaskQueue::List(std::int64_t limit) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Result rows,
         connection_->Query("SELECT id, kind, payload, attempt, worker, extract(epoch FROM leased_until - "
-                           "now())::double precision, reason, program FROM tasks WHERE state = ? ORDER BY id LIMIT ?",
+                           "now())::double precision, reason, program, extract(epoch FROM now() - renewed_at)::double "
+                           "precision FROM tasks WHERE state = ? ORDER BY id LIMIT ?",
                            ToText(state), limit));
     while (rows.Next()) {
       tasks.push_back({.id = rows.Integer(0),
@@ -259,6 +267,7 @@ Expected<std::vector<TaskRecord>> TaskQueue::List(std::int64_t limit) {
                        .attempt = rows.Integer(3),
                        .worker = rows.Text(4),
                        .lease_left_s = rows.OptionalReal(5),
+                       .silent_s = state == WorkState::kRunning ? rows.OptionalReal(8) : std::nullopt,
                        .reason = rows.Text(6),
                        .program = rows.Text(7)});
     }

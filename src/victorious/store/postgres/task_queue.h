@@ -70,6 +70,7 @@ struct TaskRecord {
   std::int64_t attempt = 0;
   std::string worker;                  ///< that runs it
   std::optional<double> lease_left_s;  ///< of a running one
+  std::optional<double> silent_s;      ///< of a running one: since its worker said last that it is alive
   std::string reason;                  ///< of the last failure; empty: none
   std::string program;
 };
@@ -88,6 +89,9 @@ class TaskQueue {
  public:
   /// @param url  of an index that exists (OpenPostgresStore)
   [[nodiscard]] static Expected<std::unique_ptr<TaskQueue>> Open(const std::string& url, TaskQueueOptions options);
+
+  /// @param connection  of an index of this version; `options.is_read_only` is a matter of the connection
+  [[nodiscard]] static std::unique_ptr<TaskQueue> On(std::shared_ptr<Connection> connection, TaskQueueOptions options);
 
   [[nodiscard]] std::chrono::seconds lease() const { return options_.lease; }
 
@@ -145,7 +149,7 @@ class TaskQueue {
   [[nodiscard]] Expected<std::optional<double>> MeanPartSeconds() { return MeanSeconds(true); }
 
  private:
-  TaskQueue(std::unique_ptr<Connection> connection, TaskQueueOptions options)
+  TaskQueue(std::shared_ptr<Connection> connection, TaskQueueOptions options)
       : connection_(std::move(connection)), options_(std::move(options)) {}
 
   [[nodiscard]] Expected<TaskCounts> Count(bool of_parts);
@@ -160,7 +164,7 @@ class TaskQueue {
                                 std::string_view event, std::chrono::seconds delay = {});
   [[nodiscard]] std::unexpected<Error> LostLease(const Task& task) const;
 
-  std::unique_ptr<Connection> connection_;
+  std::shared_ptr<Connection> connection_;
   TaskQueueOptions options_;
 };
 

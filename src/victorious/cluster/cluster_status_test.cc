@@ -1,0 +1,112 @@
+#include "victorious/cluster/cluster_status.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/scratch_postgres.h"
+#include "victorious/cluster/index_task.h"
+#include "victorious/store/open_store.h"
+#include "victorious/store/postgres/postgres_segment_store.h"
+
+namespace victorious {
+namespace {
+
+using postgres::NewTask;
+using postgres::TaskCounts;
+using postgres::TaskPriority;
+using postgres::TaskQueue;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class PostgresClusterStatusTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    VICTORIOUS_STORE_OR_SKIP(url_, testing::EmptyPostgresDatabase());
+    store_ = OpenStore(url_, StoreMode::kCreate).value();
+    segments_ = OpenPostgresSegmentStore(url_, StoreMode::kCreate).value();
+    queue_ = TaskQueue::Open(url_, {.worker = "host:7", .program = "this", .retry_delay = {}}).value();
+  }
+
+  void Submit(const std::string& video) {
+    const NewTask task =
+        ToQueue({.video = video, .options = {}, .program = "this"}, video, TaskPriority::kBatch).value();
+    ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
+  }
+
+  std::string url_;
+  std::unique_ptr<IndexStore> store_;
+  std::unique_ptr<SegmentStore> segments_;
+  std::unique_ptr<TaskQueue> queue_;
+};
+
+TEST_F(PostgresClusterStatusTest, SaysWhatRunsAndWhatFailed) {
+  const auto reader = ClusterReader::Open(url_);
+  ASSERT_TRUE(reader) << reader.error().message;
+  const ClusterStatus nothing = (*reader)->Read().value();
+  EXPECT_EQ(nothing.videos, TaskCounts());
+  EXPECT_THAT(nothing.tasks, IsEmpty());
+  EXPECT_FALSE(nothing.left_s);
+
+  for (const char* video : {"/a.mp4", "/b.mp4", "/c.mp4"}) Submit(video);
+  const auto done = queue_->Claim().value();
+  ASSERT_TRUE(queue_->Complete(*done));
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    ASSERT_TRUE(queue_->Fail(*queue_->Claim().value(), "cannot be read"));
+  }
+  const auto running = queue_->Claim().value();
+  ASSERT_TRUE(running);
+  const VideoRecord video = store_->PutVideo({.content_id = "c", .name = "/c.mp4"}).value();
+  IndexBatch batch;
+  for (const std::int64_t frame : {30, 60}) {
+    const ModelRecord model =
+        store_->PutModel({.name = std::to_string(frame), .content_id = "m", .kind = ModelKind::kCad}).value();
+    batch.progress.push_back(
+        {.search = {.video = video.id, .model = model.id, .next_frame = frame, .options_json = "{}"},
+         .expected_next_frame = 0});
+  }
+  ASSERT_TRUE(store_->Commit(batch));
+
+  const ClusterStatus status = (*reader)->Read().value();
+  EXPECT_EQ(status.videos, (TaskCounts{.running = 1, .done = 1, .failed = 1}));
+  EXPECT_GT(status.video_s.value_or(-1), 0);
+  EXPECT_GT(status.left_s.value_or(-1), 0);
+  ASSERT_THAT(status.tasks, SizeIs(2));
+  EXPECT_EQ(status.tasks[0].video, "/c.mp4");
+  EXPECT_EQ(status.tasks[0].next_frame, 30);
+  EXPECT_EQ(status.tasks[0].record.worker, "host:7");
+  EXPECT_GE(status.tasks[0].record.silent_s.value_or(-1), 0);
+  EXPECT_LT(status.tasks[0].record.silent_s.value_or(99), 60);
+  EXPECT_EQ(status.tasks[1].video, "/b.mp4");
+  EXPECT_EQ(status.tasks[1].record.reason, "cannot be read");
+  EXPECT_FALSE(status.tasks[1].record.silent_s);
+}
+
+TEST_F(PostgresClusterStatusTest, NamesTheVideosOfGaps) {
+  const auto reader = ClusterReader::Open(url_).value();
+  const VideoRecord video = store_->PutVideo({.content_id = "a", .name = "/a.mp4"}).value();
+  const ModelRecord model = store_->PutModel({.name = "m", .content_id = "m", .kind = ModelKind::kCad}).value();
+  IndexBatch batch;
+  batch.progress.push_back({.search = {.video = video.id, .model = model.id, .next_frame = 1, .options_json = "{}"},
+                            .expected_next_frame = 0});
+  ASSERT_TRUE(store_->Commit(batch));
+  VideoCut cut{.video = video.id, .plan = "p"};
+  cut.segments.push_back({{0, 60}, SegmentState::kOpen, ""});
+  const std::int64_t id = segments_->Put(cut, std::span(&model.id, 1), {}).value();
+  ASSERT_TRUE(segments_->GiveUp(id, {0, 60}, "signal 11"));
+  ClusterStatus status = reader->Read().value();
+  ASSERT_THAT(status.quarantined, SizeIs(1));
+  EXPECT_EQ(status.quarantined[0].video, "/a.mp4");
+  EXPECT_EQ(status.quarantined[0].segment.reason, "signal 11");
+  EXPECT_THAT(status.gaps, IsEmpty());
+
+  const CoverageGap gap{.video = video.id, .frames = {0, 60}, .from_s = 0, .to_s = 5.9, .reason = "signal 11"};
+  ASSERT_TRUE(segments_->Finish(id, std::span(&gap, 1)));
+  status = reader->Read().value();
+  EXPECT_THAT(status.quarantined, IsEmpty());
+  ASSERT_THAT(status.gaps, SizeIs(1));
+  EXPECT_EQ(status.gaps[0].video, "/a.mp4");
+  EXPECT_EQ(status.gaps[0].gap, gap);
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,88 @@
+// The route of workers: what those do that share the videos of an index in a database.
+#include <set>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/json.h"
+#include "victorious/serve/api.h"
+#include "victorious/serve/api_response.h"
+#include "victorious/store/open_store.h"
+
+namespace victorious {
+namespace {
+
+Json TaskCountsToJson(const postgres::TaskCounts& counts) {
+  return {{"queued", counts.queued},
+          {"waiting", counts.waiting},
+          {"running", counts.running},
+          {"done", counts.done},
+          {"failed", counts.failed}};
+}
+
+template <typename Value>
+Json OptionalToJson(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json FramesToJson(const FrameInterval& frames) { return Json::array({frames.from, frames.to}); }
+
+Json ClusterToJson(const ClusterStatus& status, bool is_shared) {
+  std::set<std::string> workers;
+  Json tasks = Json::array();
+  for (const ListedTask& task : status.tasks) {
+    if (!task.record.worker.empty()) workers.insert(task.record.worker);
+    tasks.push_back({{"id", task.record.id},
+                     {"video", task.video},
+                     {"segment", task.frames ? FramesToJson(*task.frames) : Json()},
+                     {"state", ToText(task.record.state)},
+                     {"attempt", task.record.attempt},
+                     {"worker", task.record.worker},
+                     {"silent_s", OptionalToJson(task.record.silent_s)},
+                     {"searched_frames", OptionalToJson(task.next_frame)},
+                     {"reason", task.record.reason}});
+  }
+  Json gaps = Json::array();
+  for (const ListedGap& one : status.gaps) {
+    gaps.push_back({{"video", one.video},
+                    {"segment", FramesToJson(one.gap.frames)},
+                    {"from_s", TimeJson(one.gap.from_s)},
+                    {"to_s", TimeJson(one.gap.to_s)},
+                    {"reason", one.gap.reason}});
+  }
+  Json quarantined = Json::array();
+  for (const ListedQuarantine& one : status.quarantined) {
+    quarantined.push_back(
+        {{"video", one.video}, {"segment", FramesToJson(one.segment.frames)}, {"reason", one.segment.reason}});
+  }
+  return {{"is_shared", is_shared},
+          {"workers", workers.size()},
+          {"videos", TaskCountsToJson(status.videos)},
+          {"segments", TaskCountsToJson(status.segments)},
+          {"video_s", OptionalToJson(status.video_s)},
+          {"segment_s", OptionalToJson(status.segment_s)},
+          {"left_s", OptionalToJson(status.left_s)},
+          {"tasks", std::move(tasks)},
+          {"gaps", std::move(gaps)},
+          {"quarantined", std::move(quarantined)}};
+}
+
+}  // namespace
+
+ApiExpected<HttpResponse> Api::Cluster(const Call& /*call*/) {
+  if (!IsDatabaseUrl(options_.index)) return JsonResponse(ClusterToJson({}, /*is_shared=*/false));
+  constexpr std::chrono::seconds kMaxAge{1};
+  const std::scoped_lock lock(cluster_mutex_);
+  if (cluster_body_.empty() || std::chrono::steady_clock::now() - cluster_read_ >= kMaxAge) {
+    if (!cluster_) {
+      VICTORIOUS_ASSIGN_OR_RETURN(cluster_, ClusterReader::Open(options_.index));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const ClusterStatus status, cluster_->Read());
+    cluster_body_ = DumpJson(ClusterToJson(status, /*is_shared=*/true)) + "\n";
+    cluster_read_ = std::chrono::steady_clock::now();
+  }
+  return JsonTextResponse(cluster_body_);
+}
+
+}  // namespace victorious
