@@ -11,6 +11,7 @@
 
 #include "victorious/base/enum_text.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/web_mercator.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/vector_tile.h"
 
@@ -26,8 +27,6 @@ constexpr double kEarthRadius_m = 6'378'137;
 // From the whole world's square, 0 to 1 eastwards and southwards.
 double LongitudeOf(double u) { return kPi * (2 * u - 1); }
 double LatitudeOf(double v) { return std::atan(std::sinh(kPi * (1 - 2 * v))); }
-double EastOf(double longitude_rad) { return longitude_rad / (2 * kPi) + 0.5; }
-double SouthOf(double latitude_rad) { return 0.5 - std::asinh(std::tan(latitude_rad)) / (2 * kPi); }
 
 GeoBox RegionOf(const TileAddress& tile, double margin) {
   const double side = std::ldexp(1.0, -tile.zoom);
@@ -41,8 +40,8 @@ GeoBox RegionOf(const TileAddress& tile, double margin) {
 // Units of the tile, not rounded.
 std::pair<double, double> PositionIn(const TileAddress& tile, double latitude_rad, double longitude_rad) {
   const double tiles = std::ldexp(1.0, tile.zoom);
-  return {(EastOf(longitude_rad) * tiles - static_cast<double>(tile.x)) * kExtent,
-          (SouthOf(latitude_rad) * tiles - static_cast<double>(tile.y)) * kExtent};
+  return {(MercatorEast(longitude_rad) * tiles - static_cast<double>(tile.x)) * kExtent,
+          (MercatorSouth(latitude_rad) * tiles - static_cast<double>(tile.y)) * kExtent};
 }
 
 TilePoint Round(std::pair<double, double> position) {
@@ -156,38 +155,14 @@ Expected<std::string> MakeSingles(TriageStore& store, const TileAddress& tile, s
   return EncodeTile(layers);
 }
 
-}  // namespace
-
-Expected<std::string> MakeObjectTile(TriageStore& store, const TileAddress& tile, const ObjectQuery& query) {
-  const std::size_t limit = tile.zoom >= kMaxTileZoom ? kMaxLastTileObjects : kMaxTileObjects;
+Expected<std::string> MakeClusters(const std::vector<PlaceCell>& sums) {
   std::array<Cell, kCells * kCells> cells{};
-  std::vector<PlacedObject> near;  // with those of the margin; complete while it holds at most `limit` of the tile
-  std::size_t inside = 0;
-  const auto is_better = [](const PlacedObject& a, const PlacedObject& b) {
-    return std::pair(-a.score, a.id) < std::pair(-b.score, b.id);
-  };
-  VICTORIOUS_RETURN_IF_ERROR(store.VisitPlaces(RegionOf(tile, kMargin), query, [&](const PlacedObject& placed) {
-    const auto position = PositionIn(tile, placed.latitude_rad, placed.longitude_rad);
-    if (IsInside(position)) {
-      ++inside;
-      const auto column = static_cast<std::size_t>(position.first * kCells / kExtent);
-      const auto row = static_cast<std::size_t>(position.second * kCells / kExtent);
-      Cell& cell = cells[row * kCells + column];
-      ++cell.count;
-      cell.matches += placed.matches;
-      cell.sum_x += position.first;
-      cell.sum_y += position.second;
-      cell.best = std::max(cell.best, placed.score);
-    }
-    if (inside <= limit || tile.zoom >= kMaxTileZoom) near.push_back(placed);
-    return true;
-  }));
-  if (inside <= limit || tile.zoom >= kMaxTileZoom) {
-    // Neighbours beyond the limit have no room for ellipses anyway.
-    const std::size_t kept = std::min(near.size(), 4 * limit);
-    std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(kept), is_better);
-    near.resize(kept);
-    return MakeSingles(store, tile, std::move(near));
+  for (const PlaceCell& one : sums) {
+    cells[static_cast<std::size_t>(one.row * kCells + one.column)] = {.count = one.count,
+                                                                      .matches = one.matches,
+                                                                      .sum_x = one.sum_x * kExtent,
+                                                                      .sum_y = one.sum_y * kExtent,
+                                                                      .best = one.best};
   }
   MergeNeighbours(cells);
   TileLayer clusters("clusters", kExtent);
@@ -200,6 +175,36 @@ Expected<std::string> MakeObjectTile(TriageStore& store, const TileAddress& tile
         {{"count", cell.count}, {"label", ShortCount(cell.count)}, {"matches", cell.matches}, {"best", cell.best}});
   }
   return EncodeTile({&clusters, 1});
+}
+
+}  // namespace
+
+Expected<std::string> MakeObjectTile(TriageStore& store, const TileAddress& tile, const ObjectQuery& query) {
+  const std::size_t limit = tile.zoom >= kMaxTileZoom ? kMaxLastTileObjects : kMaxTileObjects;
+  if (tile.zoom < kMaxTileZoom) {
+    const double side = std::ldexp(1.0, -tile.zoom);
+    const PlaceGrid grid{.west = static_cast<double>(tile.x) * side,
+                         .north = static_cast<double>(tile.y) * side,
+                         .side = side,
+                         .cells = kCells};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlaceCell> sums, store.SumPlaces(grid, query));
+    std::int64_t inside = 0;
+    for (const PlaceCell& one : sums) inside += one.count;
+    if (inside > static_cast<std::int64_t>(limit)) return MakeClusters(sums);
+  }
+  std::vector<PlacedObject> near;  // with those of the margin
+  const auto is_better = [](const PlacedObject& a, const PlacedObject& b) {
+    return std::pair(-a.score, a.id) < std::pair(-b.score, b.id);
+  };
+  VICTORIOUS_RETURN_IF_ERROR(store.VisitPlaces(RegionOf(tile, kMargin), query, [&](const PlacedObject& placed) {
+    near.push_back(placed);
+    return true;
+  }));
+  // Neighbours beyond the limit have no room for ellipses anyway.
+  const std::size_t kept = std::min(near.size(), 4 * limit);
+  std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(kept), is_better);
+  near.resize(kept);
+  return MakeSingles(store, tile, std::move(near));
 }
 
 }  // namespace victorious

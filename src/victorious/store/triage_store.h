@@ -114,6 +114,25 @@ struct PlacedObject {
   bool matches = true;  ///< the query of the call
 };
 
+/// A square of the world in Web Mercator (geometry/web_mercator.h), in equal cells.
+struct PlaceGrid {
+  double west = 0;   ///< 0 to 1
+  double north = 0;  ///< likewise
+  double side = 1;   ///< likewise
+  int cells = 1;     ///< on a side
+};
+
+/// The objects in a cell of a grid.
+struct PlaceCell {
+  int column = 0;  ///< from the west
+  int row = 0;     ///< from the north
+  std::int64_t count = 0;
+  std::int64_t matches = 0;  ///< that match the query of the call
+  double sum_x = 0;          ///< of their positions in the grid, whose sides are 1 long, from its north-western corner
+  double sum_y = 0;
+  double best = 0;  ///< score
+};
+
 /// What a map draws of an object besides its point.
 struct PlacedShape {
   std::int64_t id = 0;
@@ -148,6 +167,9 @@ class TriageStore {
   /// to stop.
   [[nodiscard]] virtual Status VisitPlaces(const GeoBox& region, const ObjectQuery& query,
                                            const std::function<bool(const PlacedObject&)>& visit) = 0;
+  /// Sums the objects of known place in a grid; without empty cells, by row, then column. Takes a third of the time of
+  /// visiting them in a database, which would send each.
+  [[nodiscard]] virtual Expected<std::vector<PlaceCell>> SumPlaces(const PlaceGrid& grid, const ObjectQuery& query) = 0;
   /// Returns the shapes of these objects, by id; without those that have no place. At most 1000 ids.
   [[nodiscard]] virtual Expected<std::vector<PlacedShape>> PlaceShapes(std::span<const std::int64_t> ids) = 0;
   /// The smallest region that holds all objects of known place; std::nullopt if there is none.

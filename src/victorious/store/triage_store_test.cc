@@ -7,6 +7,7 @@
 #include "testing/data.h"
 #include "testing/scratch_postgres.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/web_mercator.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious {
@@ -341,6 +342,39 @@ TEST_P(TriageStoreTest, PlacesOfARegion) {
   EXPECT_DOUBLE_EQ((*bounds)->west_rad, RadiansFromDegrees(13));
   EXPECT_THAT(*store_->PlaceHeights(videos_[0]), ElementsAre(40.0));
   EXPECT_THAT(*store_->PlaceShapes(ids_), SizeIs(2));
+}
+
+TEST_P(TriageStoreTest, PlacesAreSummedInAGrid) {
+  const std::pair<double, double> places[] = {{52, 13}, {52.001, 13.001}, {52, -13}, {-30, 13}, {52, 170}, {86, 13}};
+  for (int i = 0; i < 6; ++i) PutPlace(ids_[static_cast<std::size_t>(i)], places[i].first, places[i].second);
+  const auto world = store_->SumPlaces({.cells = 2}, {.min_score = 0.92});
+  ASSERT_TRUE(world) << world.error().message;
+  ASSERT_THAT(*world, SizeIs(3)) << "a map ends at 85 degrees";
+  EXPECT_EQ(std::pair((*world)[0].column, (*world)[0].row), std::pair(0, 0));
+  EXPECT_EQ((*world)[0].best, 0.8);
+  EXPECT_EQ((*world)[0].matches, 0);
+  const PlaceCell& east = (*world)[1];
+  EXPECT_EQ(std::pair(east.column, east.row), std::pair(1, 0));
+  EXPECT_EQ(east.count, 3);
+  EXPECT_EQ(east.matches, 1);
+  EXPECT_EQ(east.best, 0.95);
+  double sum_x = 0;
+  double sum_y = 0;
+  for (const int i : {0, 1, 4}) {
+    sum_x += MercatorEast(RadiansFromDegrees(places[i].second));
+    sum_y += MercatorSouth(RadiansFromDegrees(places[i].first));
+  }
+  EXPECT_NEAR(east.sum_x, sum_x, 1e-12);
+  EXPECT_NEAR(east.sum_y, sum_y, 1e-12);
+  EXPECT_EQ(std::pair((*world)[2].column, (*world)[2].row), std::pair(1, 1));
+  // The north-eastern quarter alone.
+  const auto quarter = store_->SumPlaces({.west = 0.5, .north = 0, .side = 0.5, .cells = 1}, {});
+  ASSERT_TRUE(quarter) << quarter.error().message;
+  ASSERT_THAT(*quarter, SizeIs(1));
+  EXPECT_EQ(quarter->front().count, 3);
+  EXPECT_EQ(quarter->front().matches, 3);
+  EXPECT_NEAR(quarter->front().sum_x, 2 * (sum_x - 1.5), 1e-12);
+  EXPECT_THAT(*store_->SumPlaces({.west = 0, .north = 0.5, .side = 0.5, .cells = 4}, {}), IsEmpty());
 }
 
 TEST_P(TriageStoreTest, BestSightingHasMostMatches) {
