@@ -1,6 +1,7 @@
-// node bench/page_scale.mjs URL: measures the triage page on a large index (make-large-index), served at URL, as JSON:
-// the API's answers (ms), the time to the first list (ms), and the longest task of the page's main thread (ms) while the
-// list is scrolled and the map is panned and zoomed. Needs /usr/bin/chromium and web/node_modules.
+// node bench/page_scale.mjs URL [--api]: measures the triage page on a large index (make-large-index), served at URL, as
+// JSON: the API's answers (ms), the time to the first list (ms), and the longest task of the page's main thread (ms)
+// while the list is scrolled and the map is panned and zoomed. --api: the answers alone, without a browser. Needs
+// /usr/bin/chromium and web/node_modules. bench/page_scale.py makes the index and serves it, also in PostgreSQL.
 import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
 
@@ -8,6 +9,7 @@ const require = createRequire(fileURLToPath(new URL("../web/package.json", impor
 const { chromium } = require("playwright-core");
 
 const url = process.argv[2];
+const isApiOnly = process.argv[3] === "--api";
 const API = `${url}/api/v1`;
 
 /** The value that a fraction of the sorted values does not exceed. */
@@ -33,6 +35,8 @@ async function measureApi() {
   };
   const queries = {
     project: () => "/project",
+    videos: () => "/videos",
+    thresholds: () => "/thresholds",
     first_page: () => "/objects?sort=queue&limit=100&offset=0",
     deep_page: () => `/objects?sort=queue&limit=100&offset=${100 * Math.floor(random() * 490)}`,
     next_match: () => `/objects?sort=queue&after=${some(objects).id}&limit=1&model=${some(models).name}&min_score=0.5`,
@@ -41,6 +45,10 @@ async function measureApi() {
     of_video: () => `/objects?video=${1 + Math.floor(random() * 1000)}&limit=200&offset=0`,
     object: () => `/objects/${some(objects).id}`,
     sightings: () => `/videos/${1 + Math.floor(random() * 1000)}/sightings?from=${Math.floor(random() * 500)}&to=600&limit=2000`,
+    of_object: () => `/objects/${some(objects).id}/sightings?limit=100`,
+    decisions: () => `/objects/${some(objects).id}/decisions`,
+    tile_world: () => "/tiles/0/0/0",
+    tile_filtered: () => `/tiles/0/0/0?min_score=${random().toFixed(2)}`,
     tile_low: () => tile(Math.floor(random() * 6)),
     tile_high: () => tile(6 + Math.floor(random() * 12)),
   };
@@ -115,4 +123,4 @@ async function measurePage() {
   }
 }
 
-console.log(JSON.stringify({ api: await measureApi(), page: await measurePage() }, null, 1));
+console.log(JSON.stringify({ api: await measureApi(), ...(isApiOnly ? {} : { page: await measurePage() }) }, null, 1));
