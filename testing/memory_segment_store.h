@@ -15,7 +15,8 @@ namespace victorious::testing {
 class MemorySegmentStore final : public SegmentStore {
  public:
   [[nodiscard]] Expected<std::int64_t> Put(const VideoCut& cut, std::span<const std::int64_t> models,
-                                           std::span<const std::byte> prepared) override {
+                                           std::span<const std::byte> prepared,
+                                           std::span<const std::vector<std::byte>> of_segments) override {
     for (const auto& [id, kept] : cuts_) {
       if (kept.cut.video == cut.video && kept.cut.plan == cut.plan) return id;
     }
@@ -25,7 +26,11 @@ class MemorySegmentStore final : public SegmentStore {
     });
     VideoCut stored = cut;
     stored.id = ++last_id_;
-    cuts_[stored.id] = {stored, {models.begin(), models.end()}, {prepared.begin(), prepared.end()}, {}};
+    cuts_[stored.id] = {stored, {models.begin(), models.end()}, {prepared.begin(), prepared.end()}, {}, {}};
+    for (std::size_t i = 0; i < cut.segments.size(); ++i) {
+      cuts_[stored.id].of_segments[cut.segments[i].frames.from] =
+          of_segments.empty() ? std::vector<std::byte>() : of_segments[i];
+    }
     return stored.id;
   }
 
@@ -46,6 +51,20 @@ class MemorySegmentStore final : public SegmentStore {
     return cuts_.at(cut).prepared;
   }
 
+  [[nodiscard]] Expected<std::vector<std::byte>> PreparedOf(std::int64_t cut, FrameInterval frames) override {
+    const Segment* segment = Of(cut, frames);
+    if (segment == nullptr || segment->state != SegmentState::kOpen) return Fail(ErrorCode::kNotFound, "not open");
+    return cuts_.at(cut).of_segments.at(frames.from);
+  }
+
+  [[nodiscard]] Status Discard(std::int64_t cut, std::int64_t frame) override {
+    if (!cuts_.contains(cut)) return {};
+    for (const Segment& segment : cuts_.at(cut).cut.segments) {
+      if (segment.frames.to <= frame) cuts_.at(cut).results.erase(segment.frames.from);
+    }
+    return {};
+  }
+
   [[nodiscard]] Status Complete(std::int64_t cut, FrameInterval frames, std::span<const std::byte> results) override {
     Segment* segment = Of(cut, frames);
     if (segment == nullptr) return Fail(ErrorCode::kNotFound, "no such segment");
@@ -59,8 +78,9 @@ class MemorySegmentStore final : public SegmentStore {
       std::int64_t cut, const std::function<Status(FrameInterval, std::span<const std::byte>)>& visit) override {
     if (!cuts_.contains(cut)) return Fail(ErrorCode::kNotFound, "not cut");
     for (const Segment& segment : cuts_.at(cut).cut.segments) {
-      if (segment.state != SegmentState::kDone) continue;
-      VICTORIOUS_RETURN_IF_ERROR(visit(segment.frames, cuts_.at(cut).results.at(segment.frames.from)));
+      const auto found = cuts_.at(cut).results.find(segment.frames.from);
+      if (segment.state != SegmentState::kDone || found == cuts_.at(cut).results.end()) continue;
+      VICTORIOUS_RETURN_IF_ERROR(visit(segment.frames, found->second));
     }
     return {};
   }
@@ -76,6 +96,7 @@ class MemorySegmentStore final : public SegmentStore {
     VideoCut& cut = cuts_.at(id).cut;
     if (const auto middle = MiddleOf(frames, cut.step)) {
       segment->frames.to = *middle;
+      cuts_.at(id).of_segments[*middle] = cuts_.at(id).of_segments.at(frames.from);
       cut.segments.push_back({.frames = {*middle, frames.to}, .state = {}, .reason = {}});
       std::ranges::sort(cut.segments, {}, &Segment::frames);
     } else {
@@ -110,6 +131,7 @@ class MemorySegmentStore final : public SegmentStore {
     std::vector<std::int64_t> models;
     std::vector<std::byte> prepared;
     std::map<std::int64_t, std::vector<std::byte>> results;  // by the first frame of the segment
+    std::map<std::int64_t, std::vector<std::byte>> of_segments;
   };
 
   Segment* Of(std::int64_t cut, FrameInterval frames) {

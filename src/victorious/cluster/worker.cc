@@ -105,7 +105,7 @@ Status WaitForSegments(const Task& task, const IndexTask& work, std::int64_t cut
   if (!found) return queue.Release(task);  // cut anew, or deleted, at this moment
   const std::vector<postgres::NewTask> parts = PartsOf(work, task.key, *found);
   options.inform(fmt::format("{}: cut, {} to be searched", work.video, CountText(parts.size(), "segment")));
-  return queue.Wait(task, parts);
+  return queue.Wait(task, std::span(parts).first(std::min(parts.size(), options.max_segments)));
 }
 
 // The segments that killed whoever searched them: cut in halves, or left out.

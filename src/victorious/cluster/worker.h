@@ -33,7 +33,10 @@ struct TaskEnd {
 struct WorkerOptions {
   bool until_empty = false;               ///< ends once no task of this program is open
   std::chrono::milliseconds poll{1'000};  ///< between claims while no task is queued
-  std::chrono::seconds left_delay{30};    ///< before a task whose video another process indexes is claimed again
+  /// Segments of a video that are queued at once. They are joined before the next ones are queued, so that no more
+  /// results wait for that in the database, and what is found shows while a long video is searched.
+  std::size_t max_segments = 120;
+  std::chrono::seconds left_delay{30};  ///< before a task whose video another process indexes is claimed again
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
 };
 

@@ -49,10 +49,11 @@ class PostgresWorkerTest : public ::testing::Test {
     ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
   }
 
-  Expected<std::int64_t> WorkUntilEmpty(const RunTask& run) {
+  Expected<std::int64_t> WorkUntilEmpty(const RunTask& run, std::size_t max_segments = 120) {
     return Work(*queue_, *store_, *segments_, run,
                 {.until_empty = true,
                  .poll = std::chrono::milliseconds(1),
+                 .max_segments = max_segments,
                  .left_delay = {},
                  .inform = [&](const std::string& line) { lines_.push_back(line); }},
                 cancel_);
@@ -199,6 +200,20 @@ class CutVideo {
   std::int64_t video_ = 0;
   std::int64_t cut_ = 0;
 };
+
+// So that they are joined from time to time.
+TEST_F(PostgresWorkerTest, LongVideoQueuesSomeOfItsSegmentsAtATime) {
+  CutVideo video(*store_, *segments_, std::nullopt);
+  SubmitCut();
+  std::vector<std::string> order;
+  const auto run = [&](const IndexTask& task, const std::function<ChildControl()>&) {
+    order.push_back(task.part ? "segment" : task.video);
+    return video.Run(task);
+  };
+  EXPECT_EQ(WorkUntilEmpty(run, 1).value_or(0), 3) << "a video, two segments";
+  EXPECT_EQ(order, (std::vector<std::string>{"/a.mp4", "segment", "/a.mp4", "segment", "/a.mp4"}));
+  EXPECT_EQ(video.searched, (std::vector<FrameInterval>{{0, 240}, {240, 480}}));
+}
 
 TEST_F(PostgresWorkerTest, CutVideoWaitsForItsSegments) {
   CutVideo video(*store_, *segments_, std::nullopt);

@@ -11,6 +11,9 @@ namespace victorious {
 
 namespace {
 
+constexpr double kClockHalf_s =
+    1;  // of the motion for the clock's error: noise of telemetry's rows averages out over it
+
 constexpr std::size_t kMinStateBytes = 4 * sizeof(double) + sizeof(VerticalDatum);
 
 void PackState(const CameraState& state, ByteWriter& writer) {
@@ -109,12 +112,24 @@ void CameraStates::Forget() {
   start_utc_us_.reset();
 }
 
+CameraStates CameraStates::Between(double from_s, double to_s) const {
+  CameraStates part = *this;
+  if (!trajectory_) return part;
+  const std::vector<CameraState>& states = trajectory_->states();
+  // With a state on both sides, between which At() interpolates.
+  auto begin = std::ranges::lower_bound(states, from_s - kClockHalf_s, {}, &CameraState::time_s);
+  if (begin != states.begin()) --begin;
+  auto end = std::ranges::upper_bound(states, to_s + kClockHalf_s, {}, &CameraState::time_s);
+  if (end != states.end()) ++end;
+  part.trajectory_.emplace(std::vector<CameraState>(begin, end), max_gap_s_);
+  return part;
+}
+
 std::optional<ClockError> CameraStates::ClockErrorAt(const CameraState& now) const {
-  constexpr double kHalf_s = 1;  // noise of telemetry's rows averages out over it
   constexpr double kMinMove_m = 0.01;
   constexpr double kMinTurn_rad = 1e-5;
-  const CameraState before = trajectory_->At(now.time_s - kHalf_s).value_or(now);
-  const CameraState after = trajectory_->At(now.time_s + kHalf_s).value_or(now);
+  const CameraState before = trajectory_->At(now.time_s - kClockHalf_s).value_or(now);
+  const CameraState after = trajectory_->At(now.time_s + kClockHalf_s).value_or(now);
   const double interval_s = after.time_s - before.time_s;
   if (!(interval_s > 0)) return std::nullopt;
   const double factor = clock_sigma_s_ / interval_s;

@@ -74,6 +74,9 @@ class CameraStates {
 
   /// To be given to the FrameLoop of a live source; null if no telemetry arrives with its frames.
   [[nodiscard]] PacketReceiver* packet_receiver() { return live_ ? &*live_ : nullptr; }
+  /// Returns what At() needs for times from `from_s` to `to_s`: there it gives the same, to the last bit.
+  [[nodiscard]] CameraStates Between(double from_s, double to_s) const;
+
   /// Writes all but what belongs to a live source.
   void Pack(ByteWriter& writer) const;
   /// What Pack wrote. `reader` remembers faults.

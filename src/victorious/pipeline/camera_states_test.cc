@@ -79,6 +79,36 @@ TEST_F(CameraStatesTest, AnErrorOfTheClockMovesAndTurnsTheCamera) {
   EXPECT_FALSE(hovering.At(1)->clock_error);
 }
 
+// What a segment of a video is given.
+TEST_F(CameraStatesTest, PartHasTheSameStates) {
+  std::string rows(kRows.substr(0, kRows.find('\n') + 1));
+  for (int i = 0; i < 200; ++i) {
+    if (i >= 80 && i < 120) continue;  // a gap of 20 s
+    rows += fmt::format("{},{},-71,{},{},-60,0,{}\n", 0.5 * i, 42 + 1e-5 * i, 100 + i % 7, i % 30, i < 150 ? 50 : 40);
+  }
+  CameraStates cameras = Load(rows).value();
+  cameras.SetClockSigma(0.3);
+  for (const auto& [from_s, to_s] : {std::pair(0.0, 3.0), {20.2, 31.7}, {38.0, 45.0}, {45.0, 55.0}, {99.0, 120.0}}) {
+    const CameraStates part = cameras.Between(from_s, to_s);
+    EXPECT_LT(part.trajectory()->states().size(), 50U);
+    EXPECT_EQ(part.first_hfov_rad(), cameras.first_hfov_rad());
+    for (double time_s = from_s; time_s <= to_s; time_s += 0.07) {
+      const auto expected = cameras.At(time_s);
+      const auto got = part.At(time_s);
+      ASSERT_EQ(got.has_value(), expected.has_value()) << time_s;
+      if (!got) continue;
+      EXPECT_EQ(got->place.latitude_rad, expected->place.latitude_rad);
+      EXPECT_EQ(got->place.altitude_m, expected->place.altitude_m);
+      EXPECT_EQ(got->attitude->yaw_rad, expected->attitude->yaw_rad);
+      EXPECT_EQ(got->hfov_rad, expected->hfov_rad);
+      ASSERT_EQ(got->clock_error.has_value(), expected->clock_error.has_value());
+      if (!got->clock_error) continue;
+      EXPECT_EQ(got->clock_error->moved_enu_m, expected->clock_error->moved_enu_m);
+    }
+  }
+  EXPECT_FALSE(CameraStates().Between(0, 1).HasStates());
+}
+
 TEST_F(CameraStatesTest, OnlyLiveSourcesWithADataStreamNeedPackets) {
   VideoInfo info;
   info.live = true;

@@ -456,7 +456,7 @@ Expected<std::int64_t> FirstLinkedFrame(const IndexPass& pass, const VideoInfo& 
 
 Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
                   const std::function<Status(const std::function<Status(std::vector<FrameResult>)>& add)>& visit,
-                  const CancelToken& cancel, IndexStore& store, IndexReport& report) {
+                  bool is_end, const CancelToken& cancel, IndexStore& store, IndexReport& report) {
   ResultWriter sink(pass, info, store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
   const std::int64_t next_frame = sink.next_frame();
@@ -476,7 +476,7 @@ Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
     }
     return {};
   });
-  if (joined) return sink.Commit(true);
+  if (joined) return sink.Commit(is_end);
   if (sink.can_commit()) VICTORIOUS_RETURN_IF_ERROR(sink.Commit(false));
   return joined;
 }

@@ -68,11 +68,13 @@ struct IndexPass {
 
 /// Links the results of the frames of a video from FirstLinkedFrame on, which were searched in segments, and commits
 /// them: the same as RunIndexPass on all frames, but for the length of the video.
-/// @param visit  calls its argument with the results of one segment after the other
+/// @param visit   calls its argument with the results of one segment after the other
+/// @param is_end  the last of them ends the video: the searches are finished. Else later frames are joined by another
+///   call, whose pass begins where this one ended
 /// Errors: those of `visit` and of the store; kCancelled, after what was linked is stored.
 [[nodiscard]] Status JoinFrames(
     const IndexPass& pass, const VideoInfo& info,
-    const std::function<Status(const std::function<Status(std::vector<FrameResult>)>& add)>& visit,
+    const std::function<Status(const std::function<Status(std::vector<FrameResult>)>& add)>& visit, bool is_end,
     const CancelToken& cancel, IndexStore& store, IndexReport& report);
 
 }  // namespace victorious

@@ -50,18 +50,6 @@ std::string DescribeDifference(const std::string& before, const std::string& now
   return changes.empty() ? "another version's parameters" : fmt::format("{}", fmt::join(changes, "; "));
 }
 
-// The reader's content id; shows a progress bar for large files.
-Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& video, const CancelToken& cancel) {
-  constexpr std::int64_t kLongBytes = std::int64_t{256} << 20;
-  constexpr std::int64_t kMegabyte = 1'000'000;
-  std::optional<Progress> progress;
-  return reader.ContentId(cancel, [&](std::int64_t done, std::int64_t total) {
-    if (total < kLongBytes) return;
-    if (!progress) progress.emplace(video + ", content id", total / kMegabyte, "MB");
-    progress->Update(done / kMegabyte);
-  });
-}
-
 // The parameters as the store keeps them, as JSON.
 struct StoredParameters {
   std::string models;      // of a search for models
@@ -140,6 +128,17 @@ void WarnIfChanged(const ModelRecord& target, const std::vector<ModelRecord>& mo
 }
 
 }  // namespace
+
+Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& video, const CancelToken& cancel) {
+  constexpr std::int64_t kLongBytes = std::int64_t{256} << 20;
+  constexpr std::int64_t kMegabyte = 1'000'000;
+  std::optional<Progress> progress;
+  return reader.ContentId(cancel, [&](std::int64_t done, std::int64_t total) {
+    if (total < kLongBytes) return;
+    if (!progress) progress.emplace(video + ", content id", total / kMegabyte, "MB");
+    progress->Update(done / kMegabyte);
+  });
+}
 
 std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job) {
   options.every = every;

@@ -124,8 +124,9 @@ class Indexer {
                                                                 const IndexJob& job, IndexStore& store) const;
   [[nodiscard]] int MinInterval(const PlannedPass& pass, const SearchIntervals& intervals) const;
   // The cut of the job's video by this indexer, or one like it.
-  [[nodiscard]] Expected<std::optional<PlannedCut>> FindCut(const IndexJob& job, IndexStore& store,
-                                                            SegmentStore& segments) const;
+  // @param frames  of a segment: reads only what that needs; std::nullopt: all that was prepared
+  [[nodiscard]] Expected<std::optional<PlannedCut>> FindCut(const IndexJob& job, std::optional<FrameInterval> frames,
+                                                            IndexStore& store, SegmentStore& segments) const;
   [[nodiscard]] Expected<bool> IsFinished(const VideoRecord& video, IndexStore& store) const;
   // Returns the id of the cut; std::nullopt if the pass is not to be cut.
   [[nodiscard]] Expected<std::optional<std::int64_t>> CutPass(const PlannedPass& plan, const std::string& text,
@@ -133,8 +134,10 @@ class Indexer {
                                                               const CancelToken& cancel, IndexStore& store,
                                                               SegmentStore& segments, const WarningSink& warn,
                                                               IndexReport& report) const;
-  [[nodiscard]] Status JoinSegments(PlannedCut& found, const IndexJob& job, const CancelToken& cancel,
-                                    IndexStore& store, SegmentStore& segments, IndexReport& report) const;
+  // Joins the segments up to the first open one; after the last one, the cut is finished.
+  // Returns false if the video has another content than the cut: nothing is joined.
+  [[nodiscard]] Expected<bool> JoinSegments(PlannedCut& found, const IndexJob& job, const CancelToken& cancel,
+                                            IndexStore& store, SegmentStore& segments, IndexReport& report) const;
 
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
           std::unique_ptr<const FeatureExtractor> extractor, std::unique_ptr<const FeatureExtractor> kept_extractor,

@@ -42,4 +42,8 @@ struct Indexer::PlannedCut {
 // @param job    its interval of time belongs to what was searched
 std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job);
 
+// The reader's content id; shows a progress bar for large files.
+[[nodiscard]] Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& video,
+                                                const CancelToken& cancel);
+
 }  // namespace victorious

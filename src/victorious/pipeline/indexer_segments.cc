@@ -86,6 +86,12 @@ std::optional<SearchIntervals> IntervalsOf(const nlohmann::json& plan) {
   return SearchIntervals{.models = (*found)[0].get<int>(), .categories = (*found)[1].get<int>()};
 }
 
+// The first frame of the first open segment; std::nullopt: none is open.
+std::optional<std::int64_t> FirstOpenFrame(const VideoCut& cut) {
+  const auto open = std::ranges::find(cut.segments, SegmentState::kOpen, &Segment::state);
+  return open == cut.segments.end() ? std::nullopt : std::optional(open->frames.from);
+}
+
 std::vector<std::int64_t> ModelsOf(const std::vector<SearchRecord>& searches) {
   std::vector<std::int64_t> models;
   for (const SearchRecord& search : searches) models.push_back(search.model);
@@ -108,19 +114,19 @@ Expected<SegmentedReport> Indexer::SearchBySegments(const IndexJob& job, double 
                                                     IndexStore& store, SegmentStore& segments,
                                                     const WarningSink& warn) const {
   SegmentedReport result;
-  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> found, FindCut(job, store, segments));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> found, FindCut(job, std::nullopt, store, segments));
   std::string whole_plan;
   if (found && found->cut.is_whole) {
     whole_plan = found->cut.plan;
   } else if (found) {
-    const auto& cut = found->cut.segments;
-    if (std::ranges::find(cut, SegmentState::kOpen, &Segment::state) != cut.end()) {
+    const bool is_open = FirstOpenFrame(found->cut).has_value();
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool is_joined, JoinSegments(*found, job, cancel, store, segments, result.index));
+    if (is_joined && is_open) {
       result.waits_for = found->cut.id;
       return result;
     }
-    VICTORIOUS_RETURN_IF_ERROR(JoinSegments(*found, job, cancel, store, segments, result.index));
     VICTORIOUS_ASSIGN_OR_RETURN(const bool is_finished, IsFinished(found->video, store));
-    if (is_finished) return result;
+    if (is_joined && is_finished) return result;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
   VICTORIOUS_RETURN_IF_ERROR(CheckNamesOf(models_before));
@@ -202,8 +208,8 @@ Expected<std::optional<Indexer::PlannedCut>> Indexer::ReadCutPlan(const VideoRec
   return PlannedCut{video, cut, std::move(pass), *intervals, {}};
 }
 
-Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& job, IndexStore& store,
-                                                              SegmentStore& segments) const {
+Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& job, std::optional<FrameInterval> frames,
+                                                              IndexStore& store, SegmentStore& segments) const {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   for (const VideoRecord& video : videos) {
     if (video.name != job.video) continue;
@@ -211,7 +217,13 @@ Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& jo
     for (const VideoCut& cut : cuts) {
       VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> planned, ReadCutPlan(video, cut, job, store));
       if (!planned) continue;
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, segments.Prepared(cut.id));
+      if (frames) {
+        const auto segment = std::ranges::find(cut.segments, *frames, &Segment::frames);
+        if (segment == cut.segments.end()) continue;
+        if (segment->state != SegmentState::kOpen) return planned;
+      }
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
+                                  frames ? segments.PreparedOf(cut.id, *frames) : segments.Prepared(cut.id));
       VICTORIOUS_ASSIGN_OR_RETURN(planned->prepared, UnpackPreparedVideo(bytes));
       if (planned->prepared.file_bytes != FileBytes(job.video)) continue;  // another file of this name
       VICTORIOUS_RETURN_IF_ERROR(CheckFrames(cut, planned->prepared));
@@ -244,20 +256,29 @@ Expected<std::optional<std::int64_t>> Indexer::CutPass(const PlannedPass& plan, 
   if (cuts.size() < 2) return std::nullopt;
   VICTORIOUS_RETURN_IF_ERROR(EstimateSun(recognizer, job, video, cancel, warn, report));
   VideoCut cut{.video = video.record.id, .plan = text, .step = step};
-  for (const FrameInterval& frames : cuts) cut.segments.push_back({.frames = frames, .state = {}, .reason = {}});
-  const std::vector<std::byte> prepared = PackPreparedVideo({.times_s = std::move(table->times_s),
-                                                             .cameras = std::move(video.cameras),
-                                                             .sun = report.sun,
-                                                             .is_sun_by_clock = report.sun_by_clock,
-                                                             .file_bytes = FileBytes(job.video)});
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, segments.Put(cut, ModelsOf(plan.searches), prepared));
+  PreparedVideo prepared{.times_s = std::move(table->times_s),
+                         .cameras = std::move(video.cameras),
+                         .sun = report.sun,
+                         .is_sun_by_clock = report.sun_by_clock,
+                         .file_bytes = FileBytes(job.video)};
+  const std::vector<std::byte> all = PackPreparedVideo(prepared);
+  const CameraStates cameras = std::move(prepared.cameras);
+  const auto time_s = [&](std::int64_t frame) { return prepared.times_s[static_cast<std::size_t>(frame)]; };
+  std::vector<std::vector<std::byte>> of_segments;
+  for (const FrameInterval& frames : cuts) {
+    cut.segments.push_back({.frames = frames, .state = {}, .reason = {}});
+    const std::int64_t first_read = WholeFrameBefore(frames.from, MinInterval(plan, video.intervals), options_);
+    prepared.cameras = cameras.Between(time_s(first_read), time_s(frames.to - 1));
+    of_segments.push_back(PackPreparedVideo(prepared));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, segments.Put(cut, ModelsOf(plan.searches), all, of_segments));
   return id;
 }
 
 Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval frames, const CancelToken& cancel,
                                             IndexStore& store, SegmentStore& segments, const WarningSink& warn) const {
   IndexReport report;
-  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> found, FindCut(job, store, segments));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> found, FindCut(job, frames, store, segments));
   const auto segment =
       found ? std::ranges::find(found->cut.segments, frames, &Segment::frames) : std::vector<Segment>::iterator();
   const auto leave = [&] {
@@ -295,6 +316,10 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   if (!reader->IsExact()) {
     if (job.inform) job.inform("its frames are not those that its container lists: it is indexed by one process");
     VICTORIOUS_RETURN_IF_ERROR(segments.SetWhole(found->cut.id));
+    // It begins anew: segments that were joined before may have kept frames that a resumed pass would keep, too.
+    for (const SearchRecord& search : found->pass.searches) {
+      VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(search.video, search.model));
+    }
     return report;
   }
   if (!kept.kept_frames.empty()) VICTORIOUS_RETURN_IF_ERROR(store.Commit(kept));
@@ -304,33 +329,53 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   return report;
 }
 
-Status Indexer::JoinSegments(PlannedCut& found, const IndexJob& job, const CancelToken& cancel, IndexStore& store,
-                             SegmentStore& segments, IndexReport& report) const {
+Expected<bool> Indexer::JoinSegments(PlannedCut& found, const IndexJob& job, const CancelToken& cancel,
+                                     IndexStore& store, SegmentStore& segments, IndexReport& report) const {
   PreparedVideo& prepared = found.prepared;
   report.sun = prepared.sun;
   report.sun_by_clock = prepared.is_sun_by_clock;
-  if (!found.pass.searches.front().finished) {
+  const std::optional<std::int64_t> first_open = FirstOpenFrame(found.cut);
+  const std::int64_t end = first_open.value_or(std::ssize(prepared.times_s));
+  const SearchRecord& search = found.pass.searches.front();
+  if (first_open && search.next_frame >= end) return true;  // joined before
+  if (!search.finished) {
     std::vector<ObjectModel> models;
     for (const std::size_t target : found.pass.targets) {
       if (target < models_.size()) models.push_back(models_[target]);
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
+    // The segments may have been searched in another file of this name and size.
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, job.video, cancel));
+    if (content_id != found.video.content_id) return false;
     VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                                 Recognizer::Create(std::move(models), options_.features.engine, options_.recognize));
     OpenedVideo video{
         .reader = nullptr, .cameras = std::move(prepared.cameras), .record = found.video, .intervals = found.intervals};
-    const IndexPass pass = MakePass(found.pass, recognizer, {}, job, video);
     const auto visit = [&](const std::function<Status(std::vector<FrameResult>)>& add) {
-      return segments.VisitResults(found.cut.id, [&](FrameInterval, std::span<const std::byte> packed) -> Status {
-        VICTORIOUS_ASSIGN_OR_RETURN(std::vector<FrameResult> results, UnpackFrameResults(packed));
-        return add(std::move(results));
-      });
+      return segments.VisitResults(
+          found.cut.id, [&](FrameInterval frames, std::span<const std::byte> packed) -> Status {
+            if (frames.from >= end) return {};
+            VICTORIOUS_ASSIGN_OR_RETURN(std::vector<FrameResult> results, UnpackFrameResults(packed));
+            return add(std::move(results));
+          });
     };
-    VICTORIOUS_RETURN_IF_ERROR(JoinFrames(pass, reader->info(), visit, cancel, store, report));
+    const IndexPass pass = MakePass(found.pass, recognizer, {}, job, video);
+    VICTORIOUS_RETURN_IF_ERROR(JoinFrames(pass, reader->info(), visit, !first_open, cancel, store, report));
+    if (first_open) {
+      // What the next join needs stays: it goes on as after an interruption.
+      PlannedPass rest = found.pass;
+      VICTORIOUS_ASSIGN_OR_RETURN(const auto joined, store.FindSearch(search.video, search.model));
+      for (SearchRecord& one : rest.searches) one.next_frame = joined ? joined->next_frame : 0;
+      const IndexPass next = MakePass(rest, recognizer, {}, job, video);
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t first_frame, FirstLinkedFrame(next, reader->info(), store));
+      VICTORIOUS_RETURN_IF_ERROR(segments.Discard(found.cut.id, first_frame));
+      return true;
+    }
   }
   VICTORIOUS_RETURN_IF_ERROR(
       store.SetVideoLength(found.video.id, std::ssize(prepared.times_s), prepared.times_s.back()));
-  return segments.Finish(found.cut.id, GapsOf(found.cut, prepared.times_s));
+  VICTORIOUS_RETURN_IF_ERROR(segments.Finish(found.cut.id, GapsOf(found.cut, prepared.times_s)));
+  return true;
 }
 
 }  // namespace victorious

@@ -105,6 +105,55 @@ TEST_F(IndexerSegmentsTest, GiveWhatOnePassGives) {
   }
 }
 
+// A worker queues no more segments of a long video than some, and has them joined before it queues the next ones.
+TEST_F(IndexerSegmentsTest, AreJoinedAPartAtATime) {
+  options_.tracklets.gap_s = 0.1;  // so that the next join needs little of the past
+  for (const bool follow : {true, false}) {
+    options_.follow.enabled = follow;
+    const auto store = flight_.Store("segments.db");
+    const Indexer indexer = MakeIndexer(flight_.Models());
+    ASSERT_TRUE(Begin(indexer, *store).waits_for);
+    const std::vector<FrameInterval> open = OpenSegments(*store);
+    ASSERT_THAT(open, SizeIs(4));
+    std::int64_t results_left = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      ASSERT_TRUE(indexer.IndexSegment(Job(), open[i], CancelToken(), *store, segments_));
+      const bool is_last = i + 1 == open.size();
+      for (int again = 0; again < (is_last ? 1 : 2); ++again) {
+        EXPECT_EQ(Begin(indexer, *store).waits_for.has_value(), !is_last);
+        EXPECT_EQ(store->FindSearch(1, 1).value()->next_frame, open[i].to);
+      }
+      if (is_last) break;
+      const std::int64_t cut = segments_.CutsOf(1).value().at(0).id;
+      results_left = 0;
+      ASSERT_TRUE(segments_.VisitResults(cut, [&](FrameInterval, std::span<const std::byte>) -> Status {
+        ++results_left;
+        return {};
+      }));
+      EXPECT_LE(results_left, follow ? 3 : 2) << "what was joined is deleted, but for what the next join needs";
+    }
+    EXPECT_EQ(Contents(*store), OnePass(flight_.Models())) << (follow ? "followed" : "");
+    std::filesystem::remove(flight_ / "segments.db");
+    std::filesystem::remove(flight_ / "one.db");
+  }
+}
+
+// Of the same name and size: the results of its segments are those of another video.
+TEST_F(IndexerSegmentsTest, OtherContentIsNotJoined) {
+  const auto store = flight_.Store("segments.db");
+  const Indexer indexer = MakeIndexer(flight_.Models());
+  ASSERT_TRUE(Begin(indexer, *store).waits_for);
+  SearchAll(indexer, *store);
+  std::string bytes = ReadFile(flight_.video()).value();
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);  // in a packet
+  ASSERT_TRUE(WriteFileAtomically(flight_.video(), bytes));
+  const auto again = indexer.IndexBySegments(Job(), kSegment_s, CancelToken(), *store, segments_);
+  ASSERT_TRUE(again) << again.error().message;
+  const std::vector<VideoRecord> videos = VideosOf(*store);
+  ASSERT_THAT(videos, SizeIs(1)) << "the former content is replaced";
+  EXPECT_FALSE(store->FindSearch(videos[0].id, 1).value().has_value()) << "nothing of it was joined";
+}
+
 TEST_F(IndexerSegmentsTest, ShortVideoIsIndexedAtOnce) {
   const auto store = flight_.Store("segments.db");
   const auto report =

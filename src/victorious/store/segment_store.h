@@ -2,9 +2,9 @@
 // each is searched by itself, in any order; then their results are joined in the order of frames
 // (pipeline/indexer_segments.cc). Searches for other models cut the same video by themselves.
 //
-//   Put ---> open --Complete--> done --------> VisitResults, Finish
-//             |                                    ^
-//             '--GiveUp--> two halves, or quarantined, a gap
+//   Put ---> open --Complete--> done ---> VisitResults, Discard ---> Finish
+//             |                                                        ^
+//             '--GiveUp--> two halves, or quarantined, a gap ----------'
 //
 // What a worker prepares and finds is stored here as bytes of its build (base/packed_bytes.h), and deleted by Finish.
 #pragma once
@@ -88,10 +88,12 @@ class SegmentStore {
 
   /// Stores a cut, in place of those of other plans that search the video for one of these models: their tasks are out
   /// of date. Without effect if there is one of the same plan. Returns the id.
-  /// @param models    that are searched for
-  /// @param prepared  what each segment needs to know of the video
+  /// @param models       that are searched for
+  /// @param prepared     what is known of the video, for joining
+  /// @param of_segments  what each segment needs of it; one for each of `cut`, or none
   [[nodiscard]] virtual Expected<std::int64_t> Put(const VideoCut& cut, std::span<const std::int64_t> models,
-                                                   std::span<const std::byte> prepared) = 0;
+                                                   std::span<const std::byte> prepared,
+                                                   std::span<const std::vector<std::byte>> of_segments = {}) = 0;
 
   /// std::nullopt: it is finished, or was replaced.
   [[nodiscard]] virtual Expected<std::optional<VideoCut>> Find(std::int64_t cut) = 0;
@@ -99,16 +101,23 @@ class SegmentStore {
   /// The cuts of a video, by id.
   [[nodiscard]] virtual Expected<std::vector<VideoCut>> CutsOf(std::int64_t video) = 0;
 
-  /// What was prepared for the segments. Error: kNotFound without the cut.
+  /// What was prepared for joining. Error: kNotFound without the cut.
   [[nodiscard]] virtual Expected<std::vector<std::byte>> Prepared(std::int64_t cut) = 0;
+  /// What was prepared for an open segment, or for the one whose part it is. Error: kNotFound without the cut or such a
+  /// segment.
+  [[nodiscard]] virtual Expected<std::vector<std::byte>> PreparedOf(std::int64_t cut, FrameInterval frames) = 0;
 
   /// Stores the results of a segment: it is done. Without effect if it is done already. Error: kNotFound without the
   /// cut or the segment.
   [[nodiscard]] virtual Status Complete(std::int64_t cut, FrameInterval frames, std::span<const std::byte> results) = 0;
 
-  /// Visits the results of the segments that are done, by frame. Error: kNotFound without the cut, at the end, too.
+  /// Visits the results of the segments that are done, by frame, but for those that were discarded. Error: kNotFound
+  /// without the cut, at the end, too.
   [[nodiscard]] virtual Status VisitResults(
       std::int64_t cut, const std::function<Status(FrameInterval, std::span<const std::byte>)>& visit) = 0;
+
+  /// Deletes the results of the segments that are done and end at `frame` or before it: they are joined.
+  [[nodiscard]] virtual Status Discard(std::int64_t cut, std::int64_t frame) = 0;
 
   /// Says that one process must search the video as a whole.
   [[nodiscard]] virtual Status SetWhole(std::int64_t cut) = 0;

@@ -132,6 +132,30 @@ TEST_P(SegmentStoreTest, SearchesForOtherModelsAreCutBesides) {
   EXPECT_THAT(segments_->CutsOf(video_).value(), ElementsAre(both[1]));
 }
 
+TEST_P(SegmentStoreTest, EachSegmentHasWhatItNeeds) {
+  const std::vector<std::vector<std::byte>> own = {Bytes("first"), Bytes("second")};
+  const std::int64_t cut = segments_->Put(TwoSegments(), std::span(&model_, 1), Bytes("all"), own).value();
+  EXPECT_EQ(segments_->PreparedOf(cut, {0, 240}).value(), own[0]);
+  EXPECT_EQ(segments_->PreparedOf(cut, {240, 340}).value(), own[1]);
+  EXPECT_EQ(segments_->PreparedOf(cut, {0, 120}).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(segments_->GiveUp(cut, {0, 240}, "signal 11"));
+  EXPECT_EQ(segments_->PreparedOf(cut, {0, 120}).value(), own[0]);
+  EXPECT_EQ(segments_->PreparedOf(cut, {120, 240}).value(), own[0]);
+  ASSERT_TRUE(segments_->Complete(cut, {120, 240}, Bytes("x")));
+  EXPECT_EQ(segments_->PreparedOf(cut, {120, 240}).error().code, ErrorCode::kNotFound) << "it is done";
+}
+
+TEST_P(SegmentStoreTest, JoinedResultsAreDiscarded) {
+  const std::int64_t cut = Put(TwoSegments());
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("a")));
+  ASSERT_TRUE(segments_->Complete(cut, {240, 340}, Bytes("b")));
+  ASSERT_TRUE(segments_->Discard(cut, 239));
+  EXPECT_THAT(Results(cut), ElementsAre("0 a", "240 b"));
+  ASSERT_TRUE(segments_->Discard(cut, 240));
+  EXPECT_THAT(Results(cut), ElementsAre("240 b"));
+  EXPECT_EQ(Segments(cut).front().state, SegmentState::kDone);
+}
+
 TEST_P(SegmentStoreTest, GivenUpSegmentIsCutDownToTheSmallest) {
   const std::int64_t cut = Put(TwoSegments());
   for (const FrameInterval frames : {FrameInterval{0, 240}, {120, 240}, {120, 180}, {120, 180}, {0, 240}}) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "victorious/base/check.h"
 #include "victorious/base/enum_text.h"
 #include "victorious/store/postgres/migrations.h"
 
@@ -23,13 +24,16 @@ class PostgresSegmentStore final : public SegmentStore {
   explicit PostgresSegmentStore(std::shared_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
   [[nodiscard]] Expected<std::int64_t> Put(const VideoCut& cut, std::span<const std::int64_t> models,
-                                           std::span<const std::byte> prepared) override;
+                                           std::span<const std::byte> prepared,
+                                           std::span<const std::vector<std::byte>> of_segments) override;
   [[nodiscard]] Expected<std::optional<VideoCut>> Find(std::int64_t cut) override;
   [[nodiscard]] Expected<std::vector<VideoCut>> CutsOf(std::int64_t video) override;
   [[nodiscard]] Expected<std::vector<std::byte>> Prepared(std::int64_t cut) override;
+  [[nodiscard]] Expected<std::vector<std::byte>> PreparedOf(std::int64_t cut, FrameInterval frames) override;
   [[nodiscard]] Status Complete(std::int64_t cut, FrameInterval frames, std::span<const std::byte> results) override;
   [[nodiscard]] Status VisitResults(
       std::int64_t cut, const std::function<Status(FrameInterval, std::span<const std::byte>)>& visit) override;
+  [[nodiscard]] Status Discard(std::int64_t cut, std::int64_t frame) override;
   [[nodiscard]] Status SetWhole(std::int64_t cut) override;
   [[nodiscard]] Status GiveUp(std::int64_t cut, FrameInterval frames, const std::string& reason) override;
   [[nodiscard]] Status Finish(std::int64_t cut, std::span<const CoverageGap> gaps) override;
@@ -37,6 +41,7 @@ class PostgresSegmentStore final : public SegmentStore {
   [[nodiscard]] Expected<std::vector<QuarantinedSegment>> Quarantined() override;
 
  private:
+  [[nodiscard]] std::unexpected<Error> NoSegment(std::int64_t cut, FrameInterval frames) const;
   // @param column  that has this value: "id" or "video_id"
   Expected<std::vector<VideoCut>> ReadCuts(std::string_view column, std::int64_t value);
   [[nodiscard]] std::unexpected<Error> NoCut(std::int64_t cut) const;
@@ -49,8 +54,15 @@ std::unexpected<Error> PostgresSegmentStore::NoCut(std::int64_t cut) const {
               fmt::format("{}: cut {} of a video is not there any more", connection_->name(), cut));
 }
 
+std::unexpected<Error> PostgresSegmentStore::NoSegment(std::int64_t cut, FrameInterval frames) const {
+  return Fail(ErrorCode::kNotFound, fmt::format("{}: frames {} to {} are no segment of cut {} any more",
+                                                connection_->name(), frames.from, frames.to - 1, cut));
+}
+
 Expected<std::int64_t> PostgresSegmentStore::Put(const VideoCut& cut, std::span<const std::int64_t> models,
-                                                 std::span<const std::byte> prepared) {
+                                                 std::span<const std::byte> prepared,
+                                                 std::span<const std::vector<std::byte>> of_segments) {
+  VICTORIOUS_CHECK(of_segments.empty() || of_segments.size() == cut.segments.size());
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
   const std::string model_ids = ArrayText(models);
   VICTORIOUS_RETURN_IF_ERROR(
@@ -65,10 +77,12 @@ Expected<std::int64_t> PostgresSegmentStore::Put(const VideoCut& cut, std::span<
   std::int64_t id = 0;
   if (added.Next()) {
     id = added.Integer(0);
-    for (const Segment& segment : cut.segments) {
+    for (std::size_t i = 0; i < cut.segments.size(); ++i) {
+      const Segment& segment = cut.segments[i];
+      const std::span<const std::byte> own = of_segments.empty() ? std::span<const std::byte>() : of_segments[i];
       VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
-          "INSERT INTO segments (cut_id, from_frame, to_frame, state, reason) VALUES (?, ?, ?, ?, ?)", id,
-          segment.frames.from, segment.frames.to, ToText(kSegmentStateTexts, segment.state), segment.reason));
+          "INSERT INTO segments (cut_id, from_frame, to_frame, state, reason, prepared) VALUES (?, ?, ?, ?, ?, ?)", id,
+          segment.frames.from, segment.frames.to, ToText(kSegmentStateTexts, segment.state), segment.reason, own));
     }
   } else {
     VICTORIOUS_ASSIGN_OR_RETURN(
@@ -122,20 +136,28 @@ Expected<std::vector<std::byte>> PostgresSegmentStore::Prepared(std::int64_t cut
   return std::vector<std::byte>(bytes.begin(), bytes.end());
 }
 
+Expected<std::vector<std::byte>> PostgresSegmentStore::PreparedOf(std::int64_t cut, FrameInterval frames) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result row, connection_->Query("SELECT prepared FROM segments WHERE cut_id = ? AND from_frame = ? AND "
+                                     "to_frame = ? AND state = 'open' AND prepared IS NOT NULL",
+                                     cut, frames.from, frames.to));
+  if (!row.Next()) return NoSegment(cut, frames);
+  const std::span<const std::byte> bytes = row.Blob(0);
+  return std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
 Status PostgresSegmentStore::Complete(std::int64_t cut, FrameInterval frames, std::span<const std::byte> results) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result found,
       connection_->Query("SELECT state FROM segments WHERE cut_id = ? AND from_frame = ? AND to_frame = ? FOR UPDATE",
                          cut, frames.from, frames.to));
-  if (!found.Next()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: frames {} to {} are no segment of cut {} any more",
-                                                  connection_->name(), frames.from, frames.to - 1, cut));
-  }
+  if (!found.Next()) return NoSegment(cut, frames);
   if (found.Text(0) != ToText(kSegmentStateTexts, SegmentState::kDone)) {
-    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
-        "UPDATE segments SET state = 'done', reason = '', results = ? WHERE cut_id = ? AND from_frame = ?", results,
-        cut, frames.from));
+    VICTORIOUS_RETURN_IF_ERROR(
+        connection_->Query("UPDATE segments SET state = 'done', reason = '', results = ?, prepared = NULL WHERE cut_id "
+                           "= ? AND from_frame = ?",
+                           results, cut, frames.from));
   }
   return transaction.Commit();
 }
@@ -146,15 +168,25 @@ Status PostgresSegmentStore::VisitResults(
   // One statement a segment, not a cursor: the visit writes, through another connection, for minutes.
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(
-        Result row, connection_->Query("SELECT from_frame, to_frame, results FROM segments WHERE cut_id = ? AND state "
-                                       "= 'done' AND from_frame >= ? ORDER BY from_frame LIMIT 1",
-                                       cut, next_frame));
+        Result row,
+        connection_->Query("SELECT from_frame, to_frame, results FROM segments WHERE cut_id = ? AND state "
+                           "= 'done' AND results IS NOT NULL AND from_frame >= ? ORDER BY from_frame LIMIT 1",
+                           cut, next_frame));
     if (!row.Next()) break;
     next_frame = row.Integer(1);
     VICTORIOUS_RETURN_IF_ERROR(visit({row.Integer(0), row.Integer(1)}, row.Blob(2)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoCut> present, Find(cut));
   return present ? Status() : NoCut(cut);
+}
+
+Status PostgresSegmentStore::Discard(std::int64_t cut, std::int64_t frame) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result discarded,
+      connection_->Write("UPDATE segments SET results = NULL WHERE cut_id = ? AND to_frame <= ? AND state = 'done' AND "
+                         "results IS NOT NULL",
+                         cut, frame));
+  return {};
 }
 
 Status PostgresSegmentStore::SetWhole(std::int64_t cut) {
@@ -174,9 +206,11 @@ Status PostgresSegmentStore::GiveUp(std::int64_t cut, FrameInterval frames, cons
   const std::optional<std::int64_t> middle = MiddleOf(frames, found.Integer(0));
   if (middle) {
     VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
-        "UPDATE segments SET to_frame = ? WHERE cut_id = ? AND from_frame = ?", *middle, cut, frames.from));
+        "INSERT INTO segments (cut_id, from_frame, to_frame, prepared) SELECT cut_id, ?, to_frame, prepared FROM "
+        "segments WHERE cut_id = ? AND from_frame = ?",
+        *middle, cut, frames.from));
     VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
-        "INSERT INTO segments (cut_id, from_frame, to_frame) VALUES (?, ?, ?)", cut, *middle, frames.to));
+        "UPDATE segments SET to_frame = ? WHERE cut_id = ? AND from_frame = ?", *middle, cut, frames.from));
   } else {
     VICTORIOUS_RETURN_IF_ERROR(
         connection_->Query("UPDATE segments SET state = 'quarantined', reason = ? WHERE cut_id = ? AND from_frame = ?",
