@@ -325,7 +325,12 @@ Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffset
   std::optional<double> last_s;
   const auto measure = [&](const CleanFrame& one) -> Status {
     const auto motion = camera.Step(one.clean);
-    if (motion && last_s) seen.motions.push_back({*last_s, one.frame.time_s, *motion});
+    if (motion && last_s) {
+      seen.motions.push_back({.from_s = *last_s,
+                              .to_s = one.frame.time_s,
+                              .to_from = *motion,
+                              .flow = FitImageFlow(camera.corners(), one.frame.image.size())});
+    }
     seen.image = one.frame.image.size();
     last_s = one.frame.time_s;
     return {};

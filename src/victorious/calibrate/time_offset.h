@@ -22,6 +22,7 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
+#include "victorious/calibrate/image_flow.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/similarity.h"
 #include "victorious/telemetry/camera_track.h"
@@ -49,7 +50,8 @@ struct TimedTelemetryOptions {
 struct ImageMotion {
   double from_s = 0;
   double to_s = 0;
-  Similarity2 to_from;  ///< px
+  Similarity2 to_from;            ///< px
+  std::optional<ImageFlow> flow;  ///< affine, where enough corners tell it
 };
 
 struct ImageMotions {

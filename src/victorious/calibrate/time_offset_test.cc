@@ -75,7 +75,7 @@ ImageMotions Film(const Path& path, std::uint64_t seed = 1, double noise_px = 0.
     }
     const auto map = SolveSimilarity(pairs);
     EXPECT_TRUE(map);
-    seen.motions.push_back({from.time_s, to.time_s, *map});
+    seen.motions.push_back({from.time_s, to.time_s, *map, FitImageFlow(pairs, kImage)});
   }
   return seen;
 }

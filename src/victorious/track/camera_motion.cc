@@ -24,14 +24,15 @@ std::optional<Similarity2> ImageMotionEstimator::Step(const cv::Mat& grey) {
   cv::resize(grey, small, {shrunk(grey.cols), shrunk(grey.rows)}, 0, 0, cv::INTER_AREA);
   FlowPyramid now(small);
   const std::optional<FlowPyramid> before = std::exchange(before_, now);
+  corners_.clear();
   if (!before || before->grey().size() != small.size()) return std::nullopt;
 
   const Box whole{0, 0, static_cast<double>(small.cols), static_cast<double>(small.rows)};
   const std::vector<Eigen::Vector2d> corners = DetectCorners(before->grey(), BoxCorners(whole), kMotionCorners);
-  const auto motion = EstimateCornerMotion(*before, now, corners,
-                                           {.image_scale = factor,
-                                            .noise_px = kCornerNoise_px / factor,
-                                            .outlier_area_px2 = static_cast<double>(grey.total())});
+  corners_ = TrackCorners(*before, now, corners, factor);
+  const auto motion = FitCornerMotion(corners_, {.image_scale = factor,
+                                                 .noise_px = kCornerNoise_px / factor,
+                                                 .outlier_area_px2 = static_cast<double>(grey.total())});
   if (!motion || std::abs(std::log(motion->scale)) >= std::log(kMaxScaleChange)) return std::nullopt;
   return motion;
 }

@@ -6,10 +6,12 @@
 
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/geometry/similarity.h"
+#include "victorious/geometry/solvers/similarity.h"
 #include "victorious/track/flow.h"
 
 namespace victorious {
@@ -21,8 +23,12 @@ class ImageMotionEstimator {
   ///   fewer than 12 inliers (a cut, no texture) or with a scale change of 1.5 or more
   std::optional<Similarity2> Step(const cv::Mat& grey);
 
+  /// The corners that the last Step tracked, px of the full frame. Some are wrong.
+  [[nodiscard]] const std::vector<PointPair>& corners() const { return corners_; }
+
  private:
   std::optional<FlowPyramid> before_;  // of the scaled-down previous frame
+  std::vector<PointPair> corners_;
 };
 
 }  // namespace victorious

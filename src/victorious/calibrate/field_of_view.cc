@@ -1,0 +1,339 @@
+#include "victorious/calibrate/field_of_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "victorious/base/median.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/attitude.h"
+#include "victorious/geometry/camera.h"
+#include "victorious/geometry/geodesy.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// Unknowns common to the flight; those of the seconds follow. Each is in units of its prior's standard deviation.
+enum Common { kFocal, kSlopeEast, kSlopeNorth, kYaw, kPitch, kRoll, kNumCommon };
+
+// Of the logarithm of the focal length: so wide that it does not matter.
+constexpr double kFocalPrior = 1;
+// Roads are built with slopes up to 3 degrees; of the mean over all that is seen, one standard deviation.
+constexpr double kSlopePrior = 0.035;
+// Compasses are off by some degrees, gimbals by half a degree.
+constexpr double kYawPrior_rad = RadiansFromDegrees(3);
+constexpr double kGimbalPrior_rad = RadiansFromDegrees(0.5);
+constexpr std::array<double, kNumCommon> kPriors = {kFocalPrior,   kSlopePrior,      kSlopePrior,
+                                                    kYawPrior_rad, kGimbalPrior_rad, kGimbalPrior_rad};
+
+constexpr std::size_t kMinPairsInSecond = 5;
+constexpr std::size_t kMinSeconds = 4;
+// What stands on the ground stays in view for some seconds: their residuals are correlated.
+constexpr double kCorrelated = 3;
+
+// Right, down, and the four derivatives, px per pair of frames at the sample points.
+using Flow = Eigen::Matrix<double, 6, 1>;
+
+// A camera pose in one east-north-up tangent plane.
+struct Pose {
+  Vector3d place;
+  Eigen::Quaterniond camera_from_plane;
+  double focal_px = 0;
+};
+
+struct Pair {
+  Pose from;
+  Pose to;
+};
+
+struct Second {
+  std::vector<Pair> pairs;
+  Vector3d start;  // camera at its first pair
+  Flow seen = Flow::Zero();
+};
+
+// The camera with an error of attitude.
+Eigen::Quaterniond Turned(const Eigen::Quaterniond& camera_from_plane, const VectorXd& unknowns) {
+  const Eigen::AngleAxisd yaw(-unknowns[kYaw] * kYawPrior_rad, Vector3d::UnitZ());
+  const Eigen::AngleAxisd pitch(unknowns[kPitch] * kGimbalPrior_rad, Vector3d::UnitX());
+  const Eigen::AngleAxisd roll(unknowns[kRoll] * kGimbalPrior_rad, Vector3d::UnitZ());
+  return roll * pitch * camera_from_plane * yaw;
+}
+
+class FlowModel {
+ public:
+  explicit FlowModel(const cv::Size& image) {
+    // The second moment of nine points at this distance is that of corners all over the image.
+    const Vector2d apart(image.width / std::sqrt(8.0), image.height / std::sqrt(8.0));
+    for (const int x : {-1, 0, 1}) {
+      for (const int y : {-1, 0, 1}) points_.push_back(apart.cwiseProduct(Vector2d(x, y)));
+    }
+    scale_px_ = apart.norm() * std::sqrt(2.0 / 3.0);
+  }
+
+  [[nodiscard]] Flow FromImage(const ImageFlow& flow) const {
+    Flow values;
+    values << flow.centre_px, scale_px_ * flow.gradient.row(0).transpose(),
+        scale_px_ * flow.gradient.row(1).transpose();
+    return values;
+  }
+
+  // The mean flow of a second; std::nullopt if the horizon is in view.
+  // @param per_m  one over the camera's height above the ground at the start of the second
+  [[nodiscard]] std::optional<Flow> Predict(const Second& second, const VectorXd& unknowns, double per_m) const {
+    Flow sum = Flow::Zero();
+    for (const Pair& pair : second.pairs) {
+      const auto flow = PredictPair(pair, second.start, unknowns, per_m);
+      if (!flow) return std::nullopt;
+      sum += *flow;
+    }
+    return sum / static_cast<double>(second.pairs.size());
+  }
+
+ private:
+  [[nodiscard]] std::optional<Flow> PredictPair(const Pair& pair, const Vector3d& start, const VectorXd& unknowns,
+                                                double per_m) const {
+    constexpr double kMinSine = 0.05;  // of the angle of a line of sight below the ground's horizon
+    const double factor = std::exp(unknowns[kFocal] * kFocalPrior);
+    const Eigen::Quaterniond from = Turned(pair.from.camera_from_plane, unknowns);
+    const Eigen::Quaterniond to = Turned(pair.to.camera_from_plane, unknowns);
+    const Vector3d normal(-unknowns[kSlopeEast] * kSlopePrior, -unknowns[kSlopeNorth] * kSlopePrior, 1);
+    // Distance of the plane below the camera, times the length of `normal`, relative to that at the start.
+    const double above = 1 + per_m * normal.dot(pair.from.place - start);
+    if (!(above > 0)) return std::nullopt;
+    std::vector<Vector2d> shifts;
+    for (const Vector2d& point : points_) {
+      const Vector3d ray = from.conjugate() * Vector3d((point / (factor * pair.from.focal_px)).homogeneous());
+      const double down = -normal.dot(ray);
+      if (down < kMinSine * ray.norm()) return std::nullopt;
+      // A ground point at d along the ray, divided by d: (place + d ray - place') / d.
+      const Vector3d there = to * (ray + per_m * down / above * (pair.from.place - pair.to.place));
+      if (!(there.z() > 0)) return std::nullopt;
+      shifts.push_back(factor * pair.to.focal_px * there.hnormalized() - point);
+    }
+    return FromShifts(shifts);
+  }
+
+  // The affine map of least squares; the points are symmetric.
+  [[nodiscard]] Flow FromShifts(const std::vector<Vector2d>& shifts) const {
+    ImageFlow flow;
+    Vector2d squares = Vector2d::Zero();
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      flow.centre_px += shifts[k] / static_cast<double>(points_.size());
+      flow.gradient += shifts[k] * points_[k].transpose();
+      squares += points_[k].cwiseAbs2();
+    }
+    flow.gradient *= squares.cwiseInverse().asDiagonal();
+    return FromImage(flow);
+  }
+
+  std::vector<Vector2d> points_;  // relative to the middle of the image
+  double scale_px_ = 0;
+};
+
+std::vector<Second> CollectSeconds(const ImageMotions& seen, const CameraTrajectory& cameras, const FlowModel& model) {
+  const TangentPlane plane(cameras.states().front().place);
+  const auto pose_at = [&](double time_s) -> std::optional<Pose> {
+    const auto state = cameras.At(time_s);
+    if (!state || !state->attitude || !state->hfov_rad) return std::nullopt;
+    return Pose{plane.EnuFromGeodetic(state->place), CameraFromEnu(*state->attitude),
+                FocalLengthPx(*state->hfov_rad, seen.image.width)};
+  };
+  std::map<std::int64_t, Second> of_second;
+  for (const ImageMotion& motion : seen.motions) {
+    if (!motion.flow) continue;
+    const auto from = pose_at(motion.from_s);
+    const auto to = pose_at(motion.to_s);
+    if (!from || !to) continue;
+    Second& second = of_second[static_cast<std::int64_t>(std::floor(motion.from_s))];
+    if (second.pairs.empty()) second.start = from->place;
+    second.pairs.push_back({*from, *to});
+    second.seen += model.FromImage(*motion.flow);
+  }
+  std::vector<Second> seconds;
+  for (auto& [number, second] : of_second) {
+    if (second.pairs.size() < kMinPairsInSecond) continue;
+    second.seen /= static_cast<double>(second.pairs.size());
+    seconds.push_back(std::move(second));
+  }
+  return seconds;
+}
+
+class Fit {
+ public:
+  Fit(const FlowModel& model, const std::vector<Second>& seconds) : model_(model), seconds_(seconds) {}
+
+  // Heights that fit best with the telemetry as it is; false if none is possible.
+  bool Start() {
+    constexpr std::array kHeights_m = {10.0,  15.0,  22.0,  33.0,  50.0,   75.0,   110.0, 160.0,
+                                       240.0, 360.0, 540.0, 800.0, 1600.0, 3200.0, 6400.0};
+    unknowns_ = VectorXd::Zero(kNumCommon);
+    heights_per_m_.clear();
+    for (const Second& second : seconds_) {
+      double best = std::numeric_limits<double>::infinity();
+      double best_per_m = 0;
+      for (const double height_m : kHeights_m) {
+        const auto flow = model_.Predict(second, unknowns_, 1 / height_m);
+        if (!flow || (*flow - second.seen).norm() >= best) continue;
+        best = (*flow - second.seen).norm();
+        best_per_m = 1 / height_m;
+      }
+      if (!(best_per_m > 0)) return false;
+      heights_per_m_.push_back(best_per_m);
+    }
+    return true;
+  }
+
+  // Gauss-Newton with robust scales of the six components; false if the unknowns leave what is possible.
+  bool Refine() {
+    constexpr int kRounds = 30;
+    for (int round = 0; round < kRounds; ++round) {
+      if (!Linearise()) return false;
+      SetScales();
+      MatrixXd normal;
+      VectorXd right;
+      MakeEquations(normal, right);
+      const Eigen::LDLT<MatrixXd> solver(normal);
+      if (solver.info() != Eigen::Success) return false;
+      const VectorXd step = solver.solve(right);
+      if (!step.allFinite()) return false;
+      const double largest = std::max(std::abs(step[kFocal]) / kMaxFocalStep, 1.0);
+      unknowns_ += step.head<kNumCommon>() / largest;
+      for (std::size_t i = 0; i < seconds_.size(); ++i) {
+        const double change = std::clamp(step[kNumCommon + static_cast<Eigen::Index>(i)] / largest, -0.3, 0.3);
+        heights_per_m_[i] *= std::exp(change);
+      }
+      covariance_ = solver.solve(MatrixXd::Identity(normal.rows(), normal.cols()));
+    }
+    return covariance_.allFinite() && covariance_(kFocal, kFocal) > 0;
+  }
+
+  [[nodiscard]] FocalMeasurement Result() const {
+    return {.log_factor = unknowns_[kFocal] * kFocalPrior,
+            .sigma = std::sqrt(covariance_(kFocal, kFocal)) * kFocalPrior};
+  }
+
+ private:
+  static constexpr double kMaxFocalStep = 0.1;
+
+  // Residuals, and their derivatives by the common unknowns and by the logarithm of the second's own height.
+  bool Linearise() {
+    constexpr double kStep = 1e-3;
+    residuals_.clear();
+    derivatives_.clear();
+    for (std::size_t i = 0; i < seconds_.size(); ++i) {
+      const auto here = model_.Predict(seconds_[i], unknowns_, heights_per_m_[i]);
+      if (!here) return false;
+      Eigen::Matrix<double, 6, kNumCommon + 1> derivatives;
+      for (int k = 0; k <= kNumCommon; ++k) {
+        VectorXd moved = unknowns_;
+        if (k < kNumCommon) moved[k] += kStep;
+        const double per_m = heights_per_m_[i] * (k == kNumCommon ? std::exp(kStep) : 1);
+        const auto there = model_.Predict(seconds_[i], moved, per_m);
+        if (!there) return false;
+        derivatives.col(k) = (*there - *here) / kStep;
+      }
+      residuals_.push_back(seconds_[i].seen - *here);
+      derivatives_.push_back(derivatives);
+    }
+    return true;
+  }
+
+  void SetScales() {
+    constexpr double kSigmaOfMedian = 1.4826;
+    constexpr double kMin_px = 0.02;
+    for (int c = 0; c < scales_px_.size(); ++c) {
+      std::vector<double> sizes;
+      for (const Flow& residual : residuals_) sizes.push_back(std::abs(residual[c]));
+      scales_px_[c] = std::max(kMin_px, kSigmaOfMedian * Median(std::move(sizes)));
+    }
+  }
+
+  void MakeEquations(MatrixXd& normal, VectorXd& right) const {
+    constexpr double kHuber = 2;
+    const auto size = static_cast<Eigen::Index>(kNumCommon + seconds_.size());
+    normal = MatrixXd::Zero(size, size);
+    right = VectorXd::Zero(size);
+    normal.diagonal().head<kNumCommon>().setOnes();
+    right.head<kNumCommon>() = -unknowns_;
+    for (std::size_t i = 0; i < seconds_.size(); ++i) {
+      const auto own = static_cast<Eigen::Index>(kNumCommon + i);
+      normal(own, own) += 1e-9;  // keeps a height that nothing determines
+      for (int c = 0; c < scales_px_.size(); ++c) {
+        VectorXd row = VectorXd::Zero(size);
+        row.head<kNumCommon>() = derivatives_[i].row(c).head<kNumCommon>();
+        row[own] = derivatives_[i](c, kNumCommon);
+        const double sigmas = std::abs(residuals_[i][c]) / scales_px_[c];
+        const double huber = sigmas <= kHuber ? 1 : kHuber / sigmas;
+        const double weight = huber / (kCorrelated * scales_px_[c] * scales_px_[c]);
+        normal += weight * row * row.transpose();
+        right += weight * residuals_[i][c] * row;
+      }
+    }
+  }
+
+  const FlowModel& model_;
+  const std::vector<Second>& seconds_;
+  VectorXd unknowns_;
+  std::vector<double> heights_per_m_;
+  std::vector<Flow> residuals_;
+  std::vector<Eigen::Matrix<double, 6, kNumCommon + 1>> derivatives_;
+  Flow scales_px_ = Flow::Ones();
+  MatrixXd covariance_;
+};
+
+double NormalDensity(double value, double variance) {
+  return std::exp(-value * value / (2 * variance)) / std::sqrt(variance);
+}
+
+}  // namespace
+
+std::optional<FocalMeasurement> MeasureFocalLength(const ImageMotions& seen, const CameraTrajectory& cameras) {
+  if (cameras.states().empty()) return std::nullopt;
+  const FlowModel model(seen.image);
+  const std::vector<Second> seconds = CollectSeconds(seen, cameras, model);
+  if (seconds.size() < kMinSeconds) return std::nullopt;
+  Fit fit(model, seconds);
+  if (!fit.Start() || !fit.Refine()) return std::nullopt;
+  return fit.Result();
+}
+
+FieldOfViewVerdict JudgeFieldOfView(const std::optional<FocalMeasurement>& measured) {
+  constexpr double kWrong = 0.1;
+  constexpr double kRightVariance = 0.02 * 0.02;
+  constexpr double kWrongVariance = 0.2 * 0.2;
+  if (!measured) {
+    return {.wrong_probability = kWrong,
+            .log_factor = 0,
+            .sigma = std::sqrt((1 - kWrong) * kRightVariance + kWrong * kWrongVariance)};
+  }
+  const double variance = measured->sigma * measured->sigma;
+  const double if_right = (1 - kWrong) * NormalDensity(measured->log_factor, variance + kRightVariance);
+  const double if_wrong = kWrong * NormalDensity(measured->log_factor, variance + kWrongVariance);
+  const double wrong = if_wrong > 0 ? if_wrong / (if_wrong + if_right) : 1;
+  // Mean and variance after the measurement, in each case.
+  const auto mean = [&](double prior) { return measured->log_factor * prior / (prior + variance); };
+  const auto rest = [&](double prior) { return variance * prior / (prior + variance); };
+  FieldOfViewVerdict verdict{
+      .wrong_probability = wrong, .log_factor = wrong > 0.5 ? mean(kWrongVariance) : 0, .sigma = 0};
+  const auto square_about = [&](double prior) { return std::pow(mean(prior) - verdict.log_factor, 2) + rest(prior); };
+  verdict.sigma = std::sqrt((1 - wrong) * square_about(kRightVariance) + wrong * square_about(kWrongVariance));
+  return verdict;
+}
+
+}  // namespace victorious
