@@ -19,8 +19,8 @@ Prints one row for each movie and case:
   error      median and largest horizontal error of the places, m
   CE90       their median
   covered    places within their CE90
-  said       what `index` reported of the telemetry: clock, yaw and field of view corrected, clock unknown, another
-             flight's, places rejected
+  said       what `index` reported of the telemetry: clock, yaw and field of view corrected, clock unknown, field of view in
+             doubt, another flight's, places rejected
 
 and at the end, for each case over all movies, the places within CE90.
 """
@@ -77,6 +77,8 @@ SAID = [
     (r"its clock is ([\d.]+ s \w+)", "clock {}"),
     (r"offset of its clock is unknown", "clock unknown"),
     (r"yaw of the telemetry is ([\d.]+) degrees too (\w+)", "yaw {} {}"),
+    (r"its field of view is (\d+ %) too (\w+)", "field {} {}"),
+    (r"its field of view may be wrong", "field in doubt"),
     (r"field of view is about (\d+ %) too (\w+)", "field {} {}"),
     (r"it belongs to another flight", "another's, not used"),
     (r"may belong to another", "may be another's"),

@@ -245,6 +245,7 @@ std::vector<BearingObservation> CollectObservations(const ObjectHypothesis& hypo
   for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
     for (BearingObservation observation : tracklet->observations) {
       if (observation.line.clock_shift) observation.line.clock_shift->flight = tracklet->record.video;
+      if (observation.line.focal_shift) observation.line.focal_shift->flight = tracklet->record.video;
       observations.push_back(std::move(observation));
     }
   }

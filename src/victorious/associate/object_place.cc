@@ -9,8 +9,8 @@
 #include <Eigen/Cholesky>
 
 #include "victorious/base/median.h"
-#include "victorious/geolocate/clock_shift.h"
 #include "victorious/geolocate/error_ellipse.h"
+#include "victorious/geolocate/flight_shift.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -310,8 +310,10 @@ double MahalanobisDistance(const BearingObservation& observation, const Geolocat
   Eigen::Matrix3d covariance = ray_from_enu * place.covariance_enu_m2 * ray_from_enu.transpose();
   covariance.diagonal() += Eigen::Vector3d(across_m2, across_m2, Square(shift_m));
   if (common_fraction >= 1) {
-    const Eigen::Vector3d shift = ray_from_enu * ClockShiftAt(line, to.norm());
-    covariance += shift * shift.transpose();
+    for (const Eigen::Vector3d& shift_enu : {ClockShiftAt(line, to.norm()), FocalShiftAt(line, to.norm())}) {
+      const Eigen::Vector3d shift = ray_from_enu * shift_enu;
+      covariance += shift * shift.transpose();
+    }
   }
   Eigen::Vector3d off = ray_from_enu * to;
   if (!line.range_m) return std::sqrt(off.head<2>().dot(covariance.topLeftCorner<2, 2>().ldlt().solve(off.head<2>())));
@@ -364,10 +366,10 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
     fix = ApplyMotion(*motion, lines, locate, std::move(fix));
     if (fix.place) result.path = std::move(motion->places);
   }
-  // Between places of one flight the clock's error cancels: it shifts them alike.
+  // Between places of one flight the errors of clock and field of view cancel: they shift them alike.
   const bool is_absolute = common_fraction >= 1;
   if (is_absolute && !result.path.empty()) {
-    AddClockError(lines, fix.inliers, locate.ground != nullptr, std::span(result.path));
+    AddFlightErrors(lines, fix.inliers, locate.ground != nullptr, std::span(result.path));
     fix.place = result.path.back();
   }
   result.place = fix.place;
@@ -375,7 +377,7 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
     result.place = EstimateLastPlace(lines, *fix.place, locate, options);
   }
   if (is_absolute && result.place && result.path.empty())
-    AddClockError(lines, fix.inliers, locate.ground != nullptr, *result.place);
+    AddFlightErrors(lines, fix.inliers, locate.ground != nullptr, *result.place);
   result.inlier_fraction =
       static_cast<double>(std::ranges::count(fix.inliers, true)) / static_cast<double>(lines.size());
   const std::optional<SizeRatio> ratio =

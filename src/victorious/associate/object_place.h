@@ -46,8 +46,8 @@ struct SizeRatio {
 
 /// Estimates place and heading. Telemetry's own standard deviations, where given, replace those of the parameters.
 /// Errors common to a flight enter with `common_fraction` times their standard deviation: 1 for absolute places, less
-/// for the comparison of places of one flight, where most of them cancel. The error of the clock (clock_shift.h) enters
-/// at 1 only. The result has no place if the observations do not determine one.
+/// for the comparison of places of one flight, where most of them cancel. The errors of clock and field of view
+/// (flight_shift.h) enter at 1 only. The result has no place if the observations do not determine one.
 /// @param observations  of one object, in order of time; may be empty
 /// @param options       pass ValidateOptions: then there is no failure but that of a place
 /// @param size_ratio    EstimateSizeRatio of the same observations and options, if it is known. Only for a

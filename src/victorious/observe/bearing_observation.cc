@@ -28,6 +28,17 @@ ClockShift ShiftOfLine(const ClockError& error, const Vector3d& direction) {
           .elevation_rad = change.z() / std::sqrt(level2)};
 }
 
+// The line's component across the optical axis is inversely proportional to the focal length.
+// @param direction, axis  unit vectors
+FocalShift ShiftOfLine(double sigma_focal, const Vector3d& direction, const Vector3d& axis) {
+  const Vector3d across = direction - direction.dot(axis) * axis;
+  const Vector3d change = -sigma_focal * (across - direction.dot(across) * direction);
+  const double level2 = std::max(1e-6, direction.head<2>().squaredNorm());
+  return {.sigma = sigma_focal,
+          .azimuth_rad = (direction.y() * change.x() - direction.x() * change.y()) / level2,
+          .elevation_rad = change.z() / std::sqrt(level2)};
+}
+
 }  // namespace
 
 std::optional<BearingObservation> MakeBearingObservation(const ObjectPose& object_pose, const CameraState& camera) {
@@ -44,6 +55,9 @@ std::optional<BearingObservation> MakeBearingObservation(const ObjectPose& objec
                                  .sigma_position_m = camera.sigma_position_m,
                                  .sigma_attitude_rad = camera.sigma_attitude_rad};
   if (camera.clock_error) observation.line.clock_shift = ShiftOfLine(*camera.clock_error, direction);
+  if (camera.sigma_focal) {
+    observation.line.focal_shift = ShiftOfLine(*camera.sigma_focal, direction, enu_from_camera * Vector3d::UnitZ());
+  }
   if (object_pose.range_m) observation.line.sigma_range_m = object_pose.sigma_range_m;
   if (object_pose.camera_from_object) {
     observation.heading_rad =

@@ -69,6 +69,26 @@ TEST(BearingObservation, ErrorsOfTheClockShiftTheLine) {
   EXPECT_NEAR(shift.elevation_rad, after->line.elevation_rad - observation->line.elevation_rad, 1e-4);
 }
 
+// The line and the range of a camera of longer focal length, less those of the camera.
+TEST(BearingObservation, ErrorsOfTheFocalLengthShiftTheLine) {
+  CameraState camera = LookingDown(-55, 38);
+  const SyntheticSighting sighting = MakeSyntheticSighting(camera, {47, 55, -100}, 140, {});
+  EXPECT_FALSE(Observe(sighting, camera)->line.focal_shift);
+  camera.sigma_focal = 0.02;
+  const auto observation = Observe(sighting, camera);
+  ASSERT_TRUE(observation->line.focal_shift);
+  const FocalShift& shift = *observation->line.focal_shift;
+  EXPECT_EQ(shift.sigma, 0.02);
+  CameraState longer = camera;
+  longer.hfov_rad = 2 * std::atan(std::tan(*camera.hfov_rad / 2) * std::exp(-0.02));
+  const auto after = Observe(sighting, longer);
+  EXPECT_GT(std::abs(shift.azimuth_rad), 1e-4);
+  EXPECT_GT(std::abs(shift.elevation_rad), 1e-4);
+  EXPECT_NEAR(shift.azimuth_rad, WrapAngle(after->line.azimuth_rad - observation->line.azimuth_rad), 5e-5);
+  EXPECT_NEAR(shift.elevation_rad, after->line.elevation_rad - observation->line.elevation_rad, 5e-5);
+  EXPECT_NEAR(*after->line.range_m / *observation->line.range_m, 1.02, 0.003);
+}
+
 TEST(BearingObservation, LensDistortionIsRemoved) {
   const Eigen::Vector3d object_enu(47, 60, -100);
   CameraState camera = LookingDown(-55, 38);

@@ -106,6 +106,17 @@ void CameraStates::ShiftClock(double offset_s) {
   if (start_utc_us_) *start_utc_us_ -= std::llround(offset_s * 1e6);
 }
 
+void CameraStates::CorrectFocalLength(double log_factor, double sigma) {
+  focal_sigma_ = sigma;
+  if (!trajectory_ || log_factor == 0) return;
+  const double factor = std::exp(-log_factor);
+  const auto corrected = [&](double hfov_rad) { return 2 * std::atan(factor * std::tan(hfov_rad / 2)); };
+  std::vector<CameraState> states = trajectory_->states();
+  for (CameraState& state : states) state.hfov_rad = state.hfov_rad.transform(corrected);
+  trajectory_.emplace(std::move(states), max_gap_s_);
+  first_hfov_rad_ = first_hfov_rad_.transform(corrected);
+}
+
 void CameraStates::Forget() {
   trajectory_.reset();
   first_hfov_rad_.reset();
@@ -148,6 +159,7 @@ std::optional<CameraState> CameraStates::At(double time_s) const {
   std::optional<CameraState> camera;
   if (trajectory_) camera = trajectory_->At(time_s);
   if (camera && clock_sigma_s_ > 0) camera->clock_error = ClockErrorAt(*camera);
+  if (camera && camera->hfov_rad && focal_sigma_ > 0) camera->sigma_focal = focal_sigma_;
   if (live_) camera = live_->At(time_s);
   if (!fallback_hfov_rad_) return camera;
   if (!camera) camera.emplace(CameraState{.time_s = time_s});
@@ -161,7 +173,7 @@ void CameraStates::Pack(ByteWriter& writer) const {
     for (const CameraState& state : trajectory_->states()) PackState(state, writer);
   }
   writer.Put(is_of_photos_);
-  for (const double value : {max_gap_s_, unknown_clock_sigma_s_, clock_sigma_s_}) writer.Put(value);
+  for (const double value : {max_gap_s_, unknown_clock_sigma_s_, clock_sigma_s_, focal_sigma_}) writer.Put(value);
   writer.PutOptional(fallback_hfov_rad_);
   writer.PutOptional(first_hfov_rad_);
   writer.PutOptional(start_utc_us_);
@@ -175,7 +187,8 @@ CameraStates CameraStates::Unpack(ByteReader& reader) {
     for (CameraState& state : *states) state = UnpackState(reader);
   }
   cameras.is_of_photos_ = reader.Get<bool>();
-  for (double* value : {&cameras.max_gap_s_, &cameras.unknown_clock_sigma_s_, &cameras.clock_sigma_s_})
+  for (double* value :
+       {&cameras.max_gap_s_, &cameras.unknown_clock_sigma_s_, &cameras.clock_sigma_s_, &cameras.focal_sigma_})
     *value = reader.Get<double>();
   cameras.fallback_hfov_rad_ = reader.GetOptional<double>();
   cameras.first_hfov_rad_ = reader.GetOptional<double>();

@@ -57,6 +57,10 @@ class CameraStates {
   /// (TelemetryOptions::clock_sigma_s).
   [[nodiscard]] double unknown_clock_sigma_s() const { return unknown_clock_sigma_s_; }
 
+  /// Multiplies the focal length of all states of the whole video by exp(log_factor), and sets the standard deviation
+  /// of its logarithm, which At() gives with each state. No effect on states without a field of view.
+  void CorrectFocalLength(double log_factor, double sigma);
+
   /// The state at a time of the video; std::nullopt if there is none and no fallback field of view.
   [[nodiscard]] std::optional<CameraState> At(double time_s) const;
 
@@ -94,6 +98,7 @@ class CameraStates {
   double max_gap_s_ = 0;  // of trajectory_
   double unknown_clock_sigma_s_ = 0;
   double clock_sigma_s_ = 0;
+  double focal_sigma_ = 0;
   std::optional<double> fallback_hfov_rad_;
   std::optional<double> first_hfov_rad_;
   std::optional<std::int64_t> start_utc_us_;

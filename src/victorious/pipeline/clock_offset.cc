@@ -1,6 +1,7 @@
 #include "victorious/pipeline/clock_offset.h"
 
 #include <cmath>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,21 @@ bool GivesPlaces(TimeOffsetStatus status) {
   return false;
 }
 
+void ShiftClockBy(const TimeOffset& offset, const WarningSink& warn, CameraStates& cameras) {
+  const std::optional<double> correction_s = ClockCorrection(offset);
+  const double sigma_s = ClockSigma(offset, cameras.unknown_clock_sigma_s());
+  cameras.SetClockSigma(sigma_s);
+  if (!correction_s) {
+    if (const auto unknown = DescribeUnknownClock(offset, cameras.trajectory()->states(), sigma_s)) warn(*unknown);
+    return;
+  }
+  cameras.ShiftClock(*correction_s);
+  warn(
+      fmt::format("telemetry: its clock is {:.2f} s {}: {:+.3f} s are added to its times, with a standard error of "
+                  "{:.3f} s, estimated from the motion of the image; a given telemetry.time_offset_s is used as it is",
+                  std::abs(*correction_s), *correction_s < 0 ? "late" : "early", *correction_s, offset.sigma_s));
+}
+
 }  // namespace
 
 std::optional<double> ClockCorrection(const TimeOffset& offset) {
@@ -83,8 +99,25 @@ std::optional<std::string> DescribeContradiction(const TimeOffset& offset) {
       describe(offset.contradicted->seen_px_s), describe(offset.contradicted->predicted_px_s));
 }
 
-Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,
-                    const WarningSink& warn, CameraStates& cameras) {
+std::optional<std::string> DescribeFieldOfView(const FieldOfViewVerdict& verdict) {
+  constexpr double kMinProbability = 0.2;  // twice that of any telemetry
+  if (verdict.wrong_probability < kMinProbability) return std::nullopt;
+  const auto percent = [](double log_factor) { return 100 * std::abs(std::expm1(log_factor)); };
+  constexpr std::string_view kGiven = "a given --hfov is used as it is";
+  if (verdict.log_factor == 0) {
+    return fmt::format(
+        "telemetry: its field of view may be wrong, by the motion of the image, or the ground slopes: the errors of "
+        "places contain {:.0f} % of the distance; {}",
+        percent(verdict.sigma), kGiven);
+  }
+  return fmt::format(
+      "telemetry: its field of view is {:.0f} % too {}, by the motion of the image, or else the ground slopes: it is "
+      "corrected, with a standard error of {:.0f} %; {}",
+      percent(verdict.log_factor), verdict.log_factor > 0 ? "wide" : "narrow", percent(verdict.sigma), kGiven);
+}
+
+Status CorrectTelemetry(const std::string& video, double impulse_fraction, bool is_given_field_of_view,
+                        const CancelToken& cancel, const WarningSink& warn, CameraStates& cameras) {
   if (!cameras.HasStates() || cameras.is_of_photos()) return {};
   const TimeOffsetOptions options{.max_offset_s = kMaxOffset_s, .max_duration_s = kMaxDuration_s};
   const Expected<ImageMotions> motions = MeasureMotions(video, options, impulse_fraction, cancel);
@@ -100,18 +133,11 @@ Status CorrectClock(const std::string& video, double impulse_fraction, const Can
     warn(*contradiction);
     return {};
   }
-  const std::optional<double> correction_s = ClockCorrection(offset);
-  const double sigma_s = ClockSigma(offset, cameras.unknown_clock_sigma_s());
-  cameras.SetClockSigma(sigma_s);
-  if (!correction_s) {
-    if (const auto unknown = DescribeUnknownClock(offset, cameras.trajectory()->states(), sigma_s)) warn(*unknown);
-    return {};
-  }
-  cameras.ShiftClock(*correction_s);
-  warn(
-      fmt::format("telemetry: its clock is {:.2f} s {}: {:+.3f} s are added to its times, with a standard error of "
-                  "{:.3f} s, estimated from the motion of the image; a given telemetry.time_offset_s is used as it is",
-                  std::abs(*correction_s), *correction_s < 0 ? "late" : "early", *correction_s, offset.sigma_s));
+  ShiftClockBy(offset, warn, cameras);
+  if (is_given_field_of_view) return {};
+  const FieldOfViewVerdict verdict = JudgeFieldOfView(MeasureFocalLength(*motions, *cameras.trajectory()));
+  if (const auto wrong = DescribeFieldOfView(verdict)) warn(*wrong);
+  cameras.CorrectFocalLength(verdict.log_factor, verdict.sigma);
   return {};
 }
 

@@ -1,5 +1,5 @@
-// Corrects the clock of a video's telemetry before a job, if the motion of the image contradicts it
-// (calibrate/time_offset.h).
+// Corrects the clock and the field of view of a video's telemetry before a job, if the motion of the image contradicts
+// them (calibrate/time_offset.h, calibrate/field_of_view.h).
 #pragma once
 
 #include <optional>
@@ -9,6 +9,7 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/warning_sink.h"
+#include "victorious/calibrate/field_of_view.h"
 #include "victorious/calibrate/time_offset.h"
 #include "victorious/pipeline/camera_states.h"
 
@@ -33,15 +34,20 @@ namespace victorious {
 /// The motion of the image that the telemetry contradicts, in one line with numbers; std::nullopt if it does not.
 [[nodiscard]] std::optional<std::string> DescribeContradiction(const TimeOffset& offset);
 
+/// What is known of the field of view, in one line; std::nullopt if nothing speaks against it.
+[[nodiscard]] std::optional<std::string> DescribeFieldOfView(const FieldOfViewVerdict& verdict);
+
 /// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is
 /// significant; `warn` receives one line with the offset and its standard error, or DescribeUnknownClock. Telemetry
 /// that the motion of the image contradicts is that of another flight: the states are forgotten, so that nothing gets a
 /// wrong place, and `warn` receives DescribeContradiction. The states get the standard deviation of the clock
-/// (CameraStates::SetClockSigma). No effect without states of the whole video, and on photos. A video whose frames
-/// cannot be read again gives a warning.
+/// (CameraStates::SetClockSigma). Then the field of view is judged, and corrected if it is more likely wrong than
+/// right; `warn` receives DescribeFieldOfView. No effect without states of the whole video, and on photos. A video
+/// whose frames cannot be read again gives a warning.
 /// @param impulse_fraction  as MeasureMotions
+/// @param is_given_field_of_view  by the user: it is used as it is
 /// Errors: kCancelled. Cost: up to 200 frames are read and their motion is measured, some 15 ms each at 640 x 480.
-[[nodiscard]] Status CorrectClock(const std::string& video, double impulse_fraction, const CancelToken& cancel,
-                                  const WarningSink& warn, CameraStates& cameras);
+[[nodiscard]] Status CorrectTelemetry(const std::string& video, double impulse_fraction, bool is_given_field_of_view,
+                                      const CancelToken& cancel, const WarningSink& warn, CameraStates& cameras);
 
 }  // namespace victorious

@@ -1,5 +1,6 @@
 #include "victorious/pipeline/clock_offset.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,41 @@ TEST(Contradiction, IsSaidInNumbers) {
   EXPECT_TRUE(line->contains("60 px/s right, 3 up and 1 px/s anticlockwise")) << *line;
 }
 
+TEST(WrongFieldOfView, IsSaidInNumbers) {
+  EXPECT_FALSE(DescribeFieldOfView({.wrong_probability = 0.05, .sigma = 0.02}));
+  const auto doubt = DescribeFieldOfView({.wrong_probability = 0.4, .sigma = 0.1});
+  ASSERT_TRUE(doubt);
+  EXPECT_TRUE(doubt->contains("contain 11 % of the distance")) << *doubt;
+  const auto corrected = DescribeFieldOfView({.wrong_probability = 0.9, .log_factor = 0.182, .sigma = 0.05});
+  ASSERT_TRUE(corrected);
+  EXPECT_TRUE(corrected->contains("20 % too wide")) << *corrected;
+  EXPECT_TRUE(corrected->contains("standard error of 5 %")) << *corrected;
+  const auto narrow = DescribeFieldOfView({.wrong_probability = 0.9, .log_factor = -0.223, .sigma = 0.05});
+  ASSERT_TRUE(narrow);
+  EXPECT_TRUE(narrow->contains("20 % too narrow")) << *narrow;
+}
+
+TEST(WrongFieldOfView, IsCorrectedInAllStates) {
+  const testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "telemetry.csv").string();
+  ASSERT_TRUE(WriteFileAtomically(path,
+                                  "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
+                                  "0,42,-71,100,0,-60,0,50\n1,42,-71,200,0,-60,0,50\n"));
+  CameraStates cameras =
+      CameraStates::Load("video.mp4", VideoInfo{}, path, {}, "no place", [](const std::string&) {}).value();
+  EXPECT_FALSE(cameras.At(0.5)->sigma_focal);
+  cameras.CorrectFocalLength(std::log(1.25), 0.05);
+  const double focal_before = 1 / std::tan(RadiansFromDegrees(25));
+  EXPECT_NEAR(1 / std::tan(*cameras.At(0.5)->hfov_rad / 2), 1.25 * focal_before, 1e-9);
+  EXPECT_NEAR(1 / std::tan(*cameras.first_hfov_rad() / 2), 1.25 * focal_before, 1e-9);
+  EXPECT_EQ(cameras.At(0.5)->sigma_focal, 0.05);
+  ByteWriter writer;
+  cameras.Pack(writer);
+  const std::vector<std::byte> bytes = writer.Take();
+  ByteReader reader(bytes);
+  EXPECT_EQ(CameraStates::Unpack(reader).At(0.5)->sigma_focal, 0.05);
+}
+
 TEST(ForgottenTelemetry, GivesNoState) {
   const testing::ScratchFolder folder;
   const std::string path = (folder.path() / "telemetry.csv").string();
@@ -91,11 +127,11 @@ TEST(ForgottenTelemetry, GivesNoState) {
   EXPECT_FALSE(cameras.start_utc_us());
 }
 
-TEST(CorrectClock, UnreadableVideoLeavesTelemetryAsItIs) {
+TEST(CorrectTelemetry, UnreadableVideoLeavesTelemetryAsItIs) {
   std::vector<std::string> warnings;
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   CameraStates none;
-  EXPECT_TRUE(CorrectClock("absent.mp4", 0.01, CancelToken(), warn, none));
+  EXPECT_TRUE(CorrectTelemetry("absent.mp4", 0.01, false, CancelToken(), warn, none));
   EXPECT_TRUE(warnings.empty()) << "without telemetry there is nothing to correct";
 }
 

@@ -38,11 +38,18 @@ void PutObservation(const BearingObservation& observation, ByteWriter& writer) {
     writer.PutOptional(value);
   }
   writer.Put(observation.recognition_id);
-  if (!writer.PutHas(line.clock_shift)) return;
-  for (const double value : line.clock_shift->camera_enu_m) writer.Put(value);
-  writer.Put(line.clock_shift->azimuth_rad);
-  writer.Put(line.clock_shift->elevation_rad);
-  writer.Put(line.clock_shift->flight);
+  if (writer.PutHas(line.clock_shift)) {
+    for (const double value : line.clock_shift->camera_enu_m) writer.Put(value);
+    writer.Put(line.clock_shift->azimuth_rad);
+    writer.Put(line.clock_shift->elevation_rad);
+    writer.Put(line.clock_shift->flight);
+  }
+  if (writer.PutHas(line.focal_shift)) {
+    writer.Put(line.focal_shift->sigma);
+    writer.Put(line.focal_shift->azimuth_rad);
+    writer.Put(line.focal_shift->elevation_rad);
+    writer.Put(line.focal_shift->flight);
+  }
 }
 
 BearingObservation GetObservation(ByteReader& reader) {
@@ -57,12 +64,18 @@ BearingObservation GetObservation(ByteReader& reader) {
     *value = reader.GetOptional<double>();
   }
   observation.recognition_id = reader.Get<std::int64_t>();
-  if (!reader.Get<bool>()) return observation;
-  ClockShift& shift = line.clock_shift.emplace();
-  for (double& value : shift.camera_enu_m) value = reader.Get<double>();
-  shift.azimuth_rad = reader.Get<double>();
-  shift.elevation_rad = reader.Get<double>();
-  shift.flight = reader.Get<std::int64_t>();
+  if (reader.Get<bool>()) {
+    ClockShift& shift = line.clock_shift.emplace();
+    for (double& value : shift.camera_enu_m) value = reader.Get<double>();
+    shift.azimuth_rad = reader.Get<double>();
+    shift.elevation_rad = reader.Get<double>();
+    shift.flight = reader.Get<std::int64_t>();
+  }
+  if (reader.Get<bool>()) {
+    FocalShift& shift = line.focal_shift.emplace();
+    for (double* value : {&shift.sigma, &shift.azimuth_rad, &shift.elevation_rad}) *value = reader.Get<double>();
+    shift.flight = reader.Get<std::int64_t>();
+  }
   return observation;
 }
 

@@ -35,7 +35,8 @@ std::vector<FrameResult> SomeResults() {
                       .range_m = 123.5,
                       .sigma_rad = 0.003,
                       .sigma_range_m = 7.5,
-                      .clock_shift = ClockShift{{1, 2, 3}, 0.1, 0.2, 4}};
+                      .clock_shift = ClockShift{{1, 2, 3}, 0.1, 0.2, 4},
+                      .focal_shift = FocalShift{0.05, 0.1, 0.2, 4}};
   observation.heading_rad = 2.5;
   observation.sigma_position_m = 1.5;
   observation.sigma_attitude_rad = 0.004;
@@ -67,6 +68,7 @@ TEST(FrameResults, ComeBackAsTheyWere) {
   EXPECT_EQ(now.track, 2'000'001);
   EXPECT_EQ(now.observation->line.camera, before.observation->line.camera);
   EXPECT_EQ(now.observation->line.clock_shift->camera_enu_m, before.observation->line.clock_shift->camera_enu_m);
+  EXPECT_EQ(now.observation->line.focal_shift->elevation_rad, before.observation->line.focal_shift->elevation_rad);
   EXPECT_EQ(now.observation->heading_rad, 2.5);
   EXPECT_FALSE(full.sightings[1].observation);
   // Every byte: what was read is written as before.

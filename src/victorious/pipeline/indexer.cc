@@ -218,7 +218,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   VICTORIOUS_RETURN_IF_ERROR(CheckNamesOf(models_before));
   VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans, PlanPasses(job, video, models_before, store, warn));
-  if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectClockOf(job, cancel, store, warn, video));
+  if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectTelemetryOf(job, cancel, store, warn, video));
   IndexReport report;
   for (const PlannedPass& plan : plans) {
     VICTORIOUS_RETURN_IF_ERROR(RunPass(plan, job, video, cancel, store, warn, report));
@@ -227,12 +227,13 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
 }
 
 // A folder with a frame rate of its own is left as it is: its motion is measured at the default one.
-Status Indexer::CorrectClockOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
-                               const WarningSink& warn, OpenedVideo& video) const {
+Status Indexer::CorrectTelemetryOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                   const WarningSink& warn, OpenedVideo& video) const {
   const bool is_given = options_.telemetry.time_offset_s != 0;
   const bool is_timed = options_.video.folder_frame_rate == VideoOptions().folder_frame_rate;
   if (is_given || !is_timed || video.reader->info().live) return {};
-  VICTORIOUS_RETURN_IF_ERROR(CorrectClock(job.video, options_.features.impulse_fraction, cancel, warn, video.cameras));
+  VICTORIOUS_RETURN_IF_ERROR(CorrectTelemetry(job.video, options_.features.impulse_fraction,
+                                              options_.telemetry.hfov_deg.has_value(), cancel, warn, video.cameras));
   if (video.cameras.start_utc_us() == video.record.start_utc_us) return {};
   VideoRecord corrected = video.record;
   corrected.start_utc_us = video.cameras.start_utc_us();

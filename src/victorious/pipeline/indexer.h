@@ -87,8 +87,8 @@ class Indexer {
   [[nodiscard]] Expected<OpenedVideo> OpenVideo(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                                 const WarningSink& warn) const;
   // Corrects the clock of the telemetry, unless its offset is given.
-  [[nodiscard]] Status CorrectClockOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
-                                      const WarningSink& warn, OpenedVideo& video) const;
+  [[nodiscard]] Status CorrectTelemetryOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                          const WarningSink& warn, OpenedVideo& video) const;
   // Groups the searches that are not finished by their first frame.
   [[nodiscard]] Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const OpenedVideo& video,
                                                               const std::vector<ModelRecord>& models_before,

@@ -132,7 +132,7 @@ Expected<SegmentedReport> Indexer::SearchBySegments(const IndexJob& job, double 
   VICTORIOUS_RETURN_IF_ERROR(CheckNamesOf(models_before));
   VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans, PlanPasses(job, video, models_before, store, warn));
-  if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectClockOf(job, cancel, store, warn, video));
+  if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectTelemetryOf(job, cancel, store, warn, video));
   for (const PlannedPass& plan : plans) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, CutPlan(plan, video.intervals, job));
     if (text != whole_plan) {

@@ -214,7 +214,8 @@ TEST_P(IndexStoreTest, BearingObservationRoundTrips) {
                                   .range_m = 99,
                                   .sigma_rad = 0.001,
                                   .sigma_range_m = 2,
-                                  .clock_shift = ClockShift{{3, -4, 0.5}, 0.01, -0.02}},
+                                  .clock_shift = ClockShift{{3, -4, 0.5}, 0.01, -0.02},
+                                  .focal_shift = FocalShift{0.05, 0.003, -0.004}},
                          .heading_rad = 3,
                          .sigma_position_m = 0.5,
                          .sigma_attitude_rad = 0.01};
@@ -238,6 +239,10 @@ TEST_P(IndexStoreTest, BearingObservationRoundTrips) {
   EXPECT_EQ(observation.line.clock_shift->camera_enu_m, Eigen::Vector3d(3, -4, 0.5));
   EXPECT_EQ(observation.line.clock_shift->azimuth_rad, 0.01);
   EXPECT_EQ(observation.line.clock_shift->elevation_rad, -0.02);
+  ASSERT_TRUE(observation.line.focal_shift);
+  EXPECT_EQ(observation.line.focal_shift->sigma, 0.05);
+  EXPECT_EQ(observation.line.focal_shift->azimuth_rad, 0.003);
+  EXPECT_EQ(observation.line.focal_shift->elevation_rad, -0.004);
 }
 
 TEST_P(IndexStoreTest, SightingsAreThoseOfATrackletInItsVideo) {

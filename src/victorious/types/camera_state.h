@@ -29,6 +29,7 @@ struct CameraState {
   std::optional<double> sigma_attitude_rad;         ///< standard deviation about each axis
   std::optional<std::int64_t> utc_us;               ///< microseconds since 1970-01-01 UTC
   std::optional<ClockError> clock_error;            ///< one error in all states of a flight; std::nullopt: none known
+  std::optional<double> sigma_focal;                ///< of the focal length's logarithm; one error in all states
   std::optional<std::array<double, 5>> distortion;  ///< k1, k2, p1, p2, k3 in OpenCV's model and order
 
   /// True if lines of sight of this camera can be georeferenced: ellipsoidal height, attitude and field of view known.

@@ -19,6 +19,15 @@ struct ClockShift {
   std::int64_t flight = 0;  ///< lines of different flights have independent errors; set by who joins them
 };
 
+/// The change of a line of sight by one standard deviation of an error of the focal length: fully correlated between
+/// the lines of one flight. A longer focal length means a longer range, and a line nearer to the optical axis.
+struct FocalShift {
+  double sigma = 0;          ///< of the logarithm of the focal length, and so of the range
+  double azimuth_rad = 0;    ///< by one standard deviation
+  double elevation_rad = 0;  ///< the same
+  std::int64_t flight = 0;   ///< as ClockShift::flight
+};
+
 struct LineOfSight {
   double time_s = 0;
   GeodeticPoint camera;                 ///< the camera's centre of projection
@@ -28,6 +37,7 @@ struct LineOfSight {
   std::optional<double> sigma_rad;      ///< standard deviation of each angle; independent between lines
   std::optional<double> sigma_range_m;  ///< standard deviation of the range; independent between lines
   std::optional<ClockShift> clock_shift = std::nullopt;
+  std::optional<FocalShift> focal_shift = std::nullopt;
 };
 
 }  // namespace victorious

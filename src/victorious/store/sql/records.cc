@@ -101,11 +101,18 @@ Expected<BearingObservation> ReadObservation(const Row& row, double time_s, std:
                                     .sigma_position_m = row.OptionalReal(kSighting.Index("camera_sigma_m")),
                                     .sigma_attitude_rad = row.OptionalReal(kSighting.Index("camera_sigma_rad"))};
   constexpr int kClockShift = kSighting.Index("clock_shift");
-  if (row.IsNull(kClockShift)) return observation;
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto shift,
-                              ReadNumbers<ClockNumbers>(row.Blob(kClockShift), "a shift by the clock", name));
-  observation.line.clock_shift =
-      ClockShift{.camera_enu_m = shift.head<3>(), .azimuth_rad = shift[3], .elevation_rad = shift[4]};
+  if (!row.IsNull(kClockShift)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto shift,
+                                ReadNumbers<ClockNumbers>(row.Blob(kClockShift), "a shift by the clock", name));
+    observation.line.clock_shift =
+        ClockShift{.camera_enu_m = shift.head<3>(), .azimuth_rad = shift[3], .elevation_rad = shift[4]};
+  }
+  constexpr int kFocalShift = kSighting.Index("focal_shift");
+  if (!row.IsNull(kFocalShift)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        const auto shift, ReadNumbers<Eigen::Vector3d>(row.Blob(kFocalShift), "a shift by the focal length", name));
+    observation.line.focal_shift = FocalShift{.sigma = shift[0], .azimuth_rad = shift[1], .elevation_rad = shift[2]};
+  }
   return observation;
 }
 
@@ -122,10 +129,16 @@ void BindObservation(const BearingObservation& observation, Parameters& insert) 
   insert.BindAt(kSighting.Parameter("range_m"), line.range_m);
   insert.BindAt(kSighting.Parameter("range_sigma_m"), line.sigma_range_m);
   insert.BindAt(kSighting.Parameter("heading_rad"), observation.heading_rad);
-  if (!line.clock_shift) return;
-  ClockNumbers shift;
-  shift << line.clock_shift->camera_enu_m, line.clock_shift->azimuth_rad, line.clock_shift->elevation_rad;
-  insert.BindAt(kSighting.Parameter("clock_shift"), NumberBytes(shift));
+  if (line.clock_shift) {
+    ClockNumbers shift;
+    shift << line.clock_shift->camera_enu_m, line.clock_shift->azimuth_rad, line.clock_shift->elevation_rad;
+    insert.BindAt(kSighting.Parameter("clock_shift"), NumberBytes(shift));
+  }
+  if (line.focal_shift) {
+    const Eigen::Vector3d shift(line.focal_shift->sigma, line.focal_shift->azimuth_rad,
+                                line.focal_shift->elevation_rad);
+    insert.BindAt(kSighting.Parameter("focal_shift"), NumberBytes(shift));
+  }
 }
 
 void BindPlace(const Geolocation& place, Parameters& insert) {

@@ -1,4 +1,4 @@
-#include "victorious/geolocate/clock_shift.h"
+#include "victorious/geolocate/flight_shift.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,20 @@ Vector3d DirectionOf(const LineOfSight& line) {
   return {level * std::sin(line.azimuth_rad), level * std::cos(line.azimuth_rad), std::sin(line.elevation_rad)};
 }
 
-// The sums over the lines of one flight.
+// The change of the line's direction by changes of its angles.
+Vector3d Turn(const LineOfSight& line, double azimuth_rad, double elevation_rad) {
+  const double sin_azimuth = std::sin(line.azimuth_rad);
+  const double cos_azimuth = std::cos(line.azimuth_rad);
+  const double sin_elevation = std::sin(line.elevation_rad);
+  const double cos_elevation = std::cos(line.elevation_rad);
+  const Vector3d side(cos_azimuth, -sin_azimuth, 0);
+  const Vector3d rise(-sin_azimuth * sin_elevation, -cos_azimuth * sin_elevation, cos_elevation);
+  return cos_elevation * azimuth_rad * side + elevation_rad * rise;
+}
+
+bool IsShifted(const LineOfSight& line) { return line.clock_shift || line.focal_shift; }
+
+// The sums over the lines of one flight, for one of its errors.
 struct FlightSums {
   Vector3d right = Vector3d::Zero();  // sum W s
   double count = 0;
@@ -33,6 +46,15 @@ struct FlightSums {
   double time2_s2 = 0;
   Vector3d shift = Vector3d::Zero();       // sum s
   Vector3d shift_time = Vector3d::Zero();  // sum s t
+
+  void Add(const Matrix3d& across, const Vector3d& by, double since_s) {
+    right += across * by;
+    count += 1;
+    time_s += since_s;
+    time2_s2 += since_s * since_s;
+    shift += by;
+    shift_time += since_s * by;
+  }
 
   // The slope of s over time.
   [[nodiscard]] Vector3d Rate() const {
@@ -45,20 +67,22 @@ struct FlightSums {
 
 Vector3d ClockShiftAt(const LineOfSight& line, double distance_m) {
   if (!line.clock_shift) return Vector3d::Zero();
-  const double sin_azimuth = std::sin(line.azimuth_rad);
-  const double cos_azimuth = std::cos(line.azimuth_rad);
-  const double sin_elevation = std::sin(line.elevation_rad);
-  const double cos_elevation = std::cos(line.elevation_rad);
-  const Vector3d side(cos_azimuth, -sin_azimuth, 0);
-  const Vector3d rise(-sin_azimuth * sin_elevation, -cos_azimuth * sin_elevation, cos_elevation);
   const ClockShift& shift = *line.clock_shift;
-  return shift.camera_enu_m + distance_m * (cos_elevation * shift.azimuth_rad * side + shift.elevation_rad * rise);
+  return shift.camera_enu_m + distance_m * Turn(line, shift.azimuth_rad, shift.elevation_rad);
 }
 
-void AddClockError(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,
-                   Geolocation& place) {
+Vector3d FocalShiftAt(const LineOfSight& line, double distance_m) {
+  if (!line.focal_shift) return Vector3d::Zero();
+  const FocalShift& shift = *line.focal_shift;
+  const double farther = line.range_m ? shift.sigma : 0;
+  return distance_m * (farther * DirectionOf(line) + Turn(line, shift.azimuth_rad, shift.elevation_rad));
+}
+
+void AddFlightErrors(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,
+                     Geolocation& place) {
   const TangentPlane plane(place.point);
-  std::map<std::int64_t, FlightSums> flights;
+  std::map<std::int64_t, FlightSums> clocks;  // by flight
+  std::map<std::int64_t, FlightSums> focal_lengths;
   Matrix3d normal = Matrix3d::Zero();
   double weights = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -73,42 +97,37 @@ void AddClockError(std::span<const LineOfSight> lines, const std::vector<bool>& 
         weight * (Matrix3d::Identity() - (1 - kAlongLineWeight) * direction * direction.transpose());
     normal += across;
     weights += weight;
-    if (!line.clock_shift) continue;
-    const Vector3d shift = ClockShiftAt(line, distance_m);
-    FlightSums& sums = flights[line.clock_shift->flight];
     const double since_s = line.time_s - lines.front().time_s;
-    sums.right += across * shift;
-    sums.count += 1;
-    sums.time_s += since_s;
-    sums.time2_s2 += since_s * since_s;
-    sums.shift += shift;
-    sums.shift_time += since_s * shift;
+    if (line.clock_shift) clocks[line.clock_shift->flight].Add(across, ClockShiftAt(line, distance_m), since_s);
+    if (line.focal_shift) focal_lengths[line.focal_shift->flight].Add(across, FocalShiftAt(line, distance_m), since_s);
   }
-  if (flights.empty()) return;
+  if (clocks.empty() && focal_lengths.empty()) return;
   if (on_ground) normal(2, 2) += kGroundWeight * weights;
   const Eigen::LDLT<Matrix3d> solver(normal);
-  for (const auto& [flight, sums] : flights) {
-    const Vector3d shift = solver.solve(sums.right);
-    const Vector3d rate = sums.Rate();
-    place.covariance_enu_m2 += shift * shift.transpose();
-    if (place.velocity_covariance_enu) *place.velocity_covariance_enu += rate * rate.transpose();
+  for (const auto* errors : {&clocks, &focal_lengths}) {
+    for (const auto& [flight, sums] : *errors) {
+      const Vector3d shift = solver.solve(sums.right);
+      const Vector3d rate = sums.Rate();
+      place.covariance_enu_m2 += shift * shift.transpose();
+      if (place.velocity_covariance_enu) *place.velocity_covariance_enu += rate * rate.transpose();
+    }
   }
   constexpr double kProbability = 0.9;
   place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
   place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
 }
 
-void AddClockError(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,
-                   std::span<Geolocation> path) {
-  if (std::ranges::none_of(lines, [](const LineOfSight& line) { return line.clock_shift.has_value(); })) return;
+void AddFlightErrors(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,
+                     std::span<Geolocation> path) {
+  if (std::ranges::none_of(lines, IsShifted)) return;
   for (Geolocation& place : path) {
     const auto first = std::ranges::lower_bound(lines, place.time_s - kPathWindow_s, {}, &LineOfSight::time_s);
     const auto end = std::ranges::upper_bound(lines, place.time_s + kPathWindow_s, {}, &LineOfSight::time_s);
     const auto begin = first - lines.begin();
     const auto count = end - first;
     const std::vector<bool> near(inliers.begin() + begin, inliers.begin() + begin + count);
-    AddClockError(lines.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)), near, on_ground,
-                  place);
+    AddFlightErrors(lines.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)), near, on_ground,
+                    place);
   }
 }
 

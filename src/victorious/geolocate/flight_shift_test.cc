@@ -1,4 +1,4 @@
-#include "victorious/geolocate/clock_shift.h"
+#include "victorious/geolocate/flight_shift.h"
 
 #include <cmath>
 #include <vector>
@@ -34,7 +34,7 @@ TEST(ClockShift, MovesAPlaceWithTheCamera) {
   for (int i = 0; i < 50; ++i)
     lines.push_back(Line(0.1 * i, {i - 25.0, -75, 100}, {0, 0, 0}, {.camera_enu_m = {20, 0, 0}}));
   Geolocation place = Place({0, 0, 0});
-  AddClockError(lines, std::vector<bool>(50, true), false, place);
+  AddFlightErrors(lines, std::vector<bool>(50, true), false, place);
   EXPECT_NEAR(place.covariance_enu_m2(0, 0), 400, 0.1);
   EXPECT_NEAR(place.covariance_enu_m2(1, 1), 0.01, 1e-6);
   EXPECT_NEAR(place.ce90_m, 1.645 * 20, 0.1) << "an error along one axis";
@@ -51,7 +51,7 @@ TEST(ClockShift, OfACircleAroundTheObjectIsNone) {
     lines.push_back(Line(0.1 * i, camera, {0, 0, 0}, {.camera_enu_m = moved, .azimuth_rad = -kTurn_rad}));
   }
   Geolocation place = Place({0, 0, 0});
-  AddClockError(lines, std::vector<bool>(50, true), false, place);
+  AddFlightErrors(lines, std::vector<bool>(50, true), false, place);
   EXPECT_NEAR(place.covariance_enu_m2(0, 0), 0.01, 1e-3);
   EXPECT_NEAR(place.covariance_enu_m2(1, 1), 0.01, 1e-3);
 }
@@ -60,7 +60,7 @@ TEST(ClockShift, OfACircleAroundTheObjectIsNone) {
 TEST(ClockShift, KeepsAnObjectOnItsGround) {
   const std::vector<LineOfSight> lines = {Line(0, {0, -100, 100}, {0, 0, 0}, {.elevation_rad = 0.01})};
   Geolocation place = Place({0, 0, 0});
-  AddClockError(lines, {true}, true, place);
+  AddFlightErrors(lines, {true}, true, place);
   const double expected_m = 100 - 100 / std::tan(kPi / 4 + 0.01);
   EXPECT_NEAR(std::sqrt(place.covariance_enu_m2(1, 1)), std::abs(expected_m), 0.15);
   EXPECT_LT(place.covariance_enu_m2(2, 2), 0.1);
@@ -73,11 +73,48 @@ TEST(ClockShift, FlightsAreIndependentAndOutliersDoNotCount) {
     lines.push_back(Line(0.1 * i, {i - 10.0, -75, 100}, {0, 0, 0}, {.camera_enu_m = {-10, 0, 0}, .flight = 2}));
   }
   Geolocation place = Place({0, 0, 0});
-  AddClockError(lines, std::vector<bool>(40, true), false, place);
+  AddFlightErrors(lines, std::vector<bool>(40, true), false, place);
   EXPECT_NEAR(place.covariance_enu_m2(0, 0), 2 * 25, 0.1) << "each moves the place by half";
   Geolocation without = Place({0, 0, 0});
-  AddClockError(lines, std::vector<bool>(40, false), false, without);
+  AddFlightErrors(lines, std::vector<bool>(40, false), false, without);
   EXPECT_EQ(without.covariance_enu_m2, Place({0, 0, 0}).covariance_enu_m2);
+}
+
+// Ranges that are too long by a tenth, past a camera that flies straight.
+TEST(FocalShift, MovesAPlaceAwayFromTheCamera) {
+  std::vector<LineOfSight> lines;
+  for (int i = 0; i < 50; ++i) {
+    lines.push_back(Line(0.1 * i, {0.02 * i - 0.5, -75, 100}, {0, 0, 0}, {}));
+    lines.back().clock_shift.reset();
+    lines.back().range_m = 125;
+    lines.back().focal_shift = FocalShift{.sigma = 0.1};
+  }
+  Geolocation place = Place({0, 0, 0});
+  AddFlightErrors(lines, std::vector<bool>(50, true), false, place);
+  EXPECT_NEAR(std::sqrt(place.covariance_enu_m2(1, 1)), 7.5, 0.1);
+  EXPECT_NEAR(std::sqrt(place.covariance_enu_m2(2, 2)), 10, 0.1);
+  EXPECT_LT(place.covariance_enu_m2(0, 0), 0.1);
+
+  for (LineOfSight& line : lines) line.range_m.reset();
+  Geolocation of_lines = Place({0, 0, 0});
+  AddFlightErrors(lines, std::vector<bool>(50, true), false, of_lines);
+  EXPECT_NEAR(of_lines.covariance_enu_m2(1, 1), 0.01, 1e-6) << "lines on the optical axis do not turn";
+}
+
+// Of a camera that circles, errors of the ranges move the place to all sides.
+TEST(FocalShift, OfACircleAroundTheObjectMovesItLittle) {
+  std::vector<LineOfSight> lines;
+  for (int i = 0; i < 100; ++i) {
+    const double angle = 2 * kPi * i / 100;
+    lines.push_back(Line(0.1 * i, {75 * std::sin(angle), -75 * std::cos(angle), 100}, {0, 0, 0}, {}));
+    lines.back().clock_shift.reset();
+    lines.back().range_m = 125;
+    lines.back().focal_shift = FocalShift{.sigma = 0.1};
+  }
+  Geolocation place = Place({0, 0, 0});
+  AddFlightErrors(lines, std::vector<bool>(100, true), false, place);
+  EXPECT_LT(std::sqrt(place.covariance_enu_m2(0, 0)), 0.2);
+  EXPECT_LT(std::sqrt(place.covariance_enu_m2(1, 1)), 0.2);
 }
 
 TEST(ClockShift, APathIsShiftedAsItsCameraThen) {
@@ -88,7 +125,7 @@ TEST(ClockShift, APathIsShiftedAsItsCameraThen) {
   }
   std::vector<Geolocation> path = {Place({0, 0, 0}), Place({0, 0, 0})};
   path[1].time_s = 9;
-  AddClockError(lines, std::vector<bool>(100, true), false, std::span(path));
+  AddFlightErrors(lines, std::vector<bool>(100, true), false, std::span(path));
   EXPECT_NEAR(path[0].covariance_enu_m2(0, 0), 400, 1);
   EXPECT_NEAR(path[1].covariance_enu_m2(1, 1), 100, 1);
 }
