@@ -156,7 +156,8 @@ class SunCollector {
 
   [[nodiscard]] bool is_determined() const { return is_determined_; }
 
-  [[nodiscard]] std::optional<Sun> Result() const {
+  [[nodiscard]] std::optional<Sun> Result(bool only_if_certain) const {
+    if (only_if_certain && !is_determined_) return std::nullopt;
     const SunConsensus agreement = FindSunConsensus(estimates_);
     const bool is_accepted = agreement.count >= 2 || estimates_.size() == 1;
     return is_accepted ? std::optional(SunFromDirection(agreement.sum)) : std::nullopt;
@@ -230,7 +231,7 @@ Expected<std::optional<Sun>> EstimateSunDirection(const SunDirectionInput& input
   } else if (*end == FrameLoopEnd::kCancelled) {
     return Fail(ErrorCode::kCancelled, "stopped while estimating the sun's direction; run again to resume");
   }
-  return collector.Result();
+  return collector.Result(input.only_if_certain);
 }
 
 }  // namespace victorious

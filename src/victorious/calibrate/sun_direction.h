@@ -46,6 +46,7 @@ struct SunDirectionInput {
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
   const SunDirectionOptions& options;
+  bool only_if_certain = false;  ///< three estimates must agree, with their evidence; two at the end do not suffice
 };
 
 /// The sun's direction (azimuth from north). Taken from the ephemeris if telemetry has a clock. Otherwise frames are

@@ -155,7 +155,8 @@ double AzimuthDeg(const Sun& sun) {
 std::string SunText(const IndexReport& report) {
   const std::string by_clock = "by the telemetry's clock";
   const std::string by_image = "within some 30 degrees, estimated from the shading of the models found";
-  return fmt::format("sun at azimuth {:.0f}, elevation {:.0f} degrees, {}", AzimuthDeg(*report.sun),
+  return fmt::format("sun at azimuth {:.0f}{}, elevation {:.0f} degrees, {}", AzimuthDeg(*report.sun),
+                     report.sun_from_camera ? " from the camera's first direction" : "",
                      DegreesFromRadians(report.sun->elevation_rad), report.sun_by_clock ? by_clock : by_image);
 }
 
@@ -172,7 +173,8 @@ nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& repor
   if (report.sun) {
     sun = {{"azimuth_deg", AzimuthDeg(*report.sun)},
            {"elevation_deg", DegreesFromRadians(report.sun->elevation_rad)},
-           {"by_clock", report.sun_by_clock}};
+           {"by_clock", report.sun_by_clock},
+           {"from_camera", report.sun_from_camera}};
   }
   return {{"video", video},
           {"frames_searched", report.frames_searched},

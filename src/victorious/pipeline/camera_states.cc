@@ -11,9 +11,10 @@ namespace victorious {
 
 namespace {
 
-constexpr double kClockHalf_s =
-    1;  // of the motion for the clock's error: noise of telemetry's rows averages out over it
-
+// Half the interval of the motion for the clock's error: noise of telemetry's rows averages out over it.
+constexpr double kClockHalf_s = 1;
+// Frames without a measured motion, between which the camera turns steadily.
+constexpr double kMaxAssumedGap_s = 2;
 constexpr std::size_t kMinStateBytes = 4 * sizeof(double) + sizeof(VerticalDatum);
 
 void PackState(const CameraState& state, ByteWriter& writer) {
@@ -167,10 +168,22 @@ std::optional<CameraState> CameraStates::At(double time_s) const {
   return camera;
 }
 
+void CameraStates::SetAssumedAttitudes(std::vector<CameraState> states) {
+  assumed_.reset();
+  if (!states.empty()) assumed_.emplace(std::move(states), kMaxAssumedGap_s);
+}
+
+std::optional<CameraState> CameraStates::ForSearch(double time_s) const {
+  std::optional<CameraState> camera = At(time_s);
+  if (!assumed_ || (camera && camera->attitude)) return camera;
+  return assumed_->At(time_s);
+}
+
 void CameraStates::Pack(ByteWriter& writer) const {
-  if (writer.PutHas(trajectory_)) {
-    writer.Put(std::uint64_t{trajectory_->states().size()});
-    for (const CameraState& state : trajectory_->states()) PackState(state, writer);
+  for (const auto* trajectory : {&trajectory_, &assumed_}) {
+    if (!writer.PutHas(*trajectory)) continue;
+    writer.Put(std::uint64_t{(*trajectory)->states().size()});
+    for (const CameraState& state : (*trajectory)->states()) PackState(state, writer);
   }
   writer.Put(is_of_photos_);
   for (const double value : {max_gap_s_, unknown_clock_sigma_s_, clock_sigma_s_, focal_sigma_}) writer.Put(value);
@@ -182,9 +195,11 @@ void CameraStates::Pack(ByteWriter& writer) const {
 CameraStates CameraStates::Unpack(ByteReader& reader) {
   CameraStates cameras;
   std::optional<std::vector<CameraState>> states;
-  if (reader.Get<bool>()) {
-    states.emplace(reader.GetCount(kMinStateBytes));
-    for (CameraState& state : *states) state = UnpackState(reader);
+  std::optional<std::vector<CameraState>> assumed;
+  for (auto* trajectory : {&states, &assumed}) {
+    if (!reader.Get<bool>()) continue;
+    trajectory->emplace(reader.GetCount(kMinStateBytes));
+    for (CameraState& state : **trajectory) state = UnpackState(reader);
   }
   cameras.is_of_photos_ = reader.Get<bool>();
   for (double* value :
@@ -194,6 +209,7 @@ CameraStates CameraStates::Unpack(ByteReader& reader) {
   cameras.first_hfov_rad_ = reader.GetOptional<double>();
   cameras.start_utc_us_ = reader.GetOptional<std::int64_t>();
   if (states && !reader.HasFailed()) cameras.trajectory_.emplace(*std::move(states), cameras.max_gap_s_);
+  if (assumed && !reader.HasFailed()) cameras.SetAssumedAttitudes(*std::move(assumed));
   return cameras;
 }
 

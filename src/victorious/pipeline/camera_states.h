@@ -61,6 +61,13 @@ class CameraStates {
   /// of its logarithm, which At() gives with each state. No effect on states without a field of view.
   void CorrectFocalLength(double log_factor, double sigma);
 
+  /// Sets attitudes of a camera without telemetry (calibrate/assumed_attitude.h), for ForSearch() only; empty: none.
+  void SetAssumedAttitudes(std::vector<CameraState> states);
+  [[nodiscard]] bool has_assumed_attitudes() const { return assumed_.has_value(); }
+
+  /// The state for the search conditions of a frame: At(), or the assumed attitude where that has none.
+  [[nodiscard]] std::optional<CameraState> ForSearch(double time_s) const;
+
   /// The state at a time of the video; std::nullopt if there is none and no fallback field of view.
   [[nodiscard]] std::optional<CameraState> At(double time_s) const;
 
@@ -93,6 +100,7 @@ class CameraStates {
   [[nodiscard]] std::optional<ClockError> ClockErrorAt(const CameraState& now) const;
 
   std::optional<CameraTrajectory> trajectory_;
+  std::optional<CameraTrajectory> assumed_;
   std::optional<LiveCameraTrack> live_;
   bool is_of_photos_ = false;
   double max_gap_s_ = 0;  // of trajectory_

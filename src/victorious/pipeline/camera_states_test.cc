@@ -122,5 +122,24 @@ TEST_F(CameraStatesTest, OnlyLiveSourcesWithADataStreamNeedPackets) {
   EXPECT_EQ(CameraStates::ForLive(info, {}).packet_receiver(), nullptr);
 }
 
+TEST(AssumedAttitudes, AreForTheSearchOnly) {
+  CameraStates cameras;
+  EXPECT_FALSE(cameras.ForSearch(0.5));
+  cameras.SetAssumedAttitudes({{.time_s = 0, .attitude = Attitude{0, -0.5, 0}, .hfov_rad = 0.5},
+                               {.time_s = 1, .attitude = Attitude{0.2, -0.5, 0}, .hfov_rad = 0.5}});
+  EXPECT_FALSE(cameras.At(0.5)) << "nothing gets a place";
+  ASSERT_TRUE(cameras.ForSearch(0.5));
+  EXPECT_NEAR(cameras.ForSearch(0.5)->attitude->yaw_rad, 0.1, 1e-3);
+  ByteWriter writer;
+  cameras.Pack(writer);
+  const std::vector<std::byte> bytes = writer.Take();
+  ByteReader reader(bytes);
+  const CameraStates read = CameraStates::Unpack(reader);
+  EXPECT_TRUE(read.has_assumed_attitudes());
+  EXPECT_EQ(read.ForSearch(0.5)->attitude->yaw_rad, cameras.ForSearch(0.5)->attitude->yaw_rad);
+  cameras.SetAssumedAttitudes({});
+  EXPECT_FALSE(cameras.ForSearch(0.5));
+}
+
 }  // namespace
 }  // namespace victorious

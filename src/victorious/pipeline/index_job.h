@@ -34,6 +34,7 @@ struct IndexReport {
   bool stopped_live = false;         ///< true if a cancelled live source ends here
   std::optional<Sun> sun;            ///< sun direction, azimuth from north, if relit templates were used
   bool sun_by_clock = false;         ///< by the ephemeris for the telemetry's clock; else estimated from the image
+  bool sun_from_camera = false;      ///< the azimuth is from the camera's first direction: its attitude is unknown
 };
 
 }  // namespace victorious

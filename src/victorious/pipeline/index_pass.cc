@@ -91,7 +91,7 @@ class FrameSelector {
     if (index < first_frame_ || (!whole && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
     task.camera = pass_.cameras.At(frame.time_s);
-    task.now.conditions = MakeFrameConditions(task.camera, frame.image.size(), pass_.sun);
+    task.now.conditions = MakeFrameConditions(pass_.cameras.ForSearch(frame.time_s), frame.image.size(), pass_.sun);
     task.now.frame = std::move(frame);
     task.already_stored = index < next_frame_;
     task.motion_only = index < follow_from_;

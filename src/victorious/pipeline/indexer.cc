@@ -1,6 +1,7 @@
 #include "victorious/pipeline/indexer.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -17,6 +18,8 @@
 #include "victorious/base/json.h"
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
+#include "victorious/calibrate/assumed_attitude.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/clock_offset.h"
@@ -28,6 +31,11 @@
 
 namespace victorious {
 namespace {
+
+bool HasAttitudes(const CameraTrajectory* trajectory) {
+  return trajectory != nullptr &&
+         std::ranges::any_of(trajectory->states(), [](const CameraState& state) { return state.attitude.has_value(); });
+}
 
 // Lists the parameters that differ between two stored JSON texts, with both values.
 std::string DescribeDifference(const std::string& before, const std::string& now) {
@@ -357,14 +365,54 @@ IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognize
           .inform = job.inform};
 }
 
+// The tilt is unknown: the first of these angles off nadir is taken at which the sun's direction is certain. Objects
+// are searched for within 20 degrees of the vertical.
+Status Indexer::AssumeSun(const Recognizer& recognizer, const IndexJob& job, OpenedVideo& video,
+                          const CancelToken& cancel, const WarningSink& warn, IndexReport& report) const {
+  constexpr std::array kOffNadir_rad = {RadiansFromDegrees(45), RadiansFromDegrees(65)};
+  constexpr double kMaxDuration_s = 60;  // the yaw drifts, and the tilt may change
+  const VideoInfo& info = video.reader->info();
+  if (options_.sun_direction.sun == SunSearch::kOff || !recognizer.HasRelitTemplates() || info.live ||
+      video.cameras.is_of_photos() || !info.duration_s || *info.duration_s > kMaxDuration_s) {
+    return {};
+  }
+  const auto motions =
+      MeasureMotions(job.video, {.max_duration_s = kMaxDuration_s}, options_.features.impulse_fraction, cancel);
+  if (!motions) {
+    if (motions.error().code == ErrorCode::kCancelled) return std::unexpected(motions.error());
+    return {};  // the search of the same video reports it
+  }
+  for (const double off_nadir_rad : kOffNadir_rad) {
+    std::vector<CameraState> states = AssumeAttitudes(*motions, off_nadir_rad);
+    if (states.empty()) return {};
+    const CameraTrajectory assumed(states, kMaxDuration_s);
+    VICTORIOUS_ASSIGN_OR_RETURN(report.sun,
+                                EstimateSunDirection({assumed, recognizer, *extractor_, options_.sun_direction, true},
+                                                     *video.reader, cancel, warn));
+    VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
+    if (!report.sun) continue;
+    video.cameras.SetAssumedAttitudes(std::move(states));
+    report.sun_from_camera = true;
+    report.sun_by_clock = false;
+    return {};
+  }
+  return {};
+}
+
 Status Indexer::EstimateSun(const Recognizer& recognizer, const IndexJob& job, OpenedVideo& video,
                             const CancelToken& cancel, const WarningSink& warn, IndexReport& report) const {
   const CameraTrajectory* trajectory = video.cameras.trajectory();
   report.sun.reset();
+  report.sun_from_camera = false;
+  video.cameras.SetAssumedAttitudes({});
   report.sun_by_clock =
       trajectory != nullptr &&
       std::ranges::any_of(trajectory->states(), [](const CameraState& state) { return state.utc_us.has_value(); });
-  if (trajectory == nullptr || recognizer.models().empty()) return {};
+  if (recognizer.models().empty()) return {};
+  if (!HasAttitudes(trajectory)) {
+    VICTORIOUS_RETURN_IF_ERROR(AssumeSun(recognizer, job, video, cancel, warn, report));
+    if (report.sun || trajectory == nullptr) return {};
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(
       report.sun, EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.sun_direction}, *video.reader,
                                        cancel, warn));

@@ -103,6 +103,9 @@ class Indexer {
   // Sets the sun of the report. The reader is then at its first frame.
   [[nodiscard]] Status EstimateSun(const Recognizer& recognizer, const IndexJob& job, OpenedVideo& video,
                                    const CancelToken& cancel, const WarningSink& warn, IndexReport& report) const;
+  // The same for a short video without telemetry: by assumed attitudes, which the cameras then have for the search.
+  [[nodiscard]] Status AssumeSun(const Recognizer& recognizer, const IndexJob& job, OpenedVideo& video,
+                                 const CancelToken& cancel, const WarningSink& warn, IndexReport& report) const;
   // Updates the objects of the whole index, and passes on the warnings about the job's video.
   [[nodiscard]] Status UpdateObjectsOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                        const WarningSink& warn) const;

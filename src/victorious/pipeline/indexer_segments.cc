@@ -293,6 +293,7 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   PreparedVideo& prepared = found->prepared;
   report.sun = prepared.sun;
   report.sun_by_clock = prepared.is_sun_by_clock;
+  report.sun_from_camera = prepared.cameras.has_assumed_attitudes();
   const std::int64_t first_read = WholeFrameBefore(frames.from, MinInterval(found->pass, found->intervals), options_);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::unique_ptr<SegmentReader> reader,
@@ -334,6 +335,7 @@ Expected<bool> Indexer::JoinSegments(PlannedCut& found, const IndexJob& job, con
   PreparedVideo& prepared = found.prepared;
   report.sun = prepared.sun;
   report.sun_by_clock = prepared.is_sun_by_clock;
+  report.sun_from_camera = prepared.cameras.has_assumed_attitudes();
   const std::optional<std::int64_t> first_open = FirstOpenFrame(found.cut);
   const std::int64_t end = first_open.value_or(std::ssize(prepared.times_s));
   const SearchRecord& search = found.pass.searches.front();
