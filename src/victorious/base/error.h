@@ -21,7 +21,7 @@ enum class ErrorCode {
   kConflict,          ///< another process does the same work: try again later
   kCancelled,         ///< the user cancelled the operation
   kInternal,          ///< a library or the system failed for a reason that the input does not explain
-  kUnavailable,       ///< what is needed is away or held by others for now, as a database: try again later
+  kUnavailable,       ///< what is needed, as a database, does not answer or is locked by others: try again later
 };
 
 /// An error. `message` is one line: what is wrong, where, and what would be right.

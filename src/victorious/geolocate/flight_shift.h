@@ -1,5 +1,5 @@
-// The error of a place by errors of telemetry that all lines of sight of a flight share: of its clock, and of its field
-// of view. For each,
+// The error of a place by errors of telemetry that are common to all lines of sight of a flight: of its clock, and of
+// its field of view. For each,
 //
 //   d = argmin_d sum_i |W_i^(1/2) (d - s_i)|^2,   W_i = (I - (1 - w) f_i f_i') / distance_i^2
 //

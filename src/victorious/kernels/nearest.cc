@@ -1,7 +1,5 @@
 #include "victorious/kernels/nearest.h"
 
-#include <cstring>
-
 #include "victorious/kernels/k_nearest.h"
 
 namespace victorious::kernels {
@@ -14,16 +12,13 @@ PackedDescriptors Pack(std::span<const std::uint8_t> rows) {
   set.constant.assign(blocks * kBlockDescriptors, kPaddingDistance);
   for (std::size_t i = 0; i < set.count; ++i) {
     const std::uint8_t* row = rows.data() + i * kDescriptorBytes;
-    std::uint8_t* lane = set.blocks.data() + (i / kBlockDescriptors) * kBlockBytes + (i % kBlockDescriptors) * 4;
     std::int32_t squared = 0;
     std::int32_t sum = 0;
     for (std::size_t byte = 0; byte < kDescriptorBytes; ++byte) {
       squared += row[byte] * row[byte];
       sum += row[byte];
     }
-    for (std::size_t group = 0; group < kDescriptorBytes / 4; ++group) {
-      std::memcpy(lane + group * 4 * kBlockDescriptors, row + group * 4, 4);
-    }
+    InterleaveRow({row, kDescriptorBytes}, i, set.blocks.data());
     set.constant[i] = squared - 256 * sum;
   }
   return set;

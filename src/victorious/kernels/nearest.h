@@ -1,9 +1,7 @@
 // kernels/, the hot loops of match/: for each query descriptor the nearest and second nearest of a set, or the k
 // nearest, by squared Euclidean distance. Exhaustive and exact.
 //
-// The set is packed once into blocks of 16 descriptors, interleaved in groups of 4 bytes:
-//   block[32 groups][16 descriptors][4 bytes]
-// so that one load serves 16 descriptors, and 16 lanes accumulate 16 distances without horizontal additions. With
+// The set is packed once into blocks (blocks.h): 16 lanes accumulate 16 distances without horizontal additions. With
 // d = |q - b|^2 = |q|^2 + |b|^2 - 2 q.b the loop computes only q.b; all arithmetic is exact in 32 bits.
 //
 // nearest_ref.cc is the reference; nearest_simd.cc (Highway, every instruction set) and nearest_vnni.cc (x86-64 with
@@ -15,10 +13,11 @@
 #include <span>
 #include <vector>
 
+#include "victorious/kernels/blocks.h"
+
 namespace victorious::kernels {
 
 inline constexpr std::size_t kDescriptorBytes = 128;
-inline constexpr std::size_t kBlockDescriptors = 16;
 inline constexpr std::size_t kBlockBytes = kBlockDescriptors * kDescriptorBytes;
 inline constexpr std::uint32_t kNoDistance = 0xFFFFFFFF;
 

@@ -1,7 +1,5 @@
 #include "victorious/kernels/short_nearest.h"
 
-#include <cstring>
-
 #include "victorious/kernels/nearest.h"
 
 namespace victorious::kernels {
@@ -9,21 +7,18 @@ namespace victorious::kernels {
 ShortSet PackShort(std::span<const std::uint8_t> rows) {
   ShortSet set;
   set.count = rows.size() / kShortBytes;
-  const std::size_t blocks = (set.count + kShortBlock - 1) / kShortBlock;
-  set.blocks.assign(blocks * kShortBlock * kShortBytes, 0);
-  set.half_constant.assign(blocks * kShortBlock, kShortPadding);
+  const std::size_t blocks = (set.count + kBlockDescriptors - 1) / kBlockDescriptors;
+  set.blocks.assign(blocks * kBlockDescriptors * kShortBytes, 0);
+  set.half_constant.assign(blocks * kBlockDescriptors, kShortPadding);
   for (std::size_t i = 0; i < set.count; ++i) {
     const std::uint8_t* row = rows.data() + i * kShortBytes;
-    std::uint8_t* lane = set.blocks.data() + (i / kShortBlock) * kShortBlock * kShortBytes + (i % kShortBlock) * 4;
     std::int32_t squared = 0;
     std::int32_t sum = 0;
     for (std::size_t byte = 0; byte < kShortBytes; ++byte) {
       squared += row[byte] * row[byte];
       sum += row[byte];
     }
-    for (std::size_t group = 0; group < kShortBytes / 4; ++group) {
-      std::memcpy(lane + group * 4 * kShortBlock, row + group * 4, 4);
-    }
+    InterleaveRow({row, kShortBytes}, i, set.blocks.data());
     set.half_constant[i] = squared / 2 - kShortCentre * sum;
   }
   return set;

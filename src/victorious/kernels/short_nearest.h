@@ -1,9 +1,8 @@
 // kernels/, the first pass of a proposal search (match/upright_matcher.h): about the k nearest of shortened descriptors
 // (shorten.h), each query in one or two ranges of a set.
 //
-// The set is packed into blocks of 16 descriptors, interleaved in groups of 4 bytes, as in nearest.h:
-//   block[8 groups][16 descriptors][4 bytes]
-// Values have 7 bits and queries are centred, so that four products fit in 16 bits. Two descriptors are compared by
+// The set is packed into blocks (blocks.h). Values have 7 bits and queries are centred, so that four products fit in 16
+// bits. Two descriptors are compared by
 // half their squared distance, rounded down, without the |q|^2 that all of a query's distances share:
 //   floor(|b|^2 / 2) - q.b
 // A key is this half distance and the number of the descriptor: of two keys, the smaller one is the nearer, of equal
@@ -20,12 +19,12 @@
 #include <span>
 #include <vector>
 
+#include "victorious/kernels/blocks.h"
 #include "victorious/kernels/shorten.h"
 
 namespace victorious::kernels {
 
-inline constexpr std::size_t kShortBlock = 16;  ///< descriptors in a block
-inline constexpr int kShortIndexBits = 12;      ///< of a key
+inline constexpr int kShortIndexBits = 12;  ///< of a key
 /// Largest set that FindShortNearest searches.
 inline constexpr std::size_t kMaxShortSet = std::size_t{1} << kShortIndexBits;
 inline constexpr std::size_t kMaxShortNeighbours = 8;
@@ -37,7 +36,7 @@ struct ShortSet {
   std::vector<std::uint8_t> blocks;
   std::vector<std::int32_t> half_constant;  ///< per descriptor: floor(|b|^2 / 2) - 64 sum(b)
 
-  [[nodiscard]] std::size_t block_count() const { return half_constant.size() / kShortBlock; }
+  [[nodiscard]] std::size_t block_count() const { return half_constant.size() / kBlockDescriptors; }
 };
 
 /// @param rows  of Shorten()

@@ -9,11 +9,12 @@ namespace victorious::kernels {
 namespace {
 
 std::int32_t HalfDistance(const std::int8_t* query, const ShortSet& set, std::size_t descriptor) {
-  const std::uint8_t* const lane =
-      set.blocks.data() + descriptor / kShortBlock * (kShortBlock * kShortBytes) + descriptor % kShortBlock * 4;
+  const std::uint8_t* const lane = set.blocks.data() +
+                                   descriptor / kBlockDescriptors * (kBlockDescriptors * kShortBytes) +
+                                   descriptor % kBlockDescriptors * 4;
   std::int32_t product = 0;
   for (std::size_t byte = 0; byte < kShortBytes; ++byte) {
-    product += query[byte] * lane[byte / 4 * (4 * kShortBlock) + byte % 4];
+    product += query[byte] * lane[byte / 4 * (4 * kBlockDescriptors) + byte % 4];
   }
   return set.half_constant[descriptor] - product;
 }
@@ -25,11 +26,11 @@ void FindShortNearestRef(std::span<const std::int8_t* const> queries, const Shor
   using Near = std::pair<std::int32_t, std::uint32_t>;  // half distance, number
   for (std::size_t q = 0; q < queries.size(); ++q) {
     std::vector<Near> considered;
-    for (std::size_t lane = 0; lane < kShortBlock; ++lane) {
+    for (std::size_t lane = 0; lane < kBlockDescriptors; ++lane) {
       std::vector<Near> of_lane;
       for (const BlockRange& range : {blocks[q].low, blocks[q].high}) {
         for (std::size_t block = range.first; block < range.last; ++block) {
-          const std::size_t i = block * kShortBlock + lane;
+          const std::size_t i = block * kBlockDescriptors + lane;
           if (i < set.count) of_lane.emplace_back(HalfDistance(queries[q], set, i), static_cast<std::uint32_t>(i));
         }
       }

@@ -15,12 +15,12 @@ namespace victorious::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // At most 16 lanes of 32 bits: one lane a descriptor of the block.
-using D32 = hn::CappedTag<std::int32_t, kShortBlock>;
+using D32 = hn::CappedTag<std::int32_t, kBlockDescriptors>;
 using V32 = hn::Vec<D32>;
 
 constexpr std::size_t kGroups = kShortBytes / 4;
 constexpr std::size_t kLanes = hn::MaxLanes(D32());
-constexpr std::size_t kVectors = kShortBlock / kLanes;  // of a block
+constexpr std::size_t kVectors = kBlockDescriptors / kLanes;  // of a block
 
 #if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || \
     HWY_TARGET == HWY_AVX3_DL
@@ -80,7 +80,7 @@ HWY_INLINE Query LoadQuery(const std::int8_t* row) {
 HWY_INLINE V32 Dot(const Query& query, const std::uint8_t* bytes) {
   const D32 d32;
   const auto load = [&](std::size_t group) HWY_ATTR {
-    return hn::LoadU(d32, reinterpret_cast<const std::int32_t*>(bytes + group * 4 * kShortBlock));
+    return hn::LoadU(d32, reinterpret_cast<const std::int32_t*>(bytes + group * 4 * kBlockDescriptors));
   };
   const V32 low =
       hn::Add(Dot8(load(0), query.group0, load(1), query.group1), Dot8(load(2), query.group2, load(3), query.group3));
@@ -91,8 +91,8 @@ HWY_INLINE V32 Dot(const Query& query, const std::uint8_t* bytes) {
 
 // The two smallest keys of each lane.
 struct LaneKeys {
-  alignas(64) std::int32_t best[kShortBlock];
-  alignas(64) std::int32_t second[kShortBlock];
+  alignas(64) std::int32_t best[kBlockDescriptors];
+  alignas(64) std::int32_t second[kBlockDescriptors];
 };
 
 constexpr std::int32_t kNoKey = std::numeric_limits<std::int32_t>::max();
@@ -105,9 +105,9 @@ HWY_INLINE void SearchLanes(const Query& query, const ShortSet& set, const Query
   const V32 lanes = hn::Iota(d32, static_cast<std::int32_t>(lane));
   for (const BlockRange& range : {blocks.low, blocks.high}) {
     for (std::size_t block = range.first; block < range.last; ++block) {
-      const V32 product = Dot(query, set.blocks.data() + block * kShortBlock * kShortBytes + lane * 4);
-      const V32 half_constant = hn::LoadU(d32, set.half_constant.data() + block * kShortBlock + lane);
-      const V32 number = hn::Add(lanes, hn::Set(d32, static_cast<std::int32_t>(block * kShortBlock)));
+      const V32 product = Dot(query, set.blocks.data() + block * kBlockDescriptors * kShortBytes + lane * 4);
+      const V32 half_constant = hn::LoadU(d32, set.half_constant.data() + block * kBlockDescriptors + lane);
+      const V32 number = hn::Add(lanes, hn::Set(d32, static_cast<std::int32_t>(block * kBlockDescriptors)));
       const V32 key = hn::Add(hn::ShiftLeft<kShortIndexBits>(hn::Sub(half_constant, product)), number);
       second = hn::Min(second, hn::Max(best, key));
       best = hn::Min(best, key);
@@ -144,9 +144,9 @@ HWY_INLINE void WriteNearest(const LaneKeys& keys, std::size_t k, std::uint32_t*
 // Queries are anywhere in memory, and each begins in another block: both are fetched one query ahead.
 void PrefetchQuery(const std::int8_t* row, const ShortSet& set, const QueryBlocks& blocks) {
   constexpr std::size_t kCacheLine = 64;
-  constexpr std::size_t kFetchedBytes = 2 * kShortBlock * kShortBytes;  // the processor fetches what follows
+  constexpr std::size_t kFetchedBytes = 2 * kBlockDescriptors * kShortBytes;  // the processor fetches what follows
   __builtin_prefetch(row);
-  const std::uint8_t* const bytes = set.blocks.data() + blocks.low.first * kShortBlock * kShortBytes;
+  const std::uint8_t* const bytes = set.blocks.data() + blocks.low.first * kBlockDescriptors * kShortBytes;
   for (std::size_t i = 0; i < kFetchedBytes; i += kCacheLine) __builtin_prefetch(bytes + i);
 }
 
@@ -165,8 +165,9 @@ void ComputeHalfDistancesTarget(std::span<const std::int8_t> query, const ShortS
   const D32 d32;
   const Query loaded = LoadQuery(query.data());
   for (std::size_t i = 0; i < out.size(); i += kLanes) {
-    const std::size_t block = i / kShortBlock;
-    const V32 product = Dot(loaded, set.blocks.data() + block * kShortBlock * kShortBytes + i % kShortBlock * 4);
+    const std::size_t block = i / kBlockDescriptors;
+    const V32 product =
+        Dot(loaded, set.blocks.data() + block * kBlockDescriptors * kShortBytes + i % kBlockDescriptors * 4);
     hn::StoreU(hn::Sub(hn::LoadU(d32, set.half_constant.data() + i), product), d32, out.data() + i);
   }
 }

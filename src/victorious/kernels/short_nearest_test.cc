@@ -1,17 +1,14 @@
 #include "victorious/kernels/short_nearest.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
-#include <ostream>
-#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "victorious/base/random.h"
 #include "victorious/kernels/nearest.h"
+#include "victorious/kernels/target_test.h"
 
 namespace victorious::kernels {
 namespace {
@@ -43,44 +40,8 @@ std::vector<const std::int8_t*> RowsOf(const std::vector<std::int8_t>& queries) 
   return rows;
 }
 
-struct Implementation {
-  std::string name;
-  Find find;
-  Compute compute;
-  std::int64_t highway_target = 0;  ///< the only instruction set that Highway may use; 0: Highway's choice
-
-  friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
-};
-
-// VNNI, the dispatched one, and Highway's code for every instruction set of this machine.
-std::vector<Implementation> Implementations() {
-  std::vector<Implementation> all = {{"vnni", &FindShortNearestVnni, &ComputeHalfDistances},
-                                     {"best", &FindShortNearest, &ComputeHalfDistances}};
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    std::string name = "simd_" + std::string(hwy::TargetName(target));
-    std::erase_if(name, [](unsigned char c) { return c != '_' && std::isalnum(c) == 0; });
-    all.push_back({std::move(name), &FindShortNearestSimd, &ComputeHalfDistancesSimd, target});
-  }
-  return all;
-}
-
-// Mask 0 restores Highway's own choice.
-void LetHighwayChooseFrom(std::int64_t targets) {
-  hwy::SetSupportedTargetsForTest(targets);
-  hwy::GetChosenTarget().DeInit();  // the next call dispatches again
-}
-
-class ShortNearestTest : public ::testing::TestWithParam<Implementation> {
- protected:
-  void SetUp() override {
-    if (GetParam().name == "vnni" && !HasVnni()) GTEST_SKIP() << "SKIPPED: no AVX-512 VNNI here";
-    LetHighwayChooseFrom(GetParam().highway_target);
-  }
-  void TearDown() override { LetHighwayChooseFrom(0); }
-};
-
 // Over odd sizes, ranges, ties and extreme values.
-TEST_P(ShortNearestTest, MatchesReference) {
+void ExpectReference(Find find, Compute compute) {
   Random random(9);
   for (const std::uint32_t levels : {1U, 2U, kLevels}) {
     for (const std::size_t count : {std::size_t{1}, std::size_t{15}, std::size_t{33}, std::size_t{400}, kMaxShortSet}) {
@@ -96,20 +57,30 @@ TEST_P(ShortNearestTest, MatchesReference) {
         std::vector<std::uint32_t> expected(ranges.size() * k);
         std::vector<std::uint32_t> out(ranges.size() * k);
         FindShortNearestRef(RowsOf(queries), set, k, ranges, expected);
-        GetParam().find(RowsOf(queries), set, k, ranges, out);
+        find(RowsOf(queries), set, k, ranges, out);
         EXPECT_EQ(out, expected) << k << " of " << count << ", " << levels << " levels";
       }
       std::vector<std::int32_t> expected(set.half_constant.size());
       std::vector<std::int32_t> out(set.half_constant.size());
       ComputeHalfDistancesRef(std::span(queries).first(kShortBytes), set, expected);
-      GetParam().compute(std::span(queries).first(kShortBytes), set, out);
+      compute(std::span(queries).first(kShortBytes), set, out);
       EXPECT_EQ(out, expected);
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Implementations, ShortNearestTest, ::testing::ValuesIn(Implementations()),
-                         [](const auto& test) { return test.param.name; });
+class ShortNearestTest : public TargetTest {};
+
+TEST_P(ShortNearestTest, MatchesReference) { ExpectReference(&FindShortNearestSimd, &ComputeHalfDistancesSimd); }
+
+VICTORIOUS_EVERY_TARGET(ShortNearestTest);
+
+TEST(ShortNearest, DispatchedMatchesReference) { ExpectReference(&FindShortNearest, &ComputeHalfDistances); }
+
+TEST(ShortNearest, VnniMatchesReference) {
+  if (!HasVnni()) GTEST_SKIP() << "SKIPPED: no AVX-512 VNNI here";
+  ExpectReference(&FindShortNearestVnni, &ComputeHalfDistances);
+}
 
 // The reference itself: half distances differ as half the squared distances do, up to rounding.
 TEST(ShortNearest, HalfDistancesAreDistances) {
@@ -134,19 +105,19 @@ TEST(ShortNearest, HalfDistancesAreDistances) {
 
 // The nearest is found, and the third nearest of one lane is not.
 TEST(ShortNearest, ConsidersTwoOfEachLane) {
-  std::vector<std::uint8_t> rows(4 * kShortBlock * kShortBytes, 100);
+  std::vector<std::uint8_t> rows(4 * kBlockDescriptors * kShortBytes, 100);
   const auto paint = [&](std::size_t row, std::uint8_t value) {
     std::fill_n(rows.begin() + static_cast<std::ptrdiff_t>(row * kShortBytes), kShortBytes, value);
   };
   paint(5, 3);  // three in one lane, and a farther one in another
-  paint(5 + kShortBlock, 2);
-  paint(5 + 2 * kShortBlock, 1);
+  paint(5 + kBlockDescriptors, 2);
+  paint(5 + 2 * kBlockDescriptors, 1);
   paint(6, 50);
   const std::vector<std::int8_t> query = Centred(std::vector<std::uint8_t>(kShortBytes, 0));
   const std::vector<QueryBlocks> blocks = {{{0, 4}, {}}};
   std::vector<std::uint32_t> out(3);
   FindShortNearestRef(RowsOf(query), PackShort(rows), 3, blocks, out);
-  EXPECT_EQ(out, (std::vector<std::uint32_t>{5 + 2 * kShortBlock, 5 + kShortBlock, 6}));
+  EXPECT_EQ(out, (std::vector<std::uint32_t>{5 + 2 * kBlockDescriptors, 5 + kBlockDescriptors, 6}));
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ VICTORIOUS_VNNI inline __m512i DotBlock(const std::uint8_t* block, const __m512i
   __m512i even = _mm512_setzero_si512();
   __m512i odd = even;
   for (std::size_t g = 0; g < kGroups; g += 2) {
-    even = _mm512_dpbusd_epi32(even, _mm512_loadu_si512(block + g * 4 * kShortBlock), query[g]);
-    odd = _mm512_dpbusd_epi32(odd, _mm512_loadu_si512(block + (g + 1) * 4 * kShortBlock), query[g + 1]);
+    even = _mm512_dpbusd_epi32(even, _mm512_loadu_si512(block + g * 4 * kBlockDescriptors), query[g]);
+    odd = _mm512_dpbusd_epi32(odd, _mm512_loadu_si512(block + (g + 1) * 4 * kBlockDescriptors), query[g + 1]);
   }
   return _mm512_add_epi32(even, odd);
 }
@@ -48,9 +48,9 @@ VICTORIOUS_VNNI void FindShortNearestVnni(std::span<const std::int8_t* const> qu
     __m512i second = none;
     for (const BlockRange& range : {blocks[q].low, blocks[q].high}) {
       for (std::size_t block = range.first; block < range.last; ++block) {
-        const __m512i product = DotBlock(set.blocks.data() + block * kShortBlock * kShortBytes, query);
-        const __m512i half_constant = _mm512_loadu_si512(set.half_constant.data() + block * kShortBlock);
-        const __m512i number = _mm512_add_epi32(lanes, _mm512_set1_epi32(static_cast<int>(block * kShortBlock)));
+        const __m512i product = DotBlock(set.blocks.data() + block * kBlockDescriptors * kShortBytes, query);
+        const __m512i half_constant = _mm512_loadu_si512(set.half_constant.data() + block * kBlockDescriptors);
+        const __m512i number = _mm512_add_epi32(lanes, _mm512_set1_epi32(static_cast<int>(block * kBlockDescriptors)));
         const __m512i key =
             _mm512_add_epi32(_mm512_slli_epi32(_mm512_sub_epi32(half_constant, product), kShortIndexBits), number);
         second = _mm512_min_epi32(second, _mm512_max_epi32(best, key));

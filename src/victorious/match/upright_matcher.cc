@@ -139,7 +139,7 @@ kernels::QueryBlocks UprightMatcher::BlocksOf(const CellList& list, float orient
   const auto range = [&](float low_rad, float high_rad) -> kernels::BlockRange {
     const std::size_t begin = list.first[BinOf(low_rad, kOrientationBins)];
     const std::size_t end = list.first[BinOf(high_rad, kOrientationBins) + 1];
-    return {begin / kernels::kShortBlock, (end + kernels::kShortBlock - 1) / kernels::kShortBlock};
+    return {begin / kernels::kBlockDescriptors, (end + kernels::kBlockDescriptors - 1) / kernels::kBlockDescriptors};
   };
   const float low_rad = orientation_rad - max_turn_rad;
   const float high_rad = orientation_rad + max_turn_rad;

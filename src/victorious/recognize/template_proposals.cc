@@ -12,6 +12,7 @@
 #include "victorious/base/stage_time.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pose/upright_prior.h"
+#include "victorious/recognize/model_matcher.h"
 
 namespace victorious {
 namespace {
@@ -27,15 +28,6 @@ constexpr double kCertainNegLog10Nfa = 10;
 // Proposals from this -log10 NFA on are confirmed by ranks in the whole scene: any other one is dropped.
 constexpr double kMinConfirmedNegLog10Nfa = -1;
 constexpr int kMaxSceneRank = 8;
-
-// The prior of a view, as ModelMatcher applies it; nullopt for a view of unknown angles.
-std::optional<UprightPrior> PriorOf(const ModelView& view, const std::optional<Vertical>& vertical,
-                                    const VoteSearchOptions& options) {
-  if (!view.angles) return std::nullopt;
-  const double off_nadir_rad = view.angles->off_nadir_rad;
-  return vertical ? UprightPrior::FromVertical(*vertical, off_nadir_rad, options.max_tilt_rad)
-                  : UprightPrior::AssumingUprightCamera(off_nadir_rad, options.max_hanging_rad);
-}
 
 // The mean of a proposal's -log10 NFA by the ranks of its inliers among the keypoints of allowed orientation, and by
 // those among all keypoints, which are counted up to kMaxSceneRank; for the proposals that may be significant.
@@ -98,7 +90,7 @@ Expected<std::vector<TemplateProposal>> ProposeTemplates(const ShortenedViews& v
     }
     all.push_back(relit[i] ? UprightTemplate{relit[i]->features.View(), &relit[i]->shortened} : views.Of(variant.view));
     const std::optional<UprightPrior>& prior =
-        priors.emplace_back(PriorOf(model.views[variant.view], scene.vertical(), options));
+        priors.emplace_back(MakeUprightPrior(model.views[variant.view], scene.vertical(), options));
     by_max_turn[prior ? prior->MaxTurnFromLean(min_ray_rad, max_ray_rad) : kPi].push_back(i);
   }
 
