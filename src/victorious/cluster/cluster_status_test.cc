@@ -3,41 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "testing/scratch_postgres.h"
-#include "victorious/cluster/index_task.h"
-#include "victorious/store/open_store.h"
-#include "victorious/store/postgres/postgres_segment_store.h"
+#include "victorious/cluster/cluster_test.h"
 
 namespace victorious {
 namespace {
 
-using postgres::NewTask;
 using postgres::TaskCounts;
-using postgres::TaskPriority;
-using postgres::TaskQueue;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class PostgresClusterStatusTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    VICTORIOUS_STORE_OR_SKIP(url_, testing::EmptyPostgresDatabase());
-    store_ = OpenStore(url_, StoreMode::kCreate).value();
-    segments_ = OpenPostgresSegmentStore(url_, StoreMode::kCreate).value();
-    queue_ = TaskQueue::Open(url_, {.worker = "host:7", .program = "this", .retry_delay = {}}).value();
-  }
-
-  void Submit(const std::string& video) {
-    const NewTask task =
-        ToQueue({.video = video, .options = {}, .program = "this"}, video, TaskPriority::kBatch).value();
-    ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
-  }
-
-  std::string url_;
-  std::unique_ptr<IndexStore> store_;
-  std::unique_ptr<SegmentStore> segments_;
-  std::unique_ptr<TaskQueue> queue_;
-};
+using PostgresClusterStatusTest = PostgresClusterTest;
 
 TEST_F(PostgresClusterStatusTest, SaysWhatRunsAndWhatFailed) {
   const auto reader = ClusterReader::Open(url_);
@@ -73,7 +48,7 @@ TEST_F(PostgresClusterStatusTest, SaysWhatRunsAndWhatFailed) {
   ASSERT_THAT(status.tasks, SizeIs(2));
   EXPECT_EQ(status.tasks[0].video, "/c.mp4");
   EXPECT_EQ(status.tasks[0].next_frame, 30);
-  EXPECT_EQ(status.tasks[0].record.worker, "host:7");
+  EXPECT_EQ(status.tasks[0].record.worker, kWorker);
   EXPECT_GE(status.tasks[0].record.silent_s.value_or(-1), 0);
   EXPECT_LT(status.tasks[0].record.silent_s.value_or(99), 60);
   EXPECT_EQ(status.tasks[1].video, "/b.mp4");

@@ -7,47 +7,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "testing/scratch_postgres.h"
-#include "victorious/store/open_store.h"
-#include "victorious/store/postgres/postgres_segment_store.h"
+#include "victorious/cluster/cluster_test.h"
 
 namespace victorious {
 namespace {
 
 using postgres::NewTask;
 using postgres::TaskCounts;
-using postgres::TaskPriority;
 using postgres::TaskQueue;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-class PostgresWorkerTest : public ::testing::Test {
+class PostgresWorkerTest : public PostgresClusterTest {
  protected:
-  void SetUp() override {
-    VICTORIOUS_STORE_OR_SKIP(url_, testing::EmptyPostgresDatabase());
-    auto store = OpenStore(url_, StoreMode::kCreate);
-    ASSERT_TRUE(store) << store.error().message;
-    store_ = *std::move(store);
-    auto segments = OpenPostgresSegmentStore(url_, StoreMode::kCreate);
-    ASSERT_TRUE(segments) << segments.error().message;
-    segments_ = *std::move(segments);
-    auto queue = TaskQueue::Open(url_, {.worker = "worker", .program = "this", .retry_delay = {}});
-    ASSERT_TRUE(queue) << queue.error().message;
-    queue_ = *std::move(queue);
-  }
-
-  void Submit(const std::string& video, const std::string& program = "this") {
-    const NewTask task =
-        ToQueue({.video = video, .options = {}, .program = program}, video, TaskPriority::kBatch).value();
-    ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
-  }
-
-  void SubmitCut() {
-    const NewTask task =
-        ToQueue({.video = "/a.mp4", .options = {}, .program = "this", .segment_s = 60}, "c", TaskPriority::kBatch)
-            .value();
-    ASSERT_EQ(queue_->Submit(std::span(&task, 1)).value(), 1);
-  }
+  void SubmitCut() { Submit(IndexTask{.video = "/a.mp4", .options = {}, .program = "this", .segment_s = 60}, "c"); }
 
   Expected<std::int64_t> WorkUntilEmpty(const RunTask& run, std::size_t max_segments = 120) {
     return Work(*queue_, *store_, *segments_, run,
@@ -63,10 +36,6 @@ class PostgresWorkerTest : public ::testing::Test {
     return [end](const IndexTask&, const std::function<ChildControl()>&) { return end; };
   }
 
-  std::string url_;
-  std::unique_ptr<IndexStore> store_;
-  std::unique_ptr<SegmentStore> segments_;
-  std::unique_ptr<TaskQueue> queue_;
   std::vector<std::string> lines_;
   CancelToken cancel_;
 };
