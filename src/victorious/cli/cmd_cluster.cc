@@ -12,6 +12,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cluster/cluster_status.h"
+#include "victorious/store/export_json.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious::cli {
@@ -28,8 +29,8 @@ nlohmann::ordered_json ToJson(const ListedTask& task) {
       {"video", task.video}, {"state", ToText(record.state)}, {"attempt", record.attempt}, {"program", record.program}};
   if (record.state == WorkState::kRunning) {
     row["worker"] = record.worker;
-    row["lease_left_s"] = record.lease_left_s ? nlohmann::ordered_json(*record.lease_left_s) : nlohmann::ordered_json();
-    row["silent_s"] = record.silent_s ? nlohmann::ordered_json(*record.silent_s) : nlohmann::ordered_json();
+    row["lease_left_s"] = OrNull(record.lease_left_s);
+    row["silent_s"] = OrNull(record.silent_s);
     row["frames"] = task.next_frame.value_or(0);
   }
   if (task.frames) row["segment"] = {task.frames->from, task.frames->to};
@@ -96,9 +97,6 @@ Status Run(const ClusterArguments& arguments) {
   std::optional<double> hours_left;
   if (status.left_s) hours_left = *status.left_s / 3600;
   if (arguments.json) {
-    const auto number = [](const std::optional<double>& value) {
-      return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-    };
     const nlohmann::ordered_json json = {{"queued", counts.queued},
                                          {"waiting", counts.waiting},
                                          {"running", counts.running},
@@ -109,9 +107,9 @@ Status Run(const ClusterArguments& arguments) {
                                            {"running", segments.running},
                                            {"done", segments.done},
                                            {"failed", segments.failed}}},
-                                         {"seconds_per_video", number(status.video_s)},
-                                         {"seconds_per_segment", number(status.segment_s)},
-                                         {"hours_left", number(hours_left)},
+                                         {"seconds_per_video", OrNull(status.video_s)},
+                                         {"seconds_per_segment", OrNull(status.segment_s)},
+                                         {"hours_left", OrNull(hours_left)},
                                          {"tasks", ToJson(status.tasks)},
                                          {"gaps", ToJson(status.gaps)},
                                          {"quarantined", ToJson(status.quarantined)}};

@@ -26,7 +26,7 @@ std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const 
               {"box", BoxJson(sighting.box)},
               {"score", ScoreJson(sighting.score)},
               {"source", ToText(sighting.matches ? SightingSource::kRecognised : SightingSource::kTracked)},
-              {"matches", sighting.matches ? Json(*sighting.matches) : Json()},
+              {"matches", OrNull(sighting.matches)},
               {"view", nullptr}};
     const std::optional<Geolocation>& place = sighting.place;
     line["latitude_deg"] = place ? GeodeticJson(place->point.latitude_rad) : Json();

@@ -21,11 +21,6 @@ Json TaskCountsToJson(const postgres::TaskCounts& counts) {
           {"failed", counts.failed}};
 }
 
-template <typename Value>
-Json OptionalToJson(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json();
-}
-
 Json FramesToJson(const FrameInterval& frames) { return Json::array({frames.from, frames.to}); }
 
 Json ClusterToJson(const ClusterStatus& status, bool is_shared) {
@@ -39,8 +34,8 @@ Json ClusterToJson(const ClusterStatus& status, bool is_shared) {
                      {"state", ToText(task.record.state)},
                      {"attempt", task.record.attempt},
                      {"worker", task.record.worker},
-                     {"silent_s", OptionalToJson(task.record.silent_s)},
-                     {"searched_frames", OptionalToJson(task.next_frame)},
+                     {"silent_s", OrNull(task.record.silent_s)},
+                     {"searched_frames", OrNull(task.next_frame)},
                      {"reason", task.record.reason}});
   }
   Json gaps = Json::array();
@@ -60,9 +55,9 @@ Json ClusterToJson(const ClusterStatus& status, bool is_shared) {
           {"workers", workers.size()},
           {"videos", TaskCountsToJson(status.videos)},
           {"segments", TaskCountsToJson(status.segments)},
-          {"video_s", OptionalToJson(status.video_s)},
-          {"segment_s", OptionalToJson(status.segment_s)},
-          {"left_s", OptionalToJson(status.left_s)},
+          {"video_s", OrNull(status.video_s)},
+          {"segment_s", OrNull(status.segment_s)},
+          {"left_s", OrNull(status.left_s)},
           {"tasks", std::move(tasks)},
           {"gaps", std::move(gaps)},
           {"quarantined", std::move(quarantined)}};

@@ -234,14 +234,14 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
                {"name", WithoutCredentials(video.name)},
                {"width_px", video.width},
                {"height_px", video.height},
-               {"frame_count", video.frame_count ? Json(*video.frame_count) : Json()},
+               {"frame_count", OrNull(video.frame_count)},
                {"duration_s", OrNull(video.duration_s, &TimeJson)},
-               {"start_utc_us", video.start_utc_us ? Json(*video.start_utc_us) : Json()},
+               {"start_utc_us", OrNull(video.start_utc_us)},
                {"objects", objects == lists.objects_of_video.end() ? 0 : objects->second},
                {"missing", missing.empty() ? Json() : Json(missing)},
                {"has_copy", has_copy},
                {"is_searched", is_begun},
-               {"searched_frames", searched ? Json(*searched) : Json()}};
+               {"searched_frames", OrNull(searched)}};
   if (with_searches) json["searches"] = std::move(searches);
   return json;
 }
@@ -305,7 +305,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
           {"title", JobTitle(job)},
           {"state", ToText(job.state)},
           {"done", progress.done},
-          {"total", progress.total ? Json(*progress.total) : Json()},
+          {"total", OrNull(progress.total)},
           {"unit", progress.unit},
           {"message", WithoutCredentials(progress.message)},
           {"left_s", std::move(left)},
@@ -313,7 +313,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
           {"files", FilesOf(job)},
           {"video_id", VideoIdOf(job)},
           {"created_utc_us", job.created_utc_us},
-          {"ended_utc_us", job.ended_utc_us ? Json(*job.ended_utc_us) : Json()}};
+          {"ended_utc_us", OrNull(job.ended_utc_us)}};
 }
 
 Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us) {
