@@ -2,8 +2,8 @@
 // (shorten.h), each query in one or two ranges of a set.
 //
 // The set is packed into blocks (blocks.h). Values have 7 bits and queries are centred, so that four products fit in 16
-// bits. Two descriptors are compared by
-// half their squared distance, rounded down, without the |q|^2 that all of a query's distances share:
+// bits. Two descriptors are compared by half their squared distance, rounded down, without |q|^2, which is common to
+// all distances of a query:
 //   floor(|b|^2 / 2) - q.b
 // A key is this half distance and the number of the descriptor: of two keys, the smaller one is the nearer, of equal
 // distances the lower number. The loop has no branches: of each lane (number modulo 16) only the two nearest are kept;

@@ -58,18 +58,24 @@ QueriesByCell SortByCell(std::span<const UprightTemplate> templates) {
   return sorted;
 }
 
-// The greatest half distance to keep so that at least `count` of all are kept, but for rounding to bins.
+// The greatest half distance to keep so that at least `count` of all are kept, but for rounding to bins, and at most
+// kMaxShortSet, but for equal distances.
 std::int32_t ChooseMaxDistance(std::span<const std::int32_t> half_distances, std::size_t count) {
   constexpr std::int32_t kBin = 256;
   const auto [nearest, farthest] = std::ranges::minmax(half_distances);
   std::vector<std::uint32_t> bins(static_cast<std::size_t>((farthest - nearest) / kBin + 1));
   for (const std::int32_t distance : half_distances) ++bins[static_cast<std::size_t>((distance - nearest) / kBin)];
   std::size_t kept = 0;
-  for (std::size_t bin = 0; bin < bins.size(); ++bin) {
+  std::int32_t max_distance = nearest - 1;
+  for (std::size_t bin = 0; bin < bins.size() && kept < count; ++bin) {
     kept += bins[bin];
-    if (kept >= count) return nearest + kBin * static_cast<std::int32_t>(bin + 1) - 1;
+    max_distance += kBin;
   }
-  return farthest;
+  if (kept <= kernels::kMaxShortSet) return max_distance;
+  std::vector<std::int32_t> partly_sorted(half_distances.begin(), half_distances.end());
+  const auto last = partly_sorted.begin() + static_cast<std::ptrdiff_t>(kernels::kMaxShortSet) - 1;
+  std::ranges::nth_element(partly_sorted, last);
+  return *last;
 }
 
 // Queries are sorted by cell, so that their descriptors are anywhere in the templates' memory: they are fetched

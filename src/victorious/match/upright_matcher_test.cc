@@ -92,6 +92,21 @@ TEST(UprightMatcher, RanksByWholeDescriptors) {
   EXPECT_EQ(matches[1], (RankedMatch{20, 0, 2}));
 }
 
+// A list is limited; in a large scene the nearest are kept, whatever their orientation.
+TEST(UprightMatcher, LargeScenesHaveMatchesOfEveryOrientation) {
+  Random random(4);
+  const FeatureSet scene = RandomFeatures(random, 40'000);
+  FeatureSet model = RandomFeatures(random, 64);
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    model.keypoints[i].orientation_rad = static_cast<float>(kPi * (static_cast<double>(i) + 0.5) / 32 - kPi);
+  }
+  const ShortenedFeatures shortened(model.View());
+  const UprightTemplate view = shortened.View();
+  const std::vector<float> lean_rad(scene.size(), 0.0F);
+  const std::vector<RankedMatch> matches = UprightMatcher(scene.View(), lean_rad).Match({&view, 1}, 0.3, 1).front();
+  EXPECT_EQ(matches.size(), model.size());
+}
+
 TEST(UprightMatcher, AnEmptySceneGivesNoMatches) {
   Random random(3);
   const FeatureSet model = RandomFeatures(random, 5);
