@@ -541,10 +541,14 @@ async function jobs(page, [photos, video]) {
     await tab.waitForSelector("[role=option]");
     await tab.waitForFunction(() => document.querySelector(".stage canvas[data-frame]"));
   }
-  // One stream of events for both tabs: the first forwards the events to the second.
+  // One stream of events for both tabs: the first forwards the events to the second. A list that began while the video
+  // was still searched offers what was found since.
   const { objects: found } = await api(page, "/objects/counts");
   for (const tab of [page, second]) {
-    await tab.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, found);
+    await tab.waitForFunction((count) => {
+      document.querySelector(".button.new")?.click();
+      return document.querySelectorAll("[role=option]").length === count;
+    }, found);
   }
 
   // A clip of an object, as a download. The panel lies above what is below it, and opens again.

@@ -4,7 +4,6 @@
 #include <array>
 #include <limits>
 #include <optional>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,11 +16,11 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/ssl/ssl_stream.hpp>
 #include <boost/beast/version.hpp>
 #include <fmt/format.h>
 
 #include "victorious/serve/api_error.h"
+#include "victorious/serve/client_stream.h"
 #include "victorious/serve/connection_count.h"
 #include "victorious/serve/open_file.h"
 #include "victorious/serve/request_guard.h"
@@ -40,7 +39,7 @@ using BoostError = boost::system::error_code;
 constexpr std::chrono::milliseconds kCancelPoll{50};
 constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::chrono::seconds kFinishTime{2};
-constexpr std::chrono::seconds kTlsCloseTime{2};
+constexpr std::chrono::seconds kFarewellTime{2};
 
 // What browsers are told about every response: no content type by guess, no frame, nothing from elsewhere.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecurityHeaders = {{
@@ -120,19 +119,12 @@ struct Shared {
         pool(static_cast<std::size_t>(given.threads)) {}
 };
 
-using TlsStream = beast::ssl_stream<beast::tcp_stream>;
-
 // One connection: reads a request, lets the pool answer it, sends the response, and reads the next one.
-// @tparam Stream  beast::tcp_stream or TlsStream
-template <typename Stream>
-class Session : public std::enable_shared_from_this<Session<Stream>> {
-  using std::enable_shared_from_this<Session<Stream>>::shared_from_this;
-  static constexpr bool kHasTls = std::is_same_v<Stream, TlsStream>;
-
+class Session : public std::enable_shared_from_this<Session> {
  public:
   /// @param client  its address, which is counted; given back at the end
-  Session(Stream&& stream, std::string client, Shared& shared)
-      : stream_(std::move(stream)), shared_(shared), client_(std::move(client)), timer_(stream_.get_executor()) {
+  Session(std::unique_ptr<ClientStream> stream, std::string client, Shared& shared)
+      : stream_(std::move(stream)), shared_(shared), client_(std::move(client)), timer_(stream_->get_executor()) {
     ++shared_.connections;
   }
   ~Session() {
@@ -144,21 +136,15 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
   Session& operator=(const Session&) = delete;
 
   void Start() {
-    if constexpr (kHasTls) {
-      tcp_stream().expires_after(shared_.options.request_timeout);
-      stream_.async_handshake(ssl::stream_base::server, [self = shared_from_this()](const BoostError& error) {
-        if (error) return self->CloseSocket();
-        self->is_encrypted_ = true;
-        self->Read();
-      });
-    } else {
-      Read();
-    }
+    stream_->tcp().expires_after(shared_.options.request_timeout);
+    stream_->Handshake([self = shared_from_this()](const BoostError& error) {
+      if (error) return self->CloseSocket();
+      self->has_handshake_ = true;
+      self->Read();
+    });
   }
 
  private:
-  beast::tcp_stream& tcp_stream() { return beast::get_lowest_layer(stream_); }
-
   // Waits for the first byte of a request, then reads it under its own time-out.
   void Read() {
     parser_.emplace();
@@ -166,19 +152,19 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     // Known once the header says what the body is. Not boost::none, which Beast 1.74 takes for 0 here.
     parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
     if (buffer_.size() > 0) return ReadRequest();
-    tcp_stream().expires_after(shared_.options.idle_timeout);
-    stream_.async_read_some(buffer_.prepare(4096),
-                            [self = shared_from_this()](const BoostError& error, std::size_t bytes) {
-                              if (error) return self->Close();
-                              self->buffer_.commit(bytes);
-                              self->ReadRequest();
-                            });
+    stream_->tcp().expires_after(shared_.options.idle_timeout);
+    stream_->async_read_some(buffer_.prepare(4096),
+                             [self = shared_from_this()](const BoostError& error, std::size_t bytes) {
+                               if (error) return self->Close();
+                               self->buffer_.commit(bytes);
+                               self->ReadRequest();
+                             });
   }
 
   void ReadRequest() {
-    tcp_stream().expires_after(shared_.options.request_timeout);
+    stream_->tcp().expires_after(shared_.options.request_timeout);
     http::async_read_header(
-        stream_, buffer_, *parser_,
+        *stream_, buffer_, *parser_,
         [self = shared_from_this()](const BoostError& error, std::size_t) { self->OnHeader(error); });
   }
 
@@ -190,7 +176,7 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     if (is_upload) return PlanUpload();
     if (parser_->content_length().value_or(0) > shared_.options.max_body_bytes) return Refuse(http::error::body_limit);
     parser_->body_limit(shared_.options.max_body_bytes);
-    http::async_read(stream_, buffer_, *parser_,
+    http::async_read(*stream_, buffer_, *parser_,
                      [self = shared_from_this()](const BoostError& failure, std::size_t) { self->OnRequest(failure); });
   }
 
@@ -208,7 +194,7 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     request.client = client_;
     is_head_ = request.method == HttpMethod::kHead;
     ++shared_.responses_due;
-    tcp_stream().expires_never();
+    stream_->tcp().expires_never();
     return request;
   }
 
@@ -217,7 +203,7 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
       HttpResponse response = self->shared_.handler(request, self->shared_.port);
       // Its sender may have been logged out while it was read.
       if (request.upload && response.status != 200) RemoveFileAndEmptyFolder(*request.upload);
-      net::post(self->stream_.get_executor(),
+      net::post(self->stream_->get_executor(),
                 [self, response = std::move(response)]() mutable { self->Send(std::move(response)); });
     });
   }
@@ -228,7 +214,7 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     upload_request_ = Begin(parser_->get());
     net::post(shared_.pool, [self = shared_from_this()] {
       auto plan = self->shared_.plan_upload(self->upload_request_, self->shared_.port);
-      net::post(self->stream_.get_executor(), [self, plan = std::move(plan)]() mutable {
+      net::post(self->stream_->get_executor(), [self, plan = std::move(plan)]() mutable {
         if (plan) return self->BeginUpload(*plan);
         self->keep_alive_ = false;  // its body is not read
         self->Send(std::move(plan.error()));
@@ -253,8 +239,8 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     header_ = {};
     header_.version(version_);
     header_.result(http::status::continue_);
-    tcp_stream().expires_after(shared_.options.send_timeout);
-    http::async_write(stream_, header_, [self = shared_from_this()](const BoostError& error, std::size_t) {
+    stream_->tcp().expires_after(shared_.options.send_timeout);
+    http::async_write(*stream_, header_, [self = shared_from_this()](const BoostError& error, std::size_t) {
       if (error) return self->FailUpload(error);
       self->ReadUpload();
     });
@@ -265,11 +251,11 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     if (upload_->is_done()) {
       upload_->get().body().close();
       upload_.reset();
-      tcp_stream().expires_never();
+      stream_->tcp().expires_never();
       return Answer(std::exchange(upload_request_, {}));
     }
-    tcp_stream().expires_after(shared_.options.send_timeout);
-    http::async_read_some(stream_, buffer_, *upload_,
+    stream_->tcp().expires_after(shared_.options.send_timeout);
+    http::async_read_some(*stream_, buffer_, *upload_,
                           [self = shared_from_this()](const BoostError& error, std::size_t) {
                             if (error) return self->FailUpload(error);
                             self->ReadUpload();
@@ -345,11 +331,11 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     keep_alive_ = false;
     SetHeader(header_, response, std::nullopt);
     serializer_.emplace(header_);
-    tcp_stream().expires_after(shared_.options.send_timeout);
-    http::async_write_header(stream_, *serializer_, [self = shared_from_this()](const BoostError& error, std::size_t) {
+    stream_->tcp().expires_after(shared_.options.send_timeout);
+    http::async_write_header(*stream_, *serializer_, [self = shared_from_this()](const BoostError& error, std::size_t) {
       --self->shared_.responses_due;  // it never ends: the server's end does not wait for it
       if (error || self->is_head_) return self->Close();
-      self->tcp_stream().expires_never();
+      self->stream_->tcp().expires_never();
       self->WatchForLeaving();
       self->last_event_ = std::chrono::steady_clock::now();
       self->events_end_ = self->last_event_ + self->shared_.options.event_lifetime;
@@ -357,23 +343,12 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     });
   }
 
-  // A client that leaves is noticed although nothing is sent to it. It has nothing to say, so that any byte of a TLS
-  // client is its farewell.
+  // A client that leaves is noticed although nothing is sent to it.
   void WatchForLeaving() {
-    const auto leave = [self = shared_from_this()] {
+    stream_->WaitForLeaving([self = shared_from_this()](const BoostError&) {
       self->feed_.reset();
       self->timer_.cancel();
-    };
-    tcp::socket& socket = tcp_stream().socket();
-    if constexpr (kHasTls) {
-      socket.async_wait(tcp::socket::wait_read, [leave](const BoostError&) { leave(); });
-    } else {
-      socket.async_read_some(net::buffer(ignored_),
-                             [self = shared_from_this(), leave](const BoostError& error, std::size_t) {
-                               if (!error) return self->WatchForLeaving();
-                               leave();
-                             });
-    }
+    });
   }
 
   void SendNextEvents() {
@@ -387,11 +362,11 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
       return;
     }
     last_event_ = now;
-    tcp_stream().expires_after(shared_.options.send_timeout);
-    net::async_write(stream_, net::buffer(text_to_send_),
+    stream_->tcp().expires_after(shared_.options.send_timeout);
+    net::async_write(*stream_, net::buffer(text_to_send_),
                      [self = shared_from_this()](const BoostError& error, std::size_t) {
                        if (error) return self->Close();
-                       self->tcp_stream().expires_never();
+                       self->stream_->tcp().expires_never();
                        self->SendNextEvents();
                      });
   }
@@ -409,17 +384,17 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
         file_ ? static_cast<std::uint64_t>(response.file->length) : static_cast<std::uint64_t>(response.body.size());
     text_ = {};
     SetHeader(text_, response, length);
-    tcp_stream().expires_after(shared_.options.send_timeout);
+    stream_->tcp().expires_after(shared_.options.send_timeout);
     if (!file_ && !is_head_) {
       text_.body() = std::move(response.body);
-      http::async_write(stream_, text_,
+      http::async_write(*stream_, text_,
                         [self = shared_from_this()](const BoostError& error, std::size_t) { self->Finish(error); });
       return;
     }
     header_ = {};
     SetHeader(header_, response, length);
     serializer_.emplace(header_);
-    http::async_write_header(stream_, *serializer_, [self = shared_from_this()](const BoostError& error, std::size_t) {
+    http::async_write_header(*stream_, *serializer_, [self = shared_from_this()](const BoostError& error, std::size_t) {
       if (error || self->is_head_ || !self->file_) return self->Finish(error);
       self->SendChunk();
     });
@@ -429,8 +404,8 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
     if (file_->left() == 0) return Finish({});
     // The length is sent already: a file that became shorter can only end the connection.
     if (!file_->ReadChunk(chunk_)) return Finish(net::error::eof);
-    tcp_stream().expires_after(shared_.options.send_timeout);
-    net::async_write(stream_, net::buffer(chunk_), [self = shared_from_this()](const BoostError& error, std::size_t) {
+    stream_->tcp().expires_after(shared_.options.send_timeout);
+    net::async_write(*stream_, net::buffer(chunk_), [self = shared_from_this()](const BoostError& error, std::size_t) {
       if (error) return self->Finish(error);
       self->SendChunk();
     });
@@ -444,22 +419,18 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
   }
 
   void Close() {
-    if constexpr (kHasTls) {
-      if (std::exchange(is_encrypted_, false)) {
-        tcp_stream().expires_after(kTlsCloseTime);
-        return stream_.async_shutdown([self = shared_from_this()](const BoostError&) { self->CloseSocket(); });
-      }
-    }
-    CloseSocket();
+    if (!std::exchange(has_handshake_, false)) return CloseSocket();
+    stream_->tcp().expires_after(kFarewellTime);
+    stream_->SayFarewell([self = shared_from_this()](const BoostError&) { self->CloseSocket(); });
   }
 
   void CloseSocket() {
     BoostError ignored;
-    tcp_stream().socket().shutdown(tcp::socket::shutdown_send, ignored);
-    tcp_stream().close();
+    stream_->tcp().socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_->tcp().close();
   }
 
-  Stream stream_;
+  std::unique_ptr<ClientStream> stream_;
   Shared& shared_;
   std::string client_;
   beast::flat_buffer buffer_;
@@ -469,10 +440,9 @@ class Session : public std::enable_shared_from_this<Session<Stream>> {
   net::steady_timer timer_;
   std::shared_ptr<EventFeed> feed_;
   std::string text_to_send_;
-  std::array<char, 256> ignored_{};
   std::chrono::steady_clock::time_point last_event_;
   std::chrono::steady_clock::time_point events_end_;
-  bool is_encrypted_ = false;
+  bool has_handshake_ = false;
   bool keep_alive_ = false;
   bool is_head_ = false;
   unsigned version_ = 11;
@@ -534,12 +504,9 @@ class BeastServer final : public HttpServer {
     if (!shared_.counts.Begin(client)) return;
     socket.set_option(tcp::no_delay(true), error);
     beast::tcp_stream stream(std::move(socket));
-    if (shared_.tls) {
-      std::make_shared<Session<TlsStream>>(TlsStream(std::move(stream), *shared_.tls), std::move(client), shared_)
-          ->Start();
-    } else {
-      std::make_shared<Session<beast::tcp_stream>>(std::move(stream), std::move(client), shared_)->Start();
-    }
+    std::make_shared<Session>(MakeClientStream(std::move(stream), shared_.tls ? &*shared_.tls : nullptr),
+                              std::move(client), shared_)
+        ->Start();
   }
 
   void Accept() {
