@@ -30,7 +30,7 @@ END
   printf '\n## Of `track`; `model` and `recognize` are as above\n\n'
   "$program" params track | grep -v -E '^\| `(model|recognize)\.'
   printf '\n## Of `navigate`; what is not here is as of `index`\n\n'
-  "$program" params navigate | grep -E '^\| (parameter|---|`(landmarks?|telemetry_error|motion|gate_sigma|second_pass|every|lost_every|follow\.(restart_interval_frames|search_interval_frames)))'
+  "$program" params navigate | grep -E '^\| (parameter|---|`(landmarks?|telemetry_error|motion|gate_sigma|second_pass|every|lost_every|follow\.(restart_interval_frames|search_interval_s)))'
   printf '\n## Of `category train`\n\n'
   "$program" params category
 }

@@ -72,7 +72,7 @@ def main() -> None:
         params = Path(folder) / "params.json"
 
         def index(movie: Path, database: Path, **objects) -> None:
-            params.write_text(json.dumps({"follow": {"search_interval_frames": arguments.every}, "objects": objects}))
+            params.write_text(json.dumps({"follow": {"search_interval_s": 1000}, "objects": objects}))
             subprocess.run(
                 [arguments.program, "index", movie / "video.mp4", "--models", arguments.models, "--db", database,
                  "--telemetry", movie / "telemetry.csv", "--every", str(arguments.every), "--params", params],

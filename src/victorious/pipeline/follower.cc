@@ -1,7 +1,7 @@
 #include "victorious/pipeline/follower.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cmath>
 #include <utility>
 
 #include <oneapi/tbb/parallel_for_each.h>
@@ -22,12 +22,12 @@ void FollowOptions::ListFields(FieldList& fields) {
               .unit = "frames",
               .reason = "all tracks restart at this interval: the maximum number of frames that are tracked again when "
                         "an index resumes"});
-  fields.Add("search_interval_frames", search_interval_frames,
-             {.min = 1,
+  fields.Add("search_interval_s", search_interval_s,
+             {.min = 0,
               .max = 1000,
-              .unit = "frames",
-              .reason = "interval between searches of a visible track's region: 1 confirms the track in every frame, "
-                        "more saves time"});
+              .unit = "s",
+              .reason = "minimum time between searches of a visible track's region; between them the track follows its "
+                        "points: 0 confirms it in every frame, more saves time"});
   fields.AddGroup("track", track);
 }
 
@@ -36,6 +36,8 @@ namespace {
 // Intersection over union at which a detection is assigned to a track. Boxes of one object in neighbouring frames
 // overlap far more, those of two objects hardly do.
 constexpr double kMinTrackOverlap = 0.3;
+// Presentation times are rounded to milliseconds in some containers.
+constexpr double kTimeRounding_s = 0.002;
 
 Box StepBox(const TrackStep& step) { return step.seen() ? step.box : BoundingBox(step.outline); }
 
@@ -95,24 +97,23 @@ std::vector<TrackStep> Follower::Step(const Frame& frame) {
   return active;
 }
 
-void Follower::Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features,
-                       std::int64_t frame) {
+void Follower::Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, double time_s) {
   tracker_.Confirm(track, detection.outline, MatchedPoints(detection, features));
   TrackRecord& followed = tracks_.at(track);
   followed.last = detection;
   followed.recognised += 1;
-  followed.searched_frame = frame;
+  followed.searched_time_s = time_s;
 }
 
-// The region of a visible, confirmed track is searched only every `search_interval_frames` frames.
+// The region of a visible, confirmed track is searched only each `search_interval_s`, but for the rounding of times.
 bool Follower::IsSearchDue(const TrackStep& step, const Frame& frame) const {
   const TrackRecord& followed = tracks_.at(step.track);
   return !step.seen() || followed.recognised < options_.min_recognised_frames ||
-         std::abs(frame.index - followed.searched_frame) >= options_.search_interval_frames;
+         std::abs(frame.time_s - followed.searched_time_s) > options_.search_interval_s - kTimeRounding_s;
 }
 
 // Assigns a detection of a full-frame search to an open step of the same model, or starts a track.
-ObservedObject Follower::AssignToTrack(const Detection& detection, const FeatureSet& features, std::int64_t frame,
+ObservedObject Follower::AssignToTrack(const Detection& detection, const FeatureSet& features, double time_s,
                                        std::vector<TrackStep>& open) {
   ObservedObject seen{.detection = detection, .features = WithoutDescriptors(features), .track = {}};
   std::vector<TrackStep> alike;
@@ -120,7 +121,7 @@ ObservedObject Follower::AssignToTrack(const Detection& detection, const Feature
     return tracks_.at(step.track).last.model_index == detection.model_index;
   });
   if (const auto step = FindMatchingStep(detection.box, alike, kMinTrackOverlap); step != alike.end()) {
-    Confirm(step->track, detection, features, frame);
+    Confirm(step->track, detection, features, time_s);
     double& max_full_frame_score = tracks_.at(step->track).max_full_frame_score;
     max_full_frame_score = std::max(max_full_frame_score, detection.score);
     const std::uint64_t track = step->track;
@@ -134,7 +135,7 @@ ObservedObject Follower::AssignToTrack(const Detection& detection, const Feature
                          .max_full_frame_score = detection.score,
                          .number = ++last_number_,
                          .recognised = 1,
-                         .searched_frame = frame};
+                         .searched_time_s = time_s};
   seen.track = last_number_;
   seen.starts_track = true;
   return seen;
@@ -200,7 +201,7 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
   std::vector<ObservedObject> seen;
   if (whole) {
     for (const Detection& detection : whole->detections) {
-      seen.push_back(AssignToTrack(detection, whole->features, frame.index, open));
+      seen.push_back(AssignToTrack(detection, whole->features, frame.time_s, open));
     }
   }
   std::vector<Region> regions;
@@ -211,7 +212,7 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
   for (Region& region : regions) {
     if (!region.features) return std::unexpected(std::move(region.features).error());
     const std::uint64_t track = region.step.track;
-    if (IsSearchDue(region.step, frame)) tracks_.at(track).searched_frame = frame.index;
+    if (IsSearchDue(region.step, frame)) tracks_.at(track).searched_time_s = frame.time_s;
     ObservedObject next{};
     if (region.found) {
       next = {.detection = *std::move(region.found), .features = WithoutDescriptors(*region.features)};
@@ -226,7 +227,7 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
       Stop(*next.track);
       continue;
     }
-    if (!next.tracked()) Confirm(track, next.detection, next.features, frame.index);
+    if (!next.tracked()) Confirm(track, next.detection, next.features, frame.time_s);
     seen.push_back(std::move(next));
   }
   return seen;

@@ -35,7 +35,8 @@ struct FollowOptions {
   /// Number of frames before the first detection of a track in which it is followed backward (backward_follower.h); 0:
   /// none. As many frames are held in memory. Not a user parameter.
   int backward_frames = 30;
-  int search_interval_frames = 1;  ///< frames between searches of a visible track's region
+  /// Minimum time between searches of a visible track's region: at 10 frames per second each frame, at 30 each third.
+  double search_interval_s = 0.1;
   TrackOptions track;
 
   void ListFields(FieldList& fields);
@@ -98,7 +99,7 @@ class Follower {
         0;  // highest score of its full-frame detections; the upper bound of a score found in its region
     std::int64_t number = 0;  // track id; does not depend on where the index was interrupted
     int recognised = 0;
-    std::int64_t searched_frame = 0;  // last frame in which its region was searched or it was recognised
+    double searched_time_s = 0;  // of the last frame in which its region was searched or it was recognised
   };
   struct Region {
     TrackStep step;
@@ -117,9 +118,9 @@ class Follower {
 
   std::vector<TrackStep> Step(const Frame& frame);
   /// Assigns a detection of a full-frame search to an open track, or starts one.
-  ObservedObject AssignToTrack(const Detection& detection, const FeatureSet& features, std::int64_t frame,
+  ObservedObject AssignToTrack(const Detection& detection, const FeatureSet& features, double time_s,
                                std::vector<TrackStep>& open);
-  void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, std::int64_t frame);
+  void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, double time_s);
   void Search(const Frame& frame, const FrameConditions& conditions, Region& region) const;
   [[nodiscard]] ObservedObject MakeTrackedObject(const TrackStep& step, const Frame& frame) const;
   [[nodiscard]] bool IsSearchDue(const TrackStep& step, const Frame& frame) const;

@@ -26,13 +26,13 @@ class FollowerTest : public ::testing::Test {
     int found = 0;                                  // of these
   };
 
-  Frames FollowAll(int every, const FollowOptions& options) {
+  Frames FollowAll(int every, const FollowOptions& options, double frame_rate = 10) {
     Frames result;
     Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, options).value();
     for (int i = 0; i < kFrames; ++i) {
       cv::Mat grey;
       cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
-      const Frame frame{.index = i, .time_s = 0.1 * i, .image = grey};
+      const Frame frame{.index = i, .time_s = i / frame_rate, .image = grey};
       const FeatureSet features = extractor_->Extract(grey).value();
       const std::vector<Detection> detections = recognizer_.Recognize(features).value();
       std::optional<FullFrameResult> whole;
@@ -63,6 +63,33 @@ TEST_F(FollowerTest, ObjectsAreRecognisedInTheirRegionsBetweenFullFrames) {
     for (const ObservedObject& seen : frames.seen[i]) recognised_between += i % 6 != 0 && !seen.tracked() ? 1 : 0;
   }
   EXPECT_GT(recognised_between, 5) << "the recogniser confirms the track";
+}
+
+TEST_F(FollowerTest, RegionsAreSearchedByTimeAndNotByFrame) {
+  const Frames frames = FollowAll(6, {}, 30);
+  struct Recognitions {
+    int count = 0;
+    int last_frame = 0;
+  };
+  std::map<std::int64_t, Recognitions> of_track;
+  int tracked = 0;
+  int recognised_between = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    for (const ObservedObject& seen : frames.seen[i]) {
+      tracked += seen.tracked() ? 1 : 0;
+      if (seen.tracked() || !seen.track) continue;
+      Recognitions& recognitions = of_track[*seen.track];
+      if (recognitions.count >= FollowOptions().min_recognised_frames && i % 6 != 0) {
+        EXPECT_GE(i - recognitions.last_frame, 3) << "a tenth of a second";
+        ++recognised_between;
+      }
+      ++recognitions.count;
+      recognitions.last_frame = i;
+    }
+  }
+  EXPECT_GT(recognised_between, 3);
+  EXPECT_GT(tracked, recognised_between);
+  EXPECT_GE(frames.found, 0.8 * frames.truths);
 }
 
 // A detection in a predicted region confirms the position; its score is capped by the full-frame score.
@@ -109,7 +136,7 @@ TEST_F(FollowerTest, RarelyRecognisedTrackIsNotReportedAlone) {
 
 TEST_F(FollowerTest, TrackedSightingHasTheTrackedPointsAsInliers) {
   FollowOptions seldom;
-  seldom.search_interval_frames = 4;
+  seldom.search_interval_s = 0.4;
   int tracked = 0;
   for (const std::vector<ObservedObject>& seen : FollowAll(12, seldom).seen) {
     for (const ObservedObject& one : seen) {

@@ -465,7 +465,7 @@ TEST(Indexer, TrackedSightingsHaveALineOfSight) {
   ASSERT_TRUE(WriteFileAtomically(table, text));
   RunSetup run{.telemetry = table.string()};
   run.options.every = 4;
-  run.options.follow.search_interval_frames = 10;
+  run.options.follow.search_interval_s = 1;
   const auto store = flight.Store("index.db");
   Index(flight.video(), flight.Models(), *store, run);
   const std::vector<SightingRecord> sightings = SightingsOf(*store, {.include_rejected = true});

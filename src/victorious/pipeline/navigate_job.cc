@@ -25,7 +25,7 @@ namespace victorious {
 
 NavigateVideoOptions::NavigateVideoOptions() {
   follow.restart_interval_frames = 1000000;  // never restarted: a navigation run is not resumed
-  follow.search_interval_frames = 5;
+  follow.search_interval_s = 0.5;
 }
 
 void NavigateVideoOptions::ListFields(FieldList& fields) {

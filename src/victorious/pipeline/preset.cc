@@ -141,12 +141,12 @@ Expected<Quality> ParseQuality(std::string_view name) {
 
 void ApplyQuality(Quality quality, bool cad_only, IndexOptions& options) {
   constexpr double kFastInterval_s = 0.6;
-  constexpr int kFastRegionInterval_frames = 5;
+  constexpr double kFastRegionInterval_s = 0.5;
   constexpr int kThoroughNearest = 8;
   switch (quality) {
     case Quality::kFast:
       options.search_interval_s = kFastInterval_s;
-      options.follow.search_interval_frames = kFastRegionInterval_frames;
+      options.follow.search_interval_s = kFastRegionInterval_s;
       if (cad_only) options.recognize.method = SearchMethod::kShortlist;
       return;
     case Quality::kNormal:

@@ -106,7 +106,7 @@ TEST(Quality, TradesTimeForCompleteness) {
   IndexOptions fast;
   ApplyQuality(Quality::kFast, true, fast);
   EXPECT_GT(fast.search_interval_s, defaults.search_interval_s);
-  EXPECT_GT(fast.follow.search_interval_frames, defaults.follow.search_interval_frames);
+  EXPECT_GT(fast.follow.search_interval_s, defaults.follow.search_interval_s);
   EXPECT_EQ(fast.recognize.method, SearchMethod::kShortlist);
   IndexOptions fast_for_photos;
   ApplyQuality(Quality::kFast, false, fast_for_photos);
