@@ -61,33 +61,4 @@ int ExitStatus(ErrorCode code) {
   return 1;
 }
 
-std::string_view Name(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kInvalidArgument:
-      return "invalid_argument";
-    case ErrorCode::kNotFound:
-      return "not_found";
-    case ErrorCode::kAlreadyExists:
-      return "already_exists";
-    case ErrorCode::kDataLoss:
-      return "data_loss";
-    case ErrorCode::kUnsupported:
-      return "unsupported";
-    case ErrorCode::kPermissionDenied:
-      return "permission_denied";
-    case ErrorCode::kNoSpace:
-      return "no_space";
-    case ErrorCode::kConflict:
-      return "conflict";
-    case ErrorCode::kCancelled:
-      return "cancelled";
-    case ErrorCode::kInternal:
-      return "internal";
-    case ErrorCode::kUnavailable:
-      return "unavailable";
-  }
-  VICTORIOUS_CHECK(false);
-  return "";
-}
-
 }  // namespace victorious

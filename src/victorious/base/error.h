@@ -2,10 +2,13 @@
 // VICTORIOUS_CHECK (check.h). Third-party exceptions are caught in the module that calls the library.
 #pragma once
 
+#include <array>
 #include <expected>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "victorious/base/enum_text.h"
 
 namespace victorious {
 
@@ -23,6 +26,20 @@ enum class ErrorCode {
   kInternal,          ///< a library or the system failed for a reason that the input does not explain
   kUnavailable,       ///< what is needed, as a database, does not answer or is locked by others: try again later
 };
+
+/// The codes' names in logs, events and JSON. Every code has one.
+inline constexpr auto kErrorCodeTexts =
+    std::to_array<EnumText<ErrorCode>>({{ErrorCode::kInvalidArgument, "invalid_argument"},
+                                        {ErrorCode::kNotFound, "not_found"},
+                                        {ErrorCode::kAlreadyExists, "already_exists"},
+                                        {ErrorCode::kDataLoss, "data_loss"},
+                                        {ErrorCode::kUnsupported, "unsupported"},
+                                        {ErrorCode::kPermissionDenied, "permission_denied"},
+                                        {ErrorCode::kNoSpace, "no_space"},
+                                        {ErrorCode::kConflict, "conflict"},
+                                        {ErrorCode::kCancelled, "cancelled"},
+                                        {ErrorCode::kInternal, "internal"},
+                                        {ErrorCode::kUnavailable, "unavailable"}});
 
 /// An error. `message` is one line: what is wrong, where, and what would be right.
 struct Error {
@@ -55,8 +72,8 @@ using Status = std::expected<void, Error>;
 /// Returns the program's exit status for an error: 2 for bad usage and bad input, 1 otherwise.
 [[nodiscard]] int ExitStatus(ErrorCode code);
 
-/// Returns the code's name in snake case, for logs and JSON.
-[[nodiscard]] std::string_view Name(ErrorCode code);
+/// Returns the code's name (kErrorCodeTexts).
+[[nodiscard]] constexpr std::string_view Name(ErrorCode code) { return ToText(kErrorCodeTexts, code); }
 
 }  // namespace victorious
 

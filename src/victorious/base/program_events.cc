@@ -74,13 +74,6 @@ struct EventWriter {
   }
 };
 
-std::optional<ErrorCode> ErrorCodeOf(std::string_view name) {
-  for (int i = 0; i <= static_cast<int>(ErrorCode::kInternal); ++i) {
-    if (Name(static_cast<ErrorCode>(i)) == name) return static_cast<ErrorCode>(i);
-  }
-  return std::nullopt;
-}
-
 std::unexpected<Error> Invalid(std::string_view member, std::string_view rule) {
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be {}", member, rule));
 }
@@ -135,7 +128,7 @@ Expected<ProgramEvent> ReadProgress(const EventReader& reader) {
 
 Expected<ProgramEvent> ReadError(const EventReader& reader) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, reader.Text("code"));
-  const std::optional<ErrorCode> code = ErrorCodeOf(name);
+  const std::optional<ErrorCode> code = FromText(kErrorCodeTexts, name);
   if (!code) return Invalid("code", fmt::format("the code of an error, not \"{}\"", name));
   VICTORIOUS_ASSIGN_OR_RETURN(std::string message, reader.Text("message"));
   return ErrorEvent{Error{*code, std::move(message)}};

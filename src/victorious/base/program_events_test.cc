@@ -36,9 +36,9 @@ TEST(ProgramEvents, ComeBackAsTheyWereWritten) {
            WarningEvent{"{\"event\":\"info\"}"}, VideoLeftEvent{"rtsp://a"}, VideoCutEvent{"/a.mp4", 12}}) {
     EXPECT_EQ(ParseEvent(FormatEvent(event)), event) << FormatEvent(event);
   }
-  for (int code = 0; code <= static_cast<int>(ErrorCode::kInternal); ++code) {
-    const ProgramEvent event = ErrorEvent{{static_cast<ErrorCode>(code), "m"}};
-    EXPECT_EQ(ParseEvent(FormatEvent(event)), event) << code;
+  for (const EnumText<ErrorCode>& code : kErrorCodeTexts) {
+    const ProgramEvent event = ErrorEvent{{code.value, "m"}};
+    EXPECT_EQ(ParseEvent(FormatEvent(event)), event) << code.text;
   }
 }
 
