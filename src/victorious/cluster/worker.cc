@@ -127,6 +127,18 @@ Status GiveUpFatalSegments(const Task& task, TaskQueue& queue, SegmentStore& seg
   return {};
 }
 
+// Ends the attempt of a task whose process failed.
+Status EndFailed(const Task& task, const IndexTask& work, const ChildEnd& end, TaskQueue& queue,
+                 const WorkerOptions& options) {
+  const bool is_unavailable = !IsKilled(end) && end.error && end.error->code == ErrorCode::kUnavailable;
+  if (is_unavailable) {
+    options.inform(fmt::format("{}: waits again: {}", NameOf(work), DescribeFailure(end)));
+    return queue.Release(task, options.left_delay);
+  }
+  options.inform(fmt::format("{}: attempt {} failed: {}", NameOf(work), task.attempt, DescribeFailure(end)));
+  return queue.Fail(task, DescribeFailure(end), IsKilled(end));
+}
+
 // Ends a task in the queue by how its process ended. Returns whether it is done.
 Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
                        SegmentStore& segments, const WorkerOptions& options) {
@@ -135,8 +147,7 @@ Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& e
     return false;
   }
   if (end.child.status != 0) {
-    options.inform(fmt::format("{}: attempt {} failed: {}", NameOf(work), task.attempt, DescribeFailure(end.child)));
-    VICTORIOUS_RETURN_IF_ERROR(queue.Fail(task, DescribeFailure(end.child), IsKilled(end.child)));
+    VICTORIOUS_RETURN_IF_ERROR(EndFailed(task, work, end.child, queue, options));
     return false;
   }
   if (end.is_left) {

@@ -36,7 +36,9 @@ struct WorkerOptions {
   /// Segments of a video that are queued at once. They are joined before the next ones are queued, so that no more
   /// results wait for that in the database, and what is found shows while a long video is searched.
   std::size_t max_segments = 120;
-  std::chrono::seconds left_delay{30};  ///< before a task whose video another process indexes is claimed again
+  /// Before a task is claimed again whose video another process indexes, or whose process got no answer from the
+  /// database.
+  std::chrono::seconds left_delay{30};
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
 };
 
@@ -51,8 +53,9 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
 /// Does tasks until `cancel` is set, or until there are none left. A task
 /// - whose process ends well is done, unless another process indexes the same video: then it is released; or the video
 ///   is cut: then it waits for its segments;
-/// - whose process fails or crashes is queued again; after kMaxAttempts attempts without progress it has failed, with
-///   the reason;
+/// - whose process ends because the database does not answer, or is locked by others (kUnavailable), is released;
+/// - whose process fails otherwise or crashes is queued again; after kMaxAttempts attempts without progress it has
+///   failed, with the reason;
 /// - that runs when `cancel` is set is released, and resumed by the next worker;
 /// - of a whole video that killed its process or its worker twice is cut into short segments at its last attempt.
 /// Renews the lease while a task runs; once it is lost (this worker stood still too long), kills the task's process:

@@ -81,6 +81,19 @@ TEST_F(PostgresWorkerTest, VideoOfAnotherProcessWaitsAgain) {
   EXPECT_THAT(lines_, Contains(HasSubstr("another process")));
 }
 
+// The database was restarted: no fault of the video's, however often it happens.
+TEST_F(PostgresWorkerTest, DatabaseThatDoesNotAnswerCostsNoAttempt) {
+  Submit("/a.mp4");
+  int runs = 0;
+  const auto done = WorkUntilEmpty([&](const IndexTask&, const std::function<ChildControl()>&) -> Expected<TaskEnd> {
+    if (++runs > kMaxAttempts) return TaskEnd{};
+    return TaskEnd{.child = {.status = 1, .error = Error{ErrorCode::kUnavailable, "the server is starting"}}};
+  });
+  EXPECT_EQ(done.value_or(0), 1);
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
+  EXPECT_THAT(lines_, Contains(HasSubstr("the server is starting")));
+}
+
 // This worker stood still past its lease, while another one did the task.
 TEST_F(PostgresWorkerTest, LostLeaseKillsTheProcess) {
   auto queue = TaskQueue::Open(url_, {.worker = "slow", .program = "this", .lease = std::chrono::seconds(0)});
