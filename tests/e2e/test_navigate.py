@@ -158,6 +158,17 @@ class NavigateTest(program.ProgramTest):
         ):
             self.assertEqual(said.count("16 of 16 frames"), passes, said)
 
+    def test_telemetry_without_attitudes_causes_a_second_pass(self):
+        rows = table(flight() / "telemetry.csv")
+        none = dict.fromkeys(("yaw_deg", "pitch_deg", "roll_deg", "sigma_attitude_deg"), "")
+        positions = self.write(
+            "positions.csv", "\n".join([",".join(rows[0]), *(",".join((row | none).values()) for row in rows)]) + "\n"
+        )
+        given = ("--landmarks", self.list_of(true_landmarks()), "--models", flight() / "models", "--telemetry", positions)
+        done = self.succeeds("navigate", flight() / "video.mp4", *given, "--out", self.scratch / "camera.csv")
+        self.assertEqual(done.err.count("16 of 16 frames"), 2, done.err)
+        self.assertLess(self.errors(table(self.scratch / "camera.csv"))[-1], 3)
+
     def test_telemetry_of_another_video_is_reported(self):
         self.assertNotIn("warning: ", navigated(is_off=False)[0].err)
         landmarks, out = self.list_of(true_landmarks()), self.scratch / "camera.csv"

@@ -243,7 +243,8 @@ std::optional<CameraTrajectory> AccurateStates(const Navigation& navigation, con
   return CameraTrajectory(std::move(states), options.telemetry.max_gap_s);
 }
 
-// True if the median error of telemetry's attitude is below 1 degree, which suffices for upright and relit templates.
+// True if telemetry has attitudes and their median error is below 1 degree, which suffices for upright and relit
+// templates.
 bool IsTelemetryAttitudeAccurate(const Navigation& navigation, const CameraStates& cameras) {
   constexpr double kMaxErrorDeg = 1;
   std::vector<double> turns_rad;
@@ -252,7 +253,7 @@ bool IsTelemetryAttitudeAccurate(const Navigation& navigation, const CameraState
     if (!measured.attitude || !frame.camera.attitude) continue;
     turns_rad.push_back(CameraFromEnu(*measured.attitude).angularDistance(CameraFromEnu(*frame.camera.attitude)));
   }
-  return Median(std::move(turns_rad)) < RadiansFromDegrees(kMaxErrorDeg);
+  return !turns_rad.empty() && Median(std::move(turns_rad)) < RadiansFromDegrees(kMaxErrorDeg);
 }
 
 }  // namespace
