@@ -265,13 +265,13 @@ double ExplainedVariance(const MotionComparison& comparison, const ResidualSet& 
   return 1 - ratio * ratio;
 }
 
-// Median interval between telemetry rows, s.
+// Median interval between telemetry rows, s; 0 for one row.
 double MedianRowInterval(const CameraTrajectory& cameras) {
   std::vector<double> rows_s;
   for (std::size_t i = 1; i < cameras.states().size(); ++i) {
     rows_s.push_back(cameras.states()[i].time_s - cameras.states()[i - 1].time_s);
   }
-  return Median(std::move(rows_s));
+  return MedianOr(std::move(rows_s), 0);
 }
 
 TimeOffset NoOffset(TimeOffsetStatus why, std::size_t pairs) { return {.status = why, .pairs = pairs}; }

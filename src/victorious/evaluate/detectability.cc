@@ -347,7 +347,7 @@ void Summarize(const ObjectModel& model, const std::vector<Sample>& samples, con
       counts.push_back(static_cast<double>(model.views[view].feature_count));
     }
     band.min_size = ComputeDetectableSizes(own, ladder_px);
-    band.features = Median(counts);
+    band.features = MedianOr(std::move(counts), 0);
     std::ranges::copy(own, std::back_inserter(rungs));
   }
   result.min_size = ComputeDetectableSizes(rungs, ladder_px);

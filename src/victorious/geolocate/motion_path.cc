@@ -149,6 +149,7 @@ bool IsNear(const Ray& ray, const PathFit& fit, std::size_t i, const LocateOptio
          std::hypot(options.gate_sigma * std::min(kMaxFactor, fit.angle_factor) * sigma_m, options.identity_radius_m);
 }
 
+// 0 for a path shorter than kInterval_s.
 double MedianAcceleration(std::span<const Ray> rays, const PathFit& fit) {
   constexpr double kInterval_s = 0.5;
   std::vector<double> accelerations;
@@ -159,7 +160,7 @@ double MedianAcceleration(std::span<const Ray> rays, const PathFit& fit) {
     const Vector3d change = (fit.means[later] - fit.means[i]).segment<3>(3);
     accelerations.push_back(change.norm() / (rays[later].time_s - rays[i].time_s));
   }
-  return Median(std::move(accelerations));
+  return MedianOr(std::move(accelerations), 0);
 }
 
 // Every n-th line, such that at most kMaxLines remain, and the last.

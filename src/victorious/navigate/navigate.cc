@@ -90,15 +90,14 @@ FlightSigmas MakeFlightSigmas(const NavigationInput& input, const NavigateOption
     if (row.sigma_attitude_rad && *row.sigma_attitude_rad > 0) attitudes_rad.push_back(*row.sigma_attitude_rad);
   }
   const TelemetryErrorOptions& telemetry = options.telemetry;
-  return {
-      .offset_position_m = positions_m.empty() ? telemetry.position_m : Median(positions_m),
-      .offset_attitude_rad = attitudes_rad.empty() ? RadiansFromDegrees(telemetry.attitude_deg) : Median(attitudes_rad),
-      .drift_position_m = telemetry.position_drift_m,
-      .drift_attitude_rad = RadiansFromDegrees(telemetry.attitude_drift_deg),
-      .speed_m_s = options.motion.speed_m_s,
-      .speed_change_m_s = options.motion.speed_change_m_s,
-      .angular_rate_rad_s = RadiansFromDegrees(options.motion.angular_rate_deg_s),
-      .angular_rate_change_rad_s = RadiansFromDegrees(options.motion.angular_rate_change_deg_s)};
+  return {.offset_position_m = MedianOr(std::move(positions_m), telemetry.position_m),
+          .offset_attitude_rad = MedianOr(std::move(attitudes_rad), RadiansFromDegrees(telemetry.attitude_deg)),
+          .drift_position_m = telemetry.position_drift_m,
+          .drift_attitude_rad = RadiansFromDegrees(telemetry.attitude_drift_deg),
+          .speed_m_s = options.motion.speed_m_s,
+          .speed_change_m_s = options.motion.speed_change_m_s,
+          .angular_rate_rad_s = RadiansFromDegrees(options.motion.angular_rate_deg_s),
+          .angular_rate_change_rad_s = RadiansFromDegrees(options.motion.angular_rate_change_deg_s)};
 }
 
 FlightInput MakeFlight(const NavigationInput& input, const TangentPlane& plane, const NavigateOptions& options) {

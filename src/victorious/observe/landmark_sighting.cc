@@ -51,7 +51,7 @@ std::vector<Residual> ComputeResiduals(const ObjectPose& object_pose, double sig
 double InflationFactor(const std::vector<Residual>& residuals) {
   std::vector<double> lengths;
   for (const Residual& residual : residuals) lengths.push_back(residual.off.norm());
-  return std::max(1.0, Median(std::move(lengths)) / kRayleighMedian);
+  return std::max(1.0, MedianOr(std::move(lengths), 0) / kRayleighMedian);
 }
 
 // Covariance of (rotation, translation), from the points and the rotation prior of the matched view. Cauchy weights.

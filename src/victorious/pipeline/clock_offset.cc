@@ -24,7 +24,7 @@ double MedianSpeed(std::span<const CameraState> states) {
     const double metres = TangentPlane(states[i - 1].place).EnuFromGeodetic(states[i].place).norm();
     speeds_m_s.push_back(metres / (states[i].time_s - states[i - 1].time_s));
   }
-  return speeds_m_s.empty() ? 0 : Median(std::move(speeds_m_s));
+  return MedianOr(std::move(speeds_m_s), 0);
 }
 
 // Telemetry without attitudes, or beside the video's time, gives no place whatever its clock.

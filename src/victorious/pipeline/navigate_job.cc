@@ -146,8 +146,8 @@ class Pass {
 
   [[nodiscard]] const std::vector<NavigationFrame>& frames() const { return frames_; }
   [[nodiscard]] const std::vector<LandmarkSighting>& sightings() const { return sightings_; }
-  [[nodiscard]] double tracked_ms() const { return Median(tracked_ms_); }
-  [[nodiscard]] double tracked_cpu_ms() const { return Median(tracked_cpu_ms_); }
+  [[nodiscard]] double tracked_ms() const { return MedianOr(tracked_ms_, 0); }
+  [[nodiscard]] double tracked_cpu_ms() const { return MedianOr(tracked_cpu_ms_, 0); }
 
  private:
   void AddSighting(const ObservedObject& seen, const CameraState& camera) {
