@@ -2,7 +2,14 @@
 # parameters.sh PROGRAM [--check FILE]: prints docs/parameters.md from the program's field lists; with --check, fails if
 # FILE differs.
 set -euo pipefail
+export LC_ALL=C
 program=$1
+
+# The names of the groups of `navigate` with parameters that are the same in `index`, as a list in a sentence.
+shared_groups() {
+  comm -12 <("$program" params index | sort) <("$program" params navigate | sort) |
+    sed -nE 's/^\| `([a-z_]+).*/`\1`/p' | sort -u | paste -sd, | sed 's/,/, /g'
+}
 
 page() {
   cat <<'END'
@@ -27,10 +34,12 @@ END
   "$program" params telemetry
   printf '\n## Of `locate`\n\n'
   "$program" params locate
-  printf '\n## Of `track`; `model` and `recognize` are as above\n\n'
-  "$program" params track | grep -v -E '^\| `(model|recognize)\.'
-  printf '\n## Of `navigate`; what is not here is as of `index`\n\n'
-  "$program" params navigate | grep -E '^\| (parameter|---|`(landmarks?|telemetry_error|motion|gate_sigma|second_pass|every|lost_every|follow\.(restart_interval_frames|search_interval_s)))'
+  printf '\n## Of `track`\n\n'
+  "$program" params track
+  printf '\n## Of `navigate`\n\n'
+  printf 'The table has what `navigate` has alone, or with another default. It also takes these parameters and groups of `index`: %s.\n\n' "$(shared_groups)"
+  "$program" params navigate | sed -n 1,2p
+  "$program" params navigate | grep -vxF -f <("$program" params index)
   printf '\n## Of `category train`\n\n'
   "$program" params category
 }

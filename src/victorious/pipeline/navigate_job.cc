@@ -31,6 +31,8 @@ NavigateVideoOptions::NavigateVideoOptions() {
 void NavigateVideoOptions::ListFields(FieldList& fields) {
   fields.AddGroup("video", video);
   fields.AddGroup("features", features);
+  recognize.ListFields(fields);
+  fields.AddGroup("daylight", sun_direction);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("follow", follow);
   fields.AddGroup("landmark_list", list);

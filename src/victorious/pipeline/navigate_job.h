@@ -26,7 +26,7 @@
 
 namespace victorious {
 
-/// All parameters of landmark navigation; `victorious params navigate` prints them.
+/// The options of landmark navigation; `victorious params navigate` prints the user parameters.
 struct NavigateVideoOptions {
   NavigateVideoOptions();
 
@@ -35,11 +35,11 @@ struct NavigateVideoOptions {
   RecognizeOptions recognize;
   SunDirectionOptions sun_direction;
   TelemetryOptions telemetry;
-  ObservationOptions observation;
+  ObservationOptions observation;  ///< of landmarks. Not a user parameter
   FollowOptions follow;
   LandmarkListOptions list;
   NavigateOptions navigate;
-  LandmarkSightingOptions sighting;
+  LandmarkSightingOptions sighting;  ///< Not a user parameter
   bool second_pass = true;  ///< search again with the estimated attitude if telemetry has none, or one off by a degree
   int every = 30;           ///< frames between full-frame searches while a landmark is tracked
   int lost_every = 5;       ///< frames between full-frame searches while none is tracked

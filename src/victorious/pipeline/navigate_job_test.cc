@@ -69,6 +69,16 @@ TEST_F(NavigateJobTest, NamesLandmarksWithoutModel) {
   EXPECT_NE(warnings_.front().find("wagon"), std::string::npos);
 }
 
+TEST(NavigateVideoOptions, ParametersOfTheSearchAreThoseOfIndex) {
+  NavigateVideoOptions options;
+  const Status set = SetFromJsonText(R"({"method": "votes", "daylight.sun": "off", "pose": {"min_inliers": 7}})",
+                                     CollectFields(options));
+  ASSERT_TRUE(set) << set.error().message;
+  EXPECT_EQ(options.recognize.method, SearchMethod::kVotes);
+  EXPECT_EQ(options.sun_direction.sun, SunSearch::kOff);
+  EXPECT_EQ(options.recognize.pose.min_inliers, 7);
+}
+
 TEST(NavigationCsv, EmptyNavigationHasTheHeader) {
   const std::string text = ToCsv({});
   EXPECT_TRUE(
