@@ -10,6 +10,7 @@
 
 #include "victorious/base/child_task.h"
 #include "victorious/base/count_text.h"
+#include "victorious/base/lease_clock.h"
 
 namespace victorious {
 namespace {
@@ -38,26 +39,29 @@ class LeaseKeeper {
  public:
   LeaseKeeper(TaskQueue& queue, IndexStore& store, const Task& task, std::string video,
               const std::function<void(const std::string&)>& inform, const CancelToken& cancel)
-      : queue_(queue), store_(store), task_(task), video_(std::move(video)), inform_(inform), cancel_(cancel) {}
+      : queue_(queue),
+        store_(store),
+        task_(task),
+        video_(std::move(video)),
+        inform_(inform),
+        cancel_(cancel),
+        lease_(queue.lease(), queue.lease() / 4, LeaseClock::Clock::now()) {}
 
   /// How the process goes on.
   ChildControl Keep() {
-    const auto now = std::chrono::steady_clock::now();
-    if (!is_lost_ && now - renewed_ >= queue_.lease() / 4) {
+    if (const auto now = LeaseClock::Clock::now(); lease_.IsDue(now)) {
       const Expected<std::int64_t> frames = Progress();
       const bool has_progress = frames && frames_ && *frames > *frames_;
       const Status status = queue_.Renew(task_, has_progress);
       if (frames) frames_ = *frames;
       Report(!status ? status : frames ? Status() : std::unexpected(frames.error()));
-      // A server that does not answer for a while may come back before the lease has run out.
-      if (status) renewed_ = now;
-      is_lost_ = (!status && status.error().code == ErrorCode::kConflict) || now - renewed_ >= queue_.lease();
+      lease_.Enter(status, now);
     }
-    if (is_lost_) return ChildControl::kKill;  // another worker has it: two must not write the same results
+    if (lease_.IsLost(LeaseClock::Clock::now())) return ChildControl::kKill;
     return cancel_.IsCancelled() ? ChildControl::kInterrupt : ChildControl::kContinue;
   }
 
-  [[nodiscard]] bool is_lost() const { return is_lost_; }
+  [[nodiscard]] bool is_lost() const { return lease_.was_lost(); }
 
  private:
   // All videos of the index are read only until this one is there.
@@ -84,10 +88,9 @@ class LeaseKeeper {
   std::optional<std::int64_t> video_id_;  ///< once it is in the index
   const std::function<void(const std::string&)>& inform_;
   const CancelToken& cancel_;
-  std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
+  LeaseClock lease_;
   std::optional<std::int64_t> frames_;
   bool has_failed_ = false;
-  bool is_lost_ = false;
 };
 
 // For messages: the video, and the frames of a segment.

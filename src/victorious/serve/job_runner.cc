@@ -11,6 +11,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/base/lease_clock.h"
 #include "victorious/base/log.h"
 #include "victorious/base/utc.h"
 
@@ -241,6 +242,7 @@ void JobRunner::WaitForWork() {
 void JobRunner::Run() {
   std::string failure;  // the last one, until there is none
   while (!is_ending_) {
+    const auto claimed = LeaseClock::Clock::now();
     const auto job = queue_->Claim(worker_name_, options_.kinds, NowUtcMicroseconds(), Microseconds(options_.lease));
     const std::string message = job ? "" : job.error().message;
     // Once for all failures in a row.
@@ -251,12 +253,12 @@ void JobRunner::Run() {
       continue;
     }
     on_change_();
-    Work(**job);
+    Work(**job, claimed);
     on_change_();
   }
 }
 
-void JobRunner::Work(const JobRecord& job) {
+void JobRunner::Work(const JobRecord& job, std::chrono::steady_clock::time_point claimed) {
   const auto report = [&](const Status& ended) {
     if (!ended) LogWarning("job {}: {}", job.id, ended.error().message);
   };
@@ -278,26 +280,26 @@ void JobRunner::Work(const JobRecord& job) {
   bool is_new = false;
   bool is_cancelled = false;
   bool is_released = false;
-  bool is_lost = false;
-  std::optional<std::chrono::steady_clock::time_point> renewed;
+  LeaseClock lease(options_.lease, options_.renewal, claimed);
   const auto control = [&] {
-    const auto now = std::chrono::steady_clock::now();
-    if (!renewed || now - *renewed >= options_.renewal || is_new) {
-      renewed = now;
+    if (const auto now = LeaseClock::Clock::now(); lease.IsDue(now) || is_new) {
       const auto goes_on =
           queue_->Renew(job.id, worker_name_, NowUtcMicroseconds(), Microseconds(options_.lease), progress);
-      is_lost = !goes_on && goes_on.error().code == ErrorCode::kConflict;
+      lease.Enter(goes_on ? Status() : std::unexpected(goes_on.error()), now);
       is_cancelled |= goes_on && !*goes_on;
       if (std::exchange(is_new, false)) on_change_();
     }
-    if (is_lost) return ChildControl::kKill;  // another worker has it: two must not write the same results
+    if (lease.IsLost(LeaseClock::Clock::now())) return ChildControl::kKill;
     is_released |= is_ending_;
     return is_cancelled || is_released ? ChildControl::kInterrupt : ChildControl::kContinue;
   };
   const auto read = [&](const ProgramEvent& event) { is_new |= ApplyEvent(event, progress); };
   const auto end = RunChild({.command = options_.command(*arguments), .on_event = read, .control = control});
   if (!end) return fail(end.error().message);
-  if (is_lost) return;
+  if (lease.was_lost()) {
+    LogWarning("job {}: its lease was lost: left to another server", job.id);
+    return;
+  }
   // An interrupted search of a live source ends well, but goes on with the next server.
   if (is_released && !is_cancelled && job.kind == JobKind::kLive) return report(queue_->Release(job.id, worker_name_));
   if (end->status == 0) return complete(progress.message);

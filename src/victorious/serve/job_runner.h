@@ -83,7 +83,8 @@ class JobRunner {
 
  private:
   void Run();
-  void Work(const JobRecord& job);
+  /// @param claimed  before the job was asked for
+  void Work(const JobRecord& job, std::chrono::steady_clock::time_point claimed);
   void WaitForWork();
 
   std::unique_ptr<JobQueue> queue_;

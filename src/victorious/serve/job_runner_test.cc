@@ -152,12 +152,19 @@ class JobRunnerTest : public ::testing::Test {
 
   // @param script  of /bin/sh, in the folder
   std::unique_ptr<JobRunner> StartRunner(const std::string& script) {
-    JobRunner::Options options{
-        .renewal = std::chrono::milliseconds(1), .poll = std::chrono::milliseconds(1), .kinds = {JobKind::kIndex}};
+    return StartRunner(script, *OpenJobQueue(Index()), JobRunner::Options().lease);
+  }
+
+  std::unique_ptr<JobRunner> StartRunner(const std::string& script, std::unique_ptr<JobQueue> queue,
+                                         std::chrono::milliseconds lease) {
+    JobRunner::Options options{.lease = lease,
+                               .renewal = std::chrono::milliseconds(1),
+                               .poll = std::chrono::milliseconds(1),
+                               .kinds = {JobKind::kIndex}};
     options.command = [script = "cd '" + folder_.path().string() + "'; " + script](const std::vector<std::string>&) {
       return ChildCommand{.executable = "/bin/sh", .arguments = {"sh", "-c", script}};
     };
-    return std::make_unique<JobRunner>(*OpenJobQueue(Index()), kFolders, [] {}, std::move(options));
+    return std::make_unique<JobRunner>(std::move(queue), kFolders, [] {}, std::move(options));
   }
 
   // False if the condition does not come true within a minute.
@@ -177,6 +184,13 @@ class JobRunnerTest : public ::testing::Test {
 
   bool WaitForFile(const std::string& name) {
     return WaitUntil([&] { return std::filesystem::exists(File(name)); });
+  }
+
+  // Waits until the process has ended that wrote its id to the file `pid` before it made the file `started`.
+  bool WaitForEndOfProcess() {
+    pid_t pid = 0;
+    std::ifstream(File("pid")) >> pid;
+    return pid > 0 && WaitUntil([&] { return ::kill(pid, 0) != 0; });
   }
 
   testing::ScratchFolder folder_;
@@ -225,11 +239,50 @@ TEST_F(JobRunnerTest, ProcessOfALostJobIsKilled) {
   const auto kinds = std::to_array({JobKind::kIndex});
   const auto taken = queue_->Claim("other", kinds, after_the_lease, 1'000'000);
   ASSERT_TRUE(taken && *taken);
-  pid_t pid = 0;
-  std::ifstream(File("pid")) >> pid;
-  ASSERT_GT(pid, 0);
-  EXPECT_TRUE(WaitUntil([&] { return ::kill(pid, 0) != 0; }));
+  EXPECT_TRUE(WaitForEndOfProcess());
   EXPECT_EQ((**queue_->Find(job)).worker, "other");
+}
+
+// A queue whose database goes away after the claim.
+class UnreachableQueue final : public JobQueue {
+ public:
+  explicit UnreachableQueue(std::unique_ptr<JobQueue> queue) : queue_(std::move(queue)) {}
+
+  Expected<JobRecord> Submit(const NewJob&) override { return Away(); }
+  Expected<SubmittedJob> SubmitOnce(const NewJob&) override { return Away(); }
+  Expected<std::optional<JobRecord>> Claim(const std::string& worker, std::span<const JobKind> kinds,
+                                           std::int64_t now_us, std::int64_t lease_us) override {
+    if (std::exchange(is_claimed_, true)) return Away();
+    return queue_->Claim(worker, kinds, now_us, lease_us);
+  }
+  Expected<bool> Renew(std::int64_t, const std::string&, std::int64_t, std::int64_t, const JobProgress&) override {
+    return Away();
+  }
+  Status Complete(std::int64_t, const std::string&, const std::string&, std::int64_t) override { return Away(); }
+  Status Fail(std::int64_t, const std::string&, const std::string&, std::int64_t) override { return Away(); }
+  Status EndCancelled(std::int64_t, const std::string&, std::int64_t) override { return Away(); }
+  Status Release(std::int64_t, const std::string&) override { return Away(); }
+  Expected<JobRecord> Cancel(std::int64_t, std::int64_t, const std::string&) override { return Away(); }
+  Expected<std::optional<JobRecord>> Find(std::int64_t) override { return Away(); }
+  Expected<std::vector<JobRecord>> List(std::int64_t) override { return Away(); }
+  Expected<std::int64_t> CountOpen() override { return Away(); }
+
+ private:
+  static std::unexpected<Error> Away() {
+    return std::unexpected(Error{ErrorCode::kUnavailable, "the server does not answer"});
+  }
+
+  std::unique_ptr<JobQueue> queue_;
+  bool is_claimed_ = false;
+};
+
+// Another server takes the job once its lease has run out, and removes what the process was writing.
+TEST_F(JobRunnerTest, ProcessIsKilledWhenItsLeaseCannotBeRenewed) {
+  Submit();
+  const auto runner = StartRunner("trap '' INT; echo $$ >pid; touch started; while :; do :; done",
+                                  std::make_unique<UnreachableQueue>(*OpenJobQueue(Index())), std::chrono::seconds(1));
+  ASSERT_TRUE(WaitForFile("started"));
+  EXPECT_TRUE(WaitForEndOfProcess());
 }
 
 TEST(ApplyEvent, KeepsTheLastCountAndTheLastMessage) {
