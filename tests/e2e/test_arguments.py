@@ -67,8 +67,8 @@ class ArgumentsTest(program.ProgramTest):
         for words, arguments in (
             ("--every = -1: must be", (*index, "--every", "-1")),
             ("--every = -3: must be", (*index, "--every", "-3")),
-            ("--every two: give a whole number from 1", (*index, "--every", "two")),
-            ("--every 2.5: give a whole number from 1", (*index, "--every", "2.5")),
+            ("--every two: give a whole number (", (*index, "--every", "two")),
+            ("--every 2.5: give a whole number (", (*index, "--every", "2.5")),
             ("--step wide: give a number", ("model", "add", "x", "x.glb", "--models", out, "--step", "wide")),
             ("--every", (*index, "--every", "99999999999")),
             ("--threads", (*index, "--threads", "-1")),

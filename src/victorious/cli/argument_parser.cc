@@ -1,7 +1,6 @@
 #include "victorious/cli/argument_parser.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -226,7 +225,8 @@ std::string Suggestion(const std::vector<const CLI::App*>& commands) {
   return "";
 }
 
-// "--every 2.5: give a whole number from 1" for CLI11's "Could not convert: --every = 2.5".
+// "--every 2.5: give a whole number" for CLI11's "Could not convert: --every = 2.5". Of arguments without a range: the
+// others say their range, for such texts, too.
 std::optional<std::string> ExplainConversion(const CLI::App& command, std::string_view message) {
   constexpr std::string_view kStart = "Could not convert: ";
   constexpr std::string_view kBetween = " = ";
@@ -237,12 +237,7 @@ std::optional<std::string> ExplainConversion(const CLI::App& command, std::strin
   const std::string name(message.substr(0, between));
   const CLI::Option* option = command.get_option_no_throw(name);
   const bool whole = option != nullptr && option->get_type_name() == "N";
-  // Counts and intervals, from 1; seeds start at 0.
-  constexpr std::array<std::string_view, 5> kCountOptions = {"--every", "--most", "--columns", "--moments",
-                                                             "--directions"};
-  const bool is_count = std::ranges::find(kCountOptions, name) != kCountOptions.end();
-  return fmt::format("{} {}: give a {}number{}", name, message.substr(between + kBetween.size()), whole ? "whole " : "",
-                     is_count ? " from 1" : "");
+  return fmt::format("{} {}: give a {}number", name, message.substr(between + kBetween.size()), whole ? "whole " : "");
 }
 
 }  // namespace

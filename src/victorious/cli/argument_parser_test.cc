@@ -76,6 +76,17 @@ TEST(ArgumentParser, AnEmptyNumberIsNone) {
   EXPECT_THAT(ErrorOf(program, {"--from", ""}), StartsWith("--from: \"\": must be a number ("));
 }
 
+TEST(ArgumentParser, ANumberThatIsNoneIsExplained) {
+  int every = 0;
+  double step = 0;
+  ProgramParser program("program", "Does");
+  program.Add("--every", every, "Interval").TypeName("N");
+  program.Add("--step", step, "Step");
+  for (const std::string bad : {"two", "2.5"})
+    EXPECT_THAT(ErrorOf(program, {"--every", bad}), StartsWith("--every " + bad + ": give a whole number ("));
+  EXPECT_THAT(ErrorOf(program, {"--step", "wide"}), StartsWith("--step wide: give a number ("));
+}
+
 TEST(ArgumentParser, RangesAreSaidInErrorsAndHelp) {
   int threads = 0;
   double pitch_deg = 0;
