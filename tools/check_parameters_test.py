@@ -28,6 +28,41 @@ MISSED = (
     "add one that shows what it changes"
 )
 
+OPTIONS = """#pragma once
+
+/// Of the cascade.
+struct CascadeOptions {
+  double radius_px = 75;
+  std::uint64_t seed = 1;  ///< as named in another string
+  std::optional<double> cap;  ///< listed by another struct
+  VoteOptions votes;  ///< Not a user parameter
+  int samples =
+      60000;  ///< of the training: a comment that goes on. Not a
+              ///< user parameter
+  /// Two that belong together. Not user parameters: they follow from
+  /// the spacing of the views.
+  double height_m = 1;
+  std::vector<double> height_sigma_m = {1, 2};
+
+  void ListFields(FieldList& fields);
+  [[nodiscard]] bool IsValid() const { return radius_px > 0; }
+
+  int last = 3;  ///< of all
+};
+
+struct NoOptions {
+  int field = 3;
+};
+"""
+LISTS = """void CascadeOptions::ListFields(FieldList& fields) {
+  fields.Add("radius_px", radius_px, {.reason = "the last, by seed"});
+}
+
+void VoteOptions::ListSearchFields(FieldList& fields) {
+  fields.Add("cap", cascade.cap, {});
+}
+"""
+
 
 class CheckParametersTest(unittest.TestCase):
     def setUp(self):
@@ -77,6 +112,21 @@ class CheckParametersTest(unittest.TestCase):
     def test_a_page_without_the_section_is_reported(self):
         self.put("docs/parameters.md", "# Parameters\n")
         self.assertEqual(len(self.findings()), 1)
+
+    def test_a_field_is_listed_or_said_to_be_no_user_parameter(self):
+        self.put("src/victorious/grammar/cascade_test.cc", ".radius_px = 6")
+        self.put("src/victorious/track/track_test.cc", ".missed_frames = 6")
+        self.put("src/victorious/grammar/cascade.h", OPTIONS)
+        self.put("src/victorious/grammar/cascade.cc", LISTS)
+        unlisted = "not in ListFields: list it, or end its comment with \"Not a user parameter\""
+        self.assertEqual(
+            self.findings(),
+            [f"src/victorious/grammar/cascade.h:{line}: CascadeOptions::{name}: {unlisted}" for line, name in ((6, "seed"), (20, "last"))],
+        )
+
+    def test_the_comment_of_a_struct_covers_its_fields(self):
+        self.put("src/victorious/grammar/cascade.h", OPTIONS.replace("/// Of the cascade.", "/// Not user parameters."))
+        self.assertEqual(self.findings(), [RADIUS, MISSED])
 
 
 if __name__ == "__main__":

@@ -50,8 +50,6 @@ Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const Det
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, search));
   DetectabilityOptions options = arguments.options;
   options.attitude_known = !arguments.no_attitude;
-  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(
-      CollectFields(options), {{"size_px", "--size-px"}, {"noise", "--noise"}, {"directions", "--directions"}}));
   if (arguments.sun != "off") {
     options.sun_deg = ParseNumber(arguments.sun);
     if (!options.sun_deg) {
@@ -59,6 +57,9 @@ Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const Det
                   fmt::format("--sun {}: must be an elevation of 5 to 90 degrees, or off", OneLine(arguments.sun)));
     }
   }
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(
+      CollectFields(options),
+      {{"size_px", "--size-px"}, {"noise", "--noise"}, {"sun_deg", "--sun"}, {"directions", "--directions"}}));
   std::optional<Progress> progress;
   std::vector<cv::Mat> images;
   DetectabilityCallbacks callbacks;

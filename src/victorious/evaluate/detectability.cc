@@ -32,6 +32,8 @@ void DetectabilityOptions::ListFields(FieldList& fields) {
   fields.Add("size_px", size_px,
              {.min = 8, .max = 400, .unit = "px", .reason = "the longest side of the object's bounding box"});
   fields.Add("noise", noise, {.min = 0, .max = 0.9, .reason = "fraction of pixels with salt-and-pepper noise"});
+  fields.Add("sun_deg", sun_deg,
+             {.min = 5, .max = 90, .unit = "deg", .reason = "elevation of the sun; null: diffuse light"});
   fields.Add("attitude_known", attitude_known, {.reason = "whether telemetry gives the camera's attitude"});
   fields.Add("directions", directions,
              {.min = 3, .max = 10000, .reason = "number of test directions: more reduce the error of the fractions"});
@@ -307,10 +309,6 @@ DetectableSizes ComputeDetectableSizes(std::vector<std::size_t> rungs, std::span
 
 Status CheckArguments(const ObjectModel& model, const DetectabilityOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  if (options.sun_deg && !(*options.sun_deg >= 5 && *options.sun_deg <= 90)) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("sun = {:g}: must be an elevation of 5 to 90 degrees, or off", *options.sun_deg));
-  }
   if (IsOfPhotos(model)) {
     if (options.sun_deg) {
       return Fail(ErrorCode::kInvalidArgument,

@@ -33,7 +33,7 @@ namespace victorious {
 struct DetectabilityOptions {
   double size_px = 64;
   double noise = 0;
-  std::optional<double> sun_deg;  ///< elevation of the sun, degrees, 5 to 90; std::nullopt: diffuse light
+  std::optional<double> sun_deg;  ///< std::nullopt: diffuse light
   bool attitude_known = true;
   int directions = 24;
   std::uint64_t seed = 1;

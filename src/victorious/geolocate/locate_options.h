@@ -36,8 +36,9 @@ struct CommonErrorOptions {
   double position_m = 2;
   double height_m = 2;
   double heading_deg = 0.5;
-  double boresight_side_deg = 0.1;  ///< misalignment of the camera to the side, in addition to the heading error
-  double boresight_rise_deg = 0.5;  ///< error in elevation: misalignment of the camera upwards
+  /// Misalignment of the camera to the side, in addition to the heading error. Not a user parameter.
+  double boresight_side_deg = 0.1;
+  double boresight_rise_deg = 0.5;  ///< error in elevation: misalignment of the camera upwards. Not a user parameter
   double range_fraction = 0.02;
 
   void ListFields(FieldList& fields);

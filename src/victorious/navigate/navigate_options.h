@@ -37,7 +37,7 @@ struct LandmarkErrorOptions {
 struct NavigateOptions {
   TelemetryErrorOptions telemetry;
   MotionOptions motion;
-  LandmarkErrorOptions landmark;
+  LandmarkErrorOptions landmark;  ///< Not a user parameter
   double gate_sigma = 5;
 
   void ListFields(FieldList& fields);

@@ -44,7 +44,7 @@ struct IndexOptions {
   CategoryFindOptions categories;
   SunDirectionOptions sun_direction;
   TelemetryOptions telemetry;
-  ObservationOptions observation;
+  ObservationOptions observation;  ///< Not a user parameter
   FollowOptions follow;
   TrackletOptions tracklets;
   ObjectOptions objects;

@@ -31,12 +31,12 @@ inline constexpr auto kSearchMethodTexts =
 struct RecognizeOptions {
   SearchMethod method = SearchMethod::kAuto;
   VoteSearchOptions search;
-  ShortlistOptions shortlist;  ///< none of them is a parameter
+  ShortlistOptions shortlist;  ///< Not a user parameter
   MatchOptions match;
   CascadeOptions cascade;
   PoseOptions pose;
   DetectOptions detect;
-  NccOptions ncc;  ///< none of them is a parameter
+  NccOptions ncc;  ///< Not a user parameter
 
   void ListFields(FieldList& fields);
 };
