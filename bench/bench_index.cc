@@ -177,9 +177,10 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
                 .median_ms = Median(times_ms),
                 .peer_median_ms = {{"opencv_sift", OpenCvSiftMs(clip->frames(), options.features)}},
                 .figures = {{"mean_ms", mean_ms}, {"slowest_ms", std::ranges::max(times_ms)}}};
-  for (std::size_t i = 0; i < kStageCount; ++i) {
-    if (i == static_cast<std::size_t>(Stage::kSun)) continue;
-    result.figures.emplace_back(fmt::format("{}_ms", kStageNames[i]), 1e3 * stages_s[i] / count);
+  for (const auto& [stage, name] : kStageTexts) {
+    if (stage == Stage::kSun) continue;
+    const double stage_s = stages_s[static_cast<std::size_t>(stage)];
+    result.figures.emplace_back(fmt::format("{}_ms", name), 1e3 * stage_s / count);
   }
   const double start_all_s = std::accumulate(start_s.begin(), start_s.end(), 0.0);
   result.figures.insert(result.figures.end(), {{"start_s", start_all_s},

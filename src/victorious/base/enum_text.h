@@ -39,4 +39,12 @@ constexpr std::optional<Enum> FromText(const std::array<EnumText<Enum>, count>& 
   return std::nullopt;
 }
 
+/// Returns all texts, in the order of the table.
+template <typename Enum, std::size_t count>
+constexpr std::array<std::string_view, count> Texts(const std::array<EnumText<Enum>, count>& table) {
+  std::array<std::string_view, count> texts;
+  for (std::size_t i = 0; i < count; ++i) texts[i] = table[i].text;
+  return texts;
+}
+
 }  // namespace victorious

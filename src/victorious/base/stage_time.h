@@ -12,7 +12,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
+
+#include "victorious/base/enum_text.h"
 
 namespace victorious {
 
@@ -29,9 +30,17 @@ enum class Stage {
   kTracking,        ///< of objects and their regions, bearing observations included
   kStore,           ///< linking to tracklets, and the database
 };
-inline constexpr std::array<std::string_view, 10> kStageNames = {
-    "reading", "sun", "features", "matching", "poses", "relit_templates", "detection", "ncc", "tracking", "store"};
-inline constexpr std::size_t kStageCount = kStageNames.size();
+inline constexpr auto kStageTexts = std::to_array<EnumText<Stage>>({{Stage::kReading, "reading"},
+                                                                    {Stage::kSun, "sun"},
+                                                                    {Stage::kFeatures, "features"},
+                                                                    {Stage::kMatching, "matching"},
+                                                                    {Stage::kPoses, "poses"},
+                                                                    {Stage::kRelitTemplates, "relit_templates"},
+                                                                    {Stage::kDetection, "detection"},
+                                                                    {Stage::kNcc, "ncc"},
+                                                                    {Stage::kTracking, "tracking"},
+                                                                    {Stage::kStore, "store"}});
+inline constexpr std::size_t kStageCount = kStageTexts.size();
 static_assert(kStageCount == static_cast<std::size_t>(Stage::kStore) + 1);
 
 /// Starts the measurement of all threads at zero, or ends it. Not while scopes are open.

@@ -3,7 +3,9 @@
 // itself reach CLI11, by app().
 #pragma once
 
+#include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -11,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 
 namespace CLI {
@@ -50,6 +53,12 @@ class Argument {
   Argument AtLeast(std::int64_t min);
   /// Accepts these words.
   Argument OneOf(const std::vector<std::string>& words);
+  /// Accepts the texts of a table.
+  template <typename Enum, std::size_t count>
+  Argument OneOf(const std::array<EnumText<Enum>, count>& table) {
+    const auto texts = Texts(table);
+    return OneOf(std::vector<std::string>(texts.begin(), texts.end()));
+  }
   /// Accepts the texts for which `check` has no error.
   Argument Check(std::function<Status(const std::string& text)> check);
   /// Changes each text by `transform` before it is converted to the value's type.

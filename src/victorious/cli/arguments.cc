@@ -125,7 +125,7 @@ void AddParams(ArgumentParser& parser, std::string& params, std::string_view lis
   parser
       .Add("--params", params,
            fmt::format("Parameters: JSON (`victorious params {}` lists them), or a preset: {}", lists,
-                       fmt::join(PresetNames(), ", ")))
+                       fmt::join(Texts(kPresetTexts), ", ")))
       .TypeName("FILE");
 }
 
@@ -204,7 +204,7 @@ Status ReadParamsFile(const std::string& path, const std::vector<FieldRef>& fiel
   const bool looks_like_a_name = path.find_first_of("./") == std::string::npos;
   if (looks_like_a_name && !std::filesystem::exists(path)) {
     return Fail(ErrorCode::kNotFound, fmt::format("--params {}: neither a file nor a preset; presets are {}", path,
-                                                  fmt::join(PresetNames(), ", ")));
+                                                  fmt::join(Texts(kPresetTexts), ", ")));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxBytes));
   const auto json = ParseJson(text);

@@ -81,7 +81,7 @@ void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
 /// from that file. Errors: those of ApplyPreset and ReadParamsFile.
 template <typename Options>
 [[nodiscard]] Status ReadParams(const std::string& path, Options& options) {
-  if (const std::optional<Preset> preset = FindPreset(path)) return ApplyPreset(*preset, options);
+  if (const std::optional<Preset> preset = FromText(kPresetTexts, path)) return ApplyPreset(*preset, options);
   return ReadParamsFile(path, CollectFields(options));
 }
 

@@ -1,6 +1,5 @@
 // victorious locate LINES.csv
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -30,14 +29,6 @@ struct LocateArguments {
   GroundArguments ground;
   bool json = false;
 };
-
-// The texts of a table's values, for the check of an option.
-template <typename Enum, std::size_t count>
-std::vector<std::string> Texts(const std::array<EnumText<Enum>, count>& table) {
-  std::vector<std::string> texts;
-  for (const EnumText<Enum>& entry : table) texts.emplace_back(entry.text);
-  return texts;
-}
 
 Json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
@@ -130,9 +121,8 @@ Status Run(const LocateArguments& arguments) {
 Action SetUpLocate(ArgumentParser& parser) {
   const auto arguments = std::make_shared<LocateArguments>();
   parser.Add("LINES", arguments->lines, "Lines of sight (CSV, docs/formats/locate.md)").Required().TypeName("FILE");
-  parser.Add("--motion", arguments->motion, "Motion model of the object (default static)")
-      .OneOf(Texts(kMotionModelTexts));
-  parser.Add("--method", arguments->method, "The estimator (default ml)").OneOf(Texts(kLocateMethodTexts));
+  parser.Add("--motion", arguments->motion, "Motion model of the object (default static)").OneOf(kMotionModelTexts);
+  parser.Add("--method", arguments->method, "The estimator (default ml)").OneOf(kLocateMethodTexts);
   AddGround(parser, arguments->ground);
   parser.Add("--params", arguments->params, "Parameters (`victorious params locate`)").TypeName("FILE");
   parser.AddFlag("--json", arguments->json, "Print JSON");

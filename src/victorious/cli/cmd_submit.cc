@@ -41,7 +41,7 @@ struct SubmitArguments {
 std::string AbsolutePath(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
 
 bool IsParamsFile(const SubmitArguments& arguments) {
-  return !arguments.params.empty() && !FindPreset(arguments.params);
+  return !arguments.params.empty() && !FromText(kPresetTexts, arguments.params);
 }
 
 // The options of `victorious index`, with absolute paths: workers start in other folders.

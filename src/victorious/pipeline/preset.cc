@@ -1,9 +1,6 @@
 #include "victorious/pipeline/preset.h"
 
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <vector>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,8 +14,6 @@
 
 namespace victorious {
 namespace {
-
-constexpr std::array<std::string_view, 3> kNames = {"thesis", "learnt", "windows"};
 
 // Lowe's values (IJCV 2004), and no prior denoising.
 void SetThesisFeatures(FeatureOptions& features) {
@@ -90,17 +85,9 @@ Status ApplyToSearch(Preset preset, Options& options) {
 
 }  // namespace
 
-std::span<const std::string_view> PresetNames() { return kNames; }
-
-std::optional<Preset> FindPreset(std::string_view name) {
-  const auto found = std::ranges::find(kNames, name);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<Preset>(found - kNames.begin());
-}
-
 Error PresetDoesNotApply(Preset preset) {
-  return {ErrorCode::kInvalidArgument, fmt::format("preset {}: sets none of the parameters of this command",
-                                                   kNames[static_cast<std::size_t>(preset)])};
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("preset {}: sets none of the parameters of this command", ToText(kPresetTexts, preset))};
 }
 
 Status ApplyPreset(Preset preset, RecognizeOptions& options) {
@@ -134,9 +121,8 @@ Status ApplyPreset(Preset preset, CategoryTrainOptions& options) {
 
 Expected<Quality> ParseQuality(std::string_view name) {
   if (const std::optional<Quality> quality = FromText(kQualityTexts, name)) return *quality;
-  std::vector<std::string_view> names;
-  for (const auto& [quality, text] : kQualityTexts) names.push_back(text);
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("--quality {}: give one of {}", name, fmt::join(names, ", ")));
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("--quality {}: give one of {}", name, fmt::join(Texts(kQualityTexts), ", ")));
 }
 
 void ApplyQuality(Quality quality, bool cad_only, IndexOptions& options) {

@@ -3,8 +3,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
-#include <span>
 #include <string_view>
 
 #include "victorious/base/enum_text.h"
@@ -32,11 +30,8 @@ struct RecognizeOptions;
 /// times.
 enum class Preset { kThesis, kLearnt, kWindows };
 
-/// The names of all presets, in the order of the enum.
-std::span<const std::string_view> PresetNames();
-
-/// The preset of a name; std::nullopt if there is none.
-[[nodiscard]] std::optional<Preset> FindPreset(std::string_view name);
+inline constexpr auto kPresetTexts = std::to_array<EnumText<Preset>>(
+    {{Preset::kThesis, "thesis"}, {Preset::kLearnt, "learnt"}, {Preset::kWindows, "windows"}});
 
 /// Sets the fields of the preset, whatever their values. Errors: kInvalidArgument if the preset sets none of these
 /// options; then nothing is changed.

@@ -92,12 +92,6 @@ TEST(Preset, HasNoEffectOnOtherCommands) {
             "preset thesis: sets none of the parameters of this command");
 }
 
-TEST(Preset, IsFoundByName) {
-  for (const std::string_view name : PresetNames()) EXPECT_TRUE(FindPreset(name)) << name;
-  EXPECT_EQ(FindPreset("windows"), Preset::kWindows);
-  EXPECT_FALSE(FindPreset("nonsense"));
-}
-
 TEST(Quality, TradesTimeForCompleteness) {
   const IndexOptions defaults;
   IndexOptions normal;

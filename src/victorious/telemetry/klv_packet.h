@@ -1,6 +1,7 @@
 // telemetry/: a decoded KLV unit: its items by number and name of their standard, with their values.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,6 +9,8 @@
 #include <string_view>
 #include <variant>
 #include <vector>
+
+#include "victorious/base/enum_text.h"
 
 namespace victorious {
 
@@ -37,6 +40,9 @@ struct KlvItem {
 };
 
 enum class KlvStandard { kSt0601, kEg0104, kOther };
+
+inline constexpr auto kKlvStandardTexts = std::to_array<EnumText<KlvStandard>>(
+    {{KlvStandard::kSt0601, "MISB ST 0601"}, {KlvStandard::kEg0104, "MISB EG 0104"}, {KlvStandard::kOther, "other"}});
 
 struct KlvChecksum {
   std::uint16_t expected = 0;  ///< as recorded in the packet

@@ -111,16 +111,4 @@ std::optional<std::int64_t> PrecisionTime(const KlvPacket& packet) {
   return std::nullopt;
 }
 
-std::string_view Name(KlvStandard standard) {
-  switch (standard) {
-    case KlvStandard::kSt0601:
-      return "MISB ST 0601";
-    case KlvStandard::kEg0104:
-      return "MISB EG 0104";
-    case KlvStandard::kOther:
-      break;
-  }
-  return "other";
-}
-
 }  // namespace victorious

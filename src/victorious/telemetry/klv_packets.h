@@ -27,7 +27,4 @@ struct KlvPackets {
 /// The packet's own time stamp, microseconds since 1970-01-01 UTC; std::nullopt if absent, 0 or beyond the year 9999.
 [[nodiscard]] std::optional<std::int64_t> PrecisionTime(const KlvPacket& packet);
 
-/// "MISB ST 0601", "MISB EG 0104", "other".
-[[nodiscard]] std::string_view Name(KlvStandard standard);
-
 }  // namespace victorious

@@ -51,8 +51,12 @@ Json OrNull(const std::optional<T>& value) {
 }
 
 Json PacketToJson(const KlvPacket& packet) {
-  Json json{{"standard", Name(packet.standard)}, {"label", packet.label},  {"stream", packet.stream},
-            {"offset", packet.offset},           {"items", Json::array()}, {"time_s", OrNull(packet.time_s)}};
+  Json json{{"standard", ToText(kKlvStandardTexts, packet.standard)},
+            {"label", packet.label},
+            {"stream", packet.stream},
+            {"offset", packet.offset},
+            {"items", Json::array()},
+            {"time_s", OrNull(packet.time_s)}};
   const auto own_us = PrecisionTime(packet);
   json["precision_time_us"] = OrNull(own_us);
   json["utc"] = own_us ? Json(FormatUtc(*own_us)) : Json();
@@ -134,28 +138,10 @@ void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>&
 
 }  // namespace
 
-std::string_view Name(TelemetryFormat format) {
-  switch (format) {
-    case TelemetryFormat::kNone:
-      return "none";
-    case TelemetryFormat::kSt0601:
-      return Name(KlvStandard::kSt0601);
-    case TelemetryFormat::kEg0104:
-      return Name(KlvStandard::kEg0104);
-    case TelemetryFormat::kOtherKlv:
-      return "KLV of another standard";
-    case TelemetryFormat::kDjiSubtitles:
-      return "DJI subtitles";
-    case TelemetryFormat::kTable:
-      return "table";
-    case TelemetryFormat::kPhotos:
-      return "photos";
-  }
-  return "";
-}
-
 Json ToJson(const Telemetry& telemetry) {
-  Json json{{"format", Name(telemetry.format)}, {"records", telemetry.records}, {"states", Json::array()}};
+  Json json{{"format", ToText(kTelemetryFormatTexts, telemetry.format)},
+            {"records", telemetry.records},
+            {"states", Json::array()}};
   if (!telemetry.packets.empty()) json["packets"] = Json::array();
   for (const KlvPacket& packet : telemetry.packets) json["packets"].push_back(PacketToJson(packet));
   if (!telemetry.packets.empty()) json["nested_sets"] = Json::array();
@@ -171,8 +157,8 @@ Json ToJson(const Telemetry& telemetry) {
 std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
   if (telemetry.records == 0) return {"no telemetry"};
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("{}: {} records, {} camera states", Name(telemetry.format), telemetry.records,
-                              telemetry.states.size()));
+  lines.push_back(fmt::format("{}: {} records, {} camera states", ToText(kTelemetryFormatTexts, telemetry.format),
+                              telemetry.records, telemetry.states.size()));
   if (!telemetry.packets.empty()) lines.push_back(ChecksumLine(telemetry.packets));
   AddNestedSets(lines, telemetry.packets);
   const std::vector<CameraState>& states = telemetry.states;

@@ -47,8 +47,14 @@ struct TelemetryOptions {
 /// The format of a source; `kNone` for a video without telemetry.
 enum class TelemetryFormat { kNone, kSt0601, kEg0104, kOtherKlv, kDjiSubtitles, kTable, kPhotos };
 
-/// "none", "MISB ST 0601", "MISB EG 0104", "KLV of another standard", "DJI subtitles", "table", "photos".
-[[nodiscard]] std::string_view Name(TelemetryFormat format);
+inline constexpr auto kTelemetryFormatTexts = std::to_array<EnumText<TelemetryFormat>>(
+    {{TelemetryFormat::kNone, "none"},
+     {TelemetryFormat::kSt0601, ToText(kKlvStandardTexts, KlvStandard::kSt0601)},
+     {TelemetryFormat::kEg0104, ToText(kKlvStandardTexts, KlvStandard::kEg0104)},
+     {TelemetryFormat::kOtherKlv, "KLV of another standard"},
+     {TelemetryFormat::kDjiSubtitles, "DJI subtitles"},
+     {TelemetryFormat::kTable, "table"},
+     {TelemetryFormat::kPhotos, "photos"}});
 
 struct Telemetry {
   TelemetryFormat format = TelemetryFormat::kNone;
