@@ -1,6 +1,7 @@
 #include "victorious/associate/search_counts.h"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 namespace victorious {
@@ -9,6 +10,12 @@ namespace {
 constexpr double kHour_s = 3600;
 
 }  // namespace
+
+std::int64_t SearchedFrames::CountBefore(std::int64_t end) const {
+  const auto multiples = [end](std::int64_t step) { return (end + step - 1) / step; };
+  if (restart == 0) return multiples(every);
+  return multiples(every) + multiples(restart) - multiples(std::lcm(every, restart));
+}
 
 void SearchCounts::Add(std::int64_t video, std::int64_t searches, std::optional<double> duration_s) {
   Video& counted = of_video_[video];

@@ -14,6 +14,17 @@
 
 namespace victorious {
 
+/// Which frames are searched in full: the multiples of `every`, and those of `restart`, where all tracks restart.
+struct SearchedFrames {
+  std::int64_t every = 1;
+  std::int64_t restart = 0;  ///< 0: without tracking
+
+  /// The number of such frames before frame `end`. Those before `index --from` are counted, too, though they were not
+  /// searched: the store does not keep that time. It makes an object need log10(1 + n / m) more of -log10 NFA, where n
+  /// frames before that time are counted with the m that were searched.
+  [[nodiscard]] std::int64_t CountBefore(std::int64_t end) const;
+};
+
 class SearchCounts {
  public:
   /// @param searches    full-frame searches for one model

@@ -1,5 +1,7 @@
 #include "victorious/associate/search_counts.h"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 namespace victorious {
@@ -33,6 +35,18 @@ TEST_F(SearchCountsTest, OfLongVideosThoseOfAnHour) {
   EXPECT_DOUBLE_EQ(counts.TestsOf({.tracklets = {&first_}, .estimate = {}, .absolute = {}}), 18'000);
   counts.Add(2, 12'000, 3600.0);
   EXPECT_DOUBLE_EQ(counts.TestsOf({.tracklets = {&first_, &second_}, .estimate = {}, .absolute = {}}), 16'000);
+}
+
+// As IsFullSearchFrame of pipeline/ selects them.
+TEST(SearchedFrames, AreThoseOfTheIntervalAndOfRestarts) {
+  for (const auto& [every, restart] : {std::pair<int, int>{1, 0}, {4, 0}, {9, 60}, {60, 9}, {1000, 60}, {7, 7}}) {
+    const SearchedFrames frames{.every = every, .restart = restart};
+    std::int64_t searched = 0;
+    for (int end = 0; end < 400; ++end) {
+      EXPECT_EQ(frames.CountBefore(end), searched) << every << ' ' << restart << ' ' << end;
+      searched += end % every == 0 || (restart > 0 && end % restart == 0) ? 1 : 0;
+    }
+  }
 }
 
 TEST_F(SearchCountsTest, NothingIsKnownOfAnUnsearchedVideo) {

@@ -14,36 +14,50 @@
 #include "victorious/associate/flight_errors.h"
 #include "victorious/associate/kept_fits.h"
 #include "victorious/associate/observed_tracklet.h"
+#include "victorious/associate/search_counts.h"
 #include "victorious/base/json.h"
 
 namespace victorious {
 namespace {
 
-// Number of frames between two full-frame searches: the field "every" of the search's options. Error: kDataLoss if
-// there is none.
-Expected<std::int64_t> SearchInterval(const SearchRecord& search, const std::string& video, const std::string& model) {
+// The member of an object; null if there is none.
+nlohmann::json Member(const nlohmann::json& object, const char* name) {
+  return object.is_object() ? object.value(name, nlohmann::json()) : nlohmann::json();
+}
+
+// A number of frames; 0 if it is none.
+std::int64_t Interval(const nlohmann::json& value) {
+  constexpr std::int64_t kMaxFrames = 1'000'000;
+  return value.is_number_integer() ? std::clamp<std::int64_t>(value.get<std::int64_t>(), 0, kMaxFrames) : 0;
+}
+
+// By the fields "every" and "follow" of the search's options. Error: kDataLoss if there is no "every".
+Expected<SearchedFrames> ReadSearchedFrames(const SearchRecord& search, const std::string& video,
+                                            const std::string& model) {
   const nlohmann::json options = ParseStrictJson(search.options_json).value_or(nullptr);
-  const auto every = options.is_object() ? options.find("every") : options.end();
-  if (every == options.end() || !every->is_number_integer() || every->get<std::int64_t>() < 1) {
+  const nlohmann::json follow = Member(options, "follow");
+  SearchedFrames frames{.every = Interval(Member(options, "every"))};
+  if (frames.every == 0) {
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{}: the stored options of the search for {} have no whole number \"every\" of at least 1",
                             video, model));
   }
-  return every->get<std::int64_t>();
+  if (Member(follow, "enabled") == true) frames.restart = Interval(Member(follow, "restart_interval_frames"));
+  return frames;
 }
 
-// The number of frames between two full-frame searches, by the texts of their options, which are few.
-class StoredIntervals {
+// The frames of a search, by the texts of the options, which are few.
+class StoredSearches {
  public:
-  Expected<std::int64_t> Of(const SearchRecord& search, const std::string& video, const std::string& model) {
+  Expected<SearchedFrames> Of(const SearchRecord& search, const std::string& video, const std::string& model) {
     const auto known = of_options_.find(search.options_json);
     if (known != of_options_.end()) return known->second;
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t interval, SearchInterval(search, video, model));
-    return of_options_[search.options_json] = interval;
+    VICTORIOUS_ASSIGN_OR_RETURN(const SearchedFrames frames, ReadSearchedFrames(search, video, model));
+    return of_options_[search.options_json] = frames;
   }
 
  private:
-  std::map<std::string, std::int64_t> of_options_;
+  std::map<std::string, SearchedFrames> of_options_;
 };
 
 // The full-frame searches for models; categories do not count.
@@ -56,14 +70,14 @@ Expected<SearchCounts> CountFullFrameSearches(const std::vector<ModelRecord>& mo
   std::map<std::int64_t, const VideoRecord*> videos_by_id;
   for (const VideoRecord& video : videos) videos_by_id[video.id] = &video;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchRecord> searches, store.Searches());
-  StoredIntervals intervals;
+  StoredSearches stored;
   SearchCounts counts;
   for (const SearchRecord& search : searches) {
     const auto video = videos_by_id.find(search.video);
     const auto model = names_of_models.find(search.model);
     if (video == videos_by_id.end() || model == names_of_models.end()) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t step, intervals.Of(search, video->second->name, model->second));
-    counts.Add(search.video, (search.next_frame + step - 1) / step, video->second->duration_s);
+    VICTORIOUS_ASSIGN_OR_RETURN(const SearchedFrames frames, stored.Of(search, video->second->name, model->second));
+    counts.Add(search.video, frames.CountBefore(search.next_frame), video->second->duration_s);
   }
   return counts;
 }
