@@ -93,6 +93,7 @@ class TelemetryTest(program.ProgramTest):
         self.assertAlmostEqual(float(row["altitude_m"]), 551.9)
         self.assertAlmostEqual(float(row["hfov_deg"]), 66.6, delta=0.1)
         self.refuses(2, ["--camera", "phantom-9", "mavic-pro"], "telemetry", subtitles, "--camera", "phantom-9")
+        self.refuses(2, ["--yaw", "give --pitch or --nadir"], "telemetry", subtitles, "--yaw", "90")
 
     def test_klv_items_by_number_and_name(self):
         good = packet(b"\x02\x08" + (1_000_000).to_bytes(8, "big") + b"\x05\x02\x71\xc2")

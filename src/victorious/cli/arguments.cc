@@ -149,7 +149,9 @@ void AddCamera(ArgumentParser& parser, CameraArguments& camera) {
           .Range(-90.0, 90.0)
           .TypeName("DEG");
   parser.AddFlag("--nadir", camera.nadir, "The same as --pitch -90").Excludes(pitch);
-  parser.Add("--yaw", camera.yaw_deg, "Direction of the optical axis in degrees clockwise from north")
+  parser
+      .Add("--yaw", camera.yaw_deg,
+           "Direction of the optical axis in degrees clockwise from north; with --pitch or --nadir")
       .Range(-360.0, 360.0)
       .TypeName("DEG");
   parser.Add("--takeoff", camera.takeoff_m, "Height of the take-off above the ellipsoid, in metres")
@@ -169,13 +171,18 @@ void AddCamera(ArgumentParser& parser, CameraArguments& camera) {
       .TypeName("NAME");
 }
 
-void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) {
+Status ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) {
+  if (arguments.yaw_deg && !arguments.pitch_deg && !arguments.nadir) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--yaw: needs the elevation of the optical axis, too: give --pitch or --nadir");
+  }
   constexpr double kNadir_deg = -90;
   if (arguments.pitch_deg) options.camera_pitch_deg = arguments.pitch_deg;
   if (arguments.nadir) options.camera_pitch_deg = kNadir_deg;
   options.camera_yaw_deg = arguments.yaw_deg;
   options.camera_model = arguments.camera;
   if (arguments.takeoff_m) options.takeoff_altitude_m = *arguments.takeoff_m;
+  return {};
 }
 
 void AddGround(ArgumentParser& parser, GroundArguments& ground) {

@@ -64,8 +64,8 @@ void AddFieldOfView(ArgumentParser& parser, std::optional<double>& hfov_deg);
 /// heights or a field of view lacks.
 void AddCamera(ArgumentParser& parser, CameraArguments& camera);
 
-/// Copies the values that were given to `options`.
-void ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options);
+/// Copies the values that were given to `options`. Error: kInvalidArgument for a yaw without an elevation.
+[[nodiscard]] Status ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options);
 
 /// Adds the options --ground, --terrain, --terrain-datum and --geoid. Options that are not given leave `ground`
 /// unchanged.

@@ -110,7 +110,7 @@ Expected<IndexOptions> ReadOptions(const IndexArguments& arguments, const std::v
   VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"every", "--every"}}));
   VICTORIOUS_RETURN_IF_ERROR(SetKeptFeatures(arguments.keep_features, options.keep));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
-  ApplyCamera(arguments.camera, options.telemetry);
+  VICTORIOUS_RETURN_IF_ERROR(ApplyCamera(arguments.camera, options.telemetry));
   ApplyGround(arguments.ground, options.ground);
   return options;
 }

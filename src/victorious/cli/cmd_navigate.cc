@@ -109,7 +109,7 @@ Status Run(const NavigateArguments& arguments, const ArgumentParser& parser) {
   const std::vector<std::string> beside = ListTelemetryBeside({arguments.video}, arguments.telemetry);
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCameraTable}}, beside));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
-  ApplyCamera(arguments.camera, options.telemetry);
+  VICTORIOUS_RETURN_IF_ERROR(ApplyCamera(arguments.camera, options.telemetry));
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
   if (models.empty()) {
     return Fail(ErrorCode::kNotFound,

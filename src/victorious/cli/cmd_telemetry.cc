@@ -87,7 +87,7 @@ Status Run(const TelemetryArguments& arguments, const ArgumentParser& parser) {
   TimedTelemetryOptions parameters;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, parameters));
   if (arguments.hfov_deg) parameters.telemetry.hfov_deg = *arguments.hfov_deg;
-  ApplyCamera(arguments.camera, parameters.telemetry);
+  VICTORIOUS_RETURN_IF_ERROR(ApplyCamera(arguments.camera, parameters.telemetry));
   if (arguments.file.empty() && arguments.video.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "neither FILE nor --video given: name the source of the telemetry");
   }

@@ -143,7 +143,7 @@ Status Run(const TrackArguments& arguments, const ArgumentParser& parser) {
   TrackBoxesOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
-  ApplyCamera(arguments.camera, options.telemetry);
+  VICTORIOUS_RETURN_IF_ERROR(ApplyCamera(arguments.camera, options.telemetry));
   ApplyGround(arguments.ground, options.ground);
   std::vector<std::string> videos = {arguments.video};
   videos.insert(videos.end(), arguments.also.begin(), arguments.also.end());
