@@ -22,7 +22,8 @@ bool IsReady() { return sodium_init() >= 0; }
 Status CheckPassword(std::string_view password) {
   if (password.size() >= kMinPasswordBytes && password.size() <= kMaxPasswordBytes) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("the password must have {} to {} characters", kMinPasswordBytes, kMaxPasswordBytes));
+              fmt::format("the password must have {} to {} bytes: most letters are one each", kMinPasswordBytes,
+                          kMaxPasswordBytes));
 }
 
 Expected<std::string> HashPassword(std::string_view password) {
