@@ -56,7 +56,7 @@ struct DetectOptions {
 struct Candidate {
   std::size_t model_index = 0;  ///< index into the models that were searched
   std::size_t view = 0;         ///< index into that model's views
-  std::size_t matches = 0;      ///< n: number of matches of this view after the ratio test
+  std::size_t matches = 0;      ///< n: number of matches of this view: those of the ratio test, or the ranked ones
   std::size_t views = 1;        ///< number of views searched of the model: the number of tests in the NFA
   Polygon outline;              ///< of the object in the template, px
   PlanarFit fit;

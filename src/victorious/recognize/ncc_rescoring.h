@@ -28,7 +28,7 @@ namespace victorious {
 struct NccOptions {
   int max_poses = 2;                 ///< rescored poses per model and frame, best first; 0: none
   int max_poses_per_frame = 12;      ///< rescored poses per frame, over all models: bounds the time
-  double min_neg_log10_nfa = -2.0;   ///< decades; below it hardly any pose is true
+  double min_neg_log10_nfa = -2.0;   ///< decades, at most the next one; below it hardly any pose is true
   double max_neg_log10_nfa = 6.0;    ///< decades; above it a pose is certain, also if partly occluded
   double decades_per_z_score = 2.0;  ///< increase of -log10 NFA per unit of z; fitted as said above
   double neutral_z_score = 2.3;      ///< z that leaves the -log10 NFA unchanged; fitted as said above

@@ -43,12 +43,7 @@ Expected<Recognizer> Recognizer::Create(
     const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates) {
   VICTORIOUS_CHECK(relit_templates.empty() || relit_templates.size() == models.size());
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  if (options.ncc.min_neg_log10_nfa > options.ncc.max_neg_log10_nfa) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("ncc.min_neg_log10_nfa {:g}: must not exceed ncc.max_neg_log10_nfa {:g}; to disable "
-                            "rescoring set ncc.max_poses 0",
-                            options.ncc.min_neg_log10_nfa, options.ncc.max_neg_log10_nfa));
-  }
+  VICTORIOUS_CHECK(options.ncc.min_neg_log10_nfa <= options.ncc.max_neg_log10_nfa);
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
   return Recognizer(std::move(models), options, relit_templates);
 }

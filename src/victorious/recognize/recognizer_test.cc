@@ -329,8 +329,6 @@ TEST(Recognizer, NccScoreDecidesUncertainDetections) {
   none = options;
   none.ncc.max_poses_per_frame = 0;
   EXPECT_EQ(neg_log10_nfa(none, scene), votes);
-  options.ncc.min_neg_log10_nfa = 1001;
-  EXPECT_EQ(Recognizer::Create({}, FeatureOptions().engine, options).error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST_P(VotesTest, FindNothingInUnrelatedScenes) {
