@@ -1,7 +1,8 @@
 // Estimates the error of the field of view that telemetry states, from the motion of the image.
 //
-// Lines of sight alone do not tell it where the camera flies straight: ranges by apparent size and by triangulation are
-// both proportional to the focal length f. But ground that is seen obliquely moves the faster the nearer it is:
+// Where the camera flies straight, lines of sight alone do not determine it: ranges by apparent size and by
+// triangulation are both proportional to the focal length f. But ground that is seen obliquely moves the faster the
+// nearer it is:
 //
 //   shift(x) = f v / depth(x),   1 / depth(x) = (n_z + n_y y / f + n_x x / f) / height
 //

@@ -51,7 +51,7 @@ struct ImageMotion {
   double from_s = 0;
   double to_s = 0;
   Similarity2 to_from;            ///< px
-  std::optional<ImageFlow> flow;  ///< affine, where enough corners tell it
+  std::optional<ImageFlow> flow;  ///< affine; std::nullopt if too few corners were tracked (FitImageFlow)
 };
 
 struct ImageMotions {

@@ -28,7 +28,7 @@ constexpr double kLandmarkWeight = 3;
 // The best hypothesis is clear if no other outside its gate has a score within this (log-likelihood). Chosen.
 constexpr double kMinScoreMargin = 1;
 
-// Maximum number of sightings of a window whose hypotheses are tried: bounds the cost, which grows with its square.
+// About the number of hypotheses of a window that are tried: bounds the cost, which grows with its square.
 constexpr std::size_t kMaxHypotheses = 120;
 
 // The transfer of a hypothesis within a window adds a standard deviation of at most kMaxHypothesisSigma_m over this.
@@ -136,7 +136,7 @@ class HypothesisWindow {
   [[nodiscard]] ConsensusSet FindConsensus(const std::vector<bool>& wrong) const {
     ConsensusSet best;
     std::vector<std::pair<double, std::size_t>> scores;  // of all hypotheses tried
-    for (const std::size_t reference : Candidates()) {
+    for (const std::size_t reference : SampledHypotheses()) {
       if (wrong[nodes[reference].landmark]) continue;
       const double offset = TelemetryDistance(nodes[reference]);
       ConsensusSet consensus{.reference = reference, .inliers = {}, .score = TelemetryLogLikelihood(offset)};
@@ -178,18 +178,18 @@ class HypothesisWindow {
 
   // A subset of the hypotheses, spread over the window: all hypotheses of every n-th sighting, so that no landmark is
   // omitted.
-  [[nodiscard]] std::vector<std::size_t> Candidates() const {
+  [[nodiscard]] std::vector<std::size_t> SampledHypotheses() const {
     const std::size_t stride = nodes.size() / kMaxHypotheses + 1;
-    std::vector<std::size_t> candidates;
+    std::vector<std::size_t> sampled;
     std::size_t sightings = 0;
     for (std::size_t n = 0; n < nodes.size();) {
       const std::size_t sighting = nodes[n].sighting;
       const bool is_sampled = sightings++ % stride == 0;
       for (; n < nodes.size() && nodes[n].sighting == sighting; ++n) {
-        if (is_sampled) candidates.push_back(n);
+        if (is_sampled) sampled.push_back(n);
       }
     }
-    return candidates;
+    return sampled;
   }
 
   // The squared Mahalanobis distance of two hypotheses; infinity if certainly outside the gate.
