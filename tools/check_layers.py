@@ -28,7 +28,7 @@ OTHER_PARALLEL = re.compile(
     r"\bcv::parallel_for_|\bcv::ParallelLoopBody|\bstd::(?:jthread\b|thread\b(?!::hardware_concurrency)|async\b)"
     r"|\bstd::execution::par|\bpthread_create\b|#\s*pragma\s+omp\b"
 )
-PARALLEL_FOLDERS = (SOURCES.as_posix(), "experiments", "assets/make", "bench")
+PARALLEL_FOLDERS = (SOURCES.as_posix(), "experiments", "assets/make", "bench", "examples")
 # Files of these folders with a thread of their own, each with the reason.
 MAY_START_THREADS = (
     "bench/bench_queue.cc",  # workers that wait for the database, many more than cores

@@ -14,7 +14,7 @@ from typing import Iterator
 import findings
 from findings import Finding
 
-CODE_FOLDERS = ("src", "experiments", "assets/make", "testing", "tests", "bench")
+CODE_FOLDERS = ("src", "experiments", "assets/make", "testing", "tests", "bench", "examples")
 
 # A declaration of a function, by its beginning: optional specifiers, the type at the start of a line, the name and "(".
 DECLARATION = re.compile(

@@ -14,7 +14,7 @@ from typing import Iterator
 import findings
 from findings import Finding
 
-SOURCES = ("src", "tests", "testing", "experiments", "bench", "assets")
+SOURCES = ("src", "tests", "testing", "experiments", "bench", "examples", "assets")
 CODE_ENDINGS = (".h", ".cc", ".cu")
 
 # A word of an identifier, in lower case -> the field's word. Identifiers are split at underscores and capitals.
