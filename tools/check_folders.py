@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Compares the documents that list folders and files with what is there: ARCHITECTURE.md's tables, the README.md of
-every source folder, and the links of both.
+every source folder, of testing/ and of web/, and the links of them.
 
 Usage: check_folders.py [ROOT]
 Prints one line per finding, "path:line: problem: remedy"; exits with 1 if there is any.
@@ -22,8 +22,15 @@ LEVEL_ROW = re.compile(r"^\| *(\d+) *\| *\[?`([a-z_]+)/`")  # | 3 | `match/` | .
 FOLDER_ROW = re.compile(r"^\| *\[?`([A-Za-z_./-]+/)`")  # | `bench/` | ...
 FILE_ROW = re.compile(r"^(?:\| *\[?`[^|]*|- *\[?`[^`]*`)")  # | `klv.h`, `klv_packets.h` | ... and - `locate.h`: ...
 FILE = re.compile(r"`([A-Za-z0-9_/]+(?:\.h|\.cc|/))`")
+LISTED = re.compile(r"`([A-Za-z0-9_./]+(?:\.(?:h|tsx?)|/))`")
 INCLUDE = re.compile(r'^#include "victorious/([a-z_]+)/([a-z0-9_/]+\.h)"', re.MULTILINE)
 LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)(?:#[^)]*)?\)")
+
+# README.md files that list every file of a folder with a name like this. Paths in them are relative to the README.
+COMPLETE_LISTS = {
+    Path("testing/README.md"): (Path("testing"), re.compile(r".*\.h")),
+    Path("web/README.md"): (Path("web/src"), re.compile(r"[^.]+\.tsx?")),  # neither tests nor declarations
+}
 
 
 def numbered(root: Path, path: Path) -> Iterator[tuple[int, str]]:
@@ -94,10 +101,26 @@ def check_readmes(root: Path) -> Iterator[Finding]:
                     yield Finding(readme, last_row, f"lists headers, but not {header}, which other folders include")
 
 
+def check_complete_lists(root: Path) -> Iterator[Finding]:
+    """Each README.md of COMPLETE_LISTS lists its files, and the files and folders that it lists exist."""
+    for readme, (folder, name_pattern) in COMPLETE_LISTS.items():
+        listed, last_row = set(), 1
+        for line, text in numbered(root, readme):
+            row = FILE_ROW.match(text)
+            for name in LISTED.findall(row[0]) if row else []:
+                last_row = line
+                listed.add(readme.parent / name)
+                if not (root / readme.parent / name).exists():
+                    yield Finding(readme, line, f"lists {name}, which does not exist: take it out")
+        for path in sorted(path.relative_to(root) for path in (root / folder).glob("*")):
+            if name_pattern.fullmatch(path.name) and path not in listed:
+                yield Finding(readme, last_row, f"does not list {path.relative_to(readme.parent)}: add a row")
+
+
 def check_links(root: Path) -> Iterator[Finding]:
     """Relative links lead to a file or a folder."""
-    readmes = sorted(path.relative_to(root) for path in (root / SOURCES).glob("*/README.md"))
-    for path in (*(path.relative_to(root) for path in sorted(root.glob("*.md"))), *readmes):
+    readmes = [*sorted((root / SOURCES).glob("*/README.md")), *(root / path for path in COMPLETE_LISTS)]
+    for path in (path.relative_to(root) for path in (*sorted(root.glob("*.md")), *readmes)):
         for line, text in numbered(root, path):
             for target in LINK.findall(text):
                 if not (root / path.parent / target).exists():
@@ -105,7 +128,13 @@ def check_links(root: Path) -> Iterator[Finding]:
 
 
 def check(root: Path) -> list[Finding]:
-    return [*check_levels(root), *check_top_folders(root), *check_readmes(root), *check_links(root)]
+    return [
+        *check_levels(root),
+        *check_top_folders(root),
+        *check_readmes(root),
+        *check_complete_lists(root),
+        *check_links(root),
+    ]
 
 
 def main(arguments: list[str]) -> int:

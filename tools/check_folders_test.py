@@ -79,6 +79,24 @@ class CheckFoldersTest(unittest.TestCase):
         self.put("src/victorious/base/README.md", "| `error.h`, `file.h` | errors; files |\n- `text/`: texts\n")
         self.assert_finds()
 
+    def test_complete_list_lacks_a_file(self):
+        self.put("web/README.md", "| `src/main.tsx` | the entry |\n| `src/logic/` | functions |\n")
+        self.put("web/src/main.tsx", "")
+        self.put("web/src/main.test.tsx", "")
+        self.put("web/src/logic/area.ts", "")
+        self.assert_finds()
+        self.put("web/src/me.ts", "")
+        self.put("testing/README.md", "| file |\n")
+        self.put("testing/data.h", "")
+        self.assert_finds(
+            "testing/README.md:1: does not list data.h: add a row",
+            "web/README.md:2: does not list src/me.ts: add a row",
+        )
+
+    def test_complete_list_has_a_file_that_does_not_exist(self):
+        self.put("testing/README.md", "| `data.h` | external data |\n")
+        self.assert_finds("testing/README.md:1: lists data.h, which does not exist: take it out")
+
     def test_broken_links(self):
         self.put("README.md", "[a](docs/none.md#part) [b](ARCHITECTURE.md#levels) [c](#here)\n")
         self.assert_finds("README.md:1: links docs/none.md, which does not exist")

@@ -1,6 +1,6 @@
 // The store interface of an index. Input: the detections, tracklets and kept features of the search of videos (from
 // pipeline/). Output: the same records, to be listed, exported and searched again. sqlite/ implements the interface in
-// one file; a server database can implement it as well.
+// one file, postgres/ in a database on a server.
 #pragma once
 
 #include <array>
