@@ -124,15 +124,12 @@ std::vector<std::string> SpeaksAgainst(const ObjectEvidence& evidence) {
 }
 
 std::string ToJsonText(const ObjectEvidence& evidence) {
-  const auto nullable = [](const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-  };
   return DumpJson(nlohmann::ordered_json{
       {"strength", evidence.strength},
       {"typical_log_odds", evidence.typical_log_odds},
       {"recognitions", evidence.recognitions},
       {"frames", evidence.frames},
-      {"size_ratio", nullable(evidence.size_ratio)},
+      {"size_ratio", OrNull(evidence.size_ratio)},
       {"lines", evidence.lines},
       {"missing_lines", evidence.missing_lines},
       {"place_rejected", !evidence.place_rejected.empty()},
@@ -140,9 +137,8 @@ std::string ToJsonText(const ObjectEvidence& evidence) {
       {"contradicting_headings", evidence.contradicting_headings},
       {"view_steps", evidence.view_steps},
       {"view_jumps", evidence.view_jumps},
-      {"view_spread_deg",
-       nullable(evidence.view_spread_rad ? std::optional(DegreesFromRadians(*evidence.view_spread_rad))
-                                         : std::nullopt)}});
+      {"view_spread_deg", OrNull(evidence.view_spread_rad ? std::optional(DegreesFromRadians(*evidence.view_spread_rad))
+                                                          : std::nullopt)}});
 }
 
 }  // namespace victorious

@@ -4,16 +4,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/evaluate/detectability.h"
 
 namespace victorious {
 namespace {
 
 constexpr double kHighRate = 0.9;
-
-nlohmann::ordered_json OrNull(const std::optional<double>& value) {
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-}
 
 nlohmann::ordered_json RateOrNull(const std::optional<DetectionRate>& rate) {
   return rate ? nlohmann::ordered_json(rate->Fraction()) : nlohmann::ordered_json();

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
+
 namespace victorious {
 namespace {
 
@@ -96,16 +98,13 @@ Reliability MeasureReliability(std::span<const JudgedObject> objects) {
 }
 
 nlohmann::ordered_json ToJson(const Reliability& reliability, std::span<const JudgedObject> objects) {
-  const auto nullable = [](const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-  };
   nlohmann::ordered_json json = {{"right", reliability.right},
                                  {"wrong", reliability.wrong},
-                                 {"mean_score_right", nullable(reliability.mean_score_right)},
-                                 {"mean_score_wrong", nullable(reliability.mean_score_wrong)},
-                                 {"calibration_error", nullable(reliability.calibration_error)},
-                                 {"brier", nullable(reliability.brier)},
-                                 {"separation", nullable(reliability.separation)},
+                                 {"mean_score_right", OrNull(reliability.mean_score_right)},
+                                 {"mean_score_wrong", OrNull(reliability.mean_score_wrong)},
+                                 {"calibration_error", OrNull(reliability.calibration_error)},
+                                 {"brier", OrNull(reliability.brier)},
+                                 {"separation", OrNull(reliability.separation)},
                                  {"objects", nlohmann::ordered_json::array()}};
   for (const JudgedObject& object : objects) {
     json["objects"].push_back(

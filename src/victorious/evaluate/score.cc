@@ -303,10 +303,6 @@ void ScorePlaces(const std::map<std::string, PlaceError>& errors, Score& score) 
   score.heading_error_p50_rad = Percentile(headings_rad, 50);
 }
 
-nlohmann::ordered_json Nullable(const std::optional<double>& value) {
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
 std::optional<double> ToDegrees(const std::optional<double>& radians) {
   return radians ? std::optional(DegreesFromRadians(*radians)) : std::nullopt;
 }
@@ -362,25 +358,25 @@ nlohmann::ordered_json ToJson(const Score& score) {
   json["findable"] = score.findable;
   json["found"] = score.found;
   json["false_objects"] = score.false_objects;
-  json["recall"] = Nullable(score.recall);
-  json["precision"] = Nullable(score.precision);
-  json["average_precision"] = Nullable(score.average_precision);
-  json["sighting_recall"] = Nullable(score.sighting_recall);
-  json["sighting_precision"] = Nullable(score.sighting_precision);
-  json["density_p25"] = Nullable(score.density_p25);
-  json["density_p50"] = Nullable(score.density_p50);
-  json["density_p75"] = Nullable(score.density_p75);
-  json["ids_per_object"] = Nullable(score.ids_per_object);
+  json["recall"] = OrNull(score.recall);
+  json["precision"] = OrNull(score.precision);
+  json["average_precision"] = OrNull(score.average_precision);
+  json["sighting_recall"] = OrNull(score.sighting_recall);
+  json["sighting_precision"] = OrNull(score.sighting_precision);
+  json["density_p25"] = OrNull(score.density_p25);
+  json["density_p50"] = OrNull(score.density_p50);
+  json["density_p75"] = OrNull(score.density_p75);
+  json["ids_per_object"] = OrNull(score.ids_per_object);
   json["located"] = score.located;
-  json["cep50_m"] = Nullable(score.cep50_m);
-  json["cep75_m"] = Nullable(score.cep75_m);
-  json["cep90_m"] = Nullable(score.cep90_m);
-  json["error3d_p50_m"] = Nullable(score.error3d_p50_m);
-  json["inside_90_ellipsoid"] = Nullable(score.inside_90_ellipsoid);
-  json["inside_ce90"] = Nullable(score.inside_ce90);
-  json["heading_error_p50_deg"] = Nullable(ToDegrees(score.heading_error_p50_rad));
-  json["view_error_p50_deg"] = Nullable(ToDegrees(score.view_error_p50_rad));
-  json["view_error_p90_deg"] = Nullable(ToDegrees(score.view_error_p90_rad));
+  json["cep50_m"] = OrNull(score.cep50_m);
+  json["cep75_m"] = OrNull(score.cep75_m);
+  json["cep90_m"] = OrNull(score.cep90_m);
+  json["error3d_p50_m"] = OrNull(score.error3d_p50_m);
+  json["inside_90_ellipsoid"] = OrNull(score.inside_90_ellipsoid);
+  json["inside_ce90"] = OrNull(score.inside_ce90);
+  json["heading_error_p50_deg"] = OrNull(ToDegrees(score.heading_error_p50_rad));
+  json["view_error_p50_deg"] = OrNull(ToDegrees(score.view_error_p50_rad));
+  json["view_error_p90_deg"] = OrNull(ToDegrees(score.view_error_p90_rad));
   json["per_object"] = nlohmann::ordered_json::object();
   for (const auto& [name, object] : score.per_object) {
     json["per_object"][name] = {{"found", object.found},

@@ -44,6 +44,4 @@ Json MatrixJson(const Eigen::Matrix3d& matrix) {
   return rows;
 }
 
-Json OrNull(const std::optional<double>& value, Json (*convert)(double)) { return value ? convert(*value) : Json(); }
-
 }  // namespace victorious

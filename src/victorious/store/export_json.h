@@ -1,7 +1,6 @@
 // JSON values shared by the export formats: numbers rounded to their significant decimals.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include <Eigen/Core>
@@ -33,13 +32,5 @@ Json OutlineJson(const Polygon& outline);
 Json MatrixJson(const Eigen::Matrix3d& matrix);
 /// px to two decimals
 double RoundPixels(double value_px);
-
-/// The value, or null for std::nullopt. Result is complete where it is called: this header only declares it.
-template <typename Value, typename Result = Json>
-Result OrNull(const std::optional<Value>& value) {
-  return value ? Result(*value) : Result();
-}
-/// Converts the value, or returns null for std::nullopt.
-Json OrNull(const std::optional<double>& value, Json (*convert)(double));
 
 }  // namespace victorious

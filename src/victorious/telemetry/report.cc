@@ -45,11 +45,6 @@ Json ChecksumToJson(const KlvChecksum& checksum) {
   return {{"expected", checksum.expected}, {"computed", checksum.computed}, {"valid", checksum.IsValid()}};
 }
 
-template <typename T>
-Json OrNull(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
-}
-
 Json PacketToJson(const KlvPacket& packet) {
   Json json{{"standard", ToText(kKlvStandardTexts, packet.standard)},
             {"label", packet.label},
