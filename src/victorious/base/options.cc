@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
+#include "victorious/base/suggestion.h"
 
 namespace victorious {
 namespace {
@@ -98,20 +99,6 @@ std::string Violation(const FieldRef& field, const json& value) {
                      type_fits ? RangeText(field.spec) : TypeText(field));
 }
 
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
-    }
-  }
-  return row.back();
-}
-
 // The edit distance of `name` to a field's full name, or to its last part if that is smaller.
 std::size_t NameDistance(std::string_view name, std::string_view field_name) {
   const std::string_view last_part = field_name.substr(field_name.rfind('.') + 1);
@@ -122,7 +109,8 @@ std::string UnknownName(const std::string& name, const std::vector<FieldRef>& fi
   const auto nearest =
       std::ranges::min_element(fields, {}, [&](const FieldRef& field) { return NameDistance(name, field.name); });
   const std::string unknown = DumpJson(json(name)) + ": unknown parameter";
-  return nearest == fields.end() ? unknown : fmt::format("{}; the nearest is {}", unknown, nearest->name);
+  const bool is_near = nearest != fields.end() && NameDistance(name, nearest->name) <= MaxTypingEdits(name);
+  return is_near ? fmt::format("{}; the nearest is {}", unknown, nearest->name) : unknown;
 }
 
 bool IsGroup(const std::string& name, const std::vector<FieldRef>& fields) {

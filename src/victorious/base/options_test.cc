@@ -147,6 +147,7 @@ TEST(SetFromJson, UnknownNameSuggestsTheNearestOne) {
   EXPECT_THAT(ErrorText(R"({"match": {"ratoi": 0.7}})"), AllOf(HasSubstr("match.ratoi"), HasSubstr("match.ratio")));
   EXPECT_THAT(ErrorText(R"({"verbos": true})"), HasSubstr("nearest is verbose"));
   EXPECT_THAT(ErrorText(R"({"ratio": 0.7})"), HasSubstr("nearest is match.ratio"));
+  EXPECT_THAT(ErrorText(R"({"brightness": 1})"), AllOf(HasSubstr("unknown parameter"), Not(HasSubstr("nearest"))));
 }
 
 TEST(SetFromJson, RefusesValuesForGroupsAndGroupsForValues) {

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "victorious/cli/suggestion.h"
+#include "victorious/base/suggestion.h"
 
 namespace victorious::cli {
 namespace {

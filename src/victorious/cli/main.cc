@@ -13,11 +13,11 @@
 #include <opencv2/core/utility.hpp>
 
 #include "victorious/base/error.h"
+#include "victorious/base/suggestion.h"
 #include "victorious/base/version.h"
 #include "victorious/cli/argument_parser.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/run_program.h"
-#include "victorious/cli/suggestion.h"
 
 namespace victorious::cli {
 namespace {

@@ -1,11 +1,11 @@
-#include "victorious/cli/suggestion.h"
+#include "victorious/base/suggestion.h"
 
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace victorious::cli {
+namespace victorious {
 namespace {
 
 TEST(EditDistance, CountsEditsAndSwaps) {
@@ -30,4 +30,4 @@ TEST(FindNearest, IsAWordWithFewEdits) {
 }
 
 }  // namespace
-}  // namespace victorious::cli
+}  // namespace victorious

@@ -1,11 +1,11 @@
-#include "victorious/cli/suggestion.h"
+#include "victorious/base/suggestion.h"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 #include <vector>
 
-namespace victorious::cli {
+namespace victorious {
 
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last;
@@ -24,9 +24,11 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return last.back();
 }
 
+std::size_t MaxTypingEdits(std::string_view word) { return (word.size() + 2) / 3; }
+
 std::optional<std::string> FindNearest(std::string_view word, std::span<const std::string> known) {
   std::optional<std::string> nearest;
-  std::size_t least = (word.size() + 2) / 3 + 1;
+  std::size_t least = MaxTypingEdits(word) + 1;
   for (const std::string& name : known) {
     const std::size_t distance = EditDistance(word, name);
     if (distance >= least) continue;
@@ -36,4 +38,4 @@ std::optional<std::string> FindNearest(std::string_view word, std::span<const st
   return nearest;
 }
 
-}  // namespace victorious::cli
+}  // namespace victorious
