@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <ranges>
+#include <string>
+
+#include "victorious/base/text.h"
 
 namespace victorious {
 namespace {
@@ -33,17 +35,13 @@ constexpr std::array kTypes = {
     ObjectType{"landmark", true, 0, 0},
 };
 
-bool IsWord(std::string_view part, std::string_view name) {
-  return std::ranges::equal(part, name, {}, [](unsigned char letter) { return std::tolower(letter); });
-}
-
 }  // namespace
 
 const ObjectType* FindObjectType(std::string_view word) {
   const ObjectType* found = nullptr;
   for (const auto part : std::views::split(word, '/')) {
-    const std::string_view text(part.begin(), part.end());
-    const auto* type = std::ranges::find_if(kTypes, [&](const ObjectType& one) { return IsWord(text, one.name); });
+    const std::string name = LowerCase(std::string_view(part.begin(), part.end()));
+    const auto* type = std::ranges::find(kTypes, name, &ObjectType::name);
     if (type != kTypes.end()) found = type;
   }
   return found;

@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include <boost/asio/ip/address.hpp>
+#include "victorious/base/text.h"
+#include "victorious/serve/connection_count.h"
 
 namespace victorious {
 namespace {
@@ -24,21 +25,10 @@ struct Key {
   Limit limit;
 };
 
-std::string Network(const std::string& client) {
-  boost::system::error_code error;
-  const auto address = boost::asio::ip::make_address(client, error);
-  if (error || !address.is_v6() || address.to_v6().is_v4_mapped()) return client;
-  auto bytes = address.to_v6().to_bytes();
-  std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
-  return boost::asio::ip::address_v6(bytes).to_string();
-}
-
 // The first character of a key tells its limit.
 std::array<Key, 3> KeysOf(const std::string& client, const std::string& name) {
-  std::string folded = name;
-  std::ranges::transform(folded, folded.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  const std::string network = Network(client);
+  const std::string folded = LowerCase(name);
+  const std::string network = ClientNetwork(client);
   return {Key{"c" + network, kClientLimit}, Key{"n" + folded, kNameLimit},
           Key{"b" + network + " " + folded, kClientAndNameLimit}};
 }

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+#include <string>
 
 #include <fmt/format.h>
 
+#include "victorious/base/text.h"
 #include "victorious/serve/api_error.h"
 
 namespace victorious {
@@ -24,8 +25,7 @@ bool IsOwnHost(std::string_view host, int port) {
 std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, bool is_of_api, const ServerIdentity& server,
                                           int port) {
   const std::string_view scheme = server.has_tls ? "https://" : "http://";
-  std::string host = request.host;
-  std::ranges::transform(host, host.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string host = LowerCase(request.host);
   if (server.is_loopback && !IsOwnHost(host, port)) {
     return ErrorResponse(
         421, "foreign_host",

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "victorious/base/text.h"
 #include "victorious/serve/api_error.h"
 #include "victorious/serve/byte_range.h"
 
@@ -48,8 +49,7 @@ constexpr std::string_view kNotBuilt =
 }  // namespace
 
 std::string ContentTypeOf(const fs::path& name) {
-  std::string extension = name.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = LowerCase(name.extension().string());
   const auto* const found =
       std::ranges::find(kContentTypes, extension, &std::pair<std::string_view, std::string_view>::first);
   return std::string(found == kContentTypes.end() ? "application/octet-stream" : found->second);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -53,10 +54,8 @@ constexpr std::array kModels = std::to_array<CameraModel>({
 
 std::string Plain(std::string_view name) {
   std::string plain;
-  for (const char c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-      plain.push_back(static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
-    }
+  for (const char c : LowerCase(name)) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) plain.push_back(c);
   }
   return plain.starts_with("dji") ? plain.substr(3) : plain;
 }
