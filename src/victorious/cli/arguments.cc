@@ -24,8 +24,8 @@
 #include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/preset.h"
-#include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_models.h"
+#include "victorious/types/vertical_datum.h"
 
 namespace victorious::cli {
 
@@ -201,7 +201,8 @@ void AddGround(ArgumentParser& parser, GroundArguments& ground) {
 void ApplyGround(const GroundArguments& arguments, GroundOptions& options) {
   if (arguments.height_m) options.height_m = *arguments.height_m;
   if (!arguments.terrain.empty()) options.terrain = arguments.terrain;
-  if (!arguments.vertical_datum.empty()) options.vertical_datum = ParseVerticalDatum(arguments.vertical_datum);
+  if (!arguments.vertical_datum.empty())
+    options.vertical_datum = FromText(kVerticalDatumTexts, arguments.vertical_datum);
   if (!arguments.geoid_grid.empty()) options.geoid_grid = arguments.geoid_grid;
 }
 

@@ -69,7 +69,7 @@ Expected<std::optional<Attitude>> ParseAttitude(const Row& row) {
 Expected<VerticalDatum> ParseDatum(const Row& row) {
   const std::string_view name = row.Text("vertical_datum");
   if (name.empty()) return VerticalDatum::kEllipsoid;
-  if (const auto datum = ParseVerticalDatum(name)) return *datum;
+  if (const auto datum = FromText(kVerticalDatumTexts, name)) return *datum;
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("vertical_datum is \"{}\": must be ellipsoid, egm96, egm2008, takeoff or unknown",
                           name.substr(0, 40)));
@@ -133,7 +133,8 @@ const std::array<OptionalColumn, 9>& OptionalColumns() {
       {"sigma_position_m", [](const CameraState& state) { return Cell(state.sigma_position_m); }},
       {"sigma_attitude_deg", [](const CameraState& state) { return Cell(Degrees(state.sigma_attitude_rad)); }},
       {"utc", [](const CameraState& state) { return state.utc_us ? FormatUtc(*state.utc_us) : std::string(); }},
-      {"vertical_datum", [](const CameraState& state) { return std::string(Name(state.datum)); }},
+      {"vertical_datum",
+       [](const CameraState& state) { return std::string(ToText(kVerticalDatumTexts, state.datum)); }},
       {"k1", &DistortionCell<0>},
       {"k2", &DistortionCell<1>},
       {"k3", &DistortionCell<4>},
@@ -223,9 +224,5 @@ std::string FormatCameraCsv(std::span<const CameraState> states, std::span<const
   }
   return text;
 }
-
-std::string_view Name(VerticalDatum datum) { return ToText(kVerticalDatumTexts, datum); }
-
-std::optional<VerticalDatum> ParseVerticalDatum(std::string_view name) { return FromText(kVerticalDatumTexts, name); }
 
 }  // namespace victorious

@@ -36,9 +36,4 @@ struct CsvColumn {
 [[nodiscard]] std::string FormatCameraCsv(std::span<const CameraState> states, std::span<const CsvColumn> more = {},
                                           std::span<const std::string_view> always = {});
 
-/// "ellipsoid", "egm96", "egm2008", "takeoff", "unknown".
-[[nodiscard]] std::string_view Name(VerticalDatum datum);
-/// The inverse of Name; std::nullopt for any other text.
-[[nodiscard]] std::optional<VerticalDatum> ParseVerticalDatum(std::string_view name);
-
 }  // namespace victorious

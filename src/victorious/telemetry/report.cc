@@ -12,10 +12,10 @@
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/klv.h"
 #include "victorious/telemetry/klv_packets.h"
 #include "victorious/telemetry/telemetry.h"
+#include "victorious/types/vertical_datum.h"
 
 namespace victorious {
 namespace {
@@ -69,7 +69,7 @@ Json StateToJson(const CameraState& state) {
           {"latitude_deg", DegreesFromRadians(state.place.latitude_rad)},
           {"longitude_deg", DegreesFromRadians(state.place.longitude_rad)},
           {"altitude_m", state.datum == VerticalDatum::kUnknown ? Json() : Json(state.place.altitude_m)},
-          {"vertical_datum", Name(state.datum)},
+          {"vertical_datum", ToText(kVerticalDatumTexts, state.datum)},
           {"yaw_deg", attitude ? Json(DegreesFromRadians(attitude->yaw_rad)) : Json()},
           {"pitch_deg", attitude ? Json(DegreesFromRadians(attitude->pitch_rad)) : Json()},
           {"roll_deg", attitude ? Json(DegreesFromRadians(attitude->roll_rad)) : Json()},
@@ -126,8 +126,8 @@ void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>&
   if (all_lack([](const CameraState& state) { return state.datum != VerticalDatum::kUnknown; })) {
     lines.emplace_back("missing: the camera's height");
   } else if (all_lack([](const CameraState& state) { return state.datum == VerticalDatum::kEllipsoid; })) {
-    lines.push_back(
-        fmt::format("missing: heights above the ellipsoid (the heights refer to {})", Name(states[0].datum)));
+    lines.push_back(fmt::format("missing: heights above the ellipsoid (the heights refer to {})",
+                                ToText(kVerticalDatumTexts, states[0].datum)));
   }
 }
 
@@ -161,9 +161,10 @@ std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
     lines.emplace_back("missing: a camera state: no record has position, height and pointing together");
   } else {
     const CameraState& first = states.front();
-    const std::string height = first.datum == VerticalDatum::kUnknown
-                                   ? "at an unknown height"
-                                   : fmt::format("{:.1f} m ({})", first.place.altitude_m, Name(first.datum));
+    const std::string height =
+        first.datum == VerticalDatum::kUnknown
+            ? "at an unknown height"
+            : fmt::format("{:.1f} m ({})", first.place.altitude_m, ToText(kVerticalDatumTexts, first.datum));
     lines.push_back(fmt::format("from {:.2f} s to {:.2f} s; first at {:.6f}, {:.6f}, {}", first.time_s,
                                 states.back().time_s, DegreesFromRadians(first.place.latitude_rad),
                                 DegreesFromRadians(first.place.longitude_rad), height));

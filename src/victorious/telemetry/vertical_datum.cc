@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/geoid.h"
+#include "victorious/types/vertical_datum.h"
 
 namespace victorious {
 namespace {
@@ -47,7 +47,7 @@ Status ConvertFromGeoid(std::vector<CameraState>& states, VerticalDatum datum, c
         fmt::format("heights are above mean sea level ({}) and are not converted: no geoid grid covers the position: "
                     "set telemetry.geoid_grid to a .gtx grid or, for a drone, give --takeoff (the height of the "
                     "take-off above the ellipsoid)",
-                    Name(datum)));
+                    ToText(kVerticalDatumTexts, datum)));
   }
   return {};
 }

@@ -24,8 +24,8 @@
 
 #include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/geoid.h"
+#include "victorious/types/vertical_datum.h"
 
 namespace victorious {
 namespace {
@@ -283,7 +283,7 @@ Status Terrain::SetDatum(const fs::path& path, const GroundOptions& options) {
   if (grid.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: its vertical datum is {}, and there is no grid of it: give a .gtx grid (--geoid)",
-                            path.string(), Name(*datum)));
+                            path.string(), ToText(kVerticalDatumTexts, *datum)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(geoid_, Geoid::Read(grid));
   return {};
