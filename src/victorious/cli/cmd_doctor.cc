@@ -28,6 +28,7 @@
 #include "victorious/store/model_file.h"
 #include "victorious/store/open_store.h"
 #include "victorious/telemetry/camera_track.h"
+#include "victorious/telemetry/telemetry_report.h"
 #include "victorious/video/codecs.h"
 #include "victorious/video/video_reader.h"
 

@@ -14,6 +14,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/cmd_model.h"
 #include "victorious/cli/output_files.h"
+#include "victorious/evaluate/detectability_report.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
 #include "victorious/model/model_library.h"

@@ -17,6 +17,7 @@
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_track.h"
+#include "victorious/telemetry/telemetry_report.h"
 
 namespace victorious::cli {
 namespace {

@@ -18,7 +18,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/cancel.h"
@@ -98,10 +97,5 @@ struct DetectabilityCallbacks {
                                                            const DetectabilityOptions& options,
                                                            const CancelToken& cancel,
                                                            const DetectabilityCallbacks& callbacks = {});
-
-nlohmann::ordered_json ToJson(const Detectability& findable);
-
-/// Returns a table of the bands as text, followed by advice in sentences.
-std::string ToText(const Detectability& findable);
 
 }  // namespace victorious

@@ -1,11 +1,11 @@
-// Formats the result of MeasureDetectability() as JSON and as text with advice.
+#include "victorious/evaluate/detectability_report.h"
+
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
-#include "victorious/evaluate/detectability.h"
 
 namespace victorious {
 namespace {

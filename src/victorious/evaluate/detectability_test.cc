@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/small_cad_model.h"
+#include "victorious/evaluate/detectability_report.h"
 #include "victorious/evaluate/drawn_clutter.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/store/model_file.h"

@@ -15,6 +15,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/klv_camera.h"
 #include "victorious/telemetry/klv_packets.h"
+#include "victorious/telemetry/telemetry_report.h"
 
 namespace victorious {
 namespace {

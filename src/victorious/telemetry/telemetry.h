@@ -11,8 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/telemetry/klv_packet.h"
@@ -82,11 +80,5 @@ struct Telemetry {
 /// Errors: kInvalidArgument for invalid options.
 [[nodiscard]] Expected<Telemetry> TelemetryFromPhotos(std::span<const PhotoMetadata> photos,
                                                       const TelemetryOptions& options);
-
-/// Every item of every KLV packet by number and name, checksums and time stamps; the states; the warnings.
-nlohmann::json ToJson(const Telemetry& telemetry);
-
-/// A summary for people, in lines: the content, and what is missing for geolocation.
-[[nodiscard]] std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry);
 
 }  // namespace victorious

@@ -12,6 +12,7 @@
 #include "testing/klv_tools.h"
 #include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/telemetry/telemetry_report.h"
 
 namespace victorious {
 namespace {

@@ -1,4 +1,5 @@
-// telemetry/: the content of a Telemetry as JSON and as a summary for people.
+#include "victorious/telemetry/telemetry_report.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,7 +15,6 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/klv.h"
 #include "victorious/telemetry/klv_packets.h"
-#include "victorious/telemetry/telemetry.h"
 #include "victorious/types/vertical_datum.h"
 
 namespace victorious {
