@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "victorious/base/check.h"
 #include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -63,29 +64,29 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
   return {};
 }
 
-// Maps hold only objects with a place.
-bool IsMap(ExportFormat format) {
-  return format == ExportFormat::kGeoJson || format == ExportFormat::kKml || format == ExportFormat::kGpkg;
-}
+struct FormatTraits {
+  FileKind kind;
+  bool is_map = false;  // holds only objects with a place
+};
 
-FileKind KindOf(ExportFormat format) {
+FormatTraits TraitsOf(ExportFormat format) {
   switch (format) {
     case ExportFormat::kObjects:
-      return FileKind::kObjects;
+      return {.kind = FileKind::kObjects};
     case ExportFormat::kSightings:
-      return FileKind::kSightings;
+      return {.kind = FileKind::kSightings};
     case ExportFormat::kMot:
-      return FileKind::kMot;
+      return {.kind = FileKind::kMot};
     case ExportFormat::kCoco:
-      return FileKind::kCoco;
+      return {.kind = FileKind::kCoco};
     case ExportFormat::kGeoJson:
-      return FileKind::kGeoJson;
+      return {.kind = FileKind::kGeoJson, .is_map = true};
     case ExportFormat::kKml:
-      return FileKind::kKml;
+      return {.kind = FileKind::kKml, .is_map = true};
     case ExportFormat::kGpkg:
-      break;
+      return {.kind = FileKind::kGeoPackage, .is_map = true};
   }
-  return FileKind::kGeoPackage;
+  VICTORIOUS_CHECK(false);
 }
 
 }  // namespace
@@ -131,7 +132,7 @@ Action SetUpExport(ArgumentParser& parser) {
       return Fail(ErrorCode::kInvalidArgument, "--clip: is for --format video, which writes a video");
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
-    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, KindOf(format)}}));
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, TraitsOf(format).kind}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     std::ostringstream text;
@@ -140,7 +141,7 @@ Action SetUpExport(ArgumentParser& parser) {
     if (!below.empty()) LogInfo(OneLine(below));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
     if (!nothing.empty()) LogInfo("nothing to export: {}", OneLine(nothing));
-    if (IsMap(format)) {
+    if (TraitsOf(format).is_map) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, *store));
       if (!unplaced.empty()) LogInfo(OneLine(unplaced));
     }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/check.h"
 #include "victorious/base/enum_text.h"
 #include "victorious/base/json.h"
 #include "victorious/store/catalogue.h"
@@ -101,9 +102,9 @@ Status Write(IndexStore& store, ExportFormat format, const Catalogue& catalogue,
     case ExportFormat::kKml:
       return ExportKml(store, catalogue, filter, out);
     case ExportFormat::kGpkg:
-      break;
+      return ExportGpkg(store, catalogue, filter, out);
   }
-  return ExportGpkg(store, catalogue, filter, out);
+  VICTORIOUS_CHECK(false);
 }
 
 }  // namespace
