@@ -47,7 +47,7 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
             <button class="link" title="The matches between view and frame, stage by stage (W)" onClick={why.ask}>
               why
             </button>
-            : {plural(best.matches, "match").replace("matchs", "matches")} with this view
+            : {plural(best.matches, "match", "matches")} with this view
           </figcaption>
         </figure>
       )}
