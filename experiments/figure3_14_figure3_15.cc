@@ -65,7 +65,7 @@ cv::Mat HeatMap(const ViewCounts& counts, std::size_t stage) {
   const cv::Mat grid = GridOf(counts, stage);
   double most = 1;
   cv::minMaxLoc(grid, nullptr, &most);
-  const ViewAngles truth = *counts.trial.model->views[counts.trial.view].angles;
+  const ViewDirection truth = *counts.trial.model->views[counts.trial.view].angles;
   return DrawHeatMap(grid, StageCaption(stage, most), {{truth}, cv::Scalar(80, 255, 80)});
 }
 
@@ -135,7 +135,7 @@ Ranking Rank(const ViewCounts& counts, std::size_t stage) {
 std::string CsvOfViews(const ViewCounts& counts) {
   std::string csv = "azimuth_deg,off_nadir_deg,none,first,second,third\n";
   for (std::size_t view = 0; view < counts.left.size(); ++view) {
-    const ViewAngles& angles = *counts.trial.model->views[view].angles;
+    const ViewDirection& angles = *counts.trial.model->views[view].angles;
     const auto& left = counts.left[view];
     csv += fmt::format("{:.0f},{:.0f},{},{},{},{}\n", DegreesFromRadians(angles.azimuth_rad),
                        DegreesFromRadians(angles.off_nadir_rad), left[0], left[1], left[2], left[3]);

@@ -42,7 +42,7 @@ struct ShownDetection {
 };
 
 double ViewErrorDegrees(const ModelView& view, const LabelledObject& object) {
-  return DegreesFromRadians(AngleBetween(*view.angles, {object.view.azimuth_rad, object.view.off_nadir_rad}));
+  return DegreesFromRadians(AngleBetween(*view.angles, object.view));
 }
 
 // Compares the detections of an image with its truth and updates the count of each model.

@@ -142,7 +142,7 @@ Expected<std::vector<AnnotatedImage>> ReadLabelledMovie(const std::filesystem::p
       instances.push_back({mesh->id, camera_from_model});
       known.objects.push_back({.model = row.model,
                                .camera_from_model = camera_from_model,
-                               .view = {row.view->azimuth_rad, row.view->off_nadir_rad},
+                               .view = *row.view,
                                .box = row.box,
                                .visible = row.visible});
     }

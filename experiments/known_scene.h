@@ -15,7 +15,7 @@
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/camera.h"
-#include "victorious/geometry/view_sphere.h"
+#include "victorious/geometry/view_direction.h"
 #include "victorious/image/degrade.h"
 #include "victorious/render/renderer.h"
 #include "victorious/simulate/placed_scene.h"

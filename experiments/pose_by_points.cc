@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "victorious/geometry/view_direction.h"
 #include "victorious/geometry/view_sphere.h"
 
 namespace victorious {

@@ -13,7 +13,7 @@ namespace {
 constexpr int kCellPx = 11;
 constexpr int kTopPx = 24;
 
-cv::Point CellOf(const ViewAngles& angles) {
+cv::Point CellOf(const ViewDirection& angles) {
   const auto step = [](double angle_rad) { return static_cast<int>(std::lround(DegreesFromRadians(angle_rad) / 10)); };
   return {(step(angles.azimuth_rad) % kViewColumns + kViewColumns) % kViewColumns, step(angles.off_nadir_rad)};
 }
@@ -45,7 +45,7 @@ cv::Mat DrawHeatMap(const cv::Mat& grid, const std::string& caption, const Highl
   cv::applyColorMap(levels, colours, cv::COLORMAP_INFERNO);
   cv::Mat image(colours.rows + kTopPx, colours.cols, CV_8UC3, cv::Scalar::all(255));
   colours.copyTo(image(cv::Rect({0, kTopPx}, colours.size())));
-  for (const ViewAngles& view : highlighted.views) {
+  for (const ViewDirection& view : highlighted.views) {
     const cv::Point corner = CellOf(view) * kCellPx + cv::Point(0, kTopPx);
     cv::rectangle(image, cv::Rect(corner, cv::Size(kCellPx, kCellPx)), highlighted.colour);
   }

@@ -21,7 +21,7 @@ inline constexpr int kViewRows = 8;
 
 /// Cells to highlight by a frame.
 struct HighlightedViews {
-  std::vector<ViewAngles> views;
+  std::vector<ViewDirection> views;
   cv::Scalar colour;
 };
 

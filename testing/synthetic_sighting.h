@@ -46,8 +46,8 @@ inline SyntheticSighting MakeSyntheticSighting(const CameraState& camera, const 
   const Eigen::AngleAxisd enu_from_model(kPi / 2 - RadiansFromDegrees(heading_deg), Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d to_camera = enu_from_model.inverse() * (-object_enu.normalized());
   ModelView view{.width = 400, .height = 400};
-  view.angles = ViewAngles{std::atan2(to_camera.y(), -to_camera.x()) + RadiansFromDegrees(4),
-                           std::acos(to_camera.z()) - RadiansFromDegrees(3)};
+  view.angles = ViewDirection{std::atan2(to_camera.y(), -to_camera.x()) + RadiansFromDegrees(4),
+                              std::acos(to_camera.z()) - RadiansFromDegrees(3)};
   sighting.scene.image_width = kWidth;
   sighting.scene.image_height = kHeight;
   const auto show = [&](const Eigen::Vector3d& off_middle) {

@@ -88,7 +88,7 @@ inline ObjectModel ModelFromAround() {
   model.views.clear();
   for (std::size_t i = 0; i < kAround; ++i) {
     model.views.push_back(view);
-    model.views.back().angles = ViewAngles{2 * kPi * static_cast<double>(i) / kAround, kOffNadir_rad};
+    model.views.back().angles = ViewDirection{2 * kPi * static_cast<double>(i) / kAround, kOffNadir_rad};
     model.views.back().neighbours = {static_cast<std::uint32_t>((i + 1) % kAround)};
   }
   return model;

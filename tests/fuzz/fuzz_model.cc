@@ -107,7 +107,7 @@ std::vector<std::string> FuzzSeeds() {
                          .height = 48,
                          .feature_count = 1,
                          .outline = {{0, 0}, {64, 0}, {64, 48}},
-                         .angles = victorious::ViewAngles{1, 0.5}});
+                         .angles = victorious::ViewDirection{1, 0.5}});
   model.features = {std::span(&kKeypoint, 1), kDescriptor};
   const auto jpeg = victorious::EncodeJpeg(cv::Mat(9, 12, CV_8UC3, cv::Scalar(200, 90, 30)));
   VICTORIOUS_CHECK(jpeg.has_value());

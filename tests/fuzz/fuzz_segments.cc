@@ -43,7 +43,7 @@ std::vector<std::string> FuzzSeeds() {
                       .box = {0.1, 0.2, 30.3, 5},
                       .outline = {{1.1, 2.2}, {3.3, -4.4}},
                       .score = 0.7,
-                      .view = victorious::ViewAngles{0.4, 0.5},
+                      .view = victorious::ViewDirection{0.4, 0.5},
                       .track = 2'000'001};
   full.observation.emplace();
   const std::vector<FrameResult> results = {

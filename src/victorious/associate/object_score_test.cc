@@ -97,7 +97,7 @@ TEST(ObjectScoreTest, ViewsOfATracklet) {
   ObservedTracklet tracklet;
   const auto add = [&](double time_s, double azimuth_deg) {
     SightingRecord sighting{.time_s = time_s, .score = 0.9};
-    sighting.view = ViewAngles{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(60)};
+    sighting.view = ViewDirection{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(60)};
     AddRecognition(sighting, tracklet);
   };
   add(0, 10);

@@ -218,11 +218,10 @@ class Search {
                               IsOfPhotos(*model_) ? FrameConditions{} : MakeFrameConditions(sample, setting)));
     for (const Detection& detection : detections) {
       if (IntersectionOverUnion(detection.box, trial_result.box) < kMinOverlap) continue;
-      const std::optional<ViewAngles>& angles = model_->views[detection.view].angles;
+      const std::optional<ViewDirection>& angles = model_->views[detection.view].angles;
       trial_result.found = true;
-      trial_result.correct_view = angles ? AngleBetween(*angles, {sample.direction.azimuth_rad,
-                                                                  sample.direction.off_nadir_rad}) <= kCorrectView_rad
-                                         : detection.view == sample.photo;
+      trial_result.correct_view =
+          angles ? AngleBetween(*angles, sample.direction) <= kCorrectView_rad : detection.view == sample.photo;
       break;  // the best detection
     }
     return trial_result;

@@ -325,7 +325,7 @@ std::optional<double> Percentile(std::vector<double> values, double percent) {
   return values[below] + (values[above] - values[below]) * (at - static_cast<double>(below));
 }
 
-double AngleBetween(const ViewAngles& a, const ViewAngles& b) {
+double AngleBetween(const ViewDirection& a, const ViewDirection& b) {
   const double cosine = std::cos(a.off_nadir_rad) * std::cos(b.off_nadir_rad) +
                         std::sin(a.off_nadir_rad) * std::sin(b.off_nadir_rad) * std::cos(a.azimuth_rad - b.azimuth_rad);
   return std::acos(std::clamp(cosine, -1.0, 1.0));

@@ -37,7 +37,7 @@ struct ReportedSighting {
   std::string model;
   Box box;  ///< px
   double score = 0;
-  std::optional<ViewAngles> view;
+  std::optional<ViewDirection> view;
 };
 
 /// One reported object.
@@ -57,7 +57,7 @@ struct ReportedObject {
                                                                     std::span<const ReportedSighting> sightings);
 
 /// The angle between two directions to the camera, radians, 0 to pi.
-[[nodiscard]] double AngleBetween(const ViewAngles& a, const ViewAngles& b);
+[[nodiscard]] double AngleBetween(const ViewDirection& a, const ViewDirection& b);
 
 /// Linear interpolation between the two nearest sorted values; std::nullopt for an empty vector.
 /// @param percent  0 to 100

@@ -122,11 +122,11 @@ TEST(ScoreTest, SightingOfAnotherModelOrFrameIsFalse) {
 
 TEST(ScoreTest, OfSeveralSightingsOfOneObjectTheBestScoredIsCorrect) {
   auto truth = MakeTruthRows(10);
-  truth[0].view = ViewAngles{0, 0};
+  truth[0].view = ViewDirection{0, 0};
   auto better = MakeSighting(2, 0, kBox, 0.9);
-  better.view = ViewAngles{0, 0.3};
+  better.view = ViewDirection{0, 0.3};
   auto worse = MakeSighting(1, 0, kBox, 0.8);
-  worse.view = ViewAngles{0, 0.7};
+  worse.view = ViewDirection{0, 0.7};
   const Score score = ScoreIndex(truth, {}, std::vector<ReportedSighting>{worse, better});
   EXPECT_THAT(score.sighting_precision, Optional(0.5));
   EXPECT_NEAR(*score.view_error_p50_rad, 0.3, 1e-12);  // the sighting with the higher score is paired
@@ -245,11 +245,11 @@ TEST(ScoreTest, AveragePrecisionFollowsTheRanking) {
 TEST(ScoreTest, ViewErrorsAreAnglesOnTheSphere) {
   auto truth = MakeTruthRows(10);
   auto sightings = MakeSightings(1, 0, 3);
-  truth[0].view = ViewAngles{0, kPi / 2};
-  sightings[0].view = ViewAngles{kPi / 2, kPi / 2};  // a quarter turn at the horizon
-  truth[1].view = ViewAngles{0, 0};
-  sightings[1].view = ViewAngles{2, 0};  // straight above, azimuth has no meaning
-  sightings[2].view = ViewAngles{0, 0};  // no truth to compare with
+  truth[0].view = ViewDirection{0, kPi / 2};
+  sightings[0].view = ViewDirection{kPi / 2, kPi / 2};  // a quarter turn at the horizon
+  truth[1].view = ViewDirection{0, 0};
+  sightings[1].view = ViewDirection{2, 0};  // straight above, azimuth has no meaning
+  sightings[2].view = ViewDirection{0, 0};  // no truth to compare with
   const Score score = ScoreIndex(truth, {}, sightings);
   EXPECT_NEAR(*score.view_error_p50_rad, kPi / 4, 1e-9);
   EXPECT_NEAR(*score.view_error_p90_rad, 0.9 * kPi / 2, 1e-9);
@@ -311,7 +311,7 @@ struct RandomCase {
       const double quality = random.Uniform(0, 1);
       for (int frame = 0; frame < frames; ++frame) {
         TruthRow row{frame, object, model, {x + frame * step, 50, side, side * 1.2}, random.Uniform(0.3, 1.3), {}};
-        if (random.Uniform() < 0.7) row.view = ViewAngles{random.Uniform(-3, 3), random.Uniform(0, 1.5)};
+        if (random.Uniform() < 0.7) row.view = ViewDirection{random.Uniform(-3, 3), random.Uniform(0, 1.5)};
         truth.push_back(row);
         for (int repeat = 0; repeat < 2; ++repeat) {
           if (random.Uniform() > quality) continue;
@@ -319,7 +319,7 @@ struct RandomCase {
           const auto id = static_cast<std::int64_t>(10 * k + random.Below(2 + frame / 20));
           ReportedSighting sighting{id, frame, random.Uniform() < 0.95 ? model : "m9", box, random.Below(20) / 20.0,
                                     {}};
-          if (random.Uniform() < 0.7) sighting.view = ViewAngles{random.Uniform(-3, 3), random.Uniform(0, 1.5)};
+          if (random.Uniform() < 0.7) sighting.view = ViewDirection{random.Uniform(-3, 3), random.Uniform(0, 1.5)};
           sightings.push_back(sighting);
         }
       }
@@ -355,7 +355,7 @@ struct RandomCase {
 
   void Write(const std::filesystem::path& folder) const {
     const auto box = [](const Box& b) { return nlohmann::json{b.x, b.y, b.width, b.height}; };
-    const auto view = [](const std::optional<ViewAngles>& v) {
+    const auto view = [](const std::optional<ViewDirection>& v) {
       return v ? nlohmann::json{{"azimuth_deg", DegreesFromRadians(v->azimuth_rad)},
                                 {"off_nadir_deg", DegreesFromRadians(v->off_nadir_rad)}}
                : nlohmann::json();

@@ -67,14 +67,14 @@ Expected<Box> ParseBox(const Json& row) {
   return box;
 }
 
-Expected<std::optional<ViewAngles>> ParseView(const Json& row) {
+Expected<std::optional<ViewDirection>> ParseView(const Json& row) {
   const Json& value = Value(row, "view");
   if (value.is_null()) return std::nullopt;
   if (!value.is_object()) return BadKey(value, "view", "an object with azimuth_deg and off_nadir_deg");
   if (value.empty()) return std::nullopt;
   VICTORIOUS_ASSIGN_OR_RETURN(const double azimuth_deg, ParseNumber(value, "azimuth_deg"));
   VICTORIOUS_ASSIGN_OR_RETURN(const double off_nadir_deg, ParseNumber(value, "off_nadir_deg"));
-  return ViewAngles{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(off_nadir_deg)};
+  return ViewDirection{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(off_nadir_deg)};
 }
 
 /// std::nullopt if the key is missing or null.

@@ -22,7 +22,7 @@ struct TruthRow {
   std::string model;       ///< name of its model: "humvee"
   Box box;                 ///< bounding box of the visible pixels, px
   double visible = 0;      ///< visible pixels over its pixels without occlusion and cropping
-  std::optional<ViewAngles> view;
+  std::optional<ViewDirection> view;
   double time_s = 0;                   ///< presentation time
   std::optional<GeodeticPoint> place;  ///< of the centre of the object's bounding box
   std::optional<double> heading_rad;   ///< of its front, clockwise from north

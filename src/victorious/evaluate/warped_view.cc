@@ -20,8 +20,6 @@
 namespace victorious {
 namespace {
 
-ViewDirection DirectionOf(const ModelView& view) { return {view.angles->azimuth_rad, view.angles->off_nadir_rad}; }
-
 // Each pixel is warped as 3 x 3 splats, so that the rotation opens no gaps in a surface.
 constexpr int kSubpixels = 3;
 
@@ -111,7 +109,7 @@ Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& dir
   const PosedCamera& camera = surface.depth_map.camera;
   const Eigen::Vector3d middle =
       camera.camera_from_world.Apply(model.box_m ? model.box_m->center().eval() : Eigen::Vector3d::Zero().eval());
-  const Eigen::Quaterniond turn = CameraFromModel(direction) * CameraFromModel(DirectionOf(nearest)).conjugate();
+  const Eigen::Quaterniond turn = CameraFromModel(direction) * CameraFromModel(*nearest.angles).conjugate();
   const double pixel_m = middle.z() / camera.pinhole.fx;
   WarpedView view = RenderSplats(ForwardWarp(surface, grey, turn, middle), grey.size(), 3 * pixel_m);
   FillGaps(view);

@@ -13,7 +13,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/error.h"
-#include "victorious/geometry/view_sphere.h"
+#include "victorious/geometry/view_direction.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

@@ -1,29 +1,16 @@
 // The view sphere: camera directions around the model on a grid of azimuth and off-nadir angle (the thesis's latitude
 // and longitude). MakeCadModel renders one template from each.
-//
-// With d the unit vector from the object to the camera in the model frame (x front, y left, z up; types/mesh.h):
-//   off_nadir = acos(d.z): 0 straight above
-//   azimuth = atan2(d.y, -d.x): 0 behind the object, 90 degrees on its left, 180 in front
-//   d = (-sin(off_nadir) cos(azimuth), sin(off_nadir) sin(azimuth), cos(off_nadir))
-// In the image the model's up axis points upwards; straight from above its front does (the limit of azimuth 0).
 #pragma once
 
 #include <vector>
-
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/sphere.h"
+#include "victorious/geometry/view_direction.h"
 
 namespace victorious {
-
-struct ViewDirection {
-  double azimuth_rad = 0;    ///< [0, 2 pi)
-  double off_nadir_rad = 0;  ///< [0, pi]
-};
 
 /// Views with their neighbours. The neighbours are stored, so that users do not depend on the grid layout.
 struct ViewSphere {
@@ -45,13 +32,6 @@ struct ViewSphereOptions {
 /// the up to eight adjacent views on the grid; those of the pole are the whole first ring. Error: kInvalidArgument,
 /// options out of range or a step that does not divide 360.
 [[nodiscard]] Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options);
-
-/// The unit vector from the object to the camera, in the model frame.
-[[nodiscard]] Eigen::Vector3d DirectionToCamera(const ViewDirection& direction);
-[[nodiscard]] ViewDirection DirectionFromVector(const Eigen::Vector3d& object_to_camera);
-
-/// Rotation of a camera that looks at the object from a direction, with the image's up as defined above.
-[[nodiscard]] Eigen::Quaterniond CameraFromModel(const ViewDirection& direction);
 
 /// Distance and image size of a view.
 struct ViewFraming {

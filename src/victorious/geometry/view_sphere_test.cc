@@ -53,26 +53,6 @@ TEST(ViewSphere, RefusesInvalidOptions) {
   EXPECT_FALSE(MakeViewSphere({.max_off_nadir_deg = 200}));
 }
 
-TEST(ViewDirection, FollowsTheContract) {
-  const auto direction = [](double azimuth_deg, double off_nadir_deg) {
-    return DirectionToCamera({RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(off_nadir_deg)});
-  };
-  EXPECT_LT((direction(0, 90) - Vector3d(-1, 0, 0)).norm(), 1e-12);   // behind it
-  EXPECT_LT((direction(90, 90) - Vector3d(0, 1, 0)).norm(), 1e-12);   // on its left
-  EXPECT_LT((direction(180, 90) - Vector3d(1, 0, 0)).norm(), 1e-12);  // in front
-  EXPECT_LT((direction(123, 0) - Vector3d(0, 0, 1)).norm(), 1e-12);   // above
-}
-
-TEST(ViewDirection, VectorsAndAnglesAreInverse) {
-  Random random(7);
-  for (int i = 0; i < 100; ++i) {
-    const ViewDirection direction{random.Uniform(0, 2 * kPi), random.Uniform(0.01, kPi - 0.01)};
-    const ViewDirection back = DirectionFromVector(3.0 * DirectionToCamera(direction));
-    EXPECT_NEAR(back.azimuth_rad, direction.azimuth_rad, 1e-9);
-    EXPECT_NEAR(back.off_nadir_rad, direction.off_nadir_rad, 1e-9);
-  }
-}
-
 TEST(CameraForView, SphereFillsTheImage) {
   const Sphere sphere{{1, -2, 3}, 2.5};
   const ViewFraming framing{.distance_m = 12, .diameter_px = 200, .width_px = 320, .height_px = 240};

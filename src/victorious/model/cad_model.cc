@@ -142,7 +142,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
                            .width = view.image.grey.cols,
                            .height = view.image.grey.rows,
                            .outline = view.image.outline.size() < 3 ? Polygon() : view.image.outline,
-                           .angles = ViewAngles{view.view.direction.azimuth_rad, view.view.direction.off_nadir_rad},
+                           .angles = view.view.direction,
                            .neighbours = {view.view.neighbours.begin(), view.view.neighbours.end()},
                            .thumbnail = {},
                            .surface = {}};

@@ -75,7 +75,7 @@ Vector3d PointOf(const Point3& point) { return {point.x, point.y, point.z}; }
 PosedCamera CameraOf(const ModelView& view) {
   const CadModelOptions options = FewViews();
   const double radius_m = kHalfSize.norm();
-  return *CameraForView({view.angles->azimuth_rad, view.angles->off_nadir_rad}, {{0, 0, 0}, radius_m},
+  return *CameraForView(*view.angles, {{0, 0, 0}, radius_m},
                         {.distance_m = kTemplateDistanceRadii * radius_m,
                          .diameter_px = static_cast<double>(options.max_size_px),
                          .width_px = view.width,
@@ -134,9 +134,7 @@ TEST(MakeCadModel, NeighboursAreMutualAndAdjacent) {
     for (const std::uint32_t neighbour : model.views[i].neighbours) {
       EXPECT_NE(neighbour, i);
       EXPECT_THAT(model.views[neighbour].neighbours, ::testing::Contains(i));
-      const auto direction = [&](std::uint32_t view) {
-        return DirectionToCamera({model.views[view].angles->azimuth_rad, model.views[view].angles->off_nadir_rad});
-      };
+      const auto direction = [&](std::uint32_t view) { return DirectionToCamera(*model.views[view].angles); };
       EXPECT_GT(direction(i).dot(direction(neighbour)), std::cos(RadiansFromDegrees(45)));
     }
   }

@@ -11,9 +11,9 @@ std::size_t NearestView(const ObjectModel& model, const ViewDirection& direction
   std::size_t best = 0;
   double best_cosine = -2;
   for (std::size_t v = 0; v < model.views.size(); ++v) {
-    const std::optional<ViewAngles>& angles = model.views[v].angles;
+    const std::optional<ViewDirection>& angles = model.views[v].angles;
     if (!angles) continue;
-    const double cosine = wanted.dot(DirectionToCamera({angles->azimuth_rad, angles->off_nadir_rad}));
+    const double cosine = wanted.dot(DirectionToCamera(*angles));
     if (cosine > best_cosine) {
       best_cosine = cosine;
       best = v;

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "victorious/geometry/view_sphere.h"
+#include "victorious/geometry/view_direction.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

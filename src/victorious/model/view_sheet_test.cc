@@ -21,7 +21,7 @@ ObjectModel MakeModelWithViews(int count, const cv::Size& thumbnail, const cv::S
     EXPECT_TRUE(builder.Add({.source = "s",
                              .width = 9,
                              .height = 9,
-                             .angles = ViewAngles{RadiansFromDegrees(20.0 * i), RadiansFromDegrees(30)}},
+                             .angles = ViewDirection{RadiansFromDegrees(20.0 * i), RadiansFromDegrees(30)}},
                             features, {}, cv::Mat(thumbnail, CV_8UC3, colour)));
   }
   return std::move(builder).Finish({.name = "object", .kind = ModelKind::kCad, .program_version = "0.0.1"});

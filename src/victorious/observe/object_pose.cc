@@ -10,7 +10,7 @@
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/geometry/lens.h"
-#include "victorious/geometry/view_sphere.h"
+#include "victorious/geometry/view_direction.h"
 
 namespace victorious {
 
@@ -60,7 +60,7 @@ Quaterniond InitialRotation(const Detection& detection, const ModelView& view, c
   const Vector3d towards = image.DirectionOf(detection.fit.scene_from_template.Apply(image_middle));
   return RotationTowards(towards) *
          Eigen::AngleAxisd(detection.fit.scene_from_template.rotation_rad, Vector3d::UnitZ()) *
-         CameraFromModel({view.angles->azimuth_rad, view.angles->off_nadir_rad});
+         CameraFromModel(*view.angles);
 }
 
 // Models with 3D points: 6-DoF fit.
@@ -98,7 +98,7 @@ std::optional<ObjectPose> EstimatePoseFromPoints(const Detection& detection, con
       .camera_from_object = camera_from_object,
       .points = std::move(points),
       .focal_px = image.focal_px(),
-      .view = ViewEstimate{.angles = {seen_from.azimuth_rad, seen_from.off_nadir_rad},
+      .view = ViewEstimate{.angles = seen_from,
                            .in_plane_rad = InPlaneRotation(camera_from_object, seen_from),
                            .sigma_rad = std::hypot(fit->sigma_view_rad, RadiansFromDegrees(kMinViewSigma_deg))}};
 }

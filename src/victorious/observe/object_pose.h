@@ -59,7 +59,7 @@ struct ObservationOptions {
 
 /// Direction of view of an object.
 struct ViewEstimate {
-  ViewAngles angles;        ///< of the direction to the camera, in the model's frame
+  ViewDirection angles;     ///< of the direction to the camera, in the model's frame
   double in_plane_rad = 0;  ///< clockwise image rotation from the rendered view of that direction to the scene
   double sigma_rad = 0;     ///< standard deviation of the direction, each axis
 };

@@ -7,7 +7,7 @@
 
 #include "testing/synthetic_sighting.h"
 #include "victorious/base/random.h"
-#include "victorious/geometry/view_sphere.h"
+#include "victorious/geometry/view_direction.h"
 
 namespace victorious {
 namespace {
@@ -25,8 +25,7 @@ Eigen::Vector3d TrueDirection(double heading_deg) {
 }
 
 double ViewErrorDeg(const ObjectPose& object_pose, const Eigen::Vector3d& truth) {
-  const Eigen::Vector3d found =
-      DirectionToCamera({object_pose.view->angles.azimuth_rad, object_pose.view->angles.off_nadir_rad});
+  const Eigen::Vector3d found = DirectionToCamera(object_pose.view->angles);
   return DegreesFromRadians(std::acos(std::clamp(found.dot(truth), -1.0, 1.0)));
 }
 
@@ -62,7 +61,7 @@ TEST(ObjectPose, ViewAndInPlaneRotationGiveTheRotation) {
   const Eigen::Quaterniond turned =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), stands.translation.normalized()) *
       Eigen::AngleAxisd(object_pose->view->in_plane_rad, Eigen::Vector3d::UnitZ()) *
-      CameraFromModel({object_pose->view->angles.azimuth_rad, object_pose->view->angles.off_nadir_rad});
+      CameraFromModel(object_pose->view->angles);
   EXPECT_LT(turned.angularDistance(stands.rotation), 1e-6);
 }
 

@@ -123,7 +123,7 @@ SightingRecord GetSighting(std::int64_t frame, ByteReader& reader) {
   sighting.matches = reader.Get<int>();
   sighting.view_index = reader.Get<int>();
   if (reader.Get<bool>()) {
-    ViewAngles& view = sighting.view.emplace();
+    ViewDirection& view = sighting.view.emplace();
     view.azimuth_rad = reader.Get<double>();
     view.off_nadir_rad = reader.Get<double>();
   }

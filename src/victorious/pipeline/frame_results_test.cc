@@ -21,7 +21,7 @@ std::vector<FrameResult> SomeResults() {
                           .source = SightingSource::kTracked,
                           .matches = 11,
                           .view_index = 5,
-                          .view = ViewAngles{0.4, 0.5},
+                          .view = ViewDirection{0.4, 0.5},
                           .in_plane_rad = -0.6,
                           .sigma_view_rad = 0.01,
                           .distance_m = 123.4,

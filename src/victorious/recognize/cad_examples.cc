@@ -10,6 +10,7 @@
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
+#include "victorious/geometry/view_direction.h"
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/render/paste.h"
 #include "victorious/render/relight.h"

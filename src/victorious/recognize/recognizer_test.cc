@@ -419,7 +419,7 @@ std::size_t CountTurned(double turn_rad, const FrameConditions& conditions, cons
   Paste(crate, 1.0, turn_rad, {320, 240}, scene);
   ObjectModel model = ModelOf("crate", crate);
   model.kind = ModelKind::kCad;
-  model.views[0].angles = ViewAngles{0, kPi / 3};
+  model.views[0].angles = ViewDirection{0, kPi / 3};
   return Recognizer::Create({model}, FeatureOptions().engine, options)
       .value()
       .Recognize(FeaturesOf(scene), conditions)

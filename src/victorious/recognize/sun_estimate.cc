@@ -177,7 +177,7 @@ class SunEstimator {
   }
 
   // The mean of the sun directions on the fine grid, weighted by 1 / NFA relative to the best of the coarse grid. In
-  // the model frame, azimuth as ViewAngles; not of unit length. Those that are not among the best proposals at half
+  // the model frame, azimuth as ViewDirection; not of unit length. Those that are not among the best proposals at half
   // resolution have no weight.
   Expected<Eigen::Vector3d> RefineDirection(const RatedTemplate& coarse, ModelMatcher& matcher) const {
     const ObjectModel& model = *models_[coarse.model].model;

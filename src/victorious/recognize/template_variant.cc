@@ -47,7 +47,7 @@ bool HasObservableHeading(const ModelView& view) {
 
 std::size_t NearestViewToSun(const ObjectModel& model, double azimuth_rad, double elevation_rad) {
   const auto closeness = [&](const ModelView& view) {
-    const ViewAngles& angles = *view.angles;
+    const ViewDirection& angles = *view.angles;
     return std::cos(angles.off_nadir_rad) * std::sin(elevation_rad) +
            std::sin(angles.off_nadir_rad) * std::cos(elevation_rad) * std::cos(angles.azimuth_rad - azimuth_rad);
   };

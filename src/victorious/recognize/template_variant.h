@@ -1,9 +1,9 @@
 // recognize/, for VoteSearch and EstimateSun: which views of a model a scene may show, and each view's template under
 // diffuse light or under a sun.
 //
-// Angles. A view's azimuth is that of its camera in the model frame (ViewAngles). The sun's azimuth is either relative
-// to the viewing direction (FrameConditions::relative_sun), or in the model frame as ViewAngles: an object that is seen
-// from azimuth a has the relative sun s at a + pi + s.
+// Angles. A view's azimuth is that of its camera in the model frame (ViewDirection). The sun's azimuth is either
+// relative to the viewing direction (FrameConditions::relative_sun), or in the model frame as ViewDirection: an object
+// that is seen from azimuth a has the relative sun s at a + pi + s.
 #pragma once
 
 #include <cstddef>

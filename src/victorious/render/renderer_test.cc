@@ -17,6 +17,7 @@
 #include "testing/cad_tools.h"
 #include "testing/data.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/view_direction.h"
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/mesh/load_mesh.h"
 

@@ -12,7 +12,7 @@
 #include "victorious/base/file.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/geometry/view_sphere.h"
+#include "victorious/geometry/view_direction.h"
 #include "victorious/simulate/flight_path.h"
 #include "victorious/simulate/truth.h"
 #include "victorious/telemetry/camera_csv.h"

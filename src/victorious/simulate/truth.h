@@ -3,7 +3,7 @@
 //
 //   visible = pixels of the object in the frame / pixels of the object rendered alone, neither occluded nor cropped
 // Both count pixels whose central ray meets the object. If the second image would be wider or higher than 4096 pixels,
-// it is rendered at a smaller scale and the count is rescaled. Angles are those of geometry/view_sphere.h.
+// it is rendered at a smaller scale and the count is rescaled. Angles are those of geometry/view_direction.h.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/geodesy.h"
-#include "victorious/geometry/view_sphere.h"
+#include "victorious/geometry/view_direction.h"
 #include "victorious/render/renderer.h"
 #include "victorious/simulate/placed_scene.h"
 #include "victorious/simulate/scene.h"

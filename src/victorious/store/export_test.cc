@@ -52,7 +52,7 @@ class ExportTest : public ::testing::Test {
                                 .box = {1, 2, 3, 4},
                                 .score = 0.97,
                                 .source = SightingSource::kTracked,
-                                .view = ViewAngles{RadiansFromDegrees(150), RadiansFromDegrees(60)},
+                                .view = ViewDirection{RadiansFromDegrees(150), RadiansFromDegrees(60)},
                                 .sigma_view_rad = RadiansFromDegrees(2.5),
                                 .distance_m = 123.4567,
                                 .sigma_distance_m = 2}});

@@ -144,9 +144,9 @@ struct SightingRecord {
   double score = 0;
   SightingSource source = SightingSource::kRecognised;
   int matches = 0;
-  int view_index = 0;              ///< the best-matching view of the model
-  std::optional<ViewAngles> view;  ///< direction of view; estimated between views if the object pose was estimated
-  double in_plane_rad = 0;         ///< clockwise rotation from a template at that direction of view to the scene
+  int view_index = 0;                 ///< the best-matching view of the model
+  std::optional<ViewDirection> view;  ///< direction of view; estimated between views if the object pose was estimated
+  double in_plane_rad = 0;            ///< clockwise rotation from a template at that direction of view to the scene
   std::optional<double> sigma_view_rad;    ///< standard deviation of the direction of view, per axis; std::nullopt:
                                            ///< `view` is the matched view's
   std::optional<double> distance_m;        ///< from the camera; std::nullopt if the field of view is unknown

@@ -145,7 +145,7 @@ TEST_P(IndexStoreTest, VideoLengthAndFeaturesRoundTrip) {
 
 TEST_P(IndexStoreTest, SightingRoundTrips) {
   IndexBatch batch = MakeBatch(7, 1, 0.75);
-  batch.sightings[0].sighting.view = ViewAngles{1.5, 0.5};
+  batch.sightings[0].sighting.view = ViewDirection{1.5, 0.5};
   batch.sightings[0].sighting.source = SightingSource::kTracked;
   const std::int64_t object = CommitOne(batch);
   Reopen();

@@ -48,7 +48,7 @@ ObjectModel TestModel(std::size_t feature_count = 5) {
                          .feature_count = feature_count,
                          .outline = {{0.1, 0.2}, {600, 1.0 / 3}, {600, 470}, {-2, 470}}});
   model.views.push_back(
-      {.source = "b", .width = 1, .height = 1, .first_feature = feature_count, .angles = ViewAngles{0.1, 1.2}});
+      {.source = "b", .width = 1, .height = 1, .first_feature = feature_count, .angles = ViewDirection{0.1, 1.2}});
   model.features = {features->keypoints, features->descriptors};
   model.storage = features;
   return model;

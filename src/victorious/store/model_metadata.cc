@@ -131,7 +131,7 @@ std::optional<ModelView> ParseView(const json& object) {
   view.outline = *std::move(outline);
   if (const json& angles = reader.Member("angles"); !angles.is_null()) {
     Reader angle_reader(angles);
-    view.angles = ViewAngles{angle_reader.Number("azimuth_rad"), angle_reader.Number("off_nadir_rad")};
+    view.angles = ViewDirection{angle_reader.Number("azimuth_rad"), angle_reader.Number("off_nadir_rad")};
     reader.Require(angle_reader.ok());
   }
   if (const auto neighbours = object.find("neighbours");

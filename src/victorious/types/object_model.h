@@ -14,16 +14,13 @@
 #include <Eigen/Geometry>
 
 #include "victorious/geometry/polygon.h"
+#include "victorious/geometry/view_direction.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/model_kind.h"
 
 namespace victorious {
 
-/// Direction d from the model to the camera of a view (the thesis's latitude and longitude).
-struct ViewAngles {
-  double azimuth_rad = 0;    ///< atan2(d.left, -d.front): 0 behind the model, pi/2 on its left, pi in front
-  double off_nadir_rad = 0;  ///< acos(d.up): 0 straight above
-};
+using ViewAngles = ViewDirection;
 
 /// A surface point in the model frame: x front, y left, z up, metres. Model files store these bytes unchanged.
 struct Point3 {
@@ -43,7 +40,7 @@ struct ModelView {
   std::uint64_t first_feature = 0;  ///< index into the model's features
   std::uint64_t feature_count = 0;
   Polygon outline;                        ///< of the object in the image, px
-  std::optional<ViewAngles> angles;       ///< nullopt for photos
+  std::optional<ViewDirection> angles;    ///< from the model to the camera; nullopt for photos
   std::vector<std::uint32_t> neighbours;  ///< indices of the views from nearby directions; empty for photos
   std::span<const std::byte> thumbnail;   ///< small JPEG for display; empty if there is none
   std::span<const std::byte> surface;     ///< rendering for relighting (model/view_surface.h); empty if there is none
