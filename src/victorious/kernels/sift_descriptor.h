@@ -12,14 +12,15 @@
 
 namespace victorious::kernels {
 
-inline constexpr int kDescriptorCells = 4;       ///< by as many
+inline constexpr int kCellsPerSide = 4;          ///< of the grid of cells
 inline constexpr int kDescriptorDirections = 8;  ///< per cell
-inline constexpr std::size_t kDescriptorElements = 128;
+/// Bytes of a descriptor; what stores and matches descriptors takes their size from here.
+inline constexpr std::size_t kDescriptorElements = std::size_t{kCellsPerSide} * kCellsPerSide * kDescriptorDirections;
 inline constexpr int kGridSamples = 16;  ///< gradients along a side of the grid
 inline constexpr int kGridPoints = kGridSamples + 2;
 
 /// The grid spans the four cells and half a cell on each side, over which samples are shared with the border cells.
-inline constexpr double kSamplesPerCell = kGridSamples / (kDescriptorCells + 1.0);
+inline constexpr double kSamplesPerCell = kGridSamples / (kCellsPerSide + 1.0);
 
 /// Where the grid lies. Point (i, j), 0 <= i, j < kGridPoints, is at
 ///   centre + ((2 i - 17) (half_x, half_y) + (2 j - 17) (-half_y, half_x)) / 65536 px;
@@ -54,7 +55,7 @@ void DescribeSiftRef(const LevelView& level, const DescriptorGrid& grid,
 inline constexpr float kSqrt2 = 1.41421356F;
 
 /// weights[c][i]: of sample i in cell c, 2^-14.
-using CellWeights = std::array<std::array<std::int16_t, kGridSamples>, kDescriptorCells>;
+using CellWeights = std::array<std::array<std::int16_t, kGridSamples>, kCellsPerSide>;
 const CellWeights& DescriptorCellWeights();
 
 }  // namespace victorious::kernels

@@ -3,14 +3,17 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "victorious/kernels/nearest.h"
 #include "victorious/kernels/sift_descriptor.h"
 
 namespace victorious::kernels {
 namespace {
 
+static_assert(kDescriptorBytes == kDescriptorElements);  // what is made here is matched there
+
 constexpr std::size_t kSide = kGridSamples;
 constexpr std::size_t kPoints = kGridPoints;
-constexpr std::size_t kCells = kDescriptorCells;
+constexpr std::size_t kCells = kCellsPerSide;
 constexpr std::size_t kDirections = kDescriptorDirections;
 
 struct Points {
@@ -86,13 +89,13 @@ DescriptorGrid MakeDescriptorGrid(double x, double y, double cell_px, double dir
 
 const CellWeights& DescriptorCellWeights() {
   static const CellWeights kWeights = [] {
-    constexpr double kWindow = kDescriptorCells / 2.0;  // sigma, cells
+    constexpr double kWindow = kCellsPerSide / 2.0;  // sigma, cells
     CellWeights weights{};
     for (std::size_t i = 0; i < kSide; ++i) {
       const double cells = (static_cast<double>(i) - (kGridSamples - 1) / 2.0) / kSamplesPerCell;  // from the centre
       const double gaussian = std::exp(-cells * cells / (2 * kWindow * kWindow));
       for (std::size_t c = 0; c < kCells; ++c) {
-        const double distance = std::abs(cells - (static_cast<double>(c) - (kDescriptorCells - 1) / 2.0));
+        const double distance = std::abs(cells - (static_cast<double>(c) - (kCellsPerSide - 1) / 2.0));
         weights[c][i] = static_cast<std::int16_t>(std::lround(16384 * gaussian * std::max(0.0, 1 - distance)));
       }
     }

@@ -36,7 +36,7 @@ using V32 = hn::Vec<D32>;
 using VF = hn::Vec<DF>;
 
 constexpr std::size_t kSide = kGridSamples;
-constexpr std::size_t kCells = kDescriptorCells;
+constexpr std::size_t kCells = kCellsPerSide;
 constexpr std::size_t kDirections = kDescriptorDirections;
 
 // even(a) * even(b) + odd(a) * odd(b) of the 16-bit lanes of each 32-bit lane.
