@@ -11,6 +11,7 @@
 
 #include "victorious/associate/agreed_error.h"
 #include "victorious/base/median.h"
+#include "victorious/base/robust_statistics.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -119,8 +120,7 @@ Meeting Meet(std::span<const Line> lines, double error_rad) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const Vector3d direction = lines[i].Direction(error_rad);
       const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - direction * direction.transpose();
-      const double huber = sigmas[i] <= kHuber ? 1 : kHuber / sigmas[i];
-      const double weight = huber / std::pow(distances_m[i] * lines[i].sigma_rad, 2);
+      const double weight = HuberWeight(sigmas[i], kHuber) / std::pow(distances_m[i] * lines[i].sigma_rad, 2);
       const Factors factors = factors_of(lines[i]);
       normal += weight * factors.transpose() * across * factors;
       right += weight * factors.transpose() * across * lines[i].camera;
@@ -137,9 +137,7 @@ Meeting Meet(std::span<const Line> lines, double error_rad) {
     }
   }
   Meeting meeting{.cost = 0};
-  for (const double sigma : sigmas) {
-    meeting.cost += sigma <= kHuber ? sigma * sigma : kHuber * (2 * sigma - kHuber);
-  }
+  for (const double sigma : sigmas) meeting.cost += HuberLoss(sigma, kHuber);
   meeting.median_sigmas = Median(std::move(sigmas));
   return meeting;
 }

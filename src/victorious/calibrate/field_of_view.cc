@@ -14,9 +14,9 @@
 #include <Eigen/Geometry>
 
 #include "victorious/base/median.h"
+#include "victorious/base/robust_statistics.h"
+#include "victorious/calibrate/motion_comparison.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/geometry/attitude.h"
-#include "victorious/geometry/camera.h"
 #include "victorious/geometry/geodesy.h"
 
 namespace victorious {
@@ -49,16 +49,9 @@ constexpr double kCorrelated = 3;
 // Right, down, and the four derivatives, px per pair of frames at the sample points.
 using Flow = Eigen::Matrix<double, 6, 1>;
 
-// A camera pose in one east-north-up tangent plane.
-struct Pose {
-  Vector3d place;
-  Eigen::Quaterniond camera_from_plane;
-  double focal_px = 0;
-};
-
 struct Pair {
-  Pose from;
-  Pose to;
+  PlanePose from;
+  PlanePose to;
 };
 
 struct Second {
@@ -148,17 +141,11 @@ class FlowModel {
 
 std::vector<Second> CollectSeconds(const ImageMotions& seen, const CameraTrajectory& cameras, const FlowModel& model) {
   const TangentPlane plane(cameras.states().front().place);
-  const auto pose_at = [&](double time_s) -> std::optional<Pose> {
-    const auto state = cameras.At(time_s);
-    if (!state || !state->attitude || !state->hfov_rad) return std::nullopt;
-    return Pose{plane.EnuFromGeodetic(state->place), CameraFromEnu(*state->attitude),
-                FocalLengthPx(*state->hfov_rad, seen.image.width)};
-  };
   std::map<std::int64_t, Second> of_second;
   for (const ImageMotion& motion : seen.motions) {
     if (!motion.flow) continue;
-    const auto from = pose_at(motion.from_s);
-    const auto to = pose_at(motion.to_s);
+    const auto from = PoseAt(cameras, motion.from_s, plane, seen.image.width);
+    const auto to = PoseAt(cameras, motion.to_s, plane, seen.image.width);
     if (!from || !to) continue;
     Second& second = of_second[static_cast<std::int64_t>(std::floor(motion.from_s))];
     if (second.pairs.empty()) second.start = from->place;
@@ -255,12 +242,11 @@ class Fit {
   }
 
   void SetScales() {
-    constexpr double kSigmaOfMedian = 1.4826;
     constexpr double kMin_px = 0.02;
     for (int c = 0; c < scales_px_.size(); ++c) {
       std::vector<double> sizes;
       for (const Flow& residual : residuals_) sizes.push_back(std::abs(residual[c]));
-      scales_px_[c] = std::max(kMin_px, kSigmaOfMedian * Median(std::move(sizes)));
+      scales_px_[c] = std::max(kMin_px, kMadToSigma * Median(std::move(sizes)));
     }
   }
 
@@ -278,8 +264,7 @@ class Fit {
         VectorXd row = VectorXd::Zero(size);
         row.head<kNumCommon>() = derivatives_[i].row(c).head<kNumCommon>();
         row[own] = derivatives_[i](c, kNumCommon);
-        const double sigmas = std::abs(residuals_[i][c]) / scales_px_[c];
-        const double huber = sigmas <= kHuber ? 1 : kHuber / sigmas;
+        const double huber = HuberWeight(residuals_[i][c] / scales_px_[c], kHuber);
         const double weight = huber / (kCorrelated * scales_px_[c] * scales_px_[c]);
         normal += weight * row * row.transpose();
         right += weight * residuals_[i][c] * row;

@@ -5,6 +5,7 @@
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/camera.h"
+#include "victorious/types/frame.h"
 
 namespace victorious {
 namespace {
@@ -31,6 +32,14 @@ Vector3d Components(const std::array<Vector2d, 4>& corners, const std::array<Vec
 }
 
 }  // namespace
+
+std::optional<PlanePose> PoseAt(const CameraTrajectory& cameras, double time_s, const TangentPlane& plane,
+                                int image_width) {
+  const auto state = cameras.At(time_s);
+  if (!state || !state->attitude || !state->hfov_rad) return std::nullopt;
+  return PlanePose{plane.EnuFromGeodetic(state->place), CameraFromEnu(*state->attitude),
+                   FocalLengthPx(*state->hfov_rad, image_width)};
+}
 
 MotionComparison::MotionComparison(const ImageMotions& seen, const CameraTrajectory& cameras)
     : seen_(seen), cameras_(cameras), plane_(cameras.states().front().place), corners_(Corners(seen.image)) {
@@ -64,8 +73,8 @@ std::optional<Vector3d> MotionComparison::MeanMeasured(std::size_t i, double apa
 MotionComparison::Poses MotionComparison::PosesAt(double offset_s) const {
   Poses poses(size());
   for (std::size_t i = 0; i < size(); ++i) {
-    const auto from = PoseAt(seen_.motions[i].from_s - offset_s);
-    const auto to = PoseAt(seen_.motions[i].to_s - offset_s);
+    const auto from = PoseAt(cameras_, seen_.motions[i].from_s - offset_s, plane_, seen_.image.width);
+    const auto to = PoseAt(cameras_, seen_.motions[i].to_s - offset_s, plane_, seen_.image.width);
     if (from && to) poses[i].emplace(*from, *to);
   }
   return poses;
@@ -88,15 +97,7 @@ std::optional<Vector3d> MotionComparison::Predict(const std::pair<PlanePose, Pla
   return Components(corners_, shifts);
 }
 
-std::optional<PlanePose> MotionComparison::PoseAt(double time_s) const {
-  const auto state = cameras_.At(time_s);
-  if (!state || !state->attitude || !state->hfov_rad) return std::nullopt;
-  return PlanePose{plane_.EnuFromGeodetic(state->place), CameraFromEnu(*state->attitude),
-                   FocalLengthPx(*state->hfov_rad, seen_.image.width)};
-}
-
 std::optional<Vector3d> MotionComparison::SumAt(double time_s) const {
-  constexpr double kSameTime_s = 1e-6;
   const std::vector<ImageMotion>& motions = seen_.motions;
   const auto pair = std::ranges::lower_bound(motions, time_s - kSameTime_s, {}, &ImageMotion::to_s);
   if (pair == motions.end() || pair->from_s > time_s + kSameTime_s) return std::nullopt;

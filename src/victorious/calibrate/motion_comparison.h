@@ -29,6 +29,11 @@ struct PlanePose {
   double focal_px = 0;
 };
 
+/// The pose at a time; std::nullopt where telemetry lacks the attitude or the field of view.
+/// @param image_width  px, of the video's frames
+[[nodiscard]] std::optional<PlanePose> PoseAt(const CameraTrajectory& cameras, double time_s, const TangentPlane& plane,
+                                              int image_width);
+
 class MotionComparison {
  public:
   /// Both must outlive it; there is at least one state.
@@ -49,7 +54,6 @@ class MotionComparison {
   [[nodiscard]] std::optional<Eigen::Vector3d> Predict(const std::pair<PlanePose, PlanePose>& pair, double per_m) const;
 
  private:
-  [[nodiscard]] std::optional<PlanePose> PoseAt(double time_s) const;
   /// Accumulated motion up to a time within a pair, or at its ends.
   [[nodiscard]] std::optional<Eigen::Vector3d> SumAt(double time_s) const;
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/median.h"
+#include "victorious/base/robust_statistics.h"
 #include "victorious/calibrate/motion_comparison.h"
 #include "victorious/calibrate/motion_contradiction.h"
 #include "victorious/geometry/angles.h"
@@ -90,28 +91,22 @@ struct Fit {
 
 // Robust standard deviation (MAD) per component.
 Vector3d RobustScales(const ResidualSet& residual_set) {
-  constexpr double kSigmaOfMedian = 1.4826;
   constexpr double kMinPx = 0.02;
   Vector3d scales;
   for (int c = 0; c < 3; ++c) {
     std::vector<double> sizes;
     for (const Vector3d& residual : residual_set.residuals) sizes.push_back(std::abs(residual[c]));
-    scales[c] = std::max(kMinPx, kSigmaOfMedian * Median(std::move(sizes)));
+    scales[c] = std::max(kMinPx, kMadToSigma * Median(std::move(sizes)));
   }
   return scales;
 }
 
 constexpr double kHuber = 2;  // in standard deviations
 
-double HuberWeight(double sigmas) { return std::abs(sigmas) <= kHuber ? 1 : kHuber / std::abs(sigmas); }
-
-double HuberCost(const ResidualSet& residual_set, const Vector3d& scales_px) {
+double MeanHuberLoss(const ResidualSet& residual_set, const Vector3d& scales_px) {
   double cost = 0;
   for (const Vector3d& residual : residual_set.residuals) {
-    for (int c = 0; c < 3; ++c) {
-      const double size = std::abs(residual[c]) / scales_px[c];
-      cost += size <= kHuber ? size * size : kHuber * (2 * size - kHuber);
-    }
+    for (int c = 0; c < 3; ++c) cost += HuberLoss(residual[c] / scales_px[c], kHuber);
   }
   return residual_set.residuals.empty() ? 0 : cost / static_cast<double>(residual_set.residuals.size());
 }
@@ -182,7 +177,7 @@ NormalEquations MakeNormalEquations(const MotionComparison& comparison, const De
       row[2 + c] = 1;
       row /= scales_px[c];
       const double residual = derivatives.at.residuals[i][c] / scales_px[c];
-      const double weight = HuberWeight(residual);
+      const double weight = HuberWeight(residual, kHuber);
       system.normal += weight * row * row.transpose();
       system.gradient += weight * residual * row;
       block += weight * residual * row;
@@ -216,14 +211,14 @@ std::optional<Fit> Refine(const MotionComparison& comparison, Unknowns unknowns,
     Unknowns step = system.normal.inverse() * system.gradient;
     if (!step.allFinite()) return std::nullopt;
     if (std::abs(step[0]) > row_s) step *= row_s / std::abs(step[0]);
-    const double cost = HuberCost(derivatives.at, fit.scales_px);
+    const double cost = MeanHuberLoss(derivatives.at, fit.scales_px);
     const auto after = [&](const Unknowns& change) {
       Unknowns next = unknowns + change;
       next[1] = std::max(0.0, next[1]);
       return next;
     };
     for (int halved = 0; round < kLineSearchRounds && halved < 4; ++halved) {
-      if (HuberCost(ComputeDerivatives(comparison, after(step), row_s).at, fit.scales_px) <= cost) break;
+      if (MeanHuberLoss(ComputeDerivatives(comparison, after(step), row_s).at, fit.scales_px) <= cost) break;
       step /= 2;
     }
     unknowns = after(step);
@@ -361,7 +356,7 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& 
   if (fits.empty()) return NoOffset(TimeOffsetStatus::kNoOverlap, seen.motions.size());
   const Vector3d scales_px =
       std::ranges::min_element(fits, {}, [](const Fit& fit) { return fit.scales_px.prod(); })->scales_px;
-  const auto cost = [&](const Fit& fit) { return HuberCost(fit.residual_set, scales_px); };
+  const auto cost = [&](const Fit& fit) { return MeanHuberLoss(fit.residual_set, scales_px); };
   const Fit& best = *std::ranges::min_element(fits, {}, cost);
   TimeOffset result{.sigma_s = std::hypot(std::sqrt(std::max(best.variance, best.block_variance)), kMinSigma_s),
                     .explained = ExplainedVariance(comparison, best.residual_set, row_s),

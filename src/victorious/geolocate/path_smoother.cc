@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "victorious/base/median.h"
+#include "victorious/base/robust_statistics.h"
 
 namespace victorious {
 namespace {
@@ -30,7 +31,6 @@ constexpr double kHalfWindow_s = 0.25;  // a manoeuvre lasts at least twice this
 constexpr double kGroundNoise_m = 1;    // unevenness under a moving object
 // Ranges that scatter more are not explained: a path through the cameras would fit any lines.
 constexpr double kMaxRangeFactor = 3;
-constexpr double kMadOfNormal = 1.4826;  // standard deviation over median absolute deviation
 
 struct Measurement {
   Row row;
@@ -259,7 +259,7 @@ class Smoother {
       places_.emplace_back(fit_.means[i].head<3>());
     }
     fit_.angle_factor = std::max(1.0, Median(across) / kRayleighMedian);
-    fit_.range_factor = std::clamp(Median(along) * kMadOfNormal, 1.0, kMaxRangeFactor);
+    fit_.range_factor = std::clamp(Median(along) * kMadToSigma, 1.0, kMaxRangeFactor);
     ++rounds_;
     // Huber's weight; once the path has settled, lines beyond the gate have none. Ranges always count.
     constexpr int kRoundsToSettle = 3;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "victorious/base/median.h"
+#include "victorious/base/robust_statistics.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
 #include "victorious/navigate/agreement.h"
@@ -26,9 +27,6 @@ using Eigen::Vector3d;
 // that agree to the last digit from infinite weight.
 constexpr double kMinPositionNoise_m = 0.05;
 constexpr double kMinAttitudeNoise_deg = 0.05;
-
-// Ratio of the standard deviation to the median absolute value of a normal variate: 1 / the 75 % quantile of N(0, 1).
-constexpr double kMadToSigma = 1.4826;
 
 // Maximum number of rounds of data association and smoothing. One that is not stable then is taken as it is: it is
 // within the gate of its own flight.
