@@ -22,14 +22,12 @@
 namespace victorious {
 namespace {
 
-using Eigen::Matrix2d;
-using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 
 // Unknowns common to the flight; those of the seconds follow. Each is in units of its prior's standard deviation.
 enum Common { kFocal, kSlopeEast, kSlopeNorth, kYaw, kPitch, kRoll, kNumCommon };
+using Unknowns = Eigen::Matrix<double, kNumCommon, 1>;
 
 // Of the logarithm of the focal length: so wide that it does not matter.
 constexpr double kFocalPrior = 1;
@@ -61,7 +59,7 @@ struct Second {
 };
 
 // The camera with an error of attitude.
-Eigen::Quaterniond Turned(const Eigen::Quaterniond& camera_from_plane, const VectorXd& unknowns) {
+Eigen::Quaterniond Turned(const Eigen::Quaterniond& camera_from_plane, const Unknowns& unknowns) {
   const Eigen::AngleAxisd yaw(-unknowns[kYaw] * kYawPrior_rad, Vector3d::UnitZ());
   const Eigen::AngleAxisd pitch(unknowns[kPitch] * kGimbalPrior_rad, Vector3d::UnitX());
   const Eigen::AngleAxisd roll(unknowns[kRoll] * kGimbalPrior_rad, Vector3d::UnitZ());
@@ -88,7 +86,7 @@ class FlowModel {
 
   // The mean flow of a second; std::nullopt if the horizon is in view.
   // @param per_m  one over the camera's height above the ground at the start of the second
-  [[nodiscard]] std::optional<Flow> Predict(const Second& second, const VectorXd& unknowns, double per_m) const {
+  [[nodiscard]] std::optional<Flow> Predict(const Second& second, const Unknowns& unknowns, double per_m) const {
     Flow sum = Flow::Zero();
     for (const Pair& pair : second.pairs) {
       const auto flow = PredictPair(pair, second.start, unknowns, per_m);
@@ -99,7 +97,7 @@ class FlowModel {
   }
 
  private:
-  [[nodiscard]] std::optional<Flow> PredictPair(const Pair& pair, const Vector3d& start, const VectorXd& unknowns,
+  [[nodiscard]] std::optional<Flow> PredictPair(const Pair& pair, const Vector3d& start, const Unknowns& unknowns,
                                                 double per_m) const {
     constexpr double kMinSine = 0.05;  // of the angle of a line of sight below the ground's horizon
     const double factor = std::exp(unknowns[kFocal] * kFocalPrior);
@@ -169,7 +167,7 @@ class Fit {
   bool Start() {
     constexpr std::array kHeights_m = {10.0,  15.0,  22.0,  33.0,  50.0,   75.0,   110.0, 160.0,
                                        240.0, 360.0, 540.0, 800.0, 1600.0, 3200.0, 6400.0};
-    unknowns_ = VectorXd::Zero(kNumCommon);
+    unknowns_.setZero();
     heights_per_m_.clear();
     for (const Second& second : seconds_) {
       double best = std::numeric_limits<double>::infinity();
@@ -192,31 +190,39 @@ class Fit {
     for (int round = 0; round < kRounds; ++round) {
       if (!Linearise()) return false;
       SetScales();
-      MatrixXd normal;
-      VectorXd right;
-      MakeEquations(normal, right);
-      const Eigen::LDLT<MatrixXd> solver(normal);
+      MakeEquations();
+      const Eigen::LDLT<CommonMatrix> solver(normal_);
       if (solver.info() != Eigen::Success) return false;
-      const VectorXd step = solver.solve(right);
+      const Unknowns step = solver.solve(right_);
       if (!step.allFinite()) return false;
       const double largest = std::max(std::abs(step[kFocal]) / kMaxFocalStep, 1.0);
-      unknowns_ += step.head<kNumCommon>() / largest;
+      unknowns_ += step / largest;
       for (std::size_t i = 0; i < seconds_.size(); ++i) {
-        const double change = std::clamp(step[kNumCommon + static_cast<Eigen::Index>(i)] / largest, -0.3, 0.3);
-        heights_per_m_[i] *= std::exp(change);
+        heights_per_m_[i] *= std::exp(std::clamp(heights_[i].Step(step) / largest, -0.3, 0.3));
       }
-      covariance_ = solver.solve(MatrixXd::Identity(normal.rows(), normal.cols()));
     }
-    return covariance_.allFinite() && covariance_(kFocal, kFocal) > 0;
+    const CommonMatrix covariance = Eigen::LDLT<CommonMatrix>(normal_).solve(CommonMatrix::Identity());
+    variance_ = covariance(kFocal, kFocal);
+    return covariance.allFinite() && variance_ > 0;
   }
 
   [[nodiscard]] FocalMeasurement Result() const {
-    return {.log_factor = unknowns_[kFocal] * kFocalPrior,
-            .sigma = std::sqrt(covariance_(kFocal, kFocal)) * kFocalPrior};
+    return {.log_factor = unknowns_[kFocal] * kFocalPrior, .sigma = std::sqrt(variance_) * kFocalPrior};
   }
 
  private:
   static constexpr double kMaxFocalStep = 0.1;
+  using CommonMatrix = Eigen::Matrix<double, kNumCommon, kNumCommon>;
+
+  // The row of normal equations of one second's height, whose only other unknowns are the common ones.
+  struct HeightEquation {
+    double own = 1e-9;  // more than 0 keeps a height that nothing determines
+    Unknowns common = Unknowns::Zero();
+    double right = 0;
+
+    // The step of the height for a step of the common unknowns.
+    [[nodiscard]] double Step(const Unknowns& step) const { return (right - common.dot(step)) / own; }
+  };
 
   // Residuals, and their derivatives by the common unknowns and by the logarithm of the second's own height.
   bool Linearise() {
@@ -228,7 +234,7 @@ class Fit {
       if (!here) return false;
       Eigen::Matrix<double, 6, kNumCommon + 1> derivatives;
       for (int k = 0; k <= kNumCommon; ++k) {
-        VectorXd moved = unknowns_;
+        Unknowns moved = unknowns_;
         if (k < kNumCommon) moved[k] += kStep;
         const double per_m = heights_per_m_[i] * (k == kNumCommon ? std::exp(kStep) : 1);
         const auto there = model_.Predict(seconds_[i], moved, per_m);
@@ -250,36 +256,41 @@ class Fit {
     }
   }
 
-  void MakeEquations(MatrixXd& normal, VectorXd& right) const {
+  // The heights are eliminated (the Schur complement of a diagonal block): a residual depends on one of them only.
+  void MakeEquations() {
     constexpr double kHuber = 2;
-    const auto size = static_cast<Eigen::Index>(kNumCommon + seconds_.size());
-    normal = MatrixXd::Zero(size, size);
-    right = VectorXd::Zero(size);
-    normal.diagonal().head<kNumCommon>().setOnes();
-    right.head<kNumCommon>() = -unknowns_;
+    normal_.setIdentity();
+    right_ = -unknowns_;
+    heights_.assign(seconds_.size(), {});
     for (std::size_t i = 0; i < seconds_.size(); ++i) {
-      const auto own = static_cast<Eigen::Index>(kNumCommon + i);
-      normal(own, own) += 1e-9;  // keeps a height that nothing determines
+      HeightEquation& height = heights_[i];
       for (int c = 0; c < scales_px_.size(); ++c) {
-        VectorXd row = VectorXd::Zero(size);
-        row.head<kNumCommon>() = derivatives_[i].row(c).head<kNumCommon>();
-        row[own] = derivatives_[i](c, kNumCommon);
+        const Unknowns row = derivatives_[i].row(c).head<kNumCommon>();
+        const double own = derivatives_[i](c, kNumCommon);
         const double huber = HuberWeight(residuals_[i][c] / scales_px_[c], kHuber);
         const double weight = huber / (kCorrelated * scales_px_[c] * scales_px_[c]);
-        normal += weight * row * row.transpose();
-        right += weight * residuals_[i][c] * row;
+        normal_ += weight * row * row.transpose();
+        right_ += weight * residuals_[i][c] * row;
+        height.own += weight * own * own;
+        height.common += weight * own * row;
+        height.right += weight * own * residuals_[i][c];
       }
+      normal_ -= height.common * height.common.transpose() / height.own;
+      right_ -= height.common * (height.right / height.own);
     }
   }
 
   const FlowModel& model_;
   const std::vector<Second>& seconds_;
-  VectorXd unknowns_;
+  Unknowns unknowns_ = Unknowns::Zero();
   std::vector<double> heights_per_m_;
   std::vector<Flow> residuals_;
   std::vector<Eigen::Matrix<double, 6, kNumCommon + 1>> derivatives_;
   Flow scales_px_ = Flow::Ones();
-  MatrixXd covariance_;
+  CommonMatrix normal_;
+  Unknowns right_;
+  std::vector<HeightEquation> heights_;  // one a second
+  double variance_ = 0;                  // of the focal unknown
 };
 
 double NormalDensity(double value, double variance) {

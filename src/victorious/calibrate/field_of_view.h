@@ -31,7 +31,7 @@ struct FocalMeasurement {
 
 /// What the motion of the image says, without a prior. std::nullopt if it says nothing: too short, or telemetry without
 /// attitudes or fields of view, or the horizon is in view.
-/// Cost: some 10 ms a minute of video.
+/// Cost: some 60 ms a minute of video, at ten pairs of frames a second.
 [[nodiscard]] std::optional<FocalMeasurement> MeasureFocalLength(const ImageMotions& seen,
                                                                  const CameraTrajectory& cameras);
 
