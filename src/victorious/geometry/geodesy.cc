@@ -1,52 +1,62 @@
 #include "victorious/geometry/geodesy.h"
 
-#include <vector>
+#include <cmath>
 
 #include <GeographicLib/Geocentric.hpp>
-#include <GeographicLib/LocalCartesian.hpp>
 
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
 
-GeographicLib::LocalCartesian PlaneAt(const GeodeticPoint& origin) {
-  return {DegreesFromRadians(origin.latitude_rad), DegreesFromRadians(origin.longitude_rad), origin.altitude_m};
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+GeodeticPoint GeodeticFromEarthCentered(const Vector3d& at) {
+  double latitude_deg = 0;
+  double longitude_deg = 0;
+  double altitude_m = 0;
+  GeographicLib::Geocentric::WGS84().Reverse(at.x(), at.y(), at.z(), latitude_deg, longitude_deg, altitude_m);
+  return {RadiansFromDegrees(latitude_deg), RadiansFromDegrees(longitude_deg), altitude_m};
+}
+
+// The rows are the unit vectors east, north and up in geocentric axes.
+Matrix3d EnuFromEarth(const GeodeticPoint& point) {
+  const double sin_latitude = std::sin(point.latitude_rad);
+  const double cos_latitude = std::cos(point.latitude_rad);
+  const double sin_longitude = std::sin(point.longitude_rad);
+  const double cos_longitude = std::cos(point.longitude_rad);
+  Matrix3d rows;
+  rows.row(0) << -sin_longitude, cos_longitude, 0;
+  rows.row(1) << -sin_latitude * cos_longitude, -sin_latitude * sin_longitude, cos_latitude;
+  rows.row(2) << cos_latitude * cos_longitude, cos_latitude * sin_longitude, sin_latitude;
+  return rows;
 }
 
 }  // namespace
 
-Eigen::Vector3d EarthCenteredFromGeodetic(const GeodeticPoint& point) {
-  Eigen::Vector3d at;
+Vector3d EarthCenteredFromGeodetic(const GeodeticPoint& point) {
+  Vector3d at;
   GeographicLib::Geocentric::WGS84().Forward(DegreesFromRadians(point.latitude_rad),
                                              DegreesFromRadians(point.longitude_rad), point.altitude_m, at.x(), at.y(),
                                              at.z());
   return at;
 }
 
-Eigen::Vector3d TangentPlane::EnuFromGeodetic(const GeodeticPoint& point) const {
-  Eigen::Vector3d enu;
-  PlaneAt(origin_).Forward(DegreesFromRadians(point.latitude_rad), DegreesFromRadians(point.longitude_rad),
-                           point.altitude_m, enu.x(), enu.y(), enu.z());
-  return enu;
+TangentPlane::TangentPlane(const GeodeticPoint& origin)
+    : origin_(origin), origin_in_earth_m_(EarthCenteredFromGeodetic(origin)), enu_from_earth_(EnuFromEarth(origin)) {}
+
+Vector3d TangentPlane::EnuFromGeodetic(const GeodeticPoint& point) const {
+  return enu_from_earth_ * (EarthCenteredFromGeodetic(point) - origin_in_earth_m_);
 }
 
-GeodeticPoint TangentPlane::GeodeticFromEnu(const Eigen::Vector3d& point_in_enu) const {
-  double latitude_deg = 0;
-  double longitude_deg = 0;
-  double altitude_m = 0;
-  PlaneAt(origin_).Reverse(point_in_enu.x(), point_in_enu.y(), point_in_enu.z(), latitude_deg, longitude_deg,
-                           altitude_m);
-  return {RadiansFromDegrees(latitude_deg), RadiansFromDegrees(longitude_deg), altitude_m};
+GeodeticPoint TangentPlane::GeodeticFromEnu(const Vector3d& point_in_enu) const {
+  return GeodeticFromEarthCentered(origin_in_earth_m_ + enu_from_earth_.transpose() * point_in_enu);
 }
 
-Eigen::Quaterniond TangentPlane::LocalEnuFromEnu(const Eigen::Vector3d& point_in_enu) const {
-  double unused = 0;
-  std::vector<double> enu_from_local(9);  // row-major
-  PlaneAt(origin_).Reverse(point_in_enu.x(), point_in_enu.y(), point_in_enu.z(), unused, unused, unused,
-                           enu_from_local);
-  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(enu_from_local.data());
-  return Eigen::Quaterniond(Eigen::Matrix3d(turn.transpose()));
+Eigen::Quaterniond TangentPlane::LocalEnuFromEnu(const Vector3d& point_in_enu) const {
+  const Matrix3d turn = EnuFromEarth(GeodeticFromEnu(point_in_enu)) * enu_from_earth_.transpose();
+  return Eigen::Quaterniond(turn);
 }
 
 }  // namespace victorious

@@ -24,7 +24,7 @@ struct GeodeticPoint {
 /// Cartesian coordinates east, north, up at `origin`, metres. The plane is flat: distant ground lies below it.
 class TangentPlane {
  public:
-  explicit TangentPlane(const GeodeticPoint& origin) : origin_(origin) {}
+  explicit TangentPlane(const GeodeticPoint& origin);
 
   [[nodiscard]] const GeodeticPoint& origin() const { return origin_; }
 
@@ -36,6 +36,8 @@ class TangentPlane {
 
  private:
   GeodeticPoint origin_;
+  Eigen::Vector3d origin_in_earth_m_;  ///< geocentric
+  Eigen::Matrix3d enu_from_earth_;
 };
 
 }  // namespace victorious

@@ -34,6 +34,18 @@ TEST(TangentPlane, RoundTripsEverywhereOnEarth) {
   }
 }
 
+TEST(TangentPlane, LocalAxesAreThoseOfTheirOwnPlane) {
+  Random random(6);
+  for (int i = 0; i < 100; ++i) {
+    const TangentPlane plane(Place(random.Uniform(-89, 89), random.Uniform(-180, 180), random.Uniform(-100, 5000)));
+    const Vector3d point(random.Uniform(-3000, 3000), random.Uniform(-3000, 3000), random.Uniform(-100, 3000));
+    const Vector3d apart(random.Uniform(-9, 9), random.Uniform(-9, 9), random.Uniform(-9, 9));
+    const TangentPlane local(plane.GeodeticFromEnu(point));
+    const Vector3d in_local = local.EnuFromGeodetic(plane.GeodeticFromEnu(point + apart));
+    EXPECT_LT((plane.LocalEnuFromEnu(point) * apart - in_local).norm(), 1e-6);
+  }
+}
+
 TEST(TangentPlane, AxesFollowTheMeridian) {
   const TangentPlane plane(Place(60, 20, 0));
   const Vector3d east_km(1000, 0, 0);
