@@ -115,7 +115,7 @@ class GoodTest(CadTest):
         self.assertTrue(tried.read_bytes().startswith(b"\x89PNG"))
         self.refuses(2, "--size-px = 1", *show, "--findable", "--size-px", "1")
         self.refuses(2, "5 to 90", *show, "--findable", "--sun", "high")
-        self.refuses(2, "--sun = 2: must be", *show, "--findable", "--sun", "2")
+        self.refuses(2, "--sun = 2.0: must be 5 to 90", *show, "--findable", "--sun", "2")
         self.refuses(2, "--findable", *show, "--noise", "0.1")
 
     def test_length_is_the_longest_side(self):

@@ -362,26 +362,6 @@ void TelemetryOptions::ListFields(FieldList& fields) {
               .reason = "full horizontal field of view of the camera; null: from the telemetry"});
 }
 
-std::string_view Name(TelemetryFormat format) {
-  switch (format) {
-    case TelemetryFormat::kNone:
-      return "none";
-    case TelemetryFormat::kSt0601:
-      return Name(KlvStandard::kSt0601);
-    case TelemetryFormat::kEg0104:
-      return Name(KlvStandard::kEg0104);
-    case TelemetryFormat::kOtherKlv:
-      return "KLV of another standard";
-    case TelemetryFormat::kDjiSubtitles:
-      return "DJI subtitles";
-    case TelemetryFormat::kTable:
-      return "table";
-    case TelemetryFormat::kPhotos:
-      return "photos";
-  }
-  return "";
-}
-
 bool LooksLikeTelemetry(std::string_view bytes) {
   return StartsWithUniversalLabel(AsBytes(bytes)) || LooksLikeCameraCsv(bytes) || LooksLikeDjiSrt(bytes);
 }
