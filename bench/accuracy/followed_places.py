@@ -72,7 +72,8 @@ def main() -> None:
         params = Path(folder) / "params.json"
 
         def index(movie: Path, database: Path, **objects) -> None:
-            params.write_text(json.dumps({"follow": {"search_interval_s": 1000}, "objects": objects}))
+            never_s = 1000  # regions are not searched between whole frames: tracked sightings alone lie there
+            params.write_text(json.dumps({"follow": {"search_interval_s": never_s}, "objects": objects}))
             subprocess.run(
                 [arguments.program, "index", movie / "video.mp4", "--models", arguments.models, "--db", database,
                  "--telemetry", movie / "telemetry.csv", "--every", str(arguments.every), "--params", params],

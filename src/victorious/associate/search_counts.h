@@ -19,6 +19,10 @@ struct SearchedFrames {
   std::int64_t every = 1;
   std::int64_t restart = 0;  ///< 0: without tracking
 
+  [[nodiscard]] bool Contains(std::int64_t frame) const {
+    return frame % every == 0 || (restart > 0 && frame % restart == 0);
+  }
+
   /// The number of such frames before frame `end`. Those before `index --from` are counted, too, though they were not
   /// searched: the store does not keep that time. It makes an object need log10(1 + n / m) more of -log10 NFA, where n
   /// frames before that time are counted with the m that were searched.

@@ -37,14 +37,15 @@ TEST_F(SearchCountsTest, OfLongVideosThoseOfAnHour) {
   EXPECT_DOUBLE_EQ(counts.TestsOf({.tracklets = {&first_, &second_}, .estimate = {}, .absolute = {}}), 16'000);
 }
 
-// As IsFullSearchFrame of pipeline/ selects them.
 TEST(SearchedFrames, AreThoseOfTheIntervalAndOfRestarts) {
   for (const auto& [every, restart] : {std::pair<int, int>{1, 0}, {4, 0}, {9, 60}, {60, 9}, {1000, 60}, {7, 7}}) {
     const SearchedFrames frames{.every = every, .restart = restart};
     std::int64_t searched = 0;
     for (int end = 0; end < 400; ++end) {
       EXPECT_EQ(frames.CountBefore(end), searched) << every << ' ' << restart << ' ' << end;
-      searched += end % every == 0 || (restart > 0 && end % restart == 0) ? 1 : 0;
+      const bool is_searched = end % every == 0 || (restart > 0 && end % restart == 0);
+      EXPECT_EQ(frames.Contains(end), is_searched) << every << ' ' << restart << ' ' << end;
+      searched += is_searched ? 1 : 0;
     }
   }
 }

@@ -265,7 +265,7 @@ class Smoother {
     constexpr int kRoundsToSettle = 3;
     constexpr double kNone = 1e-6;
     const auto weight = [&](double residual, double factor) {
-      return std::min(1.0, options_.robust_sigma * factor / std::max(1e-9, residual));
+      return HuberWeight(residual, options_.robust_sigma * factor);
     };
     const auto is_outlier = [&](double residual) {
       return rounds_ > kRoundsToSettle && residual > options_.gate_sigma * fit_.angle_factor;

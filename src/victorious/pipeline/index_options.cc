@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "victorious/associate/search_counts.h"
+
 namespace victorious {
 
 void KeepOptions::ListFields(FieldList& fields) {
@@ -63,7 +65,8 @@ SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo
 }
 
 bool IsFullSearchFrame(std::int64_t frame, int interval, const FollowOptions& options) {
-  return frame % interval == 0 || (options.enabled && frame % options.restart_interval_frames == 0);
+  const int restart = options.enabled ? options.restart_interval_frames : 0;
+  return SearchedFrames{.every = interval, .restart = restart}.Contains(frame);
 }
 
 }  // namespace victorious
