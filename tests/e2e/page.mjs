@@ -545,10 +545,11 @@ async function jobs(page, [photos, video]) {
   // was still searched offers what was found since.
   const { objects: found } = await api(page, "/objects/counts");
   for (const tab of [page, second]) {
-    await tab.waitForFunction((count) => {
-      document.querySelector(".button.new")?.click();
-      return document.querySelectorAll("[role=option]").length === count;
-    }, found);
+    const lists = (count) => document.querySelectorAll("[role=option]").length === count;
+    const more = tab.locator(".button.new");
+    await Promise.race([tab.waitForFunction(lists, found), more.waitFor()]);
+    if (await more.isVisible()) await more.click();
+    await tab.waitForFunction(lists, found);
   }
 
   // A clip of an object, as a download. The panel lies above what is below it, and opens again.
