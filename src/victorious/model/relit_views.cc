@@ -155,7 +155,7 @@ class RelitViews : public RelitTemplateSource {
   [[nodiscard]] Expected<RelitTemplate> MakeTemplate(const RelitTemplateKey& wanted) const {
     VICTORIOUS_ASSIGN_OR_RETURN(const ShownPart part, GetShownPart(wanted));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const SurfacePart> from_sun, GetRendering(wanted.sun_view));
-    const ViewAngles& sun = *model_.views[wanted.sun_view].angles;
+    const ViewDirection& sun = *model_.views[wanted.sun_view].angles;
     const ViewSurface& shown = part.surface;
     const int shrink = wanted.half_resolution ? 2 : 1;
     const cv::Mat grey = Relight(shown.grey, shown.depth_map, options_.light,

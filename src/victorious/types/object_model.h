@@ -20,8 +20,6 @@
 
 namespace victorious {
 
-using ViewAngles = ViewDirection;
-
 /// A surface point in the model frame: x front, y left, z up, metres. Model files store these bytes unchanged.
 struct Point3 {
   float x = 0;
