@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <set>
 #include <span>
 #include <tuple>
@@ -14,13 +13,13 @@
 
 #include "victorious/detect/detect.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/kernels/nearest.h"
 #include "victorious/pose/pooled_template.h"
 #include "victorious/pose/vote_poses.h"
 #include "victorious/recognize/grammar_search.h"
 #include "victorious/recognize/model_matcher.h"
 #include "victorious/recognize/model_searcher.h"
 #include "victorious/recognize/prepared_scene.h"
+#include "victorious/recognize/template_matcher.h"
 #include "victorious/recognize/template_variant.h"
 
 namespace victorious {
@@ -137,15 +136,6 @@ MatchEvidence GatherByGrammar(const FeatureSet& features, const ObjectModel& mod
   return evidence;
 }
 
-// A template with its matches. `points` may be empty.
-struct MatchedTemplate {
-  std::vector<Keypoint> keypoints;
-  std::vector<Point3> points;
-  std::vector<RankedMatch> matches;
-
-  [[nodiscard]] ComparedTemplate Compared() const { return {keypoints, points, matches}; }
-};
-
 // One scene, one view: evidence by votes.
 class VoteEvidence {
  public:
@@ -155,19 +145,18 @@ class VoteEvidence {
       : scene_(features, conditions.vertical),
         conditions_(conditions),
         model_(model),
-        relit_templates_(relit_templates),
         view_(view),
         box_(box),
         options_(options),
-        has_sun_(relit_templates != nullptr && conditions.vertical && conditions.relative_sun) {}
+        has_sun_(relit_templates != nullptr && conditions.vertical && conditions.relative_sun),
+        matcher_(model, relit_templates, scene_, options.search, options.pose, conditions.vertical) {}
 
   Expected<MatchEvidence> Gather() {
     VICTORIOUS_ASSIGN_OR_RETURN(MatchEvidence best, GatherInLight({}));
     if (!has_sun_ || !HasObservableHeading(model_.views[view_])) return best;
     const Eigen::Vector2d centre(box_.x + box_.width / 2, box_.y + box_.height / 2);
-    const AzimuthCells cells = MakeAzimuthCells(scene_, options_.search, conditions_.vertical);
     VICTORIOUS_ASSIGN_OR_RETURN(MatchEvidence relit,
-                                GatherInLight(cells.CellCentre(conditions_.vertical->AzimuthAt(centre))));
+                                GatherInLight(matcher_.cells().CellCentre(conditions_.vertical->AzimuthAt(centre))));
     const auto significance = [](const MatchEvidence& one) {
       return one.detection ? one.detection->neg_log10_nfa : kNoPose;
     };
@@ -179,70 +168,51 @@ class VoteEvidence {
  private:
   // @param relative_azimuth_rad  of the cell that the templates are relit for; nullopt: diffuse light
   Expected<MatchEvidence> GatherInLight(std::optional<double> relative_azimuth_rad) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const MatchedTemplate own, Match(view_, relative_azimuth_rad));
-    std::vector<PlanarFit> fits = Vote(own);
-    auto pose = PoseOf(own, fits);
-    if ((pose && *fits[pose->fit].neg_log10_nfa >= kInstanceNegLog10Nfa) || own.points.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const MatchedTemplate matched, Match(view_, relative_azimuth_rad));
+    const ComparedTemplate own = matched.Compared();
+    const std::vector<PlanarFit> fits = matcher_.Vote(matched.variant, own);
+    const auto pose = PoseOf(own, fits);
+    if ((pose && *fits[pose->fit].neg_log10_nfa >= kInstanceNegLog10Nfa) || own.points_in_model.empty()) {
       return Stages(own, fits, pose);
     }
     std::vector<MatchedTemplate> beside;
     for (const std::uint32_t neighbour : model_.views[view_].neighbours) {
       const ModelView& view = model_.views[neighbour];
       if (view.feature_count == 0 || (relative_azimuth_rad && !HasObservableHeading(view))) continue;
-      VICTORIOUS_ASSIGN_OR_RETURN(MatchedTemplate matched, Match(neighbour, relative_azimuth_rad));
-      beside.push_back(std::move(matched));
+      VICTORIOUS_ASSIGN_OR_RETURN(MatchedTemplate one, Match(neighbour, relative_azimuth_rad));
+      beside.push_back(std::move(one));
     }
     std::vector<ComparedTemplate> compared;
     for (const MatchedTemplate& one : beside) compared.push_back(one.Compared());
     if (compared.empty()) return Stages(own, fits, pose);
-    PooledTemplate pooled = PoolTemplates(own.Compared(), compared);
-    const MatchedTemplate together{std::move(pooled.keypoints), std::move(pooled.points_in_model),
-                                   std::move(pooled.matches)};
-    std::vector<PlanarFit> pooled_fits = Vote(together);
-    auto pooled_pose = PoseOf(together, pooled_fits);
+    const PooledTemplate pool = PoolTemplates(own, compared);
+    const ComparedTemplate pooled{pool.keypoints, pool.points_in_model, pool.matches};
+    const std::vector<PlanarFit> pooled_fits = matcher_.Vote(matched.variant, pooled);
+    const auto pooled_pose = PoseOf(pooled, pooled_fits);
     if (!pooled_pose || (pose && pose->detection.neg_log10_nfa >= pooled_pose->detection.neg_log10_nfa)) {
       return Stages(own, fits, pose);
     }
-    MatchEvidence evidence = Stages(together, pooled_fits, pooled_pose);
-    evidence.is_pooled = together.keypoints.size() > own.keypoints.size();
+    MatchEvidence evidence = Stages(pooled, pooled_fits, pooled_pose);
+    evidence.is_pooled = pooled.keypoints.size() > own.keypoints.size();
     return evidence;
   }
 
   Expected<MatchedTemplate> Match(std::size_t view, std::optional<double> relative_azimuth_rad) const {
-    MatchedTemplate matched;
-    FeatureView features = model_.ViewFeatures(view);
-    std::span<const Point3> points = model_.ViewPoints(view);
-    std::shared_ptr<const RelitTemplate> relit;
-    if (relative_azimuth_rad) {
-      const TemplateVariant variant = MakeRelitVariant(model_, view, *relative_azimuth_rad, *conditions_.relative_sun,
-                                                       options_.search.sun_step_rad);
-      VICTORIOUS_ASSIGN_OR_RETURN(relit, relit_templates_->GetTemplate({*variant.sun_view, view, false}));
-      features = relit->features.View();
-      points = relit->points_in_model;
-    }
-    matched.keypoints.assign(features.keypoints.begin(), features.keypoints.end());
-    matched.points.assign(points.begin(), points.end());
-    matched.matches =
-        scene_.ranked_matcher().Match(kernels::PackQueries(features.descriptors), options_.search.nearest);
-    return matched;
+    if (!relative_azimuth_rad) return matcher_.Match({.view = view, .sun_view = {}});
+    return matcher_.Match(
+        MakeRelitVariant(model_, view, *relative_azimuth_rad, *conditions_.relative_sun, options_.search.sun_step_rad));
   }
 
-  std::vector<PlanarFit> Vote(const MatchedTemplate& matched) const {
-    const ModelView& view = model_.views[view_];
-    return VotePoses(scene_.features(), matched.keypoints, matched.matches, view.outline, options_.search.votes,
-                     options_.pose, MakeUprightPrior(view, conditions_.vertical, options_.search), matched.points);
-  }
-
-  std::optional<FoundPose> PoseOf(const MatchedTemplate& matched, std::span<const PlanarFit> fits) const {
-    return PoseAt(box_, scene_.features(), model_, view_, matched.matches.size(),
+  std::optional<FoundPose> PoseOf(const ComparedTemplate& compared, std::span<const PlanarFit> fits) const {
+    return PoseAt(box_, scene_.features(), model_, view_, compared.matches.size(),
                   model_.views.size() * (has_sun_ ? 2 : 1), fits, options_.detect);
   }
 
-  MatchEvidence Stages(const MatchedTemplate& matched, std::span<const PlanarFit> fits,
+  MatchEvidence Stages(const ComparedTemplate& compared, std::span<const PlanarFit> fits,
                        const std::optional<FoundPose>& pose) const {
-    StageList stages(scene_.features(), matched.keypoints);
-    stages.Add(EvidenceStage::kRankedMatches, matched.matches);
-    stages.Add(EvidenceStage::kPoseVotes, pose ? VotesFor(fits[pose->fit], matched) : std::vector<RankedMatch>());
+    StageList stages(scene_.features(), compared.keypoints);
+    stages.Add(EvidenceStage::kRankedMatches, compared.matches);
+    stages.Add(EvidenceStage::kPoseVotes, pose ? VotesFor(fits[pose->fit], compared) : std::vector<RankedMatch>());
     stages.AddInliers(pose ? &fits[pose->fit] : nullptr);
     MatchEvidence evidence = stages.Take();
     if (pose) evidence.detection = pose->detection;
@@ -251,7 +221,7 @@ class VoteEvidence {
 
   // The matches that vote for a pose (pose/vote_poses.h), and its inliers: near the pose a keypoint's place counts more
   // than its own vote, so a few inliers vote beside it.
-  std::vector<RankedMatch> VotesFor(const PlanarFit& fit, const MatchedTemplate& matched) const {
+  std::vector<RankedMatch> VotesFor(const PlanarFit& fit, const ComparedTemplate& compared) const {
     std::set<MatchKey> inliers;
     for (const FitInlier& one : fit.inliers) inliers.insert(KeyOf(one.scene_keypoint, one.keypoint_in_template));
     const Similarity2& map = fit.scene_from_template;
@@ -259,9 +229,9 @@ class VoteEvidence {
     const Eigen::Vector2d centre(bounds.x + bounds.width / 2, bounds.y + bounds.height / 2);
     const double reach_px = kCentreFraction * std::hypot(bounds.width, bounds.height) * map.scale;
     std::vector<RankedMatch> votes;
-    for (const RankedMatch& match : matched.matches) {
+    for (const RankedMatch& match : compared.matches) {
       const Keypoint& s = scene_.features().keypoints[match.scene_keypoint];
-      const Keypoint& m = matched.keypoints[match.template_keypoint];
+      const Keypoint& m = compared.keypoints[match.template_keypoint];
       const Similarity2 own{static_cast<double>(s.scale_px) / m.scale_px,
                             WrapAngle(static_cast<double>(s.orientation_rad) - m.orientation_rad),
                             {s.x, s.y}};
@@ -277,11 +247,11 @@ class VoteEvidence {
   PreparedScene scene_;
   const FrameConditions& conditions_;
   const ObjectModel& model_;
-  const RelitTemplateSource* relit_templates_;
   std::size_t view_;
   const Box& box_;
   const RecognizeOptions& options_;
   bool has_sun_;
+  TemplateMatcher matcher_;
 };
 
 }  // namespace

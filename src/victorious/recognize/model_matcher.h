@@ -1,24 +1,21 @@
-// recognize/, for VoteSearch and EstimateSun: matches templates of one model with one scene by ranked matches
-// (match/ranked_matcher.h) and Hough voting (pose/vote_poses.h), and collects the poses.
+// recognize/, for VoteSearch and EstimateSun: matches templates of one model with one scene (template_matcher.h), pools
+// the best with their neighbours, and collects the poses.
 #pragma once
 
 #include <cstddef>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "victorious/base/error.h"
 #include "victorious/detect/detect.h"
 #include "victorious/geometry/vertical.h"
-#include "victorious/pose/pooled_template.h"
-#include "victorious/pose/upright_prior.h"
 #include "victorious/recognize/azimuth_cells.h"
 #include "victorious/recognize/prepared_scene.h"
 #include "victorious/recognize/relit_templates.h"
+#include "victorious/recognize/template_matcher.h"
 #include "victorious/recognize/template_variant.h"
 #include "victorious/recognize/vote_search_options.h"
 #include "victorious/types/object_model.h"
@@ -41,21 +38,6 @@ struct ScoredVariant {
 /// By falling -log10 NFA.
 [[nodiscard]] std::vector<ScoredVariant> SortedByNfa(std::vector<ScoredVariant> scored);
 
-/// The centre of the object's box in the scene, px.
-/// @param outline  of the object in the template, px
-[[nodiscard]] Eigen::Vector2d ObjectCentre(const PlanarFit& fit, const Polygon& outline);
-
-/// The azimuth cells of a scene's searched region: each is searched with templates relit by a sun of its own.
-/// @param vertical  in the camera frame; nullopt: unknown
-[[nodiscard]] AzimuthCells MakeAzimuthCells(const PreparedScene& scene, const VoteSearchOptions& options,
-                                            const std::optional<Vertical>& vertical);
-
-/// The prior on the rotation of a view in the scene; nullopt for a view without angles.
-/// @param vertical  in the camera frame; nullopt: unknown
-[[nodiscard]] std::optional<UprightPrior> MakeUprightPrior(const ModelView& view,
-                                                           const std::optional<Vertical>& vertical,
-                                                           const VoteSearchOptions& options);
-
 /// Non-owning: all arguments of the constructor must outlive it.
 class ModelMatcher {
  public:
@@ -67,7 +49,7 @@ class ModelMatcher {
                const std::optional<Vertical>& vertical, std::size_t test_count);
 
   /// The azimuth cells of the searched region.
-  [[nodiscard]] const AzimuthCells& cells() const { return cells_; }
+  [[nodiscard]] const AzimuthCells& cells() const { return matcher_.cells(); }
 
   /// Matches templates; returns the highest -log10 NFA of each, kNoPose without a pose.
   /// Errors: those of RelitTemplateSource.
@@ -88,33 +70,21 @@ class ModelMatcher {
   [[nodiscard]] std::vector<Candidate> TakeCandidates() { return std::move(candidates_); }
 
  private:
-  // A matched template and its results.
-  struct MatchedVariant {
-    TemplateVariant variant;
-    std::shared_ptr<const RelitTemplate> relit;  // null: diffuse light
-    std::vector<RankedMatch> matches;
-    double neg_log10_nfa = kNoPose;
+  struct ScoredTemplate {
+    MatchedTemplate matched;
+    double neg_log10_nfa;  // the highest of its poses
   };
 
   [[nodiscard]] Expected<double> Evaluate(const TemplateVariant& variant);
-  [[nodiscard]] std::vector<RankedMatch> Match(const FeatureView& features) const;
-  double Vote(const TemplateVariant& variant, std::span<const Keypoint> keypoints, std::span<const Point3> points,
-              std::span<const RankedMatch> matches);
-  [[nodiscard]] bool HasSunOfItsCell(const TemplateVariant& variant, const PlanarFit& fit) const;
+  double Vote(const TemplateVariant& variant, const ComparedTemplate& compared);
   [[nodiscard]] bool AreNeighbours(const TemplateVariant& one, const TemplateVariant& other) const;
-  [[nodiscard]] FeatureView FeaturesOf(const MatchedVariant& matched) const;
-  [[nodiscard]] std::span<const Point3> SurfacePointsOf(const MatchedVariant& matched) const;
-  [[nodiscard]] ComparedTemplate TemplateOf(const MatchedVariant& matched) const;
 
   const ObjectModel& model_;
   const RelitTemplateSource* relit_templates_;
   const PreparedScene& scene_;
-  const VoteSearchOptions& options_;
-  const PoseOptions& pose_options_;
-  const std::optional<Vertical>& vertical_;
   std::size_t test_count_;
-  AzimuthCells cells_;
-  std::vector<MatchedVariant> matched_;
+  TemplateMatcher matcher_;
+  std::vector<ScoredTemplate> matched_;
   std::vector<Candidate> candidates_;
 };
 
