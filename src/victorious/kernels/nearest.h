@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "victorious/kernels/blocks.h"
+#include "victorious/kernels/descriptor.h"
 
 namespace victorious::kernels {
 
-inline constexpr std::size_t kDescriptorBytes = 128;
 inline constexpr std::size_t kBlockBytes = kBlockDescriptors * kDescriptorBytes;
 inline constexpr std::uint32_t kNoDistance = 0xFFFFFFFF;
 

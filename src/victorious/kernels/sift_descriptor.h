@@ -8,14 +8,11 @@
 #include <cstdint>
 #include <span>
 
+#include "victorious/kernels/descriptor.h"
 #include "victorious/kernels/level.h"
 
 namespace victorious::kernels {
 
-inline constexpr int kCellsPerSide = 4;          ///< of the grid of cells
-inline constexpr int kDescriptorDirections = 8;  ///< per cell
-/// Bytes of a descriptor; what stores and matches descriptors takes their size from here.
-inline constexpr std::size_t kDescriptorElements = std::size_t{kCellsPerSide} * kCellsPerSide * kDescriptorDirections;
 inline constexpr int kGridSamples = 16;  ///< gradients along a side of the grid
 inline constexpr int kGridPoints = kGridSamples + 2;
 
@@ -48,9 +45,8 @@ DescriptorGrid MakeDescriptorGrid(double x, double y, double cell_px, double dir
 /// 5. Bytes: unit length, clipped at 0.2, unit length again, times 512, rounded, at most 255.
 /// Steps 1 to 4 are integers (sqrt(2) excepted), step 5 is in single precision with a fixed order of sums.
 /// @param out  cells row by row along v, in a row along u, 8 directions each; all 0 if there is no gradient
-void DescribeSift(const LevelView& level, const DescriptorGrid& grid, std::span<std::uint8_t, kDescriptorElements> out);
-void DescribeSiftRef(const LevelView& level, const DescriptorGrid& grid,
-                     std::span<std::uint8_t, kDescriptorElements> out);
+void DescribeSift(const LevelView& level, const DescriptorGrid& grid, std::span<std::uint8_t, kDescriptorBytes> out);
+void DescribeSiftRef(const LevelView& level, const DescriptorGrid& grid, std::span<std::uint8_t, kDescriptorBytes> out);
 
 inline constexpr float kSqrt2 = 1.41421356F;
 

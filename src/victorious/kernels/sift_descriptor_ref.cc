@@ -3,13 +3,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "victorious/kernels/nearest.h"
 #include "victorious/kernels/sift_descriptor.h"
 
 namespace victorious::kernels {
 namespace {
-
-static_assert(kDescriptorBytes == kDescriptorElements);  // what is made here is matched there
 
 constexpr std::size_t kSide = kGridSamples;
 constexpr std::size_t kPoints = kGridPoints;
@@ -63,7 +60,7 @@ std::array<std::int32_t, kDirections> SplitGradient(int u, int v) {
 }
 
 // The sum in the order of vectors of 8: element i is added to sum i % 8, and these pairwise at distance 4, 2, 1.
-float SumOfSquares(std::span<const float, kDescriptorElements> values) {
+float SumOfSquares(std::span<const float, kDescriptorBytes> values) {
   float sums[8] = {};
   for (std::size_t i = 0; i < values.size(); ++i) sums[i % 8] += values[i] * values[i];
   for (std::size_t distance = 4; distance > 0; distance /= 2) {
@@ -105,7 +102,7 @@ const CellWeights& DescriptorCellWeights() {
 }
 
 void DescribeSiftRef(const LevelView& level, const DescriptorGrid& grid,
-                     std::span<std::uint8_t, kDescriptorElements> out) {
+                     std::span<std::uint8_t, kDescriptorBytes> out) {
   const Points points = SamplePoints(level, grid);
   const CellWeights& weights = DescriptorCellWeights();
   // Along y: columns[r][d][i], the weighted sums over the samples of column i.
@@ -122,7 +119,7 @@ void DescribeSiftRef(const LevelView& level, const DescriptorGrid& grid,
     }
   }
   // Along x, on the column sums rounded to 16 bits.
-  std::array<float, kDescriptorElements> histogram;
+  std::array<float, kDescriptorBytes> histogram;
   for (std::size_t r = 0; r < kCells; ++r) {
     for (std::size_t c = 0; c < kCells; ++c) {
       for (std::size_t d = 0; d < kDirections; ++d) {

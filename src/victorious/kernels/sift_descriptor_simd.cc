@@ -19,7 +19,7 @@ namespace victorious::kernels::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
 void DescribeSiftTarget(const LevelView& level, const DescriptorGrid& grid,
-                        std::span<std::uint8_t, kDescriptorElements> out) {
+                        std::span<std::uint8_t, kDescriptorBytes> out) {
   DescribeSiftRef(level, grid, out);
 }
 
@@ -296,7 +296,7 @@ float SumOfSquares(const float* values) {
   HWY_ALIGN float sums[kOrder];
   for (std::size_t part = 0; part < kOrder; part += hn::Lanes(d)) {
     VF sum = hn::Zero(d);
-    for (std::size_t i = part; i < kDescriptorElements; i += kOrder) {
+    for (std::size_t i = part; i < kDescriptorBytes; i += kOrder) {
       const VF value = hn::Load(d, values + i);
       sum = hn::Add(sum, hn::Mul(value, value));
     }
@@ -313,18 +313,18 @@ void WriteBytes(const std::int32_t* sums, std::uint8_t* out) {
   const D32 d32;
   const hn::Rebind<std::uint8_t, DF> d8;
   static constexpr float kFactors[kDirections] = {1, kSqrt2, 1, kSqrt2, 1, kSqrt2, 1, kSqrt2};
-  HWY_ALIGN float values[kDescriptorElements];
-  for (std::size_t i = 0; i < kDescriptorElements; i += hn::Lanes(d)) {
+  HWY_ALIGN float values[kDescriptorBytes];
+  for (std::size_t i = 0; i < kDescriptorBytes; i += hn::Lanes(d)) {
     const VF factor = hn::LoadU(d, kFactors + i % kDirections);
     hn::Store(hn::Mul(hn::ConvertTo(d, hn::LoadU(d32, sums + i)), factor), d, values + i);
   }
   const VF limit = hn::Set(d, 0.2F * std::sqrt(SumOfSquares(values)));
-  for (std::size_t i = 0; i < kDescriptorElements; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < kDescriptorBytes; i += hn::Lanes(d)) {
     hn::Store(hn::Min(hn::Load(d, values + i), limit), d, values + i);
   }
   const float norm = std::sqrt(SumOfSquares(values));
   const VF factor = hn::Set(d, norm > 0 ? 512.0F / norm : 0.0F);
-  for (std::size_t i = 0; i < kDescriptorElements; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < kDescriptorBytes; i += hn::Lanes(d)) {
     const VF value = hn::Add(hn::Mul(hn::Load(d, values + i), factor), hn::Set(d, 0.5F));
     const V32 bytes = hn::ConvertTo(d32, hn::Min(value, hn::Set(d, 255.0F)));
     hn::StoreU(hn::DemoteTo(d8, bytes), d8, out + i);
@@ -332,12 +332,12 @@ void WriteBytes(const std::int32_t* sums, std::uint8_t* out) {
 }
 
 void DescribeSiftTarget(const LevelView& level, const DescriptorGrid& grid,
-                        std::span<std::uint8_t, kDescriptorElements> out) {
+                        std::span<std::uint8_t, kDescriptorBytes> out) {
   Points points;
   SamplePoints(level, grid, points);
   HWY_ALIGN std::int16_t columns[kCells][kDirections][kSide];
   SumColumns(points, columns);
-  HWY_ALIGN std::int32_t sums[kDescriptorElements];
+  HWY_ALIGN std::int32_t sums[kDescriptorBytes];
   SumCells(columns, sums);
   WriteBytes(sums, out.data());
 }
@@ -352,8 +352,7 @@ namespace victorious::kernels {
 
 HWY_EXPORT(DescribeSiftTarget);
 
-void DescribeSift(const LevelView& level, const DescriptorGrid& grid,
-                  std::span<std::uint8_t, kDescriptorElements> out) {
+void DescribeSift(const LevelView& level, const DescriptorGrid& grid, std::span<std::uint8_t, kDescriptorBytes> out) {
   HWY_DYNAMIC_DISPATCH(DescribeSiftTarget)(level, grid, out);
 }
 

@@ -14,7 +14,7 @@
 namespace victorious::kernels {
 namespace {
 
-using Descriptor = std::array<std::uint8_t, kDescriptorElements>;
+using Descriptor = std::array<std::uint8_t, kDescriptorBytes>;
 
 // A sum of waves of random directions, about as smooth as a level.
 Level Waves(int width, int height, std::uint64_t seed) {
@@ -52,7 +52,7 @@ double Cosine(std::span<const double> a, std::span<const std::uint8_t> b) {
 // Lowe's descriptor in floating point over every pixel of the window: central differences of pixels, directions by
 // atan2, trilinear weights; clipped at 0.2, not scaled.
 std::vector<double> Textbook(const LevelView& level, double x, double y, double cell_px, double angle) {
-  std::vector<double> histogram(kDescriptorElements);
+  std::vector<double> histogram(kDescriptorBytes);
   const int reach = static_cast<int>(std::ceil(cell_px * 2.5 * std::numbers::sqrt2));
   for (int py = static_cast<int>(y) - reach; py <= static_cast<int>(y) + reach; ++py) {
     for (int px = static_cast<int>(x) - reach; px <= static_cast<int>(x) + reach; ++px) {
@@ -110,7 +110,7 @@ TEST(SiftDescriptor, TurnsWithTheImage) {
   Descriptor after;
   DescribeSiftRef(level.view, GridAt(44.25, 40.5, 7, 0.6), before);
   DescribeSiftRef(turned.view, GridAt(kSide - 1 - 40.5, 44.25, 7, 0.6 + std::numbers::pi / 2), after);
-  for (std::size_t i = 0; i < kDescriptorElements; ++i) EXPECT_NEAR(before[i], after[i], 2) << i;
+  for (std::size_t i = 0; i < kDescriptorBytes; ++i) EXPECT_NEAR(before[i], after[i], 2) << i;
 }
 
 TEST(SiftDescriptor, OfASlopeHasOneDirection) {
@@ -120,7 +120,7 @@ TEST(SiftDescriptor, OfASlopeHasOneDirection) {
   }
   Descriptor descriptor;
   DescribeSiftRef(level.view, GridAt(40, 40, 6, 0), descriptor);
-  for (std::size_t i = 0; i < kDescriptorElements; ++i) {
+  for (std::size_t i = 0; i < kDescriptorBytes; ++i) {
     if (i % 8 == 2) {
       EXPECT_GT(descriptor[i], 50);
     } else {

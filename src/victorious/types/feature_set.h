@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "victorious/geometry/box.h"
-#include "victorious/kernels/sift_descriptor.h"
+#include "victorious/kernels/descriptor.h"
 
 namespace victorious {
 
 /// SIFT (Lowe 2004): 4 x 4 cells of 8 orientation bins, cells row-major; each element 0..255 (the unit vector, clipped
 /// at 0.2, times 512).
-inline constexpr std::size_t kDescriptorSize = kernels::kDescriptorElements;
+inline constexpr std::size_t kDescriptorSize = kernels::kDescriptorBytes;
 
 /// Position, scale and orientation. Model files and indexes store these bytes unchanged: never reorder the fields.
 struct Keypoint {
