@@ -1,6 +1,7 @@
 // Angle conversions. Angles are radians inside the program; degrees occur only at its interfaces (files, flags, pages).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,5 +14,11 @@ constexpr double RadiansFromDegrees(double degrees) { return degrees * (kPi / 18
 
 /// The equivalent angle in [-pi, pi].
 inline double WrapAngle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
+
+/// The absolute difference of two angles that differ by at most 2 pi, in [0, pi].
+inline double AngleBetween(double a_rad, double b_rad) {
+  const double difference_rad = std::abs(a_rad - b_rad);
+  return std::min(difference_rad, std::abs(2.0 * kPi - difference_rad));
+}
 
 }  // namespace victorious

@@ -29,5 +29,13 @@ TEST(WrapAngle, DifferenceIsTheSmallerAngle) {
   EXPECT_NEAR(WrapAngle(RadiansFromDegrees(179) - RadiansFromDegrees(-179)), RadiansFromDegrees(-2), 1e-12);
 }
 
+TEST(AngleBetween, IsTheSmallerAngleWithoutSign) {
+  for (double a_rad = -kPi; a_rad <= kPi; a_rad += 0.1) {
+    for (double b_rad = -kPi; b_rad <= kPi; b_rad += 0.1) {
+      EXPECT_NEAR(AngleBetween(a_rad, b_rad), std::abs(WrapAngle(a_rad - b_rad)), 1e-12);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace victorious

@@ -87,12 +87,6 @@ void Prefetch(std::span<const std::uint8_t> descriptor) {
   for (std::size_t i = 0; i < descriptor.size(); i += kCacheLine) __builtin_prefetch(descriptor.data() + i);
 }
 
-// The absolute difference of two orientations, [0, pi].
-double TurnBetween(float a, float b) {
-  const double difference = std::abs(static_cast<double>(a) - b);
-  return std::min(difference, 2 * kPi - difference);
-}
-
 }  // namespace
 
 UprightMatcher::UprightMatcher(const FeatureView& scene, std::span<const float> lean_rad)
@@ -213,7 +207,7 @@ std::vector<std::vector<RankedMatch>> UprightMatcher::Match(std::span<const Upri
     const float orientation_rad = templates[query.model].features.keypoints[query.keypoint].orientation_rad;
     for (const std::uint32_t keypoint : std::span(found).subspan(q * kCandidates, kCandidates)) {
       if (keypoint == kernels::kNoNeighbour) break;
-      if (TurnBetween(relative_rad_[keypoint], orientation_rad) > max_turn_rad) continue;
+      if (AngleBetween(relative_rad_[keypoint], orientation_rad) > max_turn_rad) continue;
       near[count++] = {
           Distance2(templates[query.model].features.Descriptor(query.keypoint), scene_.Descriptor(keypoint)), keypoint};
     }

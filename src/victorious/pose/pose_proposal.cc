@@ -78,11 +78,6 @@ struct Inlier {
   std::size_t vote;
 };
 
-float TurnBetween(float a, float b) {
-  const float difference = std::abs(a - b);
-  return std::min(difference, std::abs(kCircle_rad - difference));
-}
-
 // The chance that two keypoints of allowed orientation agree in rotation.
 double TurnChance(double max_turn_rad) { return std::min(1.0, kTurn_rad / std::max(kMinTurn_rad, max_turn_rad)); }
 
@@ -230,7 +225,7 @@ class Proposer {
         .log10_pose_count = Log10PoseCount(map, radius_px, size_px_, scene_),
         .template_keypoints = model_.size()};
     for (const Inlier& inlier : inliers) proposal.inliers.push_back(MatchOf(inlier));
-    proposal.neg_log10_nfa = ComputeNegLog10Nfa(proposal, scene_, proposal.inliers, max_turn_rad_);
+    proposal.neg_log10_nfa = NegLog10NfaOfRanks(proposal, scene_, proposal.inliers, max_turn_rad_);
     return proposal;
   }
 
@@ -273,7 +268,7 @@ class Proposer {
         static_cast<float>(radius_px * radius_px), near_.data(), near_error2_px2_.data());
     std::vector<Inlier> near;
     for (std::size_t k = 0; k < count; ++k) {
-      if (TurnBetween(votes_.turn_rad[near_[k]], turn_rad) > kTurn_rad) continue;
+      if (AngleBetween(votes_.turn_rad[near_[k]], turn_rad) > kTurn_rad) continue;
       near.push_back({near_error2_px2_[k], near_[k]});
     }
     std::ranges::stable_sort(near, {}, &Inlier::error2_px2);
@@ -352,7 +347,7 @@ std::optional<PoseProposal> ProposePose(const FeatureSet& scene, const KeypointD
   return Proposer(scene, density, template_keypoints, matches, outline, max_turn_rad, upright).Propose();
 }
 
-double ComputeNegLog10Nfa(const PoseProposal& proposal, const FeatureSet& scene, std::vector<RankedMatch> inliers,
+double NegLog10NfaOfRanks(const PoseProposal& proposal, const FeatureSet& scene, std::vector<RankedMatch> inliers,
                           double max_turn_rad) {
   const double chance = proposal.agreeing_fraction * TurnChance(max_turn_rad);
   std::ranges::stable_sort(inliers, {}, &RankedMatch::rank);

@@ -7,7 +7,7 @@
 //   -log10 NFA ~ max over k of -log10(T C(n, k) p_k^k) - kDependenceDecades,   p = rank * (fraction of agreeing
 //   keypoints)
 // as in rank_nfa.h, but with that fraction estimated from the area of the window and the density of keypoints around
-// the object. Ranks are those among the keypoints of allowed orientation; ComputeNegLog10Nfa() repeats the test with
+// the object. Ranks are those among the keypoints of allowed orientation; NegLog10NfaOfRanks() repeats the test with
 // ranks in the whole scene, which separate true proposals from chance: of chance inliers most have a rank above eight
 // there. On 26 sightings of three movies the best two of about 100 templates held a neighbour of the right view
 // each time; by the likelihood ratio of the votes alone, the best twenty did not (docs/adr/0018).
@@ -68,7 +68,7 @@ struct PoseProposal {
 /// The approximate -log10 NFA of a proposal whose inliers have the given ranks instead of their own.
 /// @param inliers       of the proposal, some or all, with ranks among the scene keypoints within max_turn_rad
 /// @param max_turn_rad  half the interval of orientations in which ranks are counted, (0, pi]
-[[nodiscard]] double ComputeNegLog10Nfa(const PoseProposal& proposal, const FeatureSet& scene,
+[[nodiscard]] double NegLog10NfaOfRanks(const PoseProposal& proposal, const FeatureSet& scene,
                                         std::vector<RankedMatch> inliers, double max_turn_rad);
 
 }  // namespace victorious

@@ -105,14 +105,14 @@ TEST(ProposePose, IsTestedAgainByOtherRanks) {
   const World world = MakeWorld(5, 12, {0.9, 1.1, {350, 250}});
   const std::optional<PoseProposal> found = Propose(world);
   ASSERT_TRUE(found);
-  EXPECT_DOUBLE_EQ(ComputeNegLog10Nfa(*found, world.scene, found->inliers, kPi), found->neg_log10_nfa);
+  EXPECT_DOUBLE_EQ(NegLog10NfaOfRanks(*found, world.scene, found->inliers, kPi), found->neg_log10_nfa);
   std::vector<RankedMatch> other = found->inliers;
   for (RankedMatch& inlier : other) inlier.rank *= 4;
-  EXPECT_LT(ComputeNegLog10Nfa(*found, world.scene, other, kPi), found->neg_log10_nfa - 3);
+  EXPECT_LT(NegLog10NfaOfRanks(*found, world.scene, other, kPi), found->neg_log10_nfa - 3);
   other = found->inliers;
   other.resize(4);
-  EXPECT_LT(ComputeNegLog10Nfa(*found, world.scene, other, kPi), found->neg_log10_nfa);
-  EXPECT_LT(ComputeNegLog10Nfa(*found, world.scene, {}, kPi), 0);
+  EXPECT_LT(NegLog10NfaOfRanks(*found, world.scene, other, kPi), found->neg_log10_nfa);
+  EXPECT_LT(NegLog10NfaOfRanks(*found, world.scene, {}, kPi), 0);
 }
 
 TEST(ProposePose, NoOutlineAndNoMatchesGiveNoPose) {

@@ -55,7 +55,7 @@ void ConfirmInScene(const PreparedScene& scene, std::span<const UprightTemplate>
       }
       first += kMaxSceneRank;
     }
-    const double in_scene = ComputeNegLog10Nfa(*pose, scene.features(), std::move(confirmed), kPi);
+    const double in_scene = NegLog10NfaOfRanks(*pose, scene.features(), std::move(confirmed), kPi);
     pose->neg_log10_nfa = (pose->neg_log10_nfa + in_scene) / 2;
   }
 }
