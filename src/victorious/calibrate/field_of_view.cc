@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -297,6 +298,12 @@ double NormalDensity(double value, double variance) {
   return std::exp(-value * value / (2 * variance)) / std::sqrt(variance);
 }
 
+// The chance that a normal variable is farther from 0 than `distance`.
+double ChanceBeyond(double distance, double mean, double sigma) {
+  const double per_sigma = 1 / (std::numbers::sqrt2 * sigma);
+  return (std::erfc((distance - mean) * per_sigma) + std::erfc((distance + mean) * per_sigma)) / 2;
+}
+
 }  // namespace
 
 std::optional<FocalMeasurement> MeasureFocalLength(const ImageMotions& seen, const CameraTrajectory& cameras) {
@@ -328,7 +335,23 @@ FieldOfViewVerdict JudgeFieldOfView(const std::optional<FocalMeasurement>& measu
   FieldOfViewVerdict verdict{
       .wrong_probability = wrong, .log_factor = wrong > 0.5 ? mean(kWrongVariance) : 0, .sigma = 0};
   const auto square_about = [&](double prior) { return std::pow(mean(prior) - verdict.log_factor, 2) + rest(prior); };
-  verdict.sigma = std::sqrt((1 - wrong) * square_about(kRightVariance) + wrong * square_about(kWrongVariance));
+  const double sigma = std::sqrt((1 - wrong) * square_about(kRightVariance) + wrong * square_about(kWrongVariance));
+  // Two distant possibilities are wider than a normal distribution of their standard deviation: 90 % lie within
+  // kSigmasOf90 * verdict.sigma.
+  const auto chance_beyond = [&](double distance) {
+    const auto beyond = [&](double prior) {
+      return ChanceBeyond(distance, mean(prior) - verdict.log_factor, std::sqrt(rest(prior)));
+    };
+    return (1 - wrong) * beyond(kRightVariance) + wrong * beyond(kWrongVariance);
+  };
+  constexpr double kSigmasOf90 = 1.6449;
+  double low = sigma;
+  double high = 10 * sigma;  // Chebyshev: 1 % at most lie beyond
+  while (chance_beyond(kSigmasOf90 * low) > 0.1 && high - low > 1e-4 * sigma) {
+    const double middle = (low + high) / 2;
+    (chance_beyond(kSigmasOf90 * middle) > 0.1 ? low : high) = middle;
+  }
+  verdict.sigma = low;
   return verdict;
 }
 

@@ -39,7 +39,9 @@ struct FocalMeasurement {
 struct FieldOfViewVerdict {
   double wrong_probability = 0;  ///< that telemetry's field of view is wrong
   double log_factor = 0;         ///< correction of the focal length: 0 unless it is more likely wrong than right
-  double sigma = 0;              ///< standard deviation of the logarithm of the corrected focal length
+  /// Standard deviation of the logarithm of the corrected focal length; larger where it takes that for a normal
+  /// distribution of this sigma to contain 90 % of what is possible.
+  double sigma = 0;
 };
 
 /// By Bayes' rule. Before the measurement, one field of view in ten is wrong: of another zoom, of a crop of the image

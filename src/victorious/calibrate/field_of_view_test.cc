@@ -160,7 +160,9 @@ TEST(FieldOfView, IsCorrectedIfItIsMoreLikelyWrongThanRight) {
   EXPECT_GT(wrong.wrong_probability, 0.99);
   const FieldOfViewVerdict doubtful = JudgeFieldOfView(FocalMeasurement{-0.18, 0.07});
   EXPECT_EQ(doubtful.log_factor, 0);
-  EXPECT_GT(doubtful.sigma, 0.08) << "the error contains the doubt";
+  // One of three is wrong, by 0.16 +- 0.07: 90 % lie within 0.2.
+  EXPECT_NEAR(doubtful.wrong_probability, 0.36, 0.01);
+  EXPECT_NEAR(1.645 * doubtful.sigma, 0.2, 0.01) << "the error contains the doubt";
   const FieldOfViewVerdict unknown = JudgeFieldOfView(std::nullopt);
   EXPECT_EQ(unknown.log_factor, 0);
   EXPECT_NEAR(unknown.sigma, JudgeFieldOfView(FocalMeasurement{0, 100}).sigma, 1e-3);
