@@ -1,6 +1,7 @@
 // Drives the page in Chromium for test_page.py: node page.mjs SCENARIO URL. Prints what fails and exits with 1; exits with
 // 77 if there is no browser.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
@@ -908,6 +909,26 @@ async function accounts(page, [password]) {
   await becomes(async () => (await api(page, `/objects/${objects[0].id}`)).review?.verdict, "accepted");
 }
 
+/** Two videos wait; a worker finds the objects of one, and that the other is gone. */
+async function workers(page, [program, db]) {
+  await page.goto("/");
+  await page.getByRole("button", { name: "Workers" }).click();
+  const panel = page.getByRole("complementary", { name: "Workers" });
+  const videos = panel.getByRole("row", { name: /^Videos/ });
+  await becomes(() => videos.innerText(), /^Videos\s+2\s+0\s+0\s+0\s+0$/, "two are queued");
+  await panel.getByText("No worker has a task").waitFor();
+  await panel.getByText(/known once the queued videos are cut/).waitFor();
+  await checkAccessible(page, "the panel of workers");
+
+  execFileSync(program, ["work", "--db", db, "--until-empty", "--retry-delay", "0"], { stdio: "pipe" });
+  await becomes(() => videos.innerText(), /^Videos\s+0\s+0\s+0\s+1\s+1$/, "one is done, one has failed");
+  const failed = panel.getByRole("listitem").filter({ hasText: "gone.mp4" });
+  await becomes(() => failed.innerText(), /no such file|does not exist|cannot open/i);
+  await page.locator("[role=option]").first().waitFor();
+  await panel.getByRole("button", { name: "Close" }).click();
+  await panel.waitFor({ state: "detached" });
+}
+
 const [scenario, url, ...inputs] = process.argv.slice(2);
 if (!existsSync(BROWSER)) {
   console.log(`SKIPPED: ${BROWSER} is not installed`);
@@ -929,7 +950,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, accounts }[scenario](page, inputs);
+  await { triage, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

@@ -13,6 +13,7 @@ from pathlib import Path
 import program
 import streams
 import tiles
+from test_postgres import Postgres
 
 SCRIPT = Path(__file__).with_name("page.mjs")
 DRAW_NUMBERS = program.path_from_environment("VICTORIOUS_DRAW_NUMBERS")
@@ -175,6 +176,19 @@ class PageTest(program.ProgramTest):
         models.mkdir()
         photos = ",".join(str(program.flight() / f"{name}.png") for name in ("crate", "truck"))
         self.drive("jobs", db, "--models", models, inputs=(photos, program.flight() / "flight.mp4"))
+
+    def test_workers(self):
+        """Two videos that wait, one that is gone; then a worker takes them."""
+        videos = [self.scratch / "flight.mp4", self.scratch / "gone.mp4"]
+        for video in videos:
+            shutil.copy(program.flight() / "flight.mp4", video)
+        gone = videos[1].open("ab")
+        gone.write(b"another content")
+        gone.close()
+        with Postgres() as server:
+            self.succeeds("submit", *videos, "--models", program.models(), "--db", server.url)
+            videos[1].unlink()
+            self.drive("workers", server.url, "--models", program.models(), inputs=(program.PROGRAM, server.url))
 
     def test_accounts(self):
         db = self.index(program.flight() / "flight.mp4")

@@ -6,8 +6,8 @@
 //   grammar  ratio test; scales and distances; orientations; strict scales and distances; inliers of the similarity
 //   votes    ranked matches; votes for the object's position, rotation and scale; inliers of the similarity
 // Votes are made as the search makes them (template_matcher.h): with the templates for diffuse light and, if the sun is
-// known, with those relit for it; a view without a certain pose is pooled with its neighbours. The pose of the highest -log10 NFA at the
-// given place counts.
+// known, with those relit for it; a view without a certain pose is pooled with its neighbours. The pose of the highest
+// -log10 NFA at the given place counts.
 #pragma once
 
 #include <array>
