@@ -1,7 +1,6 @@
 #include "victorious/calibrate/motion_contradiction.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -57,21 +56,30 @@ bool IsMissing(const std::vector<Vector3d>& residuals, const Vector3d& missing, 
 
 std::optional<ContradictedMotion> FindContradiction(const ImageMotions& seen, const CameraTrajectory& cameras) {
   constexpr std::size_t kMinSeconds = 4;
-  constexpr std::array kHeights_m = {1.0,  1.5,   2.2,   3.3,   5.0,   7.0,   10.0,  15.0,   22.0,   33.0,  50.0,
-                                     75.0, 110.0, 160.0, 240.0, 360.0, 540.0, 800.0, 1600.0, 3200.0, 6400.0};
+  constexpr double kMinHeight_m = 1;
+  constexpr double kMaxHeight_m = 6400;
+  constexpr double kCoarseStep = 1.5;
+  // A camera that circles turns by as much as it moves: of the motion that its way alone would cause, so much remains.
+  constexpr double kFineStep = 1.02;
   if (seen.motions.size() < kMinPairs || cameras.states().empty()) return std::nullopt;
   const MotionComparison comparison(seen, cameras);
   const MotionComparison::Poses poses = comparison.PosesAt(0);
   Seconds best;
   Vector3d missing;
-  for (const double height_m : kHeights_m) {
-    Seconds seconds = AverageSeconds(comparison, ComputeResiduals(comparison, poses, 1 / height_m));
-    if (seconds.residuals.size() < kMinSeconds) continue;
-    const Vector3d middle = Medians(seconds.residuals);
-    if (!best.residuals.empty() && middle.norm() >= missing.norm()) continue;
-    best = std::move(seconds);
-    missing = middle;
-  }
+  double best_height_m = kMinHeight_m;
+  const auto try_heights = [&](double from_m, double to_m, double step) {
+    for (double height_m = from_m; height_m <= to_m; height_m *= step) {
+      Seconds seconds = AverageSeconds(comparison, ComputeResiduals(comparison, poses, 1 / height_m));
+      if (seconds.residuals.size() < kMinSeconds) continue;
+      const Vector3d middle = Medians(seconds.residuals);
+      if (!best.residuals.empty() && middle.norm() >= missing.norm()) continue;
+      best = std::move(seconds);
+      missing = middle;
+      best_height_m = height_m;
+    }
+  };
+  try_heights(kMinHeight_m, kMaxHeight_m, kCoarseStep);
+  try_heights(best_height_m / kCoarseStep, best_height_m * kCoarseStep, kFineStep);
   if (best.residuals.empty()) return std::nullopt;
   const Vector3d moved = Medians(best.seen);
   const bool differs = IsMissing(best.residuals, missing, moved.norm());

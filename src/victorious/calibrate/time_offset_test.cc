@@ -175,6 +175,16 @@ TEST(EstimateTimeOffset, TheFlightsOwnTelemetryIsNotContradicted) {
   EXPECT_FALSE(FindContradiction(Film(Straight), Recorded(stepping, 0)));
   const auto hovering = [](double time_s) { return Above({0, -60, 110}, 0, -60, 0, time_s); };
   EXPECT_FALSE(FindContradiction(Film(hovering), Recorded(hovering, 0)));
+  // About one point: what the way of the camera would move the image by, its turn takes back, at the right height only.
+  for (const double height_m : {80.0, 90.0, 100.0, 120.0}) {
+    const auto orbiting = [&](double time_s) {
+      const double azimuth_rad = 0.8 * time_s;
+      const double radius_m = height_m * std::tan(RadiansFromDegrees(40));
+      return Above({-radius_m * std::sin(azimuth_rad), -radius_m * std::cos(azimuth_rad), height_m},
+                   DegreesFromRadians(azimuth_rad), -50, 0, time_s);
+    };
+    EXPECT_FALSE(FindContradiction(Film(orbiting), Recorded(orbiting, 0))) << height_m;
+  }
   // Just after take-off: the ground is nearer than in any survey.
   const auto low = [](double time_s) { return Above({0.5 * time_s, -60, 2}, 0, -60, 0, time_s); };
   EXPECT_FALSE(FindContradiction(Film(low), Recorded(low, 0)));
