@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <iterator>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "victorious/associate/fits.h"
+#include "victorious/associate/joint_motion.h"
 #include "victorious/associate/object_hypothesis.h"
 #include "victorious/associate/object_rejection.h"
 #include "victorious/associate/object_score.h"
@@ -66,34 +69,90 @@ Geolocation WithCommonErrors(Geolocation place, const Geolocation& relative, con
   return PropagatePlace(place, place.time_s);
 }
 
-// The final estimate. An object that drives is placed on the ground that the other objects of its flight show, unless
-// the ground is given: its height then fixes the distance better than its size.
-ObjectPlace EstimateFinalPlace(ObjectHypothesis& hypothesis, std::span<const ObjectHypothesis* const> of_its_flight,
-                               Fits& fits) {
-  ObjectPlace estimate = AbsolutePlace(hypothesis, fits);
-  const ObjectPlace& relative = hypothesis.estimate;
-  if (fits.options().ground || !estimate.HasPath() || relative.path_size != estimate.path_size) return estimate;
-  const std::optional<Level> level = LevelUnder(hypothesis, of_its_flight, fits.options());
-  if (!level) return estimate;
-  const ObjectPlace placed = fits.OnLevel(hypothesis, *level);
-  if (placed.path_size != estimate.path_size) return estimate;
-  estimate.place = WithCommonErrors(*placed.place, *relative.place, *estimate.place);
-  return estimate;
+// The hypotheses of each flight: of those of several flights the parts that each sees.
+class Flights {
+ public:
+  Flights(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
+    std::set<std::int64_t> with_motion;  // the others need no parts
+    for (const ObjectHypothesis& hypothesis : hypotheses) {
+      if (!IsMoving(hypothesis)) continue;
+      for (const ObservedTracklet* tracklet : hypothesis.tracklets) with_motion.insert(tracklet->record.video);
+    }
+    for (ObjectHypothesis& hypothesis : hypotheses) {
+      std::vector<ObjectHypothesis*>& parts = parts_of_.emplace_back();
+      if (IsInOneVideo(hypothesis)) {
+        parts = {&hypothesis};
+      } else if (std::ranges::any_of(hypothesis.tracklets, [&](const ObservedTracklet* tracklet) {
+                   return with_motion.contains(tracklet->record.video);
+                 })) {
+        for (ObjectHypothesis& part : SplitByVideo(hypothesis, fits))
+          parts.push_back(&parts_.emplace_back(std::move(part)));
+      }
+      for (const ObjectHypothesis* part : parts) of_flight_[VideoOf(*part)].push_back(part);
+    }
+  }
+
+  // Of the hypothesis of this index: itself if it is of one flight.
+  [[nodiscard]] std::span<ObjectHypothesis* const> PartsOf(std::size_t hypothesis) const {
+    return parts_of_[hypothesis];
+  }
+  // All parts of the flight of a part.
+  [[nodiscard]] std::span<const ObjectHypothesis* const> FlightOf(const ObjectHypothesis& part) const {
+    return of_flight_.at(VideoOf(part));
+  }
+
+ private:
+  static std::int64_t VideoOf(const ObjectHypothesis& part) { return part.tracklets[0]->record.video; }
+
+  std::deque<ObjectHypothesis> parts_;  // of hypotheses of several flights
+  std::vector<std::vector<ObjectHypothesis*>> parts_of_;
+  std::map<std::int64_t, std::vector<const ObjectHypothesis*>> of_flight_;  // by video
+};
+
+// The final estimate of one flight.
+struct FlightPlace {
+  ObjectPlace absolute;
+  ObjectPlace relative;  // of the same time
+};
+
+// An object that drives is placed on the ground that the other objects of its flight show, unless the ground is given:
+// its height then fixes the distance better than its size.
+FlightPlace EstimateInFlight(ObjectHypothesis& part, std::span<const ObjectHypothesis* const> of_its_flight,
+                             Fits& fits) {
+  FlightPlace result{.absolute = AbsolutePlace(part, fits), .relative = part.estimate};
+  ObjectPlace& absolute = result.absolute;
+  if (fits.options().ground || !absolute.HasPath() || part.estimate.path_size != absolute.path_size) return result;
+  const std::optional<Level> level = LevelUnder(part, of_its_flight, fits.options());
+  if (!level) return result;
+  const ObjectPlace placed = fits.OnLevel(part, *level);
+  if (placed.path_size != absolute.path_size) return result;
+  absolute.place = WithCommonErrors(*placed.place, *part.estimate.place, *absolute.place);
+  result.relative.place = placed.place;
+  result.relative.path = {*placed.place};
+  return result;
+}
+
+ObjectPlace EstimateFinalPlace(ObjectHypothesis& hypothesis, std::span<ObjectHypothesis* const> parts,
+                               const Flights& flights, Fits& fits) {
+  if (IsInOneVideo(hypothesis)) return EstimateInFlight(hypothesis, flights.FlightOf(hypothesis), fits).absolute;
+  const ObjectPlace& estimate = AbsolutePlace(hypothesis, fits);
+  if (!IsMoving(hypothesis)) return estimate;
+  std::vector<ObjectInFlight> of_flights;
+  for (ObjectHypothesis* part : parts) {
+    std::optional<ObjectInFlight> flight = MakeObjectInFlight(*part, fits);
+    if (!flight) return estimate;
+    FlightPlace place = EstimateInFlight(*part, flights.FlightOf(*part), fits);
+    flight->relative = std::move(place.relative);
+    flight->absolute = *place.absolute.place;
+    of_flights.push_back(*std::move(flight));
+  }
+  return FuseFlights(of_flights);
 }
 
 std::size_t CountObservations(const ObjectHypothesis& hypothesis) {
   std::int64_t observations = 0;
   for (const ObservedTracklet* tracklet : hypothesis.tracklets) observations += tracklet->summary.observations;
   return static_cast<std::size_t>(observations);
-}
-
-// The hypotheses by their flight; those of several flights belong to none.
-std::map<std::int64_t, std::vector<const ObjectHypothesis*>> ByFlight(const std::vector<ObjectHypothesis>& hypotheses) {
-  std::map<std::int64_t, std::vector<const ObjectHypothesis*>> of_flight;
-  for (const ObjectHypothesis& hypothesis : hypotheses) {
-    if (IsInOneVideo(hypothesis)) of_flight[hypothesis.tracklets[0]->record.video].push_back(&hypothesis);
-  }
-  return of_flight;
 }
 
 void Score(const ObjectHypothesis& hypothesis, double tests, const ObjectOptions& options, ObjectRecord& object) {
@@ -123,13 +182,9 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
   std::vector<ObjectRecord> objects;
   HeightStatistics heights;
   std::vector<ObjectPlace> estimates;
-  const auto of_flight = ByFlight(hypotheses);
-  for (ObjectHypothesis& hypothesis : hypotheses) {
-    const auto others = of_flight.find(hypothesis.tracklets[0]->record.video);
-    estimates.push_back(EstimateFinalPlace(
-        hypothesis, others != of_flight.end() ? std::span(others->second) : std::span<const ObjectHypothesis* const>(),
-        fits));
-  }
+  const Flights flights(hypotheses, fits);
+  for (std::size_t i = 0; i < hypotheses.size(); ++i)
+    estimates.push_back(EstimateFinalPlace(hypotheses[i], flights.PartsOf(i), flights, fits));
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     ObjectHypothesis& hypothesis = hypotheses[i];
     hypothesis.estimate = std::move(estimates[i]);

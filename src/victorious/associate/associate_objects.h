@@ -7,7 +7,8 @@
 // A place is rejected if its lines of sight do not intersect, or if its height or the object's size contradicts it: by
 // wrong telemetry, or because the object moves otherwise than modelled. The object is then one without a place.
 //
-// Two tracklets that share a frame are two objects. Two others are merged if
+// Two tracklets that share a frame are two objects. Of different videos, one that moves is compared with others by UTC
+// (joint_motion.h), and with none without it. Two others are merged if
 // - the Mahalanobis distance of their places, both propagated to the time midway between them, passes
 //   `merge_gate_sigma`,
 // - their distance is at most `max_merge_distance_m`, and

@@ -18,6 +18,9 @@
 namespace victorious {
 namespace {
 
+// UTC minus the video's time, s since 1970. @pre the tracklet has start_utc_us
+double UtcOffset(const ObservedTracklet& tracklet) { return 1e-6 * static_cast<double>(*tracklet.start_utc_us); }
+
 bool IsInPhotos(const ObjectHypothesis& hypothesis) {
   return std::ranges::any_of(hypothesis.tracklets, &ObservedTracklet::is_of_photos);
 }
@@ -53,12 +56,6 @@ double LastTime(const ObjectHypothesis& hypothesis) {
   return last_s;
 }
 
-// Distance of two hypotheses at the time midway between them: Euclidean and Mahalanobis.
-struct Distance {
-  double metres = 0;
-  double sigmas = 0;
-};
-
 bool AreOfOneFlight(const ObjectHypothesis& a, const ObjectHypothesis& b) {
   return HasCommonVideo(a, b) && IsInOneVideo(a) && IsInOneVideo(b);
 }
@@ -70,30 +67,68 @@ const ObjectPlace& WithPath(ObjectHypothesis& hypothesis, Fits& fits) {
   return estimate;
 }
 
-std::optional<Distance> ComputeDistance(ObjectHypothesis& a, ObjectHypothesis& b, Fits& fits) {
-  const bool of_one_flight = AreOfOneFlight(a, b);
-  const ObjectPlace& of_a = of_one_flight ? WithPath(a, fits) : AbsolutePlace(a, fits);
-  const ObjectPlace& of_b = of_one_flight ? WithPath(b, fits) : AbsolutePlace(b, fits);
+// At the time midway between them.
+std::optional<HypothesisDistance> DistanceBetween(const ObjectHypothesis& a, const ObjectHypothesis& b,
+                                                  const ObjectPlace& of_a, const ObjectPlace& of_b) {
   if (!of_a.place || !of_b.place) return std::nullopt;
-  // Flights have independent common errors, and their clocks differ.
-  if (!of_one_flight && (of_a.place->IsMoving() || of_b.place->IsMoving())) return std::nullopt;
   const bool a_first = FirstTime(a) <= FirstTime(b);
   const double between_s = (LastTime(a_first ? a : b) + FirstTime(a_first ? b : a)) / 2;
   const TangentPlane plane(of_a.place->point);
-  const Geolocation at_a = of_one_flight ? PlaceAt(of_a, between_s) : PredictPlace(*of_a.place, between_s);
-  const Geolocation at_b = of_one_flight ? PlaceAt(of_b, between_s) : PredictPlace(*of_b.place, between_s);
+  const Geolocation at_a = PlaceAt(of_a, between_s);
+  const Geolocation at_b = PlaceAt(of_b, between_s);
   const double slack_m2 = 2 * kMergeSlack_m * kMergeSlack_m;
   const Eigen::Matrix3d covariance =
       at_a.covariance_enu_m2 + at_b.covariance_enu_m2 + slack_m2 * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d apart = plane.EnuFromGeodetic(at_b.point) - plane.EnuFromGeodetic(at_a.point);
-  return Distance{apart.norm(), std::sqrt(apart.dot(covariance.ldlt().solve(apart)))};
+  return HypothesisDistance{apart.norm(), std::sqrt(apart.dot(covariance.ldlt().solve(apart)))};
+}
+
+// The largest distance between their flights.
+std::optional<HypothesisDistance> DistanceInMotion(const ObjectHypothesis& a, const ObjectHypothesis& b, Fits& fits) {
+  std::vector<ObjectHypothesis> flights_of_a = SplitByVideo(a, fits);
+  std::vector<ObjectHypothesis> flights_of_b = SplitByVideo(b, fits);
+  HypothesisDistance largest;
+  for (ObjectHypothesis& of_a : flights_of_a) {
+    for (ObjectHypothesis& of_b : flights_of_b) {
+      std::optional<HypothesisDistance> distance;
+      if (HasCommonVideo(of_a, of_b)) {
+        distance = DistanceBetween(of_a, of_b, WithPath(of_a, fits), WithPath(of_b, fits));
+      } else {
+        const std::optional<ObjectInFlight> one = MakeObjectInFlight(of_a, fits);
+        const std::optional<ObjectInFlight> other = MakeObjectInFlight(of_b, fits);
+        if (one && other) distance = CompareFlights(*one, *other);
+      }
+      if (!distance) return std::nullopt;
+      largest.metres = std::max(largest.metres, distance->metres);
+      largest.sigmas = std::max(largest.sigmas, distance->sigmas);
+    }
+  }
+  return largest;
+}
+
+std::optional<HypothesisDistance> ComputeDistance(ObjectHypothesis& a, ObjectHypothesis& b, Fits& fits) {
+  if (AreOfOneFlight(a, b)) return DistanceBetween(a, b, WithPath(a, fits), WithPath(b, fits));
+  if (IsMoving(a) || IsMoving(b)) return DistanceInMotion(a, b, fits);
+  return DistanceBetween(a, b, AbsolutePlace(a, fits), AbsolutePlace(b, fits));
+}
+
+// The estimate by several flights of an object that moves. Without a place if one flight has none.
+ObjectPlace EstimateInMotion(const ObjectHypothesis& hypothesis, Fits& fits) {
+  std::vector<ObjectInFlight> flights;
+  for (ObjectHypothesis& of_one_video : SplitByVideo(hypothesis, fits)) {
+    std::optional<ObjectInFlight> flight = MakeObjectInFlight(of_one_video, fits);
+    if (!flight) return {};
+    flights.push_back(*std::move(flight));
+  }
+  return FuseFlights(flights);
 }
 
 ObjectHypothesis MergePair(const ObjectHypothesis& a, const ObjectHypothesis& b, Fits& fits) {
   ObjectHypothesis joined{.tracklets = a.tracklets};
   joined.tracklets.insert(joined.tracklets.end(), b.tracklets.begin(), b.tracklets.end());
   std::ranges::sort(joined.tracklets, {}, [](const ObservedTracklet* tracklet) { return tracklet->record.id; });
-  joined.estimate = fits.Relative(joined);
+  const bool is_joint_motion = !IsInOneVideo(joined) && (IsMoving(a) || IsMoving(b));
+  joined.estimate = is_joint_motion ? EstimateInMotion(joined, fits) : fits.Relative(joined);
   if (!IsInOneVideo(joined)) joined.absolute = joined.estimate;
   return joined;
 }
@@ -107,8 +142,50 @@ std::optional<Eigen::Vector3d> StaticCentre(const ObjectPlace& estimate) {
   return EarthCenteredFromGeodetic(estimate.place->point);
 }
 
+// The hypotheses by the time of their sightings, UTC. An object that moves is compared with those of other flights of
+// its time.
+class TimeTable {
+ public:
+  void Add(const ObjectHypothesis& hypothesis) {
+    for (const std::int64_t minute : MinutesOf(hypothesis)) ids_[minute].insert(ObjectId(hypothesis));
+  }
+
+  void Remove(const ObjectHypothesis& hypothesis) {
+    for (const std::int64_t minute : MinutesOf(hypothesis)) ids_[minute].erase(ObjectId(hypothesis));
+  }
+
+  // Ascending; itself, too. Empty without UTC.
+  [[nodiscard]] std::set<std::int64_t> Near(const ObjectHypothesis& hypothesis) const {
+    std::set<std::int64_t> near;
+    for (const std::int64_t minute : MinutesOf(hypothesis)) {
+      if (const auto found = ids_.find(minute); found != ids_.end())
+        near.insert(found->second.begin(), found->second.end());
+    }
+    return near;
+  }
+
+ private:
+  static std::set<std::int64_t> MinutesOf(const ObjectHypothesis& hypothesis) {
+    constexpr double kMinute_s = 60;
+    std::set<std::int64_t> minutes;
+    for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
+      if (!tracklet->start_utc_us || tracklet->is_of_photos) continue;
+      const double start_s = UtcOffset(*tracklet);
+      const auto minute = [&](double time_s) {
+        return static_cast<std::int64_t>(std::floor((start_s + time_s) / kMinute_s));
+      };
+      const std::int64_t last = minute(tracklet->record.last_time_s + kMaxFlightGap_s / 2);
+      for (std::int64_t m = minute(tracklet->record.first_time_s - kMaxFlightGap_s / 2); m <= last; ++m)
+        minutes.insert(m);
+    }
+    return minutes;
+  }
+
+  std::map<std::int64_t, std::set<std::int64_t>> ids_;
+};
+
 // Agglomerative merging of the hypotheses of one model. Only pairs that can pass the gates are measured: those of one
-// video, and static ones of any videos within `max_merge_distance_m`.
+// video, static ones of any videos within `max_merge_distance_m`, and, if one moves, those of videos of one time.
 class Merger {
  public:
   Merger(const std::vector<const ObservedTracklet*>& tracklets, Fits& fits)
@@ -183,6 +260,7 @@ class Merger {
       of_flight_[VideoOf(added.hypothesis)].insert(id);
     }
     if (const auto place = StaticPlace(added.hypothesis)) static_places_.Add(*place, id);
+    if (has_several_videos_) by_time_.Add(added.hypothesis);
     return added;
   }
 
@@ -190,21 +268,25 @@ class Merger {
     ObjectHypothesis& hypothesis = Get(id).hypothesis;
     if (IsInOneVideo(hypothesis)) of_flight_[VideoOf(hypothesis)].erase(id);
     if (const auto place = StaticPlace(hypothesis)) static_places_.Remove(*place, id);
+    if (has_several_videos_) by_time_.Remove(hypothesis);
     nodes_.erase(id);
   }
 
   static std::int64_t VideoOf(const ObjectHypothesis& hypothesis) { return hypothesis.tracklets[0]->record.video; }
 
-  // Those of its flight, and static ones nearby. One of several videos is compared as a static one.
+  // Those of its flight, static ones nearby, and, if one of both moves, those of its time.
   void MeasureNeighbours(Node& one) {
-    std::vector<std::int64_t> others;
-    if (const auto place = StaticPlace(one.hypothesis)) others = static_places_.Near(*place);
+    std::set<std::int64_t> others;
+    if (const auto place = StaticPlace(one.hypothesis)) {
+      const std::vector<std::int64_t> near = static_places_.Near(*place);
+      others.insert(near.begin(), near.end());
+    }
     if (IsInOneVideo(one.hypothesis)) {
       const std::set<std::int64_t>& of_flight = of_flight_[VideoOf(one.hypothesis)];
-      others.insert(others.end(), of_flight.begin(), of_flight.end());
-      std::ranges::sort(others);
-      const auto repeated = std::ranges::unique(others);
-      others.erase(repeated.begin(), repeated.end());
+      others.insert(of_flight.begin(), of_flight.end());
+    }
+    for (const std::int64_t id : by_time_.Near(one.hypothesis)) {
+      if (IsMoving(one.hypothesis) || IsMoving(Get(id).hypothesis)) others.insert(id);
     }
     for (const std::int64_t id : others) {
       if (id != ObjectId(one.hypothesis)) Measure(one, Get(id));
@@ -221,7 +303,7 @@ class Merger {
     const bool in_order = ObjectId(one.hypothesis) < ObjectId(other.hypothesis);
     ObjectHypothesis& a = (in_order ? one : other).hypothesis;
     ObjectHypothesis& b = (in_order ? other : one).hypothesis;
-    const std::optional<Distance> distance = ComputeDistance(a, b, fits_);
+    const std::optional<HypothesisDistance> distance = ComputeDistance(a, b, fits_);
     if (!distance || distance->metres > options_.max_merge_distance_m) return;
     if (!(distance->sigmas <= options_.merge_gate_sigma) || HasCommonFrame(a, b, fits_)) return;
     pairs_.push({distance->sigmas, ObjectId(a), ObjectId(b), a.tracklets.size(), b.tracklets.size()});
@@ -233,6 +315,7 @@ class Merger {
   std::map<std::int64_t, Node> nodes_;                        // by id
   std::map<std::int64_t, std::set<std::int64_t>> of_flight_;  // ids of those of one video
   PlaceGrid static_places_;                                   // ids
+  TimeTable by_time_;
   std::priority_queue<Pair, std::vector<Pair>, std::greater<>> pairs_;
 };
 
@@ -267,7 +350,39 @@ bool HasCommonVideo(const ObjectHypothesis& a, const ObjectHypothesis& b) {
   });
 }
 
-// Videos have no common clock, and photos none at all: an object of several videos or of photos is modelled as static.
+bool IsMoving(const ObjectHypothesis& hypothesis) {
+  const ObjectPlace& estimate = hypothesis.estimate;
+  return estimate.place && (estimate.place->IsMoving() || estimate.HasPath());
+}
+
+std::vector<ObjectHypothesis> SplitByVideo(const ObjectHypothesis& hypothesis, Fits& fits) {
+  if (IsInOneVideo(hypothesis)) return {hypothesis};
+  std::map<std::int64_t, ObjectHypothesis> by_video;
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets)
+    by_video[tracklet->record.video].tracklets.push_back(tracklet);
+  std::vector<ObjectHypothesis> parts;
+  for (auto& [video, part] : by_video) {
+    part.estimate = fits.Relative(part);
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+std::optional<ObjectInFlight> MakeObjectInFlight(ObjectHypothesis& of_one_video, Fits& fits) {
+  const ObservedTracklet& tracklet = *of_one_video.tracklets.front();
+  const std::optional<Geolocation> absolute = AbsolutePlace(of_one_video, fits).place;
+  if (!of_one_video.estimate.place || !absolute || !tracklet.start_utc_us || tracklet.is_of_photos) return std::nullopt;
+  ObjectInFlight flight{
+      .relative = WithPath(of_one_video, fits), .absolute = *absolute, .utc_offset_s = UtcOffset(tracklet)};
+  flight.first_s = flight.utc_offset_s + FirstTime(of_one_video);
+  flight.last_s = flight.utc_offset_s + LastTime(of_one_video);
+  for (const ObservedTracklet* one : of_one_video.tracklets)
+    flight.observations += static_cast<double>(one->summary.observations);
+  return flight;
+}
+
+// A fit of several videos, or of photos, is that of an object that stands: they have no common clock, and photos none at
+// all. One that moves is estimated for each flight (joint_motion.h).
 ObjectPlace EstimatePlace(const ObjectHypothesis& hypothesis, ObjectOptions options, double common_fraction,
                           const std::optional<std::optional<SizeRatio>>& size_ratio) {
   if (!IsInOneVideo(hypothesis) || IsInPhotos(hypothesis)) options.locate.motion = MotionModel::kStatic;

@@ -92,17 +92,18 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
     if (model.IsCategory()) categories.insert(model.id);
     if (model.kind == ModelKind::kCad) cad_models.insert(model.id);
   }
-  std::set<std::int64_t> photos;
-  for (const VideoRecord& video : videos) {
-    if (video.is_of_photos) photos.insert(video.id);
-  }
+  std::map<std::int64_t, const VideoRecord*> videos_by_id;
+  for (const VideoRecord& video : videos) videos_by_id[video.id] = &video;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> records, store.Tracklets());
   std::map<std::int64_t, std::vector<ObservedTracklet>> flights;
   for (const TrackletRecord& record : records) {
+    const auto video = videos_by_id.find(record.video);
+    const bool is_known = video != videos_by_id.end();
     flights[record.video].push_back({.record = record,
                                      .is_category = categories.contains(record.model),
                                      .is_cad_model = cad_models.contains(record.model),
-                                     .is_of_photos = photos.contains(record.video),
+                                     .is_of_photos = is_known && video->second->is_of_photos,
+                                     .start_utc_us = is_known ? video->second->start_utc_us : std::nullopt,
                                      .frames = {},
                                      .boxes = {},
                                      .scores = {},
