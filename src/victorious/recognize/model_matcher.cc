@@ -3,17 +3,27 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <numeric>
 #include <ranges>
 #include <utility>
 
 #include "victorious/base/stage_time.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/geometry/polygon.h"
+#include "victorious/pose/pose_proposal.h"
 #include "victorious/pose/vote_poses.h"
 
 namespace victorious {
+
+namespace {
+
+// Ranks of the matches from which the pose of a template is estimated before it votes.
+constexpr std::uint32_t kMaxPromiseRank = 2;
+
+}  // namespace
 
 std::vector<ScoredVariant> SortedByNfa(std::vector<ScoredVariant> scored) {
   std::ranges::stable_sort(scored, std::greater{}, &ScoredVariant::neg_log10_nfa);
@@ -27,15 +37,21 @@ ModelMatcher::ModelMatcher(const ObjectModel& model, const RelitTemplateSource* 
     : model_(model),
       relit_templates_(relit_templates),
       scene_(scene),
+      options_(options),
+      vertical_(vertical),
       test_count_(test_count),
       matcher_(model, relit_templates, scene, options, pose_options, vertical) {}
 
-Expected<std::vector<double>> ModelMatcher::Evaluate(std::span<const TemplateVariant> variants) {
+void ModelMatcher::Prepare(std::span<const TemplateVariant> variants) const {
   std::vector<RelitTemplateKey> needed;
   for (const TemplateVariant& variant : variants) {
     if (variant.sun_view) needed.push_back({*variant.sun_view, variant.view, variant.half_resolution});
   }
   if (!needed.empty()) relit_templates_->Prepare(needed);
+}
+
+Expected<std::vector<double>> ModelMatcher::Evaluate(std::span<const TemplateVariant> variants) {
+  Prepare(variants);
   std::vector<double> neg_log10_nfa;
   for (const TemplateVariant& variant : variants) {
     VICTORIOUS_ASSIGN_OR_RETURN(const double best, Evaluate(variant));
@@ -49,6 +65,34 @@ Expected<std::vector<ScoredVariant>> ModelMatcher::EvaluateScored(std::span<cons
   std::vector<ScoredVariant> scored;
   for (std::size_t i = 0; i < variants.size(); ++i) scored.push_back({variants[i], neg_log10_nfa[i]});
   return scored;
+}
+
+Status ModelMatcher::EvaluateBest(std::span<const TemplateVariant> variants, std::size_t max_count) {
+  Prepare(variants);
+  struct Promise {
+    double neg_log10_nfa;
+    std::size_t index;  // in matched_
+  };
+  std::vector<Promise> promises;
+  for (const TemplateVariant& variant : variants) {
+    VICTORIOUS_ASSIGN_OR_RETURN(MatchedTemplate matched, matcher_.Match(variant));
+    const StageScope scope(Stage::kPoses);
+    const ModelView& view = model_.views[variant.view];
+    std::vector<RankedMatch> nearest;
+    std::ranges::copy_if(matched.matches, std::back_inserter(nearest),
+                         [](const RankedMatch& match) { return match.rank <= kMaxPromiseRank; });
+    const std::optional<PoseProposal> pose =
+        ProposePose(scene_.features(), scene_.density(), matched.features.keypoints, nearest, view.outline, kPi,
+                    MakeUprightPrior(view, vertical_, options_));
+    if (pose) promises.push_back({pose->neg_log10_nfa, matched_.size()});
+    matched_.push_back({std::move(matched), kNoPose});
+  }
+  std::ranges::stable_sort(promises, std::greater{}, &Promise::neg_log10_nfa);
+  for (const Promise& one : promises | std::views::take(max_count)) {
+    ScoredTemplate& scored = matched_[one.index];
+    scored.neg_log10_nfa = Vote(scored.matched.variant, scored.matched.Compared());
+  }
+  return {};
 }
 
 void ModelMatcher::Pool(int max_count) {

@@ -58,6 +58,11 @@ class ModelMatcher {
   /// The same, with the templates.
   [[nodiscard]] Expected<std::vector<ScoredVariant>> EvaluateScored(std::span<const TemplateVariant> variants);
 
+  /// Matches templates, but votes only for the most promising ones: those whose best pose, as estimated from their
+  /// matches (pose/pose_proposal.h), is the most significant. The others may be pooled with them. For few views at a
+  /// known place, where most of the cost are the poses. Errors: those of RelitTemplateSource.
+  [[nodiscard]] Status EvaluateBest(std::span<const TemplateVariant> variants, std::size_t max_count);
+
   /// Pools each of the best templates with the matched neighbours of the same light and votes again.
   /// @param max_count  number of the best templates
   void Pool(int max_count);
@@ -75,6 +80,7 @@ class ModelMatcher {
     double neg_log10_nfa;  // the highest of its poses
   };
 
+  void Prepare(std::span<const TemplateVariant> variants) const;
   [[nodiscard]] Expected<double> Evaluate(const TemplateVariant& variant);
   double Vote(const TemplateVariant& variant, const ComparedTemplate& compared);
   [[nodiscard]] bool AreNeighbours(const TemplateVariant& one, const TemplateVariant& other) const;
@@ -82,6 +88,8 @@ class ModelMatcher {
   const ObjectModel& model_;
   const RelitTemplateSource* relit_templates_;
   const PreparedScene& scene_;
+  const VoteSearchOptions& options_;
+  const std::optional<Vertical>& vertical_;
   std::size_t test_count_;
   TemplateMatcher matcher_;
   std::vector<ScoredTemplate> matched_;

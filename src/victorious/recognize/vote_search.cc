@@ -17,6 +17,9 @@ namespace {
 // model has, since direct sun may hide all features of diffuse light; bounds the time for a model of very many views.
 constexpr int kMaxRelitViews = 1000;
 
+// Of given views, the templates that vote: neighbouring views look alike, and one pose is wanted.
+constexpr std::size_t kMaxVotedVariants = 4;
+
 }  // namespace
 
 Expected<std::vector<Candidate>> VoteSearch::Search(const PreparedScene& scene,
@@ -88,7 +91,7 @@ Expected<std::vector<Candidate>> VoteSearch::SearchViews(const PreparedScene& sc
           MakeRelitVariant(model_, number, relative_azimuth_rad, *conditions.relative_sun, options_.sun_step_rad));
     }
   }
-  VICTORIOUS_RETURN_IF_ERROR(matcher.Evaluate(variants));
+  VICTORIOUS_RETURN_IF_ERROR(matcher.EvaluateBest(variants, kMaxVotedVariants));
   matcher.Pool(kMaxPooledViews);
   return matcher.TakeCandidates();
 }

@@ -36,7 +36,8 @@ class VoteSearch : public ModelSearcher {
 
   [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene,
                                                         const FrameConditions& conditions) const override;
-  /// Without the coarse-to-fine selection.
+  /// All views are matched; the four templates vote whose poses, as estimated from their matches, are the most
+  /// significant.
   [[nodiscard]] Expected<std::vector<Candidate>> SearchViews(const PreparedScene& scene,
                                                              const FrameConditions& conditions,
                                                              std::span<const std::size_t> views) const override;
