@@ -41,7 +41,7 @@ inline constexpr double kMaxFlightGap_s = 2;
 /// std::nullopt if more than kMaxFlightGap_s are between them.
 [[nodiscard]] std::optional<HypothesisDistance> CompareFlights(const ObjectInFlight& a, const ObjectInFlight& b);
 
-/// The estimate by all flights, of the time of the last sighting, on the clock of the video that has it. It has no path.
+/// The estimate by all flights, of the time of the last sighting, on the clock of the video that has it. Without path.
 /// @param flights  at least one
 [[nodiscard]] ObjectPlace FuseFlights(std::span<const ObjectInFlight> flights);
 

@@ -137,7 +137,7 @@ TEST(TwoDrones, SeeOneCarThatDrives) {
   EXPECT_EQ(car.place_rejected, "");
 }
 
-TEST(TwoDrones, TellCarsApartThatMeet) {
+TEST(TwoDrones, KeepCarsApartThatMeet) {
   TwoDrones drones;
   drones.See({-1.5, -16, 1}, kNorth);
   drones.See({1.5, 16, 1}, -kNorth);

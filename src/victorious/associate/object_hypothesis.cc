@@ -381,8 +381,8 @@ std::optional<ObjectInFlight> MakeObjectInFlight(ObjectHypothesis& of_one_video,
   return flight;
 }
 
-// A fit of several videos, or of photos, is that of an object that stands: they have no common clock, and photos none at
-// all. One that moves is estimated for each flight (joint_motion.h).
+// A fit of several videos, or of photos, is that of an object that stands: they have no common clock, and photos none
+// at all. One that moves is estimated for each flight (joint_motion.h).
 ObjectPlace EstimatePlace(const ObjectHypothesis& hypothesis, ObjectOptions options, double common_fraction,
                           const std::optional<std::optional<SizeRatio>>& size_ratio) {
   if (!IsInOneVideo(hypothesis) || IsInPhotos(hypothesis)) options.locate.motion = MotionModel::kStatic;
