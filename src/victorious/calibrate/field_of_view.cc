@@ -18,6 +18,7 @@
 #include "victorious/base/robust_statistics.h"
 #include "victorious/calibrate/motion_comparison.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/attitude.h"
 #include "victorious/geometry/geodesy.h"
 
 namespace victorious {
@@ -294,6 +295,49 @@ class Fit {
   double variance_ = 0;                  // of the focal unknown
 };
 
+// Standard deviations, per axis, of the noise of telemetry from one state to the next: of the differences between each
+// state and those beside it, of which a smooth flight leaves almost nothing.
+struct TelemetryNoise {
+  double attitude_rad = 0;
+  double place_m = 0;
+};
+
+TelemetryNoise EstimateNoise(const CameraTrajectory& cameras) {
+  const std::vector<CameraState>& states = cameras.states();
+  const TangentPlane plane(states.front().place);
+  std::vector<double> turns_rad;
+  std::vector<double> shifts_m;
+  for (std::size_t i = 1; i + 1 < states.size(); ++i) {
+    const CameraState& before = states[i - 1];
+    const CameraState& after = states[i + 1];
+    const double along = (states[i].time_s - before.time_s) / (after.time_s - before.time_s);
+    const double noise_scale = std::sqrt(1 + along * along + (1 - along) * (1 - along));
+    const Vector3d start = plane.EnuFromGeodetic(before.place);
+    const Vector3d shift =
+        plane.EnuFromGeodetic(states[i].place) - start - along * (plane.EnuFromGeodetic(after.place) - start);
+    for (const double one : shift) shifts_m.push_back(std::abs(one) / noise_scale);
+    if (!before.attitude || !states[i].attitude || !after.attitude) continue;
+    const Eigen::Quaterniond between = CameraFromEnu(*before.attitude).slerp(along, CameraFromEnu(*after.attitude));
+    const Eigen::AngleAxisd turn(CameraFromEnu(*states[i].attitude) * between.conjugate());
+    for (const double axis : turn.axis()) turns_rad.push_back(std::abs(WrapAngle(turn.angle()) * axis) / noise_scale);
+  }
+  if (turns_rad.empty()) return {};
+  return {.attitude_rad = kMadToSigma * Median(std::move(turns_rad)),
+          .place_m = kMadToSigma * Median(std::move(shifts_m))};
+}
+
+// True if noise is a large part of what telemetry says of the motion in a second. The fit takes that for exact: noise
+// would make the motion that telemetry predicts larger than the one that is seen, as a wrong focal length does.
+bool IsTooNoisy(const CameraTrajectory& cameras, const std::vector<Second>& seconds) {
+  constexpr double kMaxAttitudeNoise_rad = RadiansFromDegrees(0.15);
+  constexpr double kMaxPlaceFraction = 0.1;  // of the way in a second
+  const TelemetryNoise noise = EstimateNoise(cameras);
+  std::vector<double> ways_m;
+  for (const Second& second : seconds) ways_m.push_back((second.pairs.back().to.place - second.start).norm());
+  return noise.attitude_rad > kMaxAttitudeNoise_rad ||
+         std::numbers::sqrt2 * noise.place_m > kMaxPlaceFraction * Median(std::move(ways_m));
+}
+
 double NormalDensity(double value, double variance) {
   return std::exp(-value * value / (2 * variance)) / std::sqrt(variance);
 }
@@ -310,7 +354,7 @@ std::optional<FocalMeasurement> MeasureFocalLength(const ImageMotions& seen, con
   if (cameras.states().empty()) return std::nullopt;
   const FlowModel model(seen.image);
   const std::vector<Second> seconds = CollectSeconds(seen, cameras, model);
-  if (seconds.size() < kMinSeconds) return std::nullopt;
+  if (seconds.size() < kMinSeconds || IsTooNoisy(cameras, seconds)) return std::nullopt;
   Fit fit(model, seconds);
   if (!fit.Start() || !fit.Refine()) return std::nullopt;
   return fit.Result();

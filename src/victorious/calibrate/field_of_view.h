@@ -30,7 +30,7 @@ struct FocalMeasurement {
 };
 
 /// What the motion of the image says, without a prior. std::nullopt if it says nothing: too short, or telemetry without
-/// attitudes or fields of view, or the horizon is in view.
+/// attitudes or fields of view, or with noise that hides the motion from second to second, or the horizon is in view.
 /// Cost: some 60 ms a minute of video, at ten pairs of frames a second.
 [[nodiscard]] std::optional<FocalMeasurement> MeasureFocalLength(const ImageMotions& seen,
                                                                  const CameraTrajectory& cameras);

@@ -143,6 +143,26 @@ TEST(FocalLength, ASlopeOfTheGroundIsWithinTheError) {
   EXPECT_EQ(JudgeFieldOfView(measured).log_factor, 0);
 }
 
+// Noise from state to state is as much motion as the camera's: the fit would take it for a wrong focal length.
+TEST(FocalLength, IsUnknownWithNoisyTelemetry) {
+  Random random(3);
+  const auto measured = [&](double attitude_deg, double place_m) {
+    std::vector<CameraState> states = Recorded(CirclingAside, 0).states();
+    for (CameraState& state : states) {
+      for (double* angle_rad : {&state.attitude->yaw_rad, &state.attitude->pitch_rad, &state.attitude->roll_rad})
+        *angle_rad += RadiansFromDegrees(attitude_deg) * random.Normal();
+      const TangentPlane plane(state.place);
+      state.place = plane.GeodeticFromEnu(place_m * Vector3d(random.Normal(), random.Normal(), random.Normal()));
+    }
+    return MeasureFocalLength(Film(CirclingAside), CameraTrajectory(std::move(states), 2));
+  };
+  const auto exact = measured(0.03, 0.05);
+  ASSERT_TRUE(exact);
+  EXPECT_LT(std::abs(exact->log_factor), 0.05);
+  EXPECT_FALSE(measured(0.5, 0));
+  EXPECT_FALSE(measured(0, 2));
+}
+
 TEST(FocalLength, NeedsTelemetryAndFourSeconds) {
   EXPECT_FALSE(MeasureFocalLength(Film(SideLooking), CameraTrajectory({}, 2)));
   ImageMotions seen = Film(SideLooking);
