@@ -103,12 +103,14 @@ Vector3d RobustScales(const ResidualSet& residual_set) {
 
 constexpr double kHuber = 2;  // in standard deviations
 
+// Infinite with too few pairs: an offset that leaves telemetry fits nothing.
 double MeanHuberLoss(const ResidualSet& residual_set, const Vector3d& scales_px) {
+  if (residual_set.residuals.size() < kMinPairs) return std::numeric_limits<double>::infinity();
   double cost = 0;
   for (const Vector3d& residual : residual_set.residuals) {
     for (int c = 0; c < 3; ++c) cost += HuberLoss(residual[c] / scales_px[c], kHuber);
   }
-  return residual_set.residuals.empty() ? 0 : cost / static_cast<double>(residual_set.residuals.size());
+  return cost / static_cast<double>(residual_set.residuals.size());
 }
 
 // Derivatives of the predictions by offset and inverse height; those by the biases are 1.
@@ -163,14 +165,16 @@ NormalEquations MakeNormalEquations(const MotionComparison& comparison, const De
   NormalEquations system;
   int blocks = 0;
   Unknowns block = Unknowns::Zero();
-  double block_from_s = -std::numeric_limits<double>::infinity();
+  std::optional<double> block_from_s;
   constexpr double kBlock_s = 1;
   for (std::size_t i = 0; i < derivatives.derivatives.size(); ++i) {
-    if (comparison.time_s(derivatives.at.pairs[i]) - block_from_s >= kBlock_s) {
+    const double time_s = comparison.time_s(derivatives.at.pairs[i]);
+    if (block_from_s && time_s - *block_from_s >= kBlock_s) {
       system.AddBlock(block, blocks);
       block.setZero();
-      block_from_s = comparison.time_s(derivatives.at.pairs[i]);
+      block_from_s.reset();
     }
+    if (!block_from_s) block_from_s = time_s;
     for (int c = 0; c < 3; ++c) {
       Unknowns row = Unknowns::Zero();
       row.head<2>() = derivatives.derivatives[i].row(c).transpose();

@@ -31,7 +31,7 @@
 namespace victorious {
 
 struct TimeOffsetOptions {
-  double max_offset_s = 2;
+  double max_offset_s = 4;
   double max_duration_s = 60;
 
   void ListFields(FieldList& fields);

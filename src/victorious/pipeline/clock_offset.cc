@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kMinOffset_s = 0.05;
 constexpr double kMinSigmas = 3;
-constexpr double kMaxOffset_s = 4;
 constexpr double kMaxDuration_s = 20;
 constexpr double kHover_m_s = 0.5;
 
@@ -119,7 +118,7 @@ std::optional<std::string> DescribeFieldOfView(const FieldOfViewVerdict& verdict
 Status CorrectTelemetry(const std::string& video, double impulse_fraction, bool is_given_field_of_view,
                         const CancelToken& cancel, const WarningSink& warn, CameraStates& cameras) {
   if (!cameras.HasStates() || cameras.is_of_photos()) return {};
-  const TimeOffsetOptions options{.max_offset_s = kMaxOffset_s, .max_duration_s = kMaxDuration_s};
+  const TimeOffsetOptions options{.max_duration_s = kMaxDuration_s};
   const Expected<ImageMotions> motions = MeasureMotions(video, options, impulse_fraction, cancel);
   if (!motions) {
     if (motions.error().code == ErrorCode::kCancelled) return std::unexpected(motions.error());
