@@ -12,6 +12,10 @@
 namespace victorious {
 namespace {
 
+// Step of the sun's azimuth of coarse views, in steps of that of refined ones: each step more makes new templates of all
+// coarse views.
+constexpr double kCoarseSunSteps = 2;
+
 bool IsSameTemplate(const TemplateVariant& a, const TemplateVariant& b) {
   return a.view == b.view && a.relative_azimuth_rad == b.relative_azimuth_rad && a.half_resolution == b.half_resolution;
 }
@@ -54,8 +58,8 @@ Expected<std::vector<Candidate>> ShortlistSearch::Search(const PreparedScene& sc
     if (!has_sun || !HasObservableHeading(model_.views[view])) continue;
     for (const double relative_azimuth_rad :
          matcher.cells().CellCentresForView(model_.views[view].angles->off_nadir_rad, options_.max_tilt_rad)) {
-      coarse.push_back(
-          MakeRelitVariant(model_, view, relative_azimuth_rad, *conditions.relative_sun, options_.sun_step_rad));
+      coarse.push_back(MakeRelitVariant(model_, view, relative_azimuth_rad, *conditions.relative_sun,
+                                        kCoarseSunSteps * options_.sun_step_rad));
       coarse.back().half_resolution = true;
     }
   }
