@@ -12,7 +12,7 @@
 namespace victorious {
 namespace {
 
-// Step of the sun's azimuth of coarse views, in steps of that of refined ones: each step more makes new templates of all
+// Step of the sun's azimuth of coarse views, in steps of that of refined ones: each new sun needs new templates of all
 // coarse views.
 constexpr double kCoarseSunSteps = 2;
 
