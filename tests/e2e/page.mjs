@@ -740,6 +740,11 @@ async function accessible(page) {
   await page.waitForSelector("dialog.model[open]");
   await checkAccessible(page, "the dialog of a new model");
   await page.keyboard.press("Escape");
+  await page.waitForFunction(() => document.querySelector("dialog[open]") === null);
+  // Escape closes the panel, too.
+  await page.evaluate(() => document.activeElement?.blur());
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("aside.jobs", { state: "detached" });
 }
 
 /** A live source by its address: its finds are on the page while it sends; stopped, they stay. */
@@ -944,7 +949,8 @@ try {
   page.on("pageerror", (error) => faults.push(`error on the page: ${error.message}`));
   page.on("console", (message) => {
     const isExpected = /status of 4\d\d|GPU stall/.test(message.text());
-    if (message.type() === "error" && !isExpected) faults.push(`console: ${message.text()}`)
+    const isOfMap = /^Image .* could not be loaded/.test(message.text());
+    if ((message.type() === "error" || isOfMap) && !isExpected) faults.push(`console: ${message.text()}`)
   });
   page.on("request", (request) => {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);

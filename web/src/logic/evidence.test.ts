@@ -50,7 +50,11 @@ describe("evidence of a sighting", () => {
   });
 
   it("says what the matches mean", () => {
-    expect(verdictOf(evidence)).toBe("1 matches agree on one pose. By chance, one frame in 20 million shows as good a pose.");
+    expect(verdictOf(evidence)).toBe(
+      "Matched again here, 1 match agrees on one pose. By chance, one frame in 20 million shows as good a pose.",
+    );
+    const counted = { ...evidence, sighting: { ...evidence.sighting, matches: 39 } };
+    expect(verdictOf(counted)).toContain("1 match agrees on one pose (the search counted 39).");
     expect(verdictOf({ ...evidence, is_relit: true })).toContain("lit by the sun");
     expect(verdictOf({ ...evidence, pose: null })).toContain("give no pose here");
     const tracked = { ...evidence, pose: null, sighting: { ...evidence.sighting, source: "tracked" as const } };

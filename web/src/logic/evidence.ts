@@ -94,7 +94,10 @@ export function verdictOf(evidence: Evidence): string {
     pose.neg_log10_nfa > 0
       ? `By chance, one frame in ${formatPower(pose.neg_log10_nfa)} shows as good a pose.`
       : "Chance explains it.";
-  return `${inliers} matches agree on one pose${light}${pooled}. ${chance}`;
+  const counted =
+    sighting.source === "recognised" && sighting.matches !== inliers ? ` (the search counted ${sighting.matches})` : "";
+  const agreeing = inliers === 1 ? "1 match agrees" : `${inliers} matches agree`;
+  return `Matched again here, ${agreeing} on one pose${counted}${light}${pooled}. ${chance}`;
 }
 
 /** 10 to a power, for people: 300, 2 million, 10^9. */

@@ -4,11 +4,13 @@ import { useEffect } from "preact/hooks";
 import { type Action, actionOf } from "../logic/keys";
 import { pendingReviews } from "../objects";
 import { needsLogIn, session } from "../session";
+import * as jobs from "../jobs";
 import * as reviews from "../reviews";
 import * as selection from "../selection";
 import * as state from "../state";
 import * as turntable from "../turntable";
 import * as why from "../why";
+import * as workers from "../workers";
 import { Header } from "./header";
 import { Help } from "./help";
 import { Inspector } from "./inspector";
@@ -86,6 +88,8 @@ function run(action: Action, shift: boolean) {
     case "close":
       state.isBoxing.value = false;
       state.isDrawingArea.value = false;
+      jobs.isOpen.value = false;
+      workers.isOpen.value = false;
       return;
   }
 }

@@ -47,7 +47,7 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
             <button class="link" title="The matches between view and frame, stage by stage (W)" onClick={why.ask}>
               why
             </button>
-            : {plural(best.matches, "match", "matches")} with this view
+            : <span title="Matches that agree on the pose, counted by the search">{plural(best.matches, "match", "matches")} in the search</span>
           </figcaption>
         </figure>
       )}
@@ -165,8 +165,8 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
           <dd>{object.speed_m_s === null ? DASH : object.speed_m_s === 0 ? "standing" : `${object.speed_m_s.toFixed(1)} m/s`}</dd>
         </div>
         <div>
-          <dt>Distance, best sighting</dt>
-          <dd>
+          <dt>Distance</dt>
+          <dd title="From the camera to the object, in its best sighting">
             {formatMetres(best?.distance_m)}
             {best?.sigma_distance_m ? ` ± ${formatMetres(best.sigma_distance_m)}` : ""}
           </dd>

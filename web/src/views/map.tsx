@@ -160,8 +160,9 @@ function useMap() {
       map = shown;
       shown.addControl(new maplibre.NavigationControl({ showCompass: false }), "top-right");
       shown.addControl(new maplibre.ScaleControl({ unit: "metric" }), "bottom-left");
+      // Before the first tile, whose symbols ask for them.
+      shown.on("style.load", () => addImages(shown));
       shown.on("load", () => {
-        addImages(shown);
         stops.push(...connect(shown));
         isReady.value = true;
         addLand(shown).catch(() => notices.notify("The base map could not be loaded.", "error"));

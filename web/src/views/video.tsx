@@ -227,7 +227,7 @@ function Controls() {
       <div class="time">
         <span>{time === null ? "–:––.––" : formatTime(time)}</span>
         <small>
-          {frame === null || count === null ? "" : `frame ${frame.toLocaleString("en")} of ${count.toLocaleString("en")}`}
+          {frame === null || count === null ? "" : `frame ${frame.toLocaleString("en")} of 0–${(count - 1).toLocaleString("en")}`}
         </small>
       </div>
       {state.videos.value.length > 1 && (
