@@ -6,18 +6,18 @@
 NINJA_STATUS ?= [%f/%t %es] $(empty)
 export NINJA_STATUS
 
-# Installs the packages and configures, then says how long the rest takes.
+# Installs the packages and configures; says how long the rest takes if the program that it makes is not there yet.
 configure = ./tools/install_packages.sh $(2) && cmake --preset $(1) >/dev/null
-say = @echo "$(1), the first time; each line counts the files done and the seconds." >&2
+say = @[ -e build/$(1) ] || echo "$(2), the first time; each line counts the files done and the seconds." >&2
 
 build:
-	$(call say,make build: about 15 minutes on two cores)
+	$(call say,victorious-bench,make build: about 15 minutes on two cores)
 	$(call configure,release)
 	cmake --build --preset release --target victorious_page victorious victorious-bench victorious-experiment
 
 # The program and its page: all that the demo needs.
 victorious:
-	$(call say,make victorious: about 10 minutes on two cores)
+	$(call say,victorious,make victorious: about 10 minutes on two cores)
 	$(call configure,release)
 	cmake --build --preset release --target victorious_page victorious
 
@@ -38,7 +38,7 @@ package: build
 	cpack --config build/CPackConfig.cmake -G DEB -B build
 
 test:
-	$(call say,make test: about 40 minutes on two cores)
+	$(call say,serve_tests,make test: about 40 minutes on two cores)
 	$(call configure,release,--test)
 	cmake --build --preset release --target victorious_page all
 	ctest --preset release

@@ -52,8 +52,29 @@ say "Searching the flight for" $names "at once:"
 say "Found, best first:"
 "$program" search --db "$db"
 
-say "Compared with the simulator's truth (1 is best; a sighting is one object in one frame):"
-"$program" evaluate --db "$db" --truth "$flight/truth.jsonl" | grep -Ev ' -$|^located +0$'
+# Of the measures of `evaluate` those that a first look needs, and its line of each object.
+measures() {
+  awk '
+    function row(key, name, factor, format, unit) {
+      if (value[key] != "" && value[key] != "-") printf "  %-46s " format "%s\n", name, factor * value[key], unit
+    }
+    /^ / { object[++objects] = $0; next }
+    { value[$1] = $2 }
+    END {
+      row("findable", "objects that can be found", 1, "%8d", "")
+      row("found", "objects found", 1, "%8d", "")
+      row("false_objects", "false objects", 1, "%8d", "")
+      row("sighting_recall", "sightings found (one object in one frame)", 100, "%8.1f", " %")
+      row("sighting_precision", "sightings that are right", 100, "%8.1f", " %")
+      row("cep50_m", "error of the places, median", 1, "%8.2f", " m")
+      row("cep90_m", "error of the places, nine of ten below", 1, "%8.2f", " m")
+      row("heading_error_p50_deg", "error of the headings, median", 1, "%8.2f", " degrees")
+      for (i = 1; i <= objects; ++i) print object[i]
+    }'
+}
+
+say "Compared with the simulator's truth:"
+"$program" evaluate --db "$db" --truth "$flight/truth.jsonl" | measures
 
 "$program" sheet --db "$db" --out "$dir/finds.jpg"
 "$program" export --db "$db" --format kml --out "$dir/finds.kml"

@@ -48,7 +48,7 @@ class DemoTest(program.ProgramTest):
         first = self.demo(*arguments)
         self.assertEqual(first.returncode, 0, first.stderr)
         self.assertRegex(first.stdout, r"\n +1 +jet ")
-        self.assertRegex(first.stdout, r"sighting_precision +1\.0")
+        self.assertRegex(first.stdout, r"sightings that are right +100\.0 %")
         self.finds_the_jet_where_it_is(folder)
         self.assertLess(self.metres_off(self.scratch / "demo"), 1)
         made = self.files()
