@@ -309,13 +309,16 @@ std::optional<double> TakeoffAltitudeFromDjiText(std::string_view text) {
   return above_sea->Metres() - above_takeoff->Metres();
 }
 
+bool HasDjiKeyword(std::string_view text) {
+  constexpr std::array<std::string_view, 7> kMarks = {"GPS(",    "GPS (",    "HOME(", "latitude",
+                                                      "[iso : ", "FrameCnt", "SrtCnt"};
+  return std::ranges::any_of(kMarks, [&](std::string_view mark) { return text.contains(mark); });
+}
+
 bool LooksLikeDjiSrt(std::string_view text) {
   constexpr std::size_t kHeadSize = 4096;
   const std::string_view head = StripByteOrderMark(text).substr(0, kHeadSize);
-  constexpr std::array<std::string_view, 7> kMarks = {"GPS(",    "GPS (",    "HOME(", "latitude",
-                                                      "[iso : ", "FrameCnt", "SrtCnt"};
-  const bool marked = std::ranges::any_of(kMarks, [&](std::string_view mark) { return head.contains(mark); });
-  return marked && !SplitCues(head).empty();
+  return HasDjiKeyword(head) && !SplitCues(head).empty();
 }
 
 void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtitles) {

@@ -41,7 +41,10 @@ struct DjiSubtitles {
 /// Adds a warning for the cues without a position, and one for those without a time.
 void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtitles);
 
-/// Whether the text is subtitles with a keyword that DJI aircraft write.
+/// Whether one text has a keyword that DJI aircraft write.
+[[nodiscard]] bool HasDjiKeyword(std::string_view text);
+
+/// Whether the text is subtitles with such a keyword.
 [[nodiscard]] bool LooksLikeDjiSrt(std::string_view text);
 
 /// Parses a whole .SRT file. If the cues have no times, the UTC times in their texts are used, relative to the first.

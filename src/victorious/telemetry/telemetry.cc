@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "victorious/base/count_text.h"
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
@@ -187,11 +188,11 @@ void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
   }
   if (jumps > 0) {
     telemetry.warnings.push_back(
-        fmt::format("the position jumps {} times, faster than {:g} m/s", jumps, kMaxSpeed_m_s));
+        fmt::format("the position jumps {}, faster than {:g} m/s", CountText(jumps, "time"), kMaxSpeed_m_s));
   }
   if (gaps > 0) {
-    telemetry.warnings.push_back(
-        fmt::format("{} gaps of more than {:g} s: the camera state is unknown in them", gaps, max_gap_s));
+    telemetry.warnings.push_back(fmt::format("{} of more than {:g} s: the camera state is unknown in {}",
+                                             CountText(gaps, "gap"), max_gap_s, gaps == 1 ? "it" : "them"));
   }
 }
 
@@ -303,6 +304,16 @@ Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& opti
   return Finish(std::move(telemetry), options);
 }
 
+std::string_view TextOf(const DataPacket& packet) {
+  return {reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size()};
+}
+
+bool HasDjiSubtitle(std::span<const DataPacket> packets) {
+  return std::ranges::any_of(packets, [](const DataPacket& packet) {
+    return packet.kind == DataKind::kSubtitle && HasDjiKeyword(TextOf(packet));
+  });
+}
+
 // Parses the subtitle packets of a video; a text may start with its length.
 DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets, DjiHeight height) {
   DjiSubtitles subtitles;
@@ -311,7 +322,7 @@ DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets, DjiHeight
   for (const DataPacket& packet : packets) {
     if (packet.kind != DataKind::kSubtitle) continue;
     ++subtitles.cues;
-    const std::string_view text(reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size());
+    const std::string_view text = TextOf(packet);
     auto state = CameraFromDjiText(text, height);
     if (const auto takeoff_m = TakeoffAltitudeFromDjiText(text)) subtitles.takeoff_m.push_back(*takeoff_m);
     if (!state || !packet.time_s) {
@@ -389,7 +400,8 @@ Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, co
   KlvPackets decoded = DecodeKlv(packets);
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
   DjiSubtitles subtitles = ParseSubtitlePackets(packets, HeightOf(options));
-  if (!subtitles.states.empty()) return FromDji(std::move(subtitles), options);
+  // A film's own subtitles are no telemetry; those of an aircraft without any position are, with its warnings.
+  if (!subtitles.states.empty() || HasDjiSubtitle(packets)) return FromDji(std::move(subtitles), options);
   return Finish({.states = {}, .packets = {}, .records = 0, .warnings = decoded.warnings.Lines()}, options);
 }
 

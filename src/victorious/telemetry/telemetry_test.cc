@@ -185,6 +185,22 @@ TEST(Telemetry, SubtitlesWithoutAPositionAreCounted) {
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 of 3 subtitles have no time")));
 }
 
+TEST(Telemetry, SubtitlesOfAnAircraftAllWithoutAPositionAreReported) {
+  DataPacket without{.stream = 1, .kind = DataKind::kSubtitle, .time_s = 1.0, .bytes = {}};
+  std::ranges::copy(AsBytes("GPS(N/A,N/A,3)"), std::back_inserter(without.bytes));
+  DataPacket of_film = without;
+  of_film.bytes.clear();
+  std::ranges::copy(AsBytes("Where are we?"), std::back_inserter(of_film.bytes));
+  const auto telemetry = TelemetryFromPackets(std::vector{without, without}, {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_EQ(telemetry->format, TelemetryFormat::kDjiSubtitles);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 of 2 subtitles have no position")));
+  const auto film = TelemetryFromPackets(std::vector{of_film}, {});
+  ASSERT_TRUE(film);
+  EXPECT_EQ(film->records, 0);
+  EXPECT_THAT(film->warnings, ::testing::IsEmpty());
+}
+
 TEST(Telemetry, PacketsWithoutTimeAreReported) {
   const auto telemetry = ParseTelemetry(CameraPacket(0) + CameraPacket(0), {});
   ASSERT_TRUE(telemetry);
@@ -213,8 +229,8 @@ TEST(Telemetry, DamagedFirstPacketIsNotTimeZero) {
 TEST(Telemetry, JumpsAndGapsAreReported) {
   const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,43,-71,1,\n9,43,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
-  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("jumps 1 times")));
-  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 gaps of more than 2 s")));
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("jumps 1 time, faster")));
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 gap of more than 2 s: the camera state is unknown in it")));
 }
 
 TEST(Telemetry, HeightsAboveTakeOffNeedItsHeight) {
@@ -404,7 +420,7 @@ TEST(Telemetry, HeightsThatPutTheTakeOffBelowTheSeaAreReported) {
 
 TEST(Telemetry, MaxGapIsTheLongestIntervalWithoutAWarning) {
   const std::string table = std::string(kHeader) + "0,42,-71,1,\n3,42,-71,1,\n";
-  EXPECT_THAT(ParseTelemetry(table, {.max_gap_s = 2.9})->warnings, Contains(HasSubstr("1 gaps of more than 2.9 s")));
+  EXPECT_THAT(ParseTelemetry(table, {.max_gap_s = 2.9})->warnings, Contains(HasSubstr("1 gap of more than 2.9 s")));
   EXPECT_THAT(ParseTelemetry(table, {.max_gap_s = 3.1})->warnings, Not(Contains(HasSubstr("gaps"))));
 }
 
