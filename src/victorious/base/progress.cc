@@ -20,7 +20,8 @@ Progress::Progress(std::string label, std::optional<std::int64_t> total, std::st
       last_draw_(start_) {}
 
 Progress::~Progress() {
-  if (first_done_) Draw(true);
+  // A bar must still end its line; a line of a log, or an event, of the same number is complete.
+  if (first_done_ && (on_terminal_ || last_drawn_ != done_)) Draw(true);
 }
 
 std::string TimeLeftText(double seconds) {
@@ -47,6 +48,7 @@ std::chrono::milliseconds Progress::Interval() const {
 }
 
 void Progress::Draw(bool last) {
+  last_drawn_ = done_;
   const double seconds = std::max(1e-3, std::chrono::duration<double>(Clock::now() - start_).count());
   if (HasEventOutput()) {
     ReportEvent(ProgressEvent{.label = label_, .done = done_, .total = total_, .unit = unit_, .elapsed_s = seconds});

@@ -38,6 +38,7 @@ class Progress {
   bool on_terminal_;
   std::optional<std::int64_t> first_done_;
   std::int64_t done_ = 0;
+  std::optional<std::int64_t> last_drawn_;
   Clock::time_point start_;
   Clock::time_point last_draw_;
 };
