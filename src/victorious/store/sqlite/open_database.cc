@@ -71,7 +71,13 @@ Expected<ConnectionPtr> ConnectForReading(const fs::path& path) {
 
 Expected<ConnectionPtr> OpenForReading(const fs::path& path) {
   struct stat info{};
-  if (::stat(path.c_str(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
+  if (::stat(path.c_str(), &info) != 0) {
+    const int problem = errno;
+    if (problem == ENOENT) {
+      return Fail(ErrorCode::kNotFound, path.string() + ": no such file: `victorious index` makes an index");
+    }
+    return std::unexpected(ErrorFromErrno(problem, path.string()));
+  }
   if (!S_ISREG(info.st_mode)) return Fail(ErrorCode::kInvalidArgument, path.string() + ": not a regular file");
   VICTORIOUS_ASSIGN_OR_RETURN(ConnectionPtr connection, ConnectForReading(path));
   const int newest = Migrations().back().version;
