@@ -140,6 +140,35 @@ class ArgumentsTest(program.ProgramTest):
         self.assertEqual(len(done.messages()), 1, done.err)
         self.assertIn("has a place: index the videos with telemetry", done.err)
 
+    def test_an_object_that_is_not_in_the_index_is_refused(self):
+        for command in (
+            ("search",),
+            ("export", "--format", "kml", "--out", self.scratch / "objects.kml"),
+            ("sheet", "--out", self.scratch / "sheet.png"),
+        ):
+            with self.subTest(command):
+                self.refuses_unchanged("object 77: not in the index", *command, "--db", INDEX, "--object", "77")
+
+    def test_filters_that_leave_nothing_are_named(self):
+        for command in (("search",), ("export", "--format", "objects")):
+            done = self.succeeds(*command, "--db", INDEX, "--model", "truck", "--from", "3600")
+            self.assertIn("no object matches --model truck, --from 3600; the index has", done.err)
+
+    def test_rejected_objects_that_are_not_listed_are_counted(self):
+        listed = self.succeeds("search", "--db", INDEX)
+        rejected = len(self.succeeds("search", "--db", INDEX, "--rejected", "--json").rows()) - (
+            len(listed.out.splitlines()) - 1
+        )
+        self.assertEqual("rejected: --rejected lists" in listed.err, rejected > 0)
+        self.assertNotIn("--rejected lists", self.succeeds("search", "--db", INDEX, "--json").err)
+
+    def test_a_missing_index_is_named_with_what_makes_one(self):
+        missing = self.scratch / "none.db"
+        self.refuses_unchanged((str(missing), "no such file", "`victorious index` makes"), "search", "--db", missing)
+
+    def test_extra_arguments_are_named_in_their_order(self):
+        self.refuses_unchanged("13.4 200", "search", "--db", INDEX, "--near", "52.5", "13.4", "200")
+
     def test_boxes(self):
         models = self.scratch / "models"
         for box in ("1,2,3", "1,2,3,4,5", "a,b,c,d", "1, 2,3,4", "1;2;3;4", "1,2,3,4px", "nan,0,9,9", "0,0,inf,9",

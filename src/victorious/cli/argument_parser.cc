@@ -1,6 +1,7 @@
 #include "victorious/cli/argument_parser.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -225,6 +226,15 @@ std::string Suggestion(const std::vector<const CLI::App*>& commands) {
   return "";
 }
 
+// "not expected: 13.4 200": the words in the order in which they were given, which CLI11's message reverses.
+std::optional<std::string> ExplainExtras(const std::vector<const CLI::App*>& commands, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return std::nullopt;
+  std::vector<std::string> words;
+  for (const CLI::App* command : commands) std::ranges::copy(command->remaining(), std::back_inserter(words));
+  if (words.empty()) return std::nullopt;
+  return fmt::format("not expected: {}", fmt::join(words, " "));
+}
+
 // "--every 2.5: give a whole number" for CLI11's "Could not convert: --every = 2.5". Of arguments without a range: the
 // others say their range, for such texts, too.
 std::optional<std::string> ExplainConversion(const CLI::App& command, std::string_view message) {
@@ -251,9 +261,10 @@ Expected<std::optional<int>> ParseArguments(const ArgumentParser& program, std::
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
     const std::vector<const CLI::App*> commands = ParsedCommands(app);
-    const std::string what = ExplainConversion(*commands.back(), error.what()).value_or(error.what());
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}{} (see `{} --help`)", what, Suggestion(commands), FullName(commands)));
+    std::optional<std::string> what = ExplainExtras(commands, error);
+    if (!what) what = ExplainConversion(*commands.back(), error.what());
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}{} (see `{} --help`)", what.value_or(error.what()),
+                                                         Suggestion(commands), FullName(commands)));
   }
   return std::nullopt;
 }

@@ -361,6 +361,42 @@ Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& sto
                      matching.size());
 }
 
+Status CheckObject(const SightingFilter& filter, IndexStore& store) {
+  if (!filter.object) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> found,
+                              store.Objects({.include_rejected = true, .object = filter.object}));
+  if (!found.empty()) return {};
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("object {}: not in the index: `victorious search --rejected` lists its ids", *filter.object));
+}
+
+namespace {
+
+// "--model truck, --from 5": the flags that leave out objects.
+std::string FlagsText(const SightingFilter& filter) {
+  std::vector<std::string> flags;
+  if (filter.video_name) flags.push_back("--video " + *filter.video_name);
+  if (filter.model_name) flags.push_back("--model " + *filter.model_name);
+  if (filter.category_name) flags.push_back("--category " + *filter.category_name);
+  if (filter.from_s) flags.push_back(fmt::format("--from {:g}", *filter.from_s));
+  if (filter.to_s) flags.push_back(fmt::format("--to {:g}", *filter.to_s));
+  if (filter.near) flags.emplace_back("--near");
+  if (filter.object) flags.push_back(fmt::format("--object {}", *filter.object));
+  return fmt::format("{}", fmt::join(flags, ", "));
+}
+
+}  // namespace
+
+Expected<std::string> ExplainRejected(SightingFilter filter, IndexStore& store) {
+  if (filter.include_rejected) return "";
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> listed, store.Objects(filter));
+  filter.include_rejected = true;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> matching, store.Objects(filter));
+  const std::size_t rejected = matching.size() - std::min(matching.size(), listed.size());
+  if (rejected == 0) return "";
+  return fmt::format("{} rejected: --rejected lists {}", CountText(rejected, "object"), rejected == 1 ? "it" : "them");
+}
+
 Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> found, store.Objects(filter));
   if (!found.empty()) return "";
@@ -371,7 +407,11 @@ Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexSto
   SightingFilter with_rejected = filter;
   with_rejected.include_rejected = true;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> rejected, store.Objects(with_rejected));
-  if (rejected.empty()) return "no sighting in the index matches: the search saw none of the models in the videos";
+  if (rejected.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> all, store.Objects({.include_rejected = true}));
+    if (all.empty()) return "no sighting in the index: the search saw none of the models in the videos";
+    return fmt::format("no object matches {}; the index has {}", FlagsText(filter), CountText(all.size(), "object"));
+  }
   const ObjectRecord& best = *std::ranges::max_element(
       rejected, {}, [](const ObjectRecord& object) { return std::pair(object.score, object.frames); });
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());

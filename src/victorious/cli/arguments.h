@@ -137,8 +137,15 @@ struct FilterArguments {
 /// none.
 [[nodiscard]] Expected<std::string> ExplainThresholds(SightingFilter filter, IndexStore& store);
 
+/// Error: kNotFound if filter.object is set and the index has no object of this id, not even a rejected one.
+[[nodiscard]] Status CheckObject(const SightingFilter& filter, IndexStore& store);
+
+/// A message for the user that says how many matching objects are rejected and not listed; empty if none.
+[[nodiscard]] Expected<std::string> ExplainRejected(SightingFilter filter, IndexStore& store);
+
 /// A message for the user that explains why no object matches the filter: nothing near, all rejected (how many, and why
-/// the best one), or nothing seen. Empty if an object matches, or if thresholds leave out all that would.
+/// the best one), the flags that leave out all there are, or nothing seen. Empty if an object matches, or if thresholds
+/// leave out all that would.
 [[nodiscard]] Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store);
 
 /// A message for the user that says how many of the matching objects have no place, which a map leaves out, and why;

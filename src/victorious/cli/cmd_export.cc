@@ -126,6 +126,7 @@ Action SetUpExport(ArgumentParser& parser) {
     if (arguments->format == kVideoFormat) {
       VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
       VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
+      VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
       return ExportVideo(arguments->out, filter, arguments->clip, *store, parser);
     }
     if (arguments->clip.margin_s) {
@@ -135,6 +136,7 @@ Action SetUpExport(ArgumentParser& parser) {
     VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, TraitsOf(format).kind}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
+    VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
     std::ostringstream text;
     VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, *store));

@@ -92,7 +92,11 @@ Status PrintObjects(const SearchArguments& arguments, const SightingFilter& filt
       std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
     LogInfo("no object was rejected");
   }
-  return WriteOutput("", text);
+  VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", text));
+  if (arguments.json || objects.empty()) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string rejected, ExplainRejected(filter, store));
+  if (!rejected.empty()) LogInfo(rejected);
+  return {};
 }
 
 Status PrintMoments(const SearchArguments& arguments, const SightingFilter& filter, IndexStore& store) {
@@ -168,6 +172,7 @@ Status Run(const SearchArguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument, "--thresholds and --image exclude each other: give one of them");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
+  VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   VICTORIOUS_RETURN_IF_ERROR(WarnAboutUnfinished(catalogue, *store));
   return arguments.image.empty() ? PrintObjects(arguments, filter, catalogue, *store)

@@ -74,6 +74,7 @@ Action SetUpSheet(ArgumentParser& parser) {
                    {{"max_tiles", "--most"}, {"columns", "--columns"}, {"moments", "--moments"}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
+    VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
     std::vector<std::string> videos;
     for (const VideoRecord& video : catalogue.videos()) videos.push_back(FindVideoFile(video));
