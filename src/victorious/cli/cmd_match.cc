@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -88,24 +91,44 @@ ordered_json Report(const FeatureSet& scene, const FeatureView& model, const Sta
   return json;
 }
 
+// Those that the grammar does not keep.
+MatchSet RejectedMatches(const StagedMatches& staged) {
+  const auto key = [](const Match& match) { return std::pair(match.scene_keypoint, match.template_keypoint); };
+  std::set<std::pair<std::uint32_t, std::uint32_t>> kept;
+  for (const Match& match : staged.cascade.third) kept.insert(key(match));
+  MatchSet rejected;
+  for (const Match& match : staged.ratio) {
+    if (!kept.contains(key(match))) rejected.push_back(match);
+  }
+  return rejected;
+}
+
 // Draws the scene beside the template: matches rejected by the grammar in cyan, matches kept in red, the outline in
-// yellow.
+// yellow. Of many matches some, spread evenly over the list; the caption below says how many.
 cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const FeatureSet& scene, const FeatureView& model,
              const StagedMatches& staged, const Polygon& outline) {
+  constexpr std::size_t kMaxLines = 100;  // of one colour: more would hide the images
+  constexpr int kCaptionHeight_px = 36;
+  constexpr int kCaptionWidth_px = 340;
   const int height = std::max(scene_image.rows, model_image.rows);
-  cv::Mat canvas(height, scene_image.cols + model_image.cols, CV_8UC3, cv::Scalar::all(32));
+  cv::Mat canvas(height + kCaptionHeight_px, std::max(scene_image.cols + model_image.cols, kCaptionWidth_px), CV_8UC3,
+                 cv::Scalar::all(32));
   scene_image.copyTo(canvas(cv::Rect({0, 0}, scene_image.size())));
   model_image.copyTo(canvas(cv::Rect({scene_image.cols, 0}, model_image.size())));
-  const auto draw = [&](const MatchSet& matches, const cv::Scalar& colour) {
-    for (const Match& match : matches) {
+  const auto draw = [&](const MatchSet& matches, const cv::Scalar& colour, std::string_view what, int caption_y) {
+    const std::size_t drawn = std::min(matches.size(), kMaxLines);
+    for (std::size_t i = 0; i < drawn; ++i) {
+      const Match& match = matches[i * matches.size() / drawn];
       const Keypoint& s = scene.keypoints[match.scene_keypoint];
       const Keypoint& m = model.keypoints[match.template_keypoint];
       cv::line(canvas, cv::Point2f(s.x, s.y), cv::Point2f(m.x + static_cast<float>(scene_image.cols), m.y), colour, 1,
                cv::LINE_AA);
     }
+    cv::putText(canvas, fmt::format("{} of {} matches that the grammar {}", drawn, matches.size(), what),
+                {4, height + caption_y}, cv::FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv::LINE_AA);
   };
-  draw(staged.ratio, {200, 200, 0});
-  draw(staged.cascade.third, {0, 0, 255});
+  draw(RejectedMatches(staged), {200, 200, 0}, "rejects", 30);
+  draw(staged.cascade.third, {80, 80, 255}, "keeps", 14);
   for (const PlanarFit& fit : staged.fits) {
     std::vector<cv::Point> corners;
     for (const Eigen::Vector2d& corner : ProjectPolygon(fit.scene_from_template_plane, outline))
@@ -163,7 +186,10 @@ Action SetUpMatch(ArgumentParser& parser) {
   parser.Add("TEMPLATE", arguments->model, "The image of the object; an alpha channel masks the background").Required();
   parser.Add("--ratio", arguments->ratio, "Lowe's ratio test (default 0.8)").TypeName("R");
   AddParams(parser, arguments->params, "index");
-  parser.Add("--draw", arguments->draw, "Draw the matches and the outline into this PNG").TypeName("FILE");
+  parser
+      .Add("--draw", arguments->draw,
+           "Draw the matches and the outline into this PNG: of many matches some, as its caption says")
+      .TypeName("FILE");
   parser.AddFlag("--json", arguments->json, "Print the matches of every stage as JSON");
   AddForce(parser);
   return [=] { return Run(*arguments, parser); };
