@@ -116,10 +116,22 @@ class RunsTest(program.ProgramTest):
         frames = {row["frame"] for row in self.rows()}
         self.assertTrue(frames and min(frames) >= 10 and max(frames) <= 20, frames)
         self.assertIn("0 frames searched", self.index(VIDEO, "--from", "1", "--to", "2").err)
-        self.refuses(2, ["searched.from_s was 1", "--redo"], "index", VIDEO, "--models", MODELS, "--db", self.db)
+        self.refuses(2, ["--from was 1", "is not given", "--redo"], "index", VIDEO, "--models", MODELS, "--db", self.db)
         self.assertIn("1 frame searched", self.index(VIDEO, "--from", "1", "--to", "1", "--redo").err)
         self.refuses(2, ["--from 2", "--to 1"], "index", VIDEO, "--models", MODELS, "--db", self.db, "--from", "2",
                      "--to", "1")  # fmt: skip
+
+    def test_an_interval_after_the_end_is_refused(self):
+        index = ("index", VIDEO, "--models", MODELS, "--db", self.db)
+        self.refuses(2, ["--from 100", "after its end", "flight.mkv"], *index, "--from", "100")
+        self.assertEqual(self.files(), {}, "nothing is written")
+        self.succeeds(*index)
+
+    def test_wrong_telemetry_leaves_no_index(self):
+        table = self.write("wrong.csv", "time_s,longitude_deg\n0,11\n")
+        before = self.files()
+        self.refuses(2, "wrong.csv", "index", VIDEO, "--models", MODELS, "--db", self.db, "--telemetry", table)
+        self.assertEqual(self.files(), before)
 
     def test_quality(self):
         fast = self.index(VIDEO, "--quality", "fast")

@@ -25,6 +25,7 @@
 #include "victorious/pipeline/drawn_video.h"
 #include "victorious/pipeline/indexer.h"
 #include "victorious/pipeline/preset.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/postgres_segment_store.h"
 #include "victorious/video/video_reader.h"
@@ -67,16 +68,24 @@ Error CombineErrors(const std::optional<Error>& one, const Error& other) {
   return one ? Error{one->code, one->message + "; " + other.message} : other;
 }
 
+Status CheckVideo(const std::string& video, std::optional<double> from_s) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<VideoReader> opened, VideoReader::Open(video, {}));
+  const std::optional<double> end_s = opened->info().duration_s;
+  if (!from_s || !end_s || *from_s < *end_s) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: --from {:g} is after its end, {:.2f} s: give an earlier time", video, *from_s, *end_s));
+}
+
 // Opens every video before the first is searched, so that a wrong name does not show up after hours.
-// @return the error of each video that cannot be opened. A live source is opened once, when it is searched
-std::map<std::string, Error> FindUnreadable(const std::vector<std::string>& videos) {
-  std::map<std::string, Error> unreadable;
+// @return the error of each video that cannot be opened, or that ends before `from_s`. A live source is opened once,
+//   when it is searched
+std::map<std::string, Error> FindUnsearchable(const std::vector<std::string>& videos, std::optional<double> from_s) {
+  std::map<std::string, Error> unsearchable;
   for (const std::string& video : videos) {
     if (video.contains("://")) continue;
-    const auto opened = VideoReader::Open(video, {});
-    if (!opened) unreadable.emplace(video, opened.error());
+    if (const Status status = CheckVideo(video, from_s); !status) unsearchable.emplace(video, status.error());
   }
-  return unreadable;
+  return unsearchable;
 }
 
 // Sets the interval of kept features from "none" or a number of seconds.
@@ -247,13 +256,15 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
                                               [](const std::string& warning) { LogWarning(warning); }));
-  // A video that cannot be read does not prevent the others from being indexed. Without any, no index is created.
-  const std::map<std::string, Error> unreadable = FindUnreadable(arguments.videos);
+  // A video that cannot be searched does not prevent the others from being indexed. Without any, no index is created.
+  const std::map<std::string, Error> unsearchable = FindUnsearchable(arguments.videos, arguments.from_s);
   std::optional<Error> failure;
-  for (const auto& [video, error] : unreadable) failure = CombineErrors(failure, error);
-  const auto can_be_read = [&](const std::string& video) { return !unreadable.contains(video); };
-  if (std::ranges::none_of(arguments.videos, can_be_read)) return std::unexpected(*std::move(failure));
-  for (const auto& [video, error] : unreadable) LogWarning("left out: {}", OneLine(error.message));
+  for (const auto& [video, error] : unsearchable) failure = CombineErrors(failure, error);
+  const auto can_be_searched = [&](const std::string& video) { return !unsearchable.contains(video); };
+  if (std::ranges::none_of(arguments.videos, can_be_searched)) return std::unexpected(*std::move(failure));
+  for (const auto& [video, error] : unsearchable) LogWarning("left out: {}", OneLine(error.message));
+  // Read here although the search reads it again: a wrong file leaves no new index.
+  if (arguments.telemetry) VICTORIOUS_RETURN_IF_ERROR(ReadTelemetry(*arguments.telemetry, options.telemetry));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
   std::unique_ptr<SegmentStore> segments;
   if (arguments.cut_s || frames) {
@@ -261,7 +272,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   }
   const Work work{.store = *store, .segments = segments.get(), .cut_s = arguments.cut_s, .frames = frames};
   for (const std::string& video : arguments.videos) {
-    if (!can_be_read(video)) continue;
+    if (!can_be_searched(video)) continue;
     const auto warn = [&](const std::string& warning) { LogWarning("{}: {}", video, warning); };
     const IndexJob job{.video = video,
                        .telemetry = arguments.telemetry,

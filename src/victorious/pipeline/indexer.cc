@@ -37,6 +37,16 @@ bool HasAttitudes(const CameraTrajectory* trajectory) {
          std::ranges::any_of(trajectory->states(), [](const CameraState& state) { return state.attitude.has_value(); });
 }
 
+// What a user sets it by: a parameter's name ("match.ratio"), or the flag of the interval of time.
+// @param key  a JSON pointer
+std::string NameOfParameter(const std::string& key) {
+  if (key == "/searched/from_s") return "--from";
+  if (key == "/searched/to_s") return "--to";
+  std::string name = key.substr(1);
+  std::ranges::replace(name, '/', '.');
+  return name;
+}
+
 // Lists the parameters that differ between two stored JSON texts, with both values.
 std::string DescribeDifference(const std::string& before, const std::string& now) {
   const Expected<nlohmann::json> a = ParseStrictJson(before);
@@ -51,9 +61,10 @@ std::string DescribeDifference(const std::string& before, const std::string& now
     const auto old = flat_a.value(key, nlohmann::json());
     const auto value = flat_b.value(key, nlohmann::json());
     if (old == value) continue;
-    std::string name = key.substr(1);
-    std::ranges::replace(name, '/', '.');
-    changes.push_back(fmt::format("{} was {}, is {}", name, DumpJson(old), DumpJson(value)));
+    const std::string name = NameOfParameter(key);
+    const std::string absent = name.starts_with("--") ? "not given" : "null";
+    const auto text = [&](const nlohmann::json& one) { return one.is_null() ? absent : DumpJson(one); };
+    changes.push_back(fmt::format("{} was {}, is {}", name, text(old), text(value)));
   }
   return changes.empty() ? "another version's parameters" : fmt::format("{}", fmt::join(changes, "; "));
 }
