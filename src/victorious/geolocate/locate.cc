@@ -143,15 +143,15 @@ std::optional<Solution> ConstrainToGround(Solution solution, const TangentPlane&
   for (int round = 0; round < kRounds; ++round) {
     const auto patch = GroundPatchAt(*options.ground, plane, solution.motion.place);
     if (!patch) return std::nullopt;
-    const Eigen::VectorXd gain = unconstrained.covariance.leftCols<3>() * patch->normal;
-    const double sigma_m = options.ground_sigma_m * (plane.LocalEnuFromEnu(patch->point) * patch->normal).z();
-    const double variance_m2 = patch->normal.dot(gain.head<3>()) + sigma_m * sigma_m;
+    const Eigen::VectorXd cross_covariance = unconstrained.covariance.leftCols<3>() * patch->normal;
+    const double sigma_m = options.ground_sigma_m * VerticalPart(*patch, plane);
+    const double variance_m2 = patch->normal.dot(cross_covariance.head<3>()) + sigma_m * sigma_m;
     const double off_m = patch->normal.dot(unconstrained.motion.place - patch->point);
     if (off_m * off_m > options.gate_sigma * options.gate_sigma * variance_m2) return std::nullopt;
-    const Eigen::VectorXd step = -off_m / variance_m2 * gain;
+    const Eigen::VectorXd step = -off_m / variance_m2 * cross_covariance;
     solution.motion.place = unconstrained.motion.place + step.head<3>();
     if (step.size() == 6) solution.motion.velocity = unconstrained.motion.velocity + step.tail<3>();
-    solution.covariance = unconstrained.covariance - gain * gain.transpose() / variance_m2;
+    solution.covariance = unconstrained.covariance - cross_covariance * cross_covariance.transpose() / variance_m2;
   }
   return solution;
 }

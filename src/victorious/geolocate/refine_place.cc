@@ -177,7 +177,7 @@ class Refinement {
         common);
     const auto patch = options_.ground ? GroundPatchAt(*options_.ground, plane_, estimate.place) : std::nullopt;
     if (patch) {
-      const double sigma_m = options_.ground_sigma_m * (plane_.LocalEnuFromEnu(patch->point) * patch->normal).z();
+      const double sigma_m = options_.ground_sigma_m * VerticalPart(*patch, plane_);
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundError, 1, 3>(new GroundError{*patch, sigma_m}),
                                nullptr, place);
     }
@@ -296,7 +296,7 @@ std::optional<RefinedPlace> RefinePlace(std::span<const Ray> rays, const Motion&
   double noise_factor = 1;
   std::optional<Eigen::MatrixXd> covariance;
   constexpr int kMaxRounds = 12;
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 1;; ++round) {
     const Eigen::Vector3d before = estimate.place;
     covariance = refinement.Minimise(inliers, noise_factor, estimate);
     if (!covariance) return std::nullopt;
@@ -307,7 +307,8 @@ std::optional<RefinedPlace> RefinePlace(std::span<const Ray> rays, const Motion&
     const double sigma_m = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
     const bool converged =
         (estimate.place - before).norm() < kTolerance * sigma_m && std::abs(noise_factor - given) < kTolerance;
-    if (converged && selected == inliers) break;
+    // Without convergence, too, the inliers are those that the place was computed from.
+    if ((converged && selected == inliers) || round == kMaxRounds) break;
     inliers = std::move(selected);
   }
   const Eigen::Index unknowns = options.motion == MotionModel::kVelocity ? 6 : 3;

@@ -87,6 +87,10 @@ std::optional<GroundPatch> GroundPatchAt(const Ground& ground, const TangentPlan
   return GroundPatch{point, plane.LocalEnuFromEnu(point).conjugate() * normal.normalized()};
 }
 
+double VerticalPart(const GroundPatch& patch, const TangentPlane& plane) {
+  return (plane.LocalEnuFromEnu(patch.point) * patch.normal).z();
+}
+
 std::expected<GroundPatch, GroundMiss> IntersectGround(const Ground& ground, const TangentPlane& plane,
                                                        const Vector3d& from, const Vector3d& along, double slack_m) {
   const GroundRay ray(ground, plane, from, along);

@@ -80,6 +80,10 @@ struct GroundPatch {
 std::optional<GroundPatch> GroundPatchAt(const Ground& ground, const TangentPlane& plane,
                                          const Eigen::Vector3d& point_in_plane);
 
+/// The vertical component of the patch's normal: an error of the ground's height times this is its error along the
+/// normal.
+double VerticalPart(const GroundPatch& patch, const TangentPlane& plane);
+
 /// Why a ray does not intersect the ground.
 enum class GroundMiss {
   kBelow,    ///< the ray starts below the ground
