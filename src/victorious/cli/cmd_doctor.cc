@@ -64,14 +64,14 @@ Report DescribeMachine() {
       "  video encoder    {}\n"
       "  images           OpenCV {}\n"
       "  GPU              {}\n",
-      kVersion, std::thread::hardware_concurrency(), kernels::NearestTwoTarget(), fmt::join(FeatureEngines(), ", "),
+      kVersion, std::thread::hardware_concurrency(), kernels::NearestTwoTargetName(), fmt::join(FeatureEngines(), ", "),
       codecs.libraries, fmt::join(codecs.decoders, ", "),
       codecs.missing.empty() ? "" : fmt::format("; missing: {}", fmt::join(codecs.missing, ", ")),
       codecs.h264_encoder ? "H.264 (libx264)" : "unavailable: libx264 is missing", CV_VERSION, GpuText());
   return {std::move(text),
           {{"version", kVersion},
            {"processors", std::thread::hardware_concurrency()},
-           {"matching_kernel", kernels::NearestTwoTarget()},
+           {"matching_kernel", kernels::NearestTwoTargetName()},
            {"feature_engines", FeatureEngines()},
            {"video", codecs.libraries},
            {"decoders", codecs.decoders},

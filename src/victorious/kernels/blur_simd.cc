@@ -38,7 +38,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D16 = hn::CappedTag<std::int16_t, kRowMultiple>;
 using V16 = hn::Vec<D16>;
 
-// MulFixedPoint15 is MulRound of blur.h, except for the product of -32768 with itself, which taps cannot give.
+// Half of a sum, rounded up. Below, MulFixedPoint15 is MulRound of blur.h, except for the product of -32768 with
+// itself, which taps cannot give.
 HWY_INLINE V16 Halve(V16 sum) { return hn::ShiftRight<1>(hn::Add(sum, hn::Set(D16(), 1))); }
 
 void BlurColumnsTarget(const std::int16_t* const* rows, const BlurTaps& kernel, std::size_t width, std::int16_t* out) {

@@ -56,8 +56,8 @@ PackedQueries PackQueries(std::span<const std::uint8_t> rows);
 /// Cost: queries x set x 128 multiplications; AVX-512 VNNI does 64 per instruction.
 void FindNearestTwo(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out);
 
-/// The implementation that FindNearestTwo uses on this machine: "avx512_vnni", or Highway's target name.
-const char* NearestTwoTarget();
+/// The name of the implementation that FindNearestTwo uses on this machine: "avx512_vnni", or Highway's target name.
+const char* NearestTwoTargetName();
 
 /// One of the k nearest descriptors of a query.
 struct Neighbour {

@@ -5,6 +5,7 @@
 
 #include "victorious/kernels/k_nearest.h"
 #include "victorious/kernels/nearest.h"
+#include "victorious/kernels/no_sve.h"
 #include "victorious/kernels/reduce_nearest_two.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -189,7 +190,7 @@ void FindNearestKSimd(const PackedQueries& queries, const PackedDescriptors& set
   HWY_DYNAMIC_DISPATCH(FindNearestKTarget)(queries, set, k, out);
 }
 
-const char* NearestTwoTarget() { return HasVnni() ? "avx512_vnni" : HWY_DYNAMIC_DISPATCH(TargetName)(); }
+const char* NearestTwoTargetName() { return HasVnni() ? "avx512_vnni" : HWY_DYNAMIC_DISPATCH(TargetName)(); }
 
 }  // namespace victorious::kernels
 #endif  // HWY_ONCE

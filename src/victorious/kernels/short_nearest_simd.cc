@@ -2,6 +2,7 @@
 // set, chosen at run time.
 #include <cstring>
 
+#include "victorious/kernels/no_sve.h"
 #include "victorious/kernels/short_nearest.h"
 
 #undef HWY_TARGET_INCLUDE
