@@ -164,11 +164,12 @@ void WindowOptions::ListFields(FieldList& fields) {
 }
 
 std::vector<double> WindowSides(const cv::Size& image, const WindowOptions& options) {
-  const double longest = std::min(image.width, image.height);
+  const double shorter_side = std::min(image.width, image.height);
   std::vector<double> sides;
-  for (double side = options.min_window_px; side * std::sqrt(kWindowSizeFactor) < longest; side *= kWindowSizeFactor)
+  for (double side = options.min_window_px; side * std::sqrt(kWindowSizeFactor) < shorter_side;
+       side *= kWindowSizeFactor)
     sides.push_back(side);
-  sides.push_back(longest);
+  sides.push_back(shorter_side);
   return sides;
 }
 

@@ -71,8 +71,8 @@ namespace {
 // The quantities of one match that the pair tests need.
 struct MatchNode {
   double x, y;                      // scene, px
-  double model_x, model_y;          // template, px
-  double scale, model_scale;        // px
+  double template_x, template_y;    // template, px
+  double scale, template_scale;     // px
   double log_scale_change;          // ln(scene scale / template scale)
   double turn_rad;                  // scene orientation - template orientation
   double radius2;                   // R squared, px^2
@@ -80,15 +80,15 @@ struct MatchNode {
   std::uint32_t match;              // position in the caller's matches
 };
 
-std::vector<MatchNode> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+std::vector<MatchNode> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,
                                  const MatchSet& matches, const CascadeOptions& options) {
   const bool by_scale = options.radius == CascadeRadius::kScale;
-  const double template_radius = by_scale ? options.radius_fraction * TemplateRadius(model) : 0;
+  const double template_radius = by_scale ? options.radius_fraction * TemplateRadius(template_keypoints) : 0;
   std::vector<MatchNode> nodes;
   nodes.reserve(matches.size());
   for (std::uint32_t i = 0; i < matches.size(); ++i) {
     const Keypoint& s = scene[matches[i].scene_keypoint];
-    const Keypoint& m = model[matches[i].template_keypoint];
+    const Keypoint& m = template_keypoints[matches[i].template_keypoint];
     const double scale_change = static_cast<double>(s.scale_px) / m.scale_px;
     const double radius = by_scale ? scale_change * template_radius : options.radius_px;
     nodes.push_back({s.x, s.y, m.x, m.y, s.scale_px, m.scale_px, std::log(scale_change),
@@ -186,12 +186,12 @@ class ScalesAgree {
   bool operator()(const MatchNode& i, const MatchNode& j, double dx, double dy) const {
     if (!(std::abs(i.log_scale_change - j.log_scale_change) < log_scale_)) return false;
     // (a / b)^2 with a, b = mean scale over distance in the scene and the template, cross-multiplied.
-    const double model_dx = j.model_x - i.model_x;
-    const double model_dy = j.model_y - i.model_y;
+    const double template_dx = j.template_x - i.template_x;
+    const double template_dy = j.template_y - i.template_y;
     const double mean_scale = i.scale + j.scale;
-    const double model_mean_scale = i.model_scale + j.model_scale;
-    const double a = mean_scale * mean_scale * (model_dx * model_dx + model_dy * model_dy);
-    const double b = model_mean_scale * model_mean_scale * (dx * dx + dy * dy);
+    const double template_mean_scale = i.template_scale + j.template_scale;
+    const double a = mean_scale * mean_scale * (template_dx * template_dx + template_dy * template_dy);
+    const double b = template_mean_scale * template_mean_scale * (dx * dx + dy * dy);
     return a < distance2_ * b && b < distance2_ * a;
   }
 
@@ -211,11 +211,11 @@ class AnglesAgree {
   bool operator()(const MatchNode& i, const MatchNode& j, double dx, double dy) const {
     const double change = WrapAngle(j.turn_rad - i.turn_rad);
     if (!(std::abs(change) < orientation_)) return false;
-    const double model_dx = j.model_x - i.model_x;
-    const double model_dy = j.model_y - i.model_y;
-    if (model_dx == 0 && model_dy == 0) return false;
+    const double template_dx = j.template_x - i.template_x;
+    const double template_dy = j.template_y - i.template_y;
+    if (template_dx == 0 && template_dy == 0) return false;
     // The angle from the template's line to the scene's.
-    const double line_turn = std::atan2(model_dx * dy - model_dy * dx, model_dx * dx + model_dy * dy);
+    const double line_turn = std::atan2(template_dx * dy - template_dy * dx, template_dx * dx + template_dy * dy);
     return std::abs(WrapAngle(line_turn - i.turn_rad - change / 2)) < line_;
   }
 
@@ -328,21 +328,21 @@ MatchSet SelectMatches(const std::vector<MatchNode>& nodes, const MatchSet& matc
 
 }  // namespace
 
-CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
-                              const CascadeOptions& options) {
+CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,
+                              const MatchSet& matches, const CascadeOptions& options) {
   if (options.filter == CascadeFilter::kNeighbours) {
-    const MatchSet kept = FilterByNeighbours(scene, model, matches, options.neighbours);
+    const MatchSet kept = FilterByNeighbours(scene, template_keypoints, matches, options.neighbours);
     return {kept, kept, kept};
   }
   const auto runs = [&](CascadeFilter stage) {
     return options.filter == CascadeFilter::kCascade || options.filter == stage;
   };
-  std::vector<MatchNode> nodes = MakeNodes(scene, model, matches, options);
+  std::vector<MatchNode> nodes = MakeNodes(scene, template_keypoints, matches, options);
   const auto stage = [&](CascadeFilter filter, double approval, bool distinct, const auto& agree) {
     if (runs(filter) && options.all_measures) {
-      Stage(nodes, options, approval, distinct, model.size(), AllAgree(options));
+      Stage(nodes, options, approval, distinct, template_keypoints.size(), AllAgree(options));
     } else if (runs(filter)) {
-      Stage(nodes, options, approval, distinct, model.size(), agree);
+      Stage(nodes, options, approval, distinct, template_keypoints.size(), agree);
     }
     return SelectMatches(nodes, matches);
   };

@@ -213,7 +213,7 @@ void RegionTracker::ReacquirePoints(Track& track) const {
   }
 }
 
-// kOccluded if the patches at most predicted points are textured and do not match; else kLostPoints.
+// kOccluded if at more than half of the predicted points the patch is textured but does not match; else kLostPoints.
 TrackLoss RegionTracker::ClassifyLoss(const Track& track) const {
   const Eigen::Vector2d drift = PredictShift(track);
   std::size_t num_mismatches = 0;

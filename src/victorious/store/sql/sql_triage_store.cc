@@ -63,8 +63,8 @@ Expected<TriageObject> ReadListed(const Row& row, std::string_view name) {
 
 // A superset of a circle, in latitude and longitude.
 GeoBox BoundsOf(const GeoCircle& circle) {
-  constexpr double kPolarRadius_m = 6'335'000;  // the smallest radius of curvature of the ellipsoid
-  const double angle = std::min(1.01 * circle.radius_m / kPolarRadius_m, std::numbers::pi);
+  constexpr double kMeridianRadius_m = 6'335'000;  // at the equator: the ellipsoid's smallest radius of curvature
+  const double angle = std::min(1.01 * circle.radius_m / kMeridianRadius_m, std::numbers::pi);
   const double latitude = circle.centre.latitude_rad;
   const double cosine = std::cos(std::min(std::abs(latitude) + angle, std::numbers::pi / 2));
   const double width = cosine > 1e-3 ? std::min(angle / cosine, std::numbers::pi) : std::numbers::pi;
