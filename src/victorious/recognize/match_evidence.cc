@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/check.h"
 #include "victorious/detect/detect.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pose/pooled_template.h"
@@ -263,10 +264,17 @@ Expected<MatchEvidence> GatherEvidence(const FeatureSet& scene, const FrameCondi
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("model {}: has {} views, not view {}", model.name, model.views.size(), view));
   }
-  if (MethodFor(model, options.method) == SearchMethod::kGrammar) {
-    return GatherByGrammar(scene, model, view, box, options);
+  // No default: a new method must say what explains its sightings.
+  switch (MethodFor(model, options.method)) {
+    case SearchMethod::kGrammar:
+      return GatherByGrammar(scene, model, view, box, options);
+    case SearchMethod::kVotes:
+    case SearchMethod::kShortlist:  // its templates are found by proposals, their poses by the same votes
+      return VoteEvidence(scene, conditions, model, relit_templates, view, box, options).Gather();
+    case SearchMethod::kAuto:  // MethodFor returns another one
+      break;
   }
-  return VoteEvidence(scene, conditions, model, relit_templates, view, box, options).Gather();
+  VICTORIOUS_CHECK(false);
 }
 
 }  // namespace victorious
