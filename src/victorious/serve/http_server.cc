@@ -198,13 +198,21 @@ class Session : public std::enable_shared_from_this<Session> {
     return request;
   }
 
+  // Gives the session from the pool back to the thread of Run, which calls `go_on`. The pool keeps no reference: the
+  // last one would run ~Session, which changes Shared.
+  template <typename GoOn>
+  static void GiveBack(std::shared_ptr<Session> self, GoOn go_on) {
+    const auto executor = self->stream_->get_executor();
+    net::post(executor, [self = std::move(self), go_on = std::move(go_on)]() mutable { go_on(*self); });
+  }
+
   void Answer(HttpRequest request) {
     net::post(shared_.pool, [self = shared_from_this(), request = std::move(request)]() mutable {
       HttpResponse response = self->shared_.handler(request, self->shared_.port);
       // Its sender may have been logged out while it was read.
       if (request.upload && response.status != 200) RemoveFileAndEmptyFolder(*request.upload);
-      net::post(self->stream_->get_executor(),
-                [self, response = std::move(response)]() mutable { self->Send(std::move(response)); });
+      GiveBack(std::move(self),
+               [response = std::move(response)](Session& session) mutable { session.Send(std::move(response)); });
     });
   }
 
@@ -212,12 +220,12 @@ class Session : public std::enable_shared_from_this<Session> {
 
   void PlanUpload() {
     upload_request_ = Begin(parser_->get());
-    net::post(shared_.pool, [self = shared_from_this()] {
+    net::post(shared_.pool, [self = shared_from_this()]() mutable {
       auto plan = self->shared_.plan_upload(self->upload_request_, self->shared_.port);
-      net::post(self->stream_->get_executor(), [self, plan = std::move(plan)]() mutable {
-        if (plan) return self->BeginUpload(*plan);
-        self->keep_alive_ = false;  // its body is not read
-        self->Send(std::move(plan.error()));
+      GiveBack(std::move(self), [plan = std::move(plan)](Session& session) mutable {
+        if (plan) return session.BeginUpload(*plan);
+        session.keep_alive_ = false;  // its body is not read
+        session.Send(std::move(plan.error()));
       });
     });
   }
