@@ -87,7 +87,7 @@ class FrameSelector {
     const bool whole = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.options.follow);
     const bool classify =
         pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.options.follow);
-    const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);
+    const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);  // asked of each, as it counts
     if (index < first_frame_ || (!whole && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
     task.camera = pass_.cameras.At(frame.time_s);
@@ -97,7 +97,7 @@ class FrameSelector {
     task.motion_only = index < follow_from_;
     task.whole = whole && !task.motion_only;
     task.classify = classify && !task.motion_only && !task.already_stored;
-    task.keep = keep;
+    task.keep = keep && !task.already_stored;
     return task;
   }
 
