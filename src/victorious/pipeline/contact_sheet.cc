@@ -85,6 +85,11 @@ cv::Mat DrawFrame(const Tile& tile, const cv::Mat& frame, int width) {
   return small;
 }
 
+// The place of an interval in a longer one from 0 on: moved inside where it fits.
+int MovedInside(int from, int length, int whole) {
+  return length <= whole ? std::clamp(from, 0, whole - length) : from;
+}
+
 // The object with a quarter of its size around it, as a square of this side. Nothing is drawn on it.
 cv::Mat CutOut(const cv::Mat& frame, const Moment& moment, int side) {
   constexpr double kMargin = 1.5;  // side of the cut-out relative to the longer side of the box
@@ -92,7 +97,8 @@ cv::Mat CutOut(const cv::Mat& frame, const Moment& moment, int side) {
   const double extent_px = std::max(kMargin * std::max(moment.box.width, moment.box.height), side / kMaxEnlargement);
   const cv::Point2d centre(moment.box.x + moment.box.width / 2, moment.box.y + moment.box.height / 2);
   const auto extent = static_cast<int>(std::lround(std::min(extent_px, 2.0 * std::max(frame.cols, frame.rows))));
-  const cv::Rect wanted(cvRound(centre.x - extent / 2.0), cvRound(centre.y - extent / 2.0), extent, extent);
+  const cv::Rect wanted(MovedInside(cvRound(centre.x - extent / 2.0), extent, frame.cols),
+                        MovedInside(cvRound(centre.y - extent / 2.0), extent, frame.rows), extent, extent);
   const cv::Rect inside = wanted & cv::Rect({0, 0}, frame.size());
   cv::Mat cut = cv::Mat::zeros(wanted.size(), CV_8UC3);
   if (!inside.empty()) frame(inside).copyTo(cut(inside - wanted.tl()));

@@ -107,6 +107,26 @@ TEST_F(ContactSheet, CutsTheObjectOutAtSeveralMoments) {
   EXPECT_EQ(sheet.rows, kFrameHeight + 100 + 34 + 2 * kGap);
 }
 
+// At the frame's edge the cut-out moves inside: no black bars.
+TEST_F(ContactSheet, CutOutsAtTheEdgeShowTheFrameOnly) {
+  const auto reaches_the_edge = [](const SightingRecord& one) {
+    return one.box.x < 0.1 * one.box.width || one.box.x + 1.1 * one.box.width > 256;
+  };
+  ASSERT_TRUE(std::ranges::any_of(SightingsOf(*store_, {}), reaches_the_edge));
+  constexpr int kSide = 25;
+  constexpr int kGap = 6;
+  const cv::Mat sheet = Draw({}, {.max_tiles = 24, .columns = 1, .tile_width_px = 16 * kSide, .moments = 16});
+  constexpr int kFrameHeight = 16 * kSide * 192 / 256;
+  constexpr int kTileHeight = kFrameHeight + kSide + 34 + kGap;
+  for (std::size_t tile = 0; tile < objects_.size(); ++tile) {
+    const int top = kGap + static_cast<int>(tile) * kTileHeight + kFrameHeight;
+    for (int x = kGap; x < kGap + 16 * kSide; ++x) {
+      const cv::Mat column = sheet(cv::Rect(x, top, 1, kSide / 2));
+      EXPECT_GT(cv::norm(column, cv::NORM_INF), 0) << "tile " << tile << ", column " << x;
+    }
+  }
+}
+
 // An object passes the time filter if its interval overlaps it, even without a sighting in it: then there is no tile.
 TEST_F(ContactSheet, ExcludesObjectsOutsideTheTimeRange) {
   for (const ObjectRecord& object : objects_) {
