@@ -98,9 +98,7 @@ ObjectPlace FuseFlights(std::span<const ObjectInFlight> flights) {
   Geolocation& place = *fused.place;
   place.point = TangentPlane(place.point).GeodeticFromEnu(correction);
   place.covariance_enu_m2 += (common_m2 + common_m2.transpose()) / 2;
-  constexpr double kProbability = 0.9;
-  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
-  place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
+  SetErrorRadii(place);
   return fused;
 }
 

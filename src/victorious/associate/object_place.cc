@@ -271,9 +271,7 @@ Geolocation PredictPlace(const Geolocation& place, double time_s) {
 Geolocation PropagatePlace(const Geolocation& place, double time_s) {
   Geolocation then = PredictPlace(place, time_s);
   if (!place.IsMoving()) return then;
-  constexpr double kProbability = 0.9;
-  then.ce90_m = CircularError(then.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
-  then.le90_m = LinearError90(then.covariance_enu_m2(2, 2));
+  SetErrorRadii(then);
   return then;
 }
 

@@ -112,4 +112,10 @@ double LinearError90(double variance) {
   return kSigmas90 * std::sqrt(std::max(0.0, variance));
 }
 
+void SetErrorRadii(Geolocation& place) {
+  constexpr double kProbability = 0.9;
+  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
+  place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
+}
+
 }  // namespace victorious

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "victorious/types/geolocation.h"
+
 namespace victorious {
 
 /// The radius of the circle about the mean that contains the given probability (in (0, 1)) of a bivariate normal
@@ -13,5 +15,8 @@ double CircularError(const Eigen::Matrix2d& covariance, double probability);
 
 /// LE90: half the width of the interval about the mean that contains 90 % of a normal distribution with this variance.
 double LinearError90(double variance);
+
+/// Sets CE90 and LE90 of a place by its covariance.
+void SetErrorRadii(Geolocation& place);
 
 }  // namespace victorious

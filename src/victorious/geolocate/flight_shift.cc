@@ -112,9 +112,7 @@ void AddFlightErrors(std::span<const LineOfSight> lines, const std::vector<bool>
       if (place.velocity_covariance_enu) *place.velocity_covariance_enu += rate * rate.transpose();
     }
   }
-  constexpr double kProbability = 0.9;
-  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
-  place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
+  SetErrorRadii(place);
 }
 
 void AddFlightErrors(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,

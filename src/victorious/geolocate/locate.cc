@@ -224,9 +224,7 @@ Geolocation MakePlace(const Solution& solution, const TangentPlane& plane, doubl
     place.velocity_enu = rotation * solution.motion.velocity;
     place.velocity_covariance_enu = rotation * solution.covariance.bottomRightCorner<3, 3>() * rotation.transpose();
   }
-  constexpr double kProbability = 0.9;
-  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
-  place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
+  SetErrorRadii(place);
   return place;
 }
 

@@ -131,9 +131,7 @@ Geolocation MakePlace(const PathVector& mean, const PathMatrix& covariance, doub
   place.covariance_enu_m2 = rotation * covariance.topLeftCorner<3, 3>() * rotation.transpose();
   place.velocity_enu = rotation * mean.segment<3>(3);
   place.velocity_covariance_enu = rotation * covariance.block<3, 3>(3, 3) * rotation.transpose();
-  constexpr double kProbability = 0.9;
-  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
-  place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
+  SetErrorRadii(place);
   return place;
 }
 
