@@ -389,10 +389,9 @@ std::string FlagsText(const SightingFilter& filter) {
 
 Expected<std::string> ExplainRejected(SightingFilter filter, IndexStore& store) {
   if (filter.include_rejected) return "";
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> listed, store.Objects(filter));
   filter.include_rejected = true;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> matching, store.Objects(filter));
-  const std::size_t rejected = matching.size() - std::min(matching.size(), listed.size());
+  const auto rejected = std::ranges::count_if(matching, [](const ObjectRecord& one) { return !one.rejected.empty(); });
   if (rejected == 0) return "";
   return fmt::format("{} rejected: --rejected lists {}", CountText(rejected, "object"), rejected == 1 ? "it" : "them");
 }
