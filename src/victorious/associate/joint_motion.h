@@ -1,10 +1,10 @@
 // Private to associate/: an object that moves and is seen by several flights at about the same time, as their UTC says.
 //
-// Lines of sight of several flights are not fitted together: within a flight the path is known far better than the
-// errors that all its lines share (position, attitude, clock, field of view), which are independent of those of other
-// flights. Each flight gives its own path (object_place.h). Two paths are one object's if they agree where the flights
-// see it together, within the errors of both, and if they stay at the same distance from each other, within the small
-// errors inside a flight. The place is that of the flight that sees the object last, whose common error the other
+// There is no joint fit of the lines of sight of several flights: within a flight the path is far more accurate than
+// the errors that all its lines share (position, attitude, clock, field of view), which are independent of those of
+// other flights. Each flight gives its own path (object_place.h). Two paths are one object's if they agree where the
+// flights see it together, within the errors of both, and if they stay at the same distance from each other, within the
+// small errors inside a flight. The place is that of the flight that sees the object last, whose common error the other
 // flights measure, one Kalman update each:
 //
 //   d = (place by the other flight) - (place by this flight), at one time; covariance common + other + relative

@@ -87,7 +87,7 @@ class FrameSelector {
     const bool whole = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.options.follow);
     const bool classify =
         pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.options.follow);
-    const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);  // asked of each, as it counts
+    const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);  // selects by time
     if (index < first_frame_ || (!whole && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
     task.camera = pass_.cameras.At(frame.time_s);

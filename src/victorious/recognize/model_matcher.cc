@@ -21,7 +21,7 @@ namespace victorious {
 namespace {
 
 // Ranks of the matches from which the pose of a template is estimated before it votes.
-constexpr std::uint32_t kMaxPromiseRank = 2;
+constexpr std::uint32_t kMaxProposalRank = 2;
 
 }  // namespace
 
@@ -69,26 +69,26 @@ Expected<std::vector<ScoredVariant>> ModelMatcher::EvaluateScored(std::span<cons
 
 Status ModelMatcher::EvaluateBest(std::span<const TemplateVariant> variants, std::size_t max_count) {
   Prepare(variants);
-  struct Promise {
+  struct Proposed {
     double neg_log10_nfa;
     std::size_t index;  // in matched_
   };
-  std::vector<Promise> promises;
+  std::vector<Proposed> proposed;
   for (const TemplateVariant& variant : variants) {
     VICTORIOUS_ASSIGN_OR_RETURN(MatchedTemplate matched, matcher_.Match(variant));
     const StageScope scope(Stage::kPoses);
     const ModelView& view = model_.views[variant.view];
     std::vector<RankedMatch> nearest;
     std::ranges::copy_if(matched.matches, std::back_inserter(nearest),
-                         [](const RankedMatch& match) { return match.rank <= kMaxPromiseRank; });
+                         [](const RankedMatch& match) { return match.rank <= kMaxProposalRank; });
     const std::optional<PoseProposal> pose =
         ProposePose(scene_.features(), scene_.density(), matched.features.keypoints, nearest, view.outline, kPi,
                     MakeUprightPrior(view, vertical_, options_));
-    if (pose) promises.push_back({pose->neg_log10_nfa, matched_.size()});
+    if (pose) proposed.push_back({pose->neg_log10_nfa, matched_.size()});
     matched_.push_back({std::move(matched), kNoPose});
   }
-  std::ranges::stable_sort(promises, std::greater{}, &Promise::neg_log10_nfa);
-  for (const Promise& one : promises | std::views::take(max_count)) {
+  std::ranges::stable_sort(proposed, std::greater{}, &Proposed::neg_log10_nfa);
+  for (const Proposed& one : proposed | std::views::take(max_count)) {
     ScoredTemplate& scored = matched_[one.index];
     scored.neg_log10_nfa = Vote(scored.matched.variant, scored.matched.Compared());
   }
