@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -14,7 +13,10 @@
 #include <fmt/format.h>
 
 #include "victorious/associate/fits.h"
-#include "victorious/associate/joint_motion.h"
+#include "victorious/associate/flight_fusion.h"
+#include "victorious/associate/flight_registration.h"
+#include "victorious/associate/merge_flights.h"
+#include "victorious/associate/neighbours.h"
 #include "victorious/associate/object_hypothesis.h"
 #include "victorious/associate/object_rejection.h"
 #include "victorious/associate/object_score.h"
@@ -69,45 +71,8 @@ Geolocation WithCommonErrors(Geolocation place, const Geolocation& relative, con
   return PropagatePlace(place, place.time_s);
 }
 
-// The hypotheses of each flight: of those of several flights the parts that each sees.
-class Flights {
- public:
-  Flights(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
-    std::set<std::int64_t> with_motion;  // the others need no parts
-    for (const ObjectHypothesis& hypothesis : hypotheses) {
-      if (!IsMoving(hypothesis)) continue;
-      for (const ObservedTracklet* tracklet : hypothesis.tracklets) with_motion.insert(tracklet->record.video);
-    }
-    for (ObjectHypothesis& hypothesis : hypotheses) {
-      std::vector<ObjectHypothesis*>& parts = parts_of_.emplace_back();
-      if (IsInOneVideo(hypothesis)) {
-        parts = {&hypothesis};
-      } else if (std::ranges::any_of(hypothesis.tracklets, [&](const ObservedTracklet* tracklet) {
-                   return with_motion.contains(tracklet->record.video);
-                 })) {
-        for (ObjectHypothesis& part : SplitByVideo(hypothesis, fits))
-          parts.push_back(&parts_.emplace_back(std::move(part)));
-      }
-      for (const ObjectHypothesis* part : parts) of_flight_[VideoOf(*part)].push_back(part);
-    }
-  }
-
-  // Of the hypothesis of this index: itself if it is of one flight.
-  [[nodiscard]] std::span<ObjectHypothesis* const> PartsOf(std::size_t hypothesis) const {
-    return parts_of_[hypothesis];
-  }
-  // All parts of the flight of a part.
-  [[nodiscard]] std::span<const ObjectHypothesis* const> FlightOf(const ObjectHypothesis& part) const {
-    return of_flight_.at(VideoOf(part));
-  }
-
- private:
-  static std::int64_t VideoOf(const ObjectHypothesis& part) { return part.tracklets[0]->record.video; }
-
-  std::deque<ObjectHypothesis> parts_;  // of hypotheses of several flights
-  std::vector<std::vector<ObjectHypothesis*>> parts_of_;
-  std::map<std::int64_t, std::vector<const ObjectHypothesis*>> of_flight_;  // by video
-};
+// The hypotheses of each flight, by video.
+using Flights = std::map<std::int64_t, std::vector<const ObjectHypothesis*>>;
 
 // The final estimate of one flight.
 struct FlightPlace {
@@ -132,21 +97,81 @@ FlightPlace EstimateInFlight(ObjectHypothesis& part, std::span<const ObjectHypot
   return result;
 }
 
-ObjectPlace EstimateFinalPlace(ObjectHypothesis& hypothesis, std::span<ObjectHypothesis* const> parts,
-                               const Flights& flights, Fits& fits) {
-  if (IsInOneVideo(hypothesis)) return EstimateInFlight(hypothesis, flights.FlightOf(hypothesis), fits).absolute;
-  const ObjectPlace& estimate = AbsolutePlace(hypothesis, fits);
-  if (!IsMoving(hypothesis)) return estimate;
+// One object, as each of its flights sees it: at least one, by video.
+using ObjectParts = std::vector<ObjectHypothesis*>;
+
+ObjectHypothesis JoinParts(const ObjectParts& parts, const Flights& flights, Fits& fits) {
+  ObjectHypothesis joined;
   std::vector<ObjectInFlight> of_flights;
   for (ObjectHypothesis* part : parts) {
-    std::optional<ObjectInFlight> flight = MakeObjectInFlight(*part, fits);
-    if (!flight) return estimate;
-    FlightPlace place = EstimateInFlight(*part, flights.FlightOf(*part), fits);
-    flight->relative = std::move(place.relative);
-    flight->absolute = *place.absolute.place;
-    of_flights.push_back(*std::move(flight));
+    std::ranges::copy(part->tracklets, std::back_inserter(joined.tracklets));
+    FlightPlace place = EstimateInFlight(*part, flights.at(VideoOf(*part)), fits);
+    if (parts.size() == 1) {
+      joined.estimate = std::move(place.absolute);
+      return joined;
+    }
+    of_flights.push_back(*MakeObjectInFlight(*part, fits));
+    of_flights.back().relative = std::move(place.relative);
+    of_flights.back().absolute = *place.absolute.place;
   }
-  return FuseFlights(of_flights);
+  std::ranges::sort(joined.tracklets, {}, [](const ObservedTracklet* tracklet) { return tracklet->record.id; });
+  ObjectInFlights pointers;
+  for (const ObjectInFlight& flight : of_flights) pointers.push_back(&flight);
+  joined.estimate = FuseFlights(pointers);
+  return joined;
+}
+
+// The objects with a place, as their flights see them. Those that move have paths where another flight sees one of
+// their model at the time.
+std::vector<ObjectInFlight> CollectObjectsInFlight(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
+  std::vector<ObjectInFlight> objects;
+  std::vector<ObjectHypothesis*> of_objects;
+  for (ObjectHypothesis& hypothesis : hypotheses) {
+    std::optional<ObjectInFlight> object = MakeObjectInFlight(hypothesis, fits);
+    if (!object) continue;
+    objects.push_back(*std::move(object));
+    of_objects.push_back(&hypothesis);
+  }
+  std::map<std::int64_t, Neighbours> of_models;
+  std::map<std::int64_t, std::int64_t> videos;  // by id
+  const auto whereabouts = [](const ObjectInFlight& object) {
+    const ObjectInFlight* const alone = &object;
+    return FindWhereabouts({&alone, 1});
+  };
+  for (const ObjectInFlight& object : objects) {
+    of_models.try_emplace(object.model, 0).first->second.Add(whereabouts(object), object.id);
+    videos[object.id] = object.video;
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    ObjectInFlight& object = objects[i];
+    if (!object.relative.HasPath()) continue;
+    const std::set<std::int64_t> near = of_models.at(object.model).Near(whereabouts(object));
+    if (std::ranges::any_of(near, [&](std::int64_t id) { return videos.at(id) != object.video; }))
+      object.relative = WithPath(*of_objects[i], fits);
+  }
+  return objects;
+}
+
+// The parts of each object, by model and id.
+std::vector<ObjectParts> MergeAcrossFlights(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
+  const std::vector<ObjectInFlight> objects = CollectObjectsInFlight(hypotheses, fits);
+  const FlightRegistrations registrations = RegisterFlights(objects, fits.options().merge_gate_sigma);
+  std::map<std::int64_t, ObjectInFlights> of_models;
+  for (const ObjectInFlight& object : objects) of_models[object.model].push_back(&object);
+  std::map<std::int64_t, ObjectHypothesis*> left;  // by id
+  for (ObjectHypothesis& hypothesis : hypotheses) left[ObjectId(hypothesis)] = &hypothesis;
+  std::vector<ObjectParts> result;
+  for (const auto& [model, of_model] : of_models) {
+    for (const ObjectInFlights& merged : MergeFlights(of_model, registrations, fits.options())) {
+      ObjectParts& parts = result.emplace_back();
+      for (const ObjectInFlight* part : merged) parts.push_back(left.extract(part->id).mapped());
+    }
+  }
+  for (const auto& [id, without_place] : left) result.push_back({without_place});
+  std::ranges::sort(result, {}, [](const ObjectParts& parts) {
+    return std::pair(parts.front()->tracklets.front()->record.model, ObjectId(*parts.front()));
+  });
+  return result;
 }
 
 std::size_t CountObservations(const ObjectHypothesis& hypothesis) {
@@ -175,19 +200,18 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
     by_id.emplace_hint(by_id.end(), tracklet->record.id, tracklet);
     of_model[tracklet->record.model].push_back(tracklet);
   }
-  std::vector<ObjectHypothesis> hypotheses;
+  std::vector<ObjectHypothesis> of_flights;
   for (const auto& [model, of_one] : of_model)
-    std::ranges::move(MergeTracklets(of_one, fits), std::back_inserter(hypotheses));
+    std::ranges::move(MergeTracklets(of_one, fits), std::back_inserter(of_flights));
+  Flights flights;
+  for (const ObjectHypothesis& hypothesis : of_flights) flights[VideoOf(hypothesis)].push_back(&hypothesis);
 
   std::vector<ObjectRecord> objects;
   HeightStatistics heights;
-  std::vector<ObjectPlace> estimates;
-  const Flights flights(hypotheses, fits);
-  for (std::size_t i = 0; i < hypotheses.size(); ++i)
-    estimates.push_back(EstimateFinalPlace(hypotheses[i], flights.PartsOf(i), flights, fits));
-  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
-    ObjectHypothesis& hypothesis = hypotheses[i];
-    hypothesis.estimate = std::move(estimates[i]);
+  std::vector<ObjectHypothesis> joined;
+  for (const ObjectParts& parts : MergeAcrossFlights(of_flights, fits))
+    joined.push_back(JoinParts(parts, flights, fits));
+  for (const ObjectHypothesis& hypothesis : joined) {
     ObjectRecord object{.id = hypothesis.tracklets[0]->record.id,
                         .model = hypothesis.tracklets[0]->record.model,
                         .place = hypothesis.estimate.place,
@@ -208,8 +232,8 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
   }
   const std::map<std::int64_t, double> median_heights_m = heights.Medians();
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    RejectFloating(hypotheses[i], median_heights_m, options, objects[i]);
-    Score(hypotheses[i], searches.TestsOf(hypotheses[i]), options, objects[i]);
+    RejectFloating(joined[i], median_heights_m, options, objects[i]);
+    Score(joined[i], searches.TestsOf(joined[i]), options, objects[i]);
   }
   RejectOverlapping(objects, by_id, overlaps);
   RejectCoincident(objects, by_id);

@@ -1,18 +1,22 @@
 // Data association: tracklets -> objects. An object has one identity over all its tracklets, one place, and a reason if
 // it is rejected.
 //
-//   tracklets -> their places -> agglomerative merging, per model, nearest pair first -> rejection of wrong places
-//             -> rejection of false alarms
+//   tracklets -> their places -> agglomerative merging within each flight, per model, nearest pair first
+//             -> offsets between flights -> agglomerative merging across flights
+//             -> rejection of wrong places -> rejection of false alarms
 //
 // A place is rejected if its lines of sight do not intersect, or if its height or the object's size contradicts it: by
 // wrong telemetry, or because the object moves otherwise than modelled. The object is then one without a place.
 //
-// Two tracklets that share a frame are two objects. Of different videos, one that moves is compared with others by UTC
-// (joint_motion.h), and with none without it. Two others are merged if
+// Two tracklets that share a frame are two objects. Two others of one flight are merged if
 // - the Mahalanobis distance of their places, both propagated to the time midway between them, passes
 //   `merge_gate_sigma`,
 // - their distance is at most `max_merge_distance_m`, and
 // - a fraction `min_inlier_fraction` of all their lines of sight are inliers of the common place.
+//
+// Objects of different flights are merged by the same two gates. Their distance is measured after the offset of the two
+// flights, if that is known (flight_registration.h), and one that moves is compared by UTC, with none without it
+// (flight_fusion.h).
 //
 // The input is what the store holds (update_objects.h). The result is therefore independent of how often indexing was
 // interrupted.

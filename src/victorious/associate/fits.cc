@@ -5,7 +5,7 @@
 namespace victorious {
 
 ObjectPlace Fits::Relative(const ObjectHypothesis& hypothesis) {
-  return IsInOneVideo(hypothesis) ? EstimatePlace(hypothesis, options_, kFlightErrorFraction) : Absolute(hypothesis);
+  return EstimatePlace(hypothesis, options_, kFlightErrorFraction);
 }
 
 ObjectPlace Fits::Absolute(const ObjectHypothesis& hypothesis) { return EstimatePlace(hypothesis, options_, 1); }

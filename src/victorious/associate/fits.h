@@ -20,7 +20,7 @@ struct Level {
   bool operator==(const Level&) const = default;
 };
 
-/// Makes each fit when it is asked for. Not thread-safe.
+/// Makes each fit, of a hypothesis of one flight, when it is asked for. Not thread-safe.
 class Fits {
  public:
   explicit Fits(const ObjectOptions& options) : options_(options) {}
@@ -28,14 +28,13 @@ class Fits {
   Fits(const Fits&) = delete;
   Fits& operator=(const Fits&) = delete;
 
-  /// The place of a hypothesis for the comparison with others of its flight; of several videos, Absolute(). `path` may
-  /// be missing, see Path().
+  /// The place of a hypothesis for the comparison with others of its flight. `path` may be missing, see Path().
   [[nodiscard]] virtual ObjectPlace Relative(const ObjectHypothesis& hypothesis);
 
   /// The place with all errors of its flight. `path` may be missing.
   [[nodiscard]] virtual ObjectPlace Absolute(const ObjectHypothesis& hypothesis);
 
-  /// The place of a hypothesis of one video, as Relative(), on ground at this height. `path` may be missing.
+  /// The place as Relative(), on ground at this height. `path` may be missing.
   [[nodiscard]] virtual ObjectPlace OnLevel(const ObjectHypothesis& hypothesis, const Level& level);
 
   /// The path of Relative(), where that has one.

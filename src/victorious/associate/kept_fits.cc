@@ -217,7 +217,6 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
 }
 
 ObjectPlace KeptFits::Relative(const ObjectHypothesis& hypothesis) {
-  if (!IsInOneVideo(hypothesis)) return Absolute(hypothesis);
   Entry& entry = EntryOf(KeyOf(hypothesis));
   if (entry.fits->relative) return *entry.fits->relative;
   if (!EnsureContent(hypothesis)) return {};

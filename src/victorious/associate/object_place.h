@@ -36,6 +36,7 @@ struct ObjectPlace {
                                      ///< observation has no range or the lines do not intersect
 
   [[nodiscard]] bool HasPath() const { return path_size > 0; }
+  [[nodiscard]] bool IsMoving() const { return place && (place->IsMoving() || HasPath()); }
 };
 
 /// Ratio of the distance by intersection to the range by apparent size, as ObjectPlace::size_ratio.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <Eigen/Cholesky>
 
@@ -38,7 +37,7 @@ Vector3d Turn(const LineOfSight& line, double azimuth_rad, double elevation_rad)
 
 bool IsShifted(const LineOfSight& line) { return line.clock_shift || line.focal_shift; }
 
-// The sums over the lines of one flight, for one of its errors.
+// The sums over the lines of sight, for one error of their flight.
 struct FlightSums {
   Vector3d right = Vector3d::Zero();  // sum W s
   double count = 0;
@@ -81,8 +80,8 @@ Vector3d FocalShiftAt(const LineOfSight& line, double distance_m) {
 void AddFlightErrors(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,
                      Geolocation& place) {
   const TangentPlane plane(place.point);
-  std::map<std::int64_t, FlightSums> clocks;  // by flight
-  std::map<std::int64_t, FlightSums> focal_lengths;
+  FlightSums clock;
+  FlightSums focal_length;
   Matrix3d normal = Matrix3d::Zero();
   double weights = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -98,19 +97,18 @@ void AddFlightErrors(std::span<const LineOfSight> lines, const std::vector<bool>
     normal += across;
     weights += weight;
     const double since_s = line.time_s - lines.front().time_s;
-    if (line.clock_shift) clocks[line.clock_shift->flight].Add(across, ClockShiftAt(line, distance_m), since_s);
-    if (line.focal_shift) focal_lengths[line.focal_shift->flight].Add(across, FocalShiftAt(line, distance_m), since_s);
+    if (line.clock_shift) clock.Add(across, ClockShiftAt(line, distance_m), since_s);
+    if (line.focal_shift) focal_length.Add(across, FocalShiftAt(line, distance_m), since_s);
   }
-  if (clocks.empty() && focal_lengths.empty()) return;
+  if (clock.count + focal_length.count == 0) return;
   if (on_ground) normal(2, 2) += kGroundWeight * weights;
   const Eigen::LDLT<Matrix3d> solver(normal);
-  for (const auto* errors : {&clocks, &focal_lengths}) {
-    for (const auto& [flight, sums] : *errors) {
-      const Vector3d shift = solver.solve(sums.right);
-      const Vector3d rate = sums.Rate();
-      place.covariance_enu_m2 += shift * shift.transpose();
-      if (place.velocity_covariance_enu) *place.velocity_covariance_enu += rate * rate.transpose();
-    }
+  for (const FlightSums* sums : {&clock, &focal_length}) {
+    if (sums->count == 0) continue;
+    const Vector3d shift = solver.solve(sums->right);
+    const Vector3d rate = sums->Rate();
+    place.covariance_enu_m2 += shift * shift.transpose();
+    if (place.velocity_covariance_enu) *place.velocity_covariance_enu += rate * rate.transpose();
   }
   SetErrorRadii(place);
 }

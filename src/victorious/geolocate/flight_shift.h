@@ -5,7 +5,7 @@
 //
 // is the shift of the place if every line shifts by s_i at the object; f_i is the line's direction, and w = 0.01 stands
 // for what fixes the distance where lines are parallel. An object on given ground stays on it. d is added to the
-// covariance as d d', one term for each flight and error. The place itself does not change: lines of sight hardly
+// covariance as d d', one term for each error. The place itself does not change: lines of sight hardly
 // contradict a wrong clock, or its offset would be known by the motion of the image. The same holds for the field of
 // view where the camera flies straight.
 #pragma once
@@ -26,8 +26,8 @@ namespace victorious {
 /// The same by one standard deviation of its focal length. A line without a range turns only.
 [[nodiscard]] Eigen::Vector3d FocalShiftAt(const LineOfSight& line, double distance_m);
 
-/// Adds the errors of the flights to the covariances of place and velocity, and to CE90 and LE90.
-/// @param lines      that determine the place
+/// Adds the errors of the flight to the covariances of place and velocity, and to CE90 and LE90.
+/// @param lines      of one flight, that determine the place
 /// @param inliers    one per line; the others do not count
 /// @param on_ground  the object stands on given ground
 void AddFlightErrors(std::span<const LineOfSight> lines, const std::vector<bool>& inliers, bool on_ground,

@@ -42,13 +42,11 @@ void PutObservation(const BearingObservation& observation, ByteWriter& writer) {
     for (const double value : line.clock_shift->camera_enu_m) writer.Put(value);
     writer.Put(line.clock_shift->azimuth_rad);
     writer.Put(line.clock_shift->elevation_rad);
-    writer.Put(line.clock_shift->flight);
   }
   if (writer.PutHas(line.focal_shift)) {
     writer.Put(line.focal_shift->sigma);
     writer.Put(line.focal_shift->azimuth_rad);
     writer.Put(line.focal_shift->elevation_rad);
-    writer.Put(line.focal_shift->flight);
   }
 }
 
@@ -69,12 +67,10 @@ BearingObservation GetObservation(ByteReader& reader) {
     for (double& value : shift.camera_enu_m) value = reader.Get<double>();
     shift.azimuth_rad = reader.Get<double>();
     shift.elevation_rad = reader.Get<double>();
-    shift.flight = reader.Get<std::int64_t>();
   }
   if (reader.Get<bool>()) {
     FocalShift& shift = line.focal_shift.emplace();
     for (double* value : {&shift.sigma, &shift.azimuth_rad, &shift.elevation_rad}) *value = reader.Get<double>();
-    shift.flight = reader.Get<std::int64_t>();
   }
   return observation;
 }

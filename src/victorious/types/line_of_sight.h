@@ -1,7 +1,6 @@
 // A line of sight to an object: camera position, direction and, if known, range. Input of geolocate/.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include <Eigen/Core>
@@ -16,7 +15,6 @@ struct ClockShift {
   Eigen::Vector3d camera_enu_m = Eigen::Vector3d::Zero();
   double azimuth_rad = 0;
   double elevation_rad = 0;
-  std::int64_t flight = 0;  ///< lines of different flights have independent errors; set by who joins them
 };
 
 /// The change of a line of sight by one standard deviation of an error of the focal length: fully correlated between
@@ -25,7 +23,6 @@ struct FocalShift {
   double sigma = 0;          ///< of the logarithm of the focal length, and so of the range
   double azimuth_rad = 0;    ///< by one standard deviation
   double elevation_rad = 0;  ///< the same
-  std::int64_t flight = 0;   ///< as ClockShift::flight
 };
 
 struct LineOfSight {

@@ -1,4 +1,4 @@
-#include "victorious/associate/joint_motion.h"
+#include "victorious/associate/flight_fusion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -45,45 +45,88 @@ Eigen::Vector3d EnuOf(const ObjectPlace& estimate) {
 const Eigen::Vector3d kNorth(0, 8, 0);
 const Eigen::Vector3d kSigma_m(2, 2, 2);
 
+// A car that stands, with errors inside the flight of 0.1 m.
+ObjectInFlight Parked(const Eigen::Vector3d& enu, const Eigen::Vector3d& common_sigma_m) {
+  ObjectInFlight flight;
+  flight.observations = 10;
+  flight.relative.place = Geolocation{.point = TangentPlane(kOrigin).GeodeticFromEnu(enu),
+                                      .covariance_enu_m2 = 0.01 * Eigen::Matrix3d::Identity()};
+  flight.relative.inlier_fraction = 1;
+  flight.absolute = *flight.relative.place;
+  flight.absolute.covariance_enu_m2 += common_sigma_m.cwiseAbs2().asDiagonal();
+  return flight;
+}
+
+ObjectPlace Fuse(const std::vector<ObjectInFlight>& flights) {
+  std::vector<const ObjectInFlight*> pointers;
+  for (const ObjectInFlight& flight : flights) pointers.push_back(&flight);
+  return FuseFlights(pointers);
+}
+
 TEST(CompareFlights, MeasuresWhereBothSeeTheObject) {
   const ObjectInFlight a = Flight({0, 0, 1}, kNorth, 0, 4, kSigma_m);
   const ObjectInFlight b = Flight({3, 0, 1}, kNorth, 2, 6, kSigma_m, 100);
-  const auto distance = CompareFlights(a, b);
-  ASSERT_TRUE(distance);
-  EXPECT_NEAR(distance->metres, 3, 0.01);
-  EXPECT_NEAR(distance->sigmas, 3 / std::sqrt(2 * 4 + 0.5 + 0.02), 0.1);
+  const auto difference = CompareFlights(a, b, /*moves=*/true);
+  ASSERT_TRUE(difference);
+  EXPECT_LT((difference->offset.enu_m - Eigen::Vector3d(3, 0, 0)).norm(), 0.01);
+  EXPECT_NEAR(difference->offset.covariance_m2(0, 0), 0.5 + 0.02, 0.1) << "slack and the errors inside the flights";
+  EXPECT_NEAR(difference->flights_m2(0, 0), 2 * 4, 0.1);
+  EXPECT_LT(difference->change_sigmas, 0.1);
 }
 
 TEST(CompareFlights, PathsThatPartAreNotOne) {
   const ObjectInFlight a = Flight({0, 0, 1}, kNorth, 0, 4, kSigma_m);
   const ObjectInFlight b = Flight({0, 4, 1}, 0.5 * kNorth, 0, 4, kSigma_m);
-  const auto distance = CompareFlights(a, b);
-  ASSERT_TRUE(distance);
-  EXPECT_GT(distance->sigmas, 8);
+  const auto difference = CompareFlights(a, b, /*moves=*/true);
+  ASSERT_TRUE(difference);
+  EXPECT_GT(difference->change_sigmas, 8);
 }
 
-TEST(CompareFlights, ALongGapSaysNothing) {
+TEST(CompareFlights, ALongGapSaysNothingOfWhatMoves) {
   const ObjectInFlight a = Flight({0, 0, 1}, kNorth, 0, 4, kSigma_m);
-  EXPECT_TRUE(CompareFlights(a, Flight({0, 0, 1}, kNorth, 5, 7, kSigma_m)));
-  EXPECT_FALSE(CompareFlights(a, Flight({0, 0, 1}, kNorth, 7, 9, kSigma_m)));
+  EXPECT_TRUE(CompareFlights(a, Flight({0, 0, 1}, kNorth, 5, 7, kSigma_m), /*moves=*/true));
+  EXPECT_FALSE(CompareFlights(a, Flight({0, 0, 1}, kNorth, 7, 9, kSigma_m), /*moves=*/true));
+}
+
+TEST(CompareFlights, StandingObjectsNeedNoUtc) {
+  const auto difference = CompareFlights(Parked({0, 0, 1}, kSigma_m), Parked({0, 5, 1}, kSigma_m), /*moves=*/false);
+  ASSERT_TRUE(difference);
+  EXPECT_NEAR(difference->offset.enu_m.y(), 5, 0.01);
 }
 
 TEST(FuseFlights, EachFlightMeasuresTheErrorOfTheOther) {
   const ObjectInFlight a = Flight({0, 0, 1}, kNorth, 0, 4, kSigma_m);
   const ObjectInFlight b = Flight({2, 0, 1}, kNorth, 0, 3.5, kSigma_m, 100);
-  const ObjectPlace fused = FuseFlights(std::vector{b, a});
+  const ObjectPlace fused = Fuse({b, a});
   EXPECT_NEAR(fused.place->time_s, 4, 1e-6) << "on the clock of the flight that sees it last";
   EXPECT_LT((EnuOf(fused) - Eigen::Vector3d(1, 32, 1)).norm(), 0.05);
   EXPECT_NEAR(fused.place->covariance_enu_m2(0, 0), 2, 0.1) << "half of 2^2";
   EXPECT_EQ(fused.place->velocity_enu, kNorth);
   EXPECT_FALSE(fused.HasPath());
-  EXPECT_LT(fused.place->ce90_m, 0.75 * FuseFlights(std::vector{a}).place->ce90_m);
+  EXPECT_LT(fused.place->ce90_m, 0.75 * Fuse({a}).place->ce90_m);
 }
 
 TEST(FuseFlights, TheCertainFlightDecides) {
   const ObjectInFlight a = Flight({0, 0, 1}, kNorth, 0, 4, {20, 20, 20});
   const ObjectInFlight b = Flight({9, 0, 1}, kNorth, 0, 4, {1, 1, 1});
-  EXPECT_NEAR(EnuOf(FuseFlights(std::vector{a, b})).x(), 9, 0.1);
+  EXPECT_NEAR(EnuOf(Fuse({a, b})).x(), 9, 0.1);
+  EXPECT_NEAR(EnuOf(Fuse({Parked({0, 0, 1}, {20, 20, 20}), Parked({9, 0, 1}, {1, 1, 1})})).x(), 9, 0.1);
+}
+
+TEST(FuseFlights, PlacesOfWhatStandsAreWeightedByTheirInformation) {
+  ObjectInFlight a = Parked({0, 0, 1}, {1, 3, 2});
+  ObjectInFlight b = Parked({4, 4, 1}, {3, 1, 2});
+  a.relative.size_ratio = 1.2;
+  a.relative.heading_rad = 1;
+  a.relative.headings = 3;
+  b.relative.inlier_fraction = 0.5;
+  const ObjectPlace fused = Fuse({a, b});
+  EXPECT_LT((EnuOf(fused) - Eigen::Vector3d(0.4, 3.6, 1)).norm(), 0.02);
+  EXPECT_NEAR(fused.place->covariance_enu_m2(0, 0), 0.9, 0.02);
+  EXPECT_NEAR(fused.place->covariance_enu_m2(2, 2), 2, 0.02);
+  EXPECT_DOUBLE_EQ(fused.inlier_fraction, 0.75);
+  EXPECT_NEAR(*fused.size_ratio, 1.2, 1e-9);
+  EXPECT_EQ(fused.heading_rad, 1);
 }
 
 // Cars that two drones see at the same time, the second one on a clock that is 100 s behind.
