@@ -16,6 +16,16 @@ std::string DescribeHeading(const HeadingError& error) {
       error.objects, std::abs(DegreesFromRadians(error.error_rad)), error.error_rad > 0 ? "large" : "small");
 }
 
+// A smaller correction is within what telemetry promises.
+constexpr double kMinSaid = 0.03;
+
+std::string DescribeFocal(const FocalError& error) {
+  return fmt::format(
+      "the views of {} objects turn as if the field of view were {:.0f} % too {}: lines of sight and ranges are "
+      "corrected by it",
+      error.objects, 100 * std::abs(std::expm1(error.log_factor)), error.log_factor > 0 ? "wide" : "narrow");
+}
+
 // The focal length is proportional to the ranges: too short ranges follow from too wide a field of view.
 std::string DescribeRange(const RangeFactor& range) {
   const double percent = 100 * std::abs(range.factor - 1);
@@ -31,6 +41,8 @@ FlightEstimate CorrectFlight(std::span<ObservedTracklet> tracklets, const Object
   FlightEstimate estimate;
   estimate.errors.heading = EstimateHeadingError(tracklets);
   if (estimate.errors.heading) TurnBack(*estimate.errors.heading, tracklets);
+  estimate.errors.focal = EstimateFocalError(tracklets);
+  if (estimate.errors.focal) CorrectFocalLength(*estimate.errors.focal, tracklets);
   estimate.comparisons = CompareRanges(tracklets, options);
   estimate.errors.range = EstimateRangeFactor(tracklets, estimate.comparisons);
   if (!estimate.errors.range) return estimate;
@@ -41,12 +53,14 @@ FlightEstimate CorrectFlight(std::span<ObservedTracklet> tracklets, const Object
 
 void Correct(const FlightErrors& errors, std::span<ObservedTracklet> tracklets) {
   if (errors.heading) TurnBack(*errors.heading, tracklets);
+  if (errors.focal) CorrectFocalLength(*errors.focal, tracklets);
   if (errors.range) ScaleRanges(*errors.range, tracklets);
 }
 
 std::vector<std::string> Describe(const FlightErrors& errors) {
   std::vector<std::string> lines;
   if (errors.heading) lines.push_back(DescribeHeading(*errors.heading));
+  if (errors.focal && std::abs(errors.focal->log_factor) >= kMinSaid) lines.push_back(DescribeFocal(*errors.focal));
   if (errors.range) lines.push_back(DescribeRange(*errors.range));
   return lines;
 }

@@ -1,4 +1,5 @@
-// The errors of flights that their own lines of sight contradict: yaw (heading_error.h), then ranges (range_factor.h).
+// The errors of flights that their own sightings contradict: yaw (heading_error.h), focal length (focal_error.h), then
+// ranges (range_factor.h).
 // They are properties of a video's tracklets alone.
 #pragma once
 
@@ -7,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "victorious/associate/focal_error.h"
 #include "victorious/associate/heading_error.h"
 #include "victorious/associate/object_options.h"
 #include "victorious/associate/observed_tracklet.h"
@@ -16,6 +18,7 @@ namespace victorious {
 
 struct FlightErrors {
   std::optional<HeadingError> heading;
+  std::optional<FocalError> focal;
   std::optional<RangeFactor> range;
 };
 

@@ -48,7 +48,9 @@ std::string TextOf(const ObservedTracklet& tracklet) {
 }
 
 std::string TextOf(const FlightErrors& errors) {
-  return fmt::format("{} {}", errors.heading ? std::bit_cast<std::uint64_t>(errors.heading->error_rad) : 0,
+  return fmt::format("{} {} {} {}", errors.heading ? std::bit_cast<std::uint64_t>(errors.heading->error_rad) : 0,
+                     errors.focal ? std::bit_cast<std::uint64_t>(errors.focal->log_factor) : 0,
+                     errors.focal ? std::bit_cast<std::uint64_t>(errors.focal->sigma_ratio) : 0,
                      errors.range ? std::bit_cast<std::uint64_t>(errors.range->factor) : 0);
 }
 

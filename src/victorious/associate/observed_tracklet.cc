@@ -13,7 +13,8 @@ void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet) 
   tracklet.views.push_back(
       {.time_s = sighting.time_s,
        .direction = {level * std::cos(sighting.view->azimuth_rad), level * std::sin(sighting.view->azimuth_rad),
-                     std::cos(sighting.view->off_nadir_rad)}});
+                     std::cos(sighting.view->off_nadir_rad)},
+       .sigma_rad = sighting.sigma_view_rad});
 }
 
 TrackletSummary Summarise(const ObservedTracklet& tracklet) {

@@ -31,6 +31,7 @@ struct TrackletSummary {
 struct SightingView {
   double time_s = 0;
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit length, to the camera, in axes fixed to the object
+  std::optional<double> sigma_rad;                       ///< SightingRecord::sigma_view_rad
 };
 
 /// No object turns so far before the camera in so short a time: one of two such views is wrong. Chosen: a car that

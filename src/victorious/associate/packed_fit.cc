@@ -17,6 +17,8 @@ static_assert(std::endian::native == std::endian::little);
 constexpr double kMaxNumber = 1e30;
 constexpr double kMaxAltitude_m = 1e9;
 constexpr double kMaxRangeFactor = 2;  // either way; EstimateRangeFactor gives at most 1.28
+constexpr double kMaxSigmaRatio = 100;
+constexpr double kMaxLogFocalFactor = 1;  // EstimateFocalError gives at most 0.5
 constexpr std::int64_t kMaxOverlapFrames = std::numeric_limits<std::int32_t>::max();
 constexpr double kMinPositive = std::numeric_limits<double>::min();
 
@@ -264,6 +266,11 @@ std::vector<std::byte> Pack(const FlightFits& fits) {
     writer.Put(fits.errors.heading->error_rad);
     writer.Put(fits.errors.heading->objects);
   }
+  if (writer.PutHas(fits.errors.focal)) {
+    writer.Put(fits.errors.focal->log_factor);
+    writer.Put(fits.errors.focal->sigma_ratio);
+    writer.Put(fits.errors.focal->objects);
+  }
   if (writer.PutHas(fits.errors.range)) {
     writer.Put(fits.errors.range->factor);
     writer.Put(fits.errors.range->objects);
@@ -283,6 +290,12 @@ std::optional<FlightFits> UnpackFlightFits(std::span<const std::byte> bytes) {
   if (reader.GetHas()) {
     HeadingError& error = fits.errors.heading.emplace();
     error.error_rad = reader.GetNumber(-kPi, kPi);
+    error.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
+  }
+  if (reader.GetHas()) {
+    FocalError& error = fits.errors.focal.emplace();
+    error.log_factor = reader.GetNumber(-kMaxLogFocalFactor, kMaxLogFocalFactor);
+    error.sigma_ratio = reader.GetNumber(kMinPositive, kMaxSigmaRatio);
     error.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
   }
   if (reader.GetHas()) {

@@ -20,6 +20,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/attitude.h"
 #include "victorious/geometry/geodesy.h"
+#include "victorious/telemetry/focal_prior.h"
 
 namespace victorious {
 namespace {
@@ -361,9 +362,9 @@ std::optional<FocalMeasurement> MeasureFocalLength(const ImageMotions& seen, con
 }
 
 FieldOfViewVerdict JudgeFieldOfView(const std::optional<FocalMeasurement>& measured) {
-  constexpr double kWrong = 0.1;
-  constexpr double kRightVariance = 0.02 * 0.02;
-  constexpr double kWrongVariance = 0.2 * 0.2;
+  constexpr double kWrong = kWrongFocalProbability;
+  constexpr double kRightVariance = kRightFocalSigma * kRightFocalSigma;
+  constexpr double kWrongVariance = kWrongFocalSigma * kWrongFocalSigma;
   if (!measured) {
     return {.wrong_probability = kWrong,
             .log_factor = 0,

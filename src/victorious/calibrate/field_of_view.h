@@ -44,8 +44,7 @@ struct FieldOfViewVerdict {
   double sigma = 0;
 };
 
-/// By Bayes' rule. Before the measurement, one field of view in ten is wrong: of another zoom, of a crop of the image
-/// or of another camera, by 20 % (one standard deviation); the others are right within 2 %.
+/// By Bayes' rule, with the prior of telemetry/focal_prior.h: one field of view in ten is wrong.
 /// @param measured  std::nullopt: nothing is known but that
 [[nodiscard]] FieldOfViewVerdict JudgeFieldOfView(const std::optional<FocalMeasurement>& measured);
 
