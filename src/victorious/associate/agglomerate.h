@@ -15,7 +15,7 @@ namespace victorious {
 /// Clusters items. Deterministic: of pairs at the same distance the one with the smaller ids is joined first.
 /// @param singles  one cluster an item
 /// @param rules    with these members:
-///                 - `std::int64_t Id(const Cluster&)`: unique; that of a joined cluster is the smaller one of its parts
+///                 - `std::int64_t Id(const Cluster&)`: unique; of a joined cluster the smaller one of its parts
 ///                 - `void Add(Cluster&)`, `void Remove(Cluster&)`: called as clusters appear and disappear
 ///                 - a range of ids `Near(Cluster&)`: of added clusters that may be joined with this one; may contain
 ///                   its own

@@ -1,9 +1,10 @@
 // Private to associate/: the offset between two flights, by the objects that both see.
 //
 // All places by one flight are off by nearly the same vector: the errors of its telemetry. One object that two flights
-// place 12 m apart may be two; if five objects are 12 m apart by the same vector, it is the flights' offset. Each pair of
-// objects of one model, one of each flight, proposes its own difference as the offset; most pairs agree on the true one
-// (consensus, as MLESAC in pose/). Its estimate weighs what telemetry says of it, zero, by the errors of the flights.
+// place 12 m apart may be two; if five objects are 12 m apart by the same vector, it is the flights' offset. Each pair
+// of objects of one model, one of each flight, proposes its own difference as the offset; most pairs agree on the true
+// one (consensus, as MLESAC in pose/). Its estimate weighs what telemetry says of it: zero, within the errors of the
+// flights.
 //
 // There is none if fewer than three objects agree on it, or if half as many agree on another one, as in a row of equal
 // vehicles.

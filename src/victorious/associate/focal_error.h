@@ -13,8 +13,8 @@
 // flies straight, where ranges and lines of sight do not. The slope of the ground does not matter, as it does for the
 // motion of the image (calibrate/field_of_view.h), whose estimate is the prior.
 //
-// The prior is one of two normal distributions about zero, as before any measurement (telemetry/focal_prior.h): the field
-// of view is right, or wrong with a probability that gives both together the standard deviation of focal_shift.
+// The prior is one of two normal distributions about zero, as before any measurement (telemetry/focal_prior.h): the
+// field of view is right, or wrong with a probability that gives both together the standard deviation of focal_shift.
 #pragma once
 
 #include <optional>

@@ -7,7 +7,7 @@ namespace victorious {
 /// The probability that it is wrong.
 inline constexpr double kWrongFocalProbability = 0.1;
 
-/// Standard deviation of the logarithm of the true over the given focal length: of one that is right, and of a wrong one.
+/// Standard deviation of the logarithm of the true over the given focal length: of one that is right, and of a wrong.
 inline constexpr double kRightFocalSigma = 0.02;
 inline constexpr double kWrongFocalSigma = 0.2;
 
