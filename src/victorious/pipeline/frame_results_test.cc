@@ -35,8 +35,8 @@ std::vector<FrameResult> SomeResults() {
                       .range_m = 123.5,
                       .sigma_rad = 0.003,
                       .sigma_range_m = 7.5,
-                      .clock_shift = ClockShift{{1, 2, 3}, 0.1, 0.2, 4},
-                      .focal_shift = FocalShift{0.05, 0.1, 0.2, 4}};
+                      .clock_shift = ClockShift{{1, 2, 3}, 0.1, 0.2},
+                      .focal_shift = FocalShift{0.05, 0.1, 0.2}};
   observation.heading_rad = 2.5;
   observation.sigma_position_m = 1.5;
   observation.sigma_attitude_rad = 0.004;
