@@ -4,15 +4,17 @@ The rules for clear rows, findable objects and pairs are those of `victorious ev
 """
 
 import json
+import math
 import subprocess
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Iterator
 
 CLEAR_VISIBLE = 0.5
 CLEAR_SIDE_PX = 24
 MIN_OVERLAP = 0.4
+EARTH_M = 6371e3
 MIN_ROWS = 10  # minimum number of clear rows of a findable object
 
 
@@ -83,3 +85,34 @@ def pair(movie: Movie, sightings: list[dict]) -> Iterator[tuple[dict, dict | Non
         if row:
             taken.add((row["object"], row["frame"]))
         yield sighting, row
+
+
+def lines(text: str) -> list[dict]:
+    """Of JSON Lines."""
+    return [json.loads(line) for line in text.splitlines()]
+
+
+def horizontal_m(a: dict, b: dict) -> float:
+    north = math.radians(a["latitude_deg"] - b["latitude_deg"])
+    east = math.radians(a["longitude_deg"] - b["longitude_deg"]) * math.cos(math.radians(a["latitude_deg"]))
+    return EARTH_M * math.hypot(north, east)
+
+
+def found(program: Program, db: Path, movies: dict[str, Movie]) -> dict[str, list[dict]]:
+    """By object of the truth: the objects of the index that show it, each with `error_m` (NaN without a place)."""
+    truth_of = defaultdict(Counter)
+    for name, movie in movies.items():
+        sightings = lines(program("export", "--db", db, "--format", "sightings", "--video", name))
+        for sighting, row in pair(movie, sightings):
+            truth_of[sighting["object_id"]][row["object"] if row else None] += 1
+    objects = defaultdict(list)
+    for one in lines(program("export", "--db", db, "--format", "objects")):
+        name = truth_of[one["object_id"]].most_common(1)[0][0]
+        if name is None:
+            continue
+        one["error_m"] = math.nan
+        if one["latitude_deg"] is not None:
+            rows = [row for movie in movies.values() for row in movie.rows_of[name]]
+            one["error_m"] = horizontal_m(one, min(rows, key=lambda row: abs(row["time_s"] - one["place_time_s"])))
+        objects[name].append(one)
+    return objects

@@ -22,10 +22,9 @@ import statistics
 import tempfile
 from pathlib import Path
 
-from movies import Program
+from movies import EARTH_M, Program
 
 SCENES = ("straight", "circle", "shaken", "straight_noise", "swerve_noise", "circle_noise", "shaken_noise")
-EARTH_M = 6371e3
 
 
 def turned(angles, by: float):

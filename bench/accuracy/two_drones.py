@@ -7,8 +7,8 @@ Usage: two_drones.py --models DIR [--program build/victorious] [--scenes scenes]
 DIR contains models of the scenes' objects, made by `model add`. Flight k uses the k-th of five scenes (cyclically), in
 four of which objects drive: the first drone flies as the scene says, the second sees the same objects at the same times
 from another side (70 to 110 degrees), from 0.9 to 1.15 of the range. Each has telemetry with UTC and its own errors, as
-those of noisy_telemetry.py. Each video is indexed alone, and both in one index. Prints one row per flight, and the total: the objects that both drones find
-alone, those of them that have one identity in the common index, and the root mean square error of their places by each
+those of noisy_telemetry.py. Each video is indexed alone, and both in one index. Prints one row per flight, and the
+total: the objects that both drones find alone, those of them that have one identity in the common index, and the root mean square error of their places by each
 drone alone and by both; `ratio` is that of both over that of the better drone.
 """
 
@@ -19,11 +19,10 @@ import json
 import math
 import random
 import tempfile
-from collections import Counter, defaultdict
 from pathlib import Path
 
-from movies import Movie, Program, pair
-from noisy_telemetry import EARTH_M, latin_normals, scaled, spoil, turned
+from movies import Movie, Program, found
+from noisy_telemetry import latin_normals, scaled, spoil, turned
 
 SCENES = ("driving", "straight_noise", "circle_noise", "swerve_noise", "straight")
 
@@ -90,36 +89,6 @@ def add_utc(telemetry: Path, start: datetime.datetime) -> None:
         writer = csv.DictWriter(file, rows[0].keys())
         writer.writeheader()
         writer.writerows(rows)
-
-
-def lines(text: str) -> list[dict]:
-    return [json.loads(line) for line in text.splitlines()]
-
-
-def horizontal_m(a: dict, b: dict) -> float:
-    north = math.radians(a["latitude_deg"] - b["latitude_deg"])
-    east = math.radians(a["longitude_deg"] - b["longitude_deg"]) * math.cos(math.radians(a["latitude_deg"]))
-    return EARTH_M * math.hypot(north, east)
-
-
-def found(program: Program, db: Path, movies: dict[str, Movie]) -> dict[str, list[dict]]:
-    """By object of the truth: the objects of the index that show it, each with `error_m` (NaN without a place)."""
-    truth_of = defaultdict(Counter)
-    for name, movie in movies.items():
-        sightings = lines(program("export", "--db", db, "--format", "sightings", "--video", name))
-        for sighting, row in pair(movie, sightings):
-            truth_of[sighting["object_id"]][row["object"] if row else None] += 1
-    objects = defaultdict(list)
-    for one in lines(program("export", "--db", db, "--format", "objects")):
-        name = truth_of[one["object_id"]].most_common(1)[0][0]
-        if name is None:
-            continue
-        one["error_m"] = math.nan
-        if one["latitude_deg"] is not None:
-            rows = [row for movie in movies.values() for row in movie.rows_of[name]]
-            one["error_m"] = horizontal_m(one, min(rows, key=lambda row: abs(row["time_s"] - one["place_time_s"])))
-        objects[name].append(one)
-    return objects
 
 
 def best_error_m(objects: list[dict]) -> float:
