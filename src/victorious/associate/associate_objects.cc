@@ -111,8 +111,7 @@ ObjectHypothesis JoinParts(const ObjectParts& parts, const Flights& flights, Fit
       return joined;
     }
     of_flights.push_back(*MakeObjectInFlight(*part, fits));
-    of_flights.back().relative = std::move(place.relative);
-    of_flights.back().absolute = *place.absolute.place;
+    of_flights.back().SetPlaces(std::move(place.relative), *place.absolute.place);
   }
   std::ranges::sort(joined.tracklets, {}, [](const ObservedTracklet* tracklet) { return tracklet->record.id; });
   ObjectInFlights pointers;

@@ -20,13 +20,6 @@ constexpr double kUtcSigma_s = 0.1;
 
 Eigen::Matrix3d Slack() { return 2 * kMergeSlack_m * kMergeSlack_m * Eigen::Matrix3d::Identity(); }
 
-// The errors that all places of the flight share.
-Eigen::Matrix3d CommonCovariance(const ObjectInFlight& flight) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(flight.absolute.covariance_enu_m2 -
-                                                              flight.relative.place->covariance_enu_m2);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() * solver.eigenvectors().transpose();
-}
-
 Geolocation PlaceAtUtc(const ObjectInFlight& flight, double utc_s) {
   return PlaceAt(flight.relative, utc_s - *flight.utc_offset_s);
 }
@@ -101,12 +94,12 @@ Geolocation FuseStatic(std::span<const ObjectInFlight* const> flights) {
 
 Geolocation FuseMoving(std::span<const ObjectInFlight* const> flights) {
   const ObjectInFlight& last = LastOf(flights);
-  Eigen::Matrix3d common_m2 = CommonCovariance(last);
+  Eigen::Matrix3d common_m2 = last.common_m2;
   Eigen::Vector3d correction = Eigen::Vector3d::Zero();
   for (const ObjectInFlight* flight : flights) {
     if (flight == &last) continue;
     const FlightOffset offset = OffsetAt(last, *flight, CommonTime(last, *flight).second);
-    const Eigen::Matrix3d innovation_m2 = common_m2 + CommonCovariance(*flight) + offset.covariance_m2;
+    const Eigen::Matrix3d innovation_m2 = common_m2 + flight->common_m2 + offset.covariance_m2;
     const Eigen::Matrix3d gain = innovation_m2.ldlt().solve(common_m2).transpose();
     correction += gain * (offset.enu_m - correction);
     common_m2 -= gain * common_m2;
@@ -131,6 +124,14 @@ std::optional<double> FuseSizeRatios(std::span<const ObjectInFlight* const> flig
 
 }  // namespace
 
+void ObjectInFlight::SetPlaces(ObjectPlace within_flight, const Geolocation& with_all_errors) {
+  relative = std::move(within_flight);
+  absolute = with_all_errors;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(absolute.covariance_enu_m2 -
+                                                              relative.place->covariance_enu_m2);
+  common_m2 = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() * solver.eigenvectors().transpose();
+}
+
 std::optional<ObjectInFlight> MakeObjectInFlight(ObjectHypothesis& of_one_flight, Fits& fits) {
   const std::optional<Geolocation> absolute = AbsolutePlace(of_one_flight, fits).place;
   if (!of_one_flight.estimate.place || !absolute) return std::nullopt;
@@ -139,11 +140,12 @@ std::optional<ObjectInFlight> MakeObjectInFlight(ObjectHypothesis& of_one_flight
                         .video = VideoOf(of_one_flight),
                         .model = tracklet.record.model,
                         .is_category = tracklet.is_category,
-                        .relative = of_one_flight.estimate,
-                        .absolute = *absolute,
+                        .relative = {},
+                        .absolute = {},
                         .utc_offset_s = {},
                         .first_s = FirstTime(of_one_flight),
                         .last_s = LastTime(of_one_flight)};
+  flight.SetPlaces(of_one_flight.estimate, *absolute);
   if (tracklet.start_utc_us && !tracklet.is_of_photos) {
     flight.utc_offset_s = 1e-6 * static_cast<double>(*tracklet.start_utc_us);
     flight.first_s += *flight.utc_offset_s;
@@ -160,7 +162,7 @@ bool IsAnyMoving(std::span<const ObjectInFlight* const> flights) {
 
 std::optional<PlaceDifference> CompareFlights(const ObjectInFlight& a, const ObjectInFlight& b, bool moves) {
   std::optional<PlaceDifference> difference = moves ? CompareMoving(a, b) : CompareStatic(a, b);
-  if (difference) difference->flights_m2 = CommonCovariance(a) + CommonCovariance(b);
+  if (difference) difference->flights_m2 = a.common_m2 + b.common_m2;
   return difference;
 }
 

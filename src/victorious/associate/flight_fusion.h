@@ -26,14 +26,19 @@ struct ObjectInFlight {
   std::int64_t video = 0;
   std::int64_t model = 0;
   bool is_category = false;
-  ObjectPlace relative;                ///< for comparisons within the flight, with its path, if it has one; has a place
-  Geolocation absolute;                ///< at the same time, with all errors of the flight
+  ObjectPlace relative;  ///< for comparisons within the flight, with its path, if it has one; has a place
+  Geolocation absolute;  ///< at the same time, with all errors of the flight
+  /// Covariance of the errors that all places of the flight share: see SetPlaces().
+  Eigen::Matrix3d common_m2 = Eigen::Matrix3d::Zero();
   std::optional<double> utc_offset_s;  ///< UTC minus the video's time, since an epoch that all flights share
   double first_s = 0;                  ///< of its sightings, UTC, or the video's time without it
   double last_s = 0;
   double observations = 0;  ///< number of its bearing observations
 
   [[nodiscard]] bool IsMoving() const { return relative.IsMoving(); }
+
+  /// Sets `relative`, `absolute` and `common_m2`.
+  void SetPlaces(ObjectPlace within_flight, const Geolocation& with_all_errors);
 };
 
 /// The object of a hypothesis of one flight. std::nullopt if it has no place. The path is missing.

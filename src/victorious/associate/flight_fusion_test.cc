@@ -33,8 +33,9 @@ ObjectInFlight Flight(const Eigen::Vector3d& start_enu, const Eigen::Vector3d& v
   flight.relative.place = flight.relative.path.back();
   flight.relative.path_size = flight.relative.path.size();
   flight.relative.inlier_fraction = 1;
-  flight.absolute = *flight.relative.place;
-  flight.absolute.covariance_enu_m2 += common_sigma_m.cwiseAbs2().asDiagonal();
+  Geolocation absolute = *flight.relative.place;
+  absolute.covariance_enu_m2 += common_sigma_m.cwiseAbs2().asDiagonal();
+  flight.SetPlaces(flight.relative, absolute);
   return flight;
 }
 
@@ -52,8 +53,9 @@ ObjectInFlight Parked(const Eigen::Vector3d& enu, const Eigen::Vector3d& common_
   flight.relative.place = Geolocation{.point = TangentPlane(kOrigin).GeodeticFromEnu(enu),
                                       .covariance_enu_m2 = 0.01 * Eigen::Matrix3d::Identity()};
   flight.relative.inlier_fraction = 1;
-  flight.absolute = *flight.relative.place;
-  flight.absolute.covariance_enu_m2 += common_sigma_m.cwiseAbs2().asDiagonal();
+  Geolocation absolute = *flight.relative.place;
+  absolute.covariance_enu_m2 += common_sigma_m.cwiseAbs2().asDiagonal();
+  flight.SetPlaces(flight.relative, absolute);
   return flight;
 }
 

@@ -1,7 +1,7 @@
 #include "victorious/associate/flight_registration.h"
 
 #include <algorithm>
-#include <set>
+#include <ranges>
 #include <vector>
 
 #include <Eigen/LU>
@@ -18,6 +18,7 @@ struct OffsetCandidate {
   std::int64_t first;
   std::int64_t second;
   PlaceDifference difference;
+  Eigen::Matrix3d information;  // inverse of the covariance of its offset
 };
 
 // The candidates that agree on an offset, each object once, and the offset by them.
@@ -27,9 +28,14 @@ struct OffsetConsensus {
   FlightOffset offset;
 };
 
-double DistanceOf(const OffsetCandidate& candidate, const FlightOffset& offset) {
-  return Mahalanobis(candidate.difference.offset.enu_m - offset.enu_m,
-                     candidate.difference.offset.covariance_m2 + offset.covariance_m2);
+// std::nullopt beyond the gate.
+std::optional<double> DistanceWithin(double gate, const OffsetCandidate& candidate, const FlightOffset& offset) {
+  // No eigenvalue of a covariance is larger than its trace: most candidates are excluded without solving.
+  const double trace_m2 = candidate.difference.offset.covariance_m2.trace() + offset.covariance_m2.trace();
+  if ((candidate.difference.offset.enu_m - offset.enu_m).squaredNorm() > gate * gate * trace_m2) return std::nullopt;
+  const double sigmas = Mahalanobis(candidate.difference.offset.enu_m - offset.enu_m,
+                                    candidate.difference.offset.covariance_m2 + offset.covariance_m2);
+  return sigmas <= gate ? std::optional(sigmas) : std::nullopt;
 }
 
 // The posterior of the offset, whose prior is zero within the errors of the flights.
@@ -41,22 +47,21 @@ OffsetConsensus FindOffsetConsensus(std::span<const OffsetCandidate> candidates,
   };
   std::vector<Agreeing> agreeing;
   for (const OffsetCandidate& candidate : candidates) {
-    const double sigmas = DistanceOf(candidate, start);
-    if (sigmas <= gate) agreeing.push_back({sigmas, &candidate});
+    if (const auto sigmas = DistanceWithin(gate, candidate, start)) agreeing.push_back({*sigmas, &candidate});
   }
   std::ranges::stable_sort(agreeing, {}, &Agreeing::sigmas);
   OffsetConsensus consensus;
-  std::set<std::int64_t> seen;
+  std::vector<std::int64_t> seen;
+  const auto is_seen = [&](std::int64_t id) { return std::ranges::find(seen, id) != seen.end(); };
   Eigen::Matrix3d information = flights_m2.inverse();
   Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
   for (const auto& [sigmas, candidate] : agreeing) {
-    if (seen.contains(candidate->first) || seen.contains(candidate->second)) continue;
-    seen.insert({candidate->first, candidate->second});
+    if (is_seen(candidate->first) || is_seen(candidate->second)) continue;
+    seen.insert(seen.end(), {candidate->first, candidate->second});
     ++consensus.objects;
     consensus.residual += sigmas * sigmas;
-    const Eigen::Matrix3d of_candidate = candidate->difference.offset.covariance_m2.inverse();
-    information += of_candidate;
-    weighted += of_candidate * candidate->difference.offset.enu_m;
+    information += candidate->information;
+    weighted += candidate->information * candidate->difference.offset.enu_m;
   }
   consensus.offset.covariance_m2 = information.inverse();
   consensus.offset.enu_m = consensus.offset.covariance_m2 * weighted;
@@ -69,21 +74,31 @@ bool AreDifferent(const FlightOffset& a, const FlightOffset& b, double gate) {
 }
 
 std::optional<FlightOffset> RegisterPair(std::span<const OffsetCandidate> candidates, double gate) {
-  std::vector<OffsetConsensus> found;
-  for (const OffsetCandidate& seed : candidates) {
-    const PlaceDifference& difference = seed.difference;
-    const Eigen::Matrix3d flights_m2 = difference.flights_m2 + difference.offset.covariance_m2;
-    const OffsetConsensus first = FindOffsetConsensus(candidates, difference.offset, flights_m2, gate);
-    found.push_back(FindOffsetConsensus(candidates, first.offset, flights_m2, gate));
+  struct Seed {
+    Eigen::Matrix3d flights_m2;
+    OffsetConsensus consensus;
+  };
+  std::vector<Seed> seeds;
+  for (const OffsetCandidate& candidate : candidates) {
+    const PlaceDifference& difference = candidate.difference;
+    Seed seed{.flights_m2 = difference.flights_m2 + difference.offset.covariance_m2, .consensus = {}};
+    seed.consensus = FindOffsetConsensus(candidates, difference.offset, seed.flights_m2, gate);
+    seeds.push_back(seed);
   }
-  const auto best = std::ranges::min_element(found, [](const OffsetConsensus& a, const OffsetConsensus& b) {
-    return a.objects != b.objects ? a.objects > b.objects : a.residual < b.residual;
+  const auto objects_of = [](const Seed& seed) { return seed.consensus.objects; };
+  const std::size_t most = std::ranges::max(seeds | std::views::transform(objects_of));
+  if (most < kMinCommonObjects) return std::nullopt;
+  std::erase_if(seeds, [&](const Seed& seed) { return 2 * seed.consensus.objects < most; });
+  for (Seed& seed : seeds)
+    seed.consensus = FindOffsetConsensus(candidates, seed.consensus.offset, seed.flights_m2, gate);
+  const OffsetConsensus best = std::ranges::min(seeds, [](const Seed& a, const Seed& b) {
+                                 return std::pair(b.consensus.objects, a.consensus.residual) <
+                                        std::pair(a.consensus.objects, b.consensus.residual);
+                               }).consensus;
+  const bool is_ambiguous = std::ranges::any_of(seeds, [&](const Seed& other) {
+    return 2 * other.consensus.objects >= best.objects && AreDifferent(other.consensus.offset, best.offset, gate);
   });
-  if (best == found.end() || best->objects < kMinCommonObjects) return std::nullopt;
-  const bool is_ambiguous = std::ranges::any_of(found, [&](const OffsetConsensus& other) {
-    return 2 * other.objects >= best->objects && AreDifferent(other.offset, best->offset, gate);
-  });
-  return is_ambiguous ? std::nullopt : std::optional(best->offset);
+  return is_ambiguous || best.objects < kMinCommonObjects ? std::nullopt : std::optional(best.offset);
 }
 
 }  // namespace
@@ -127,7 +142,8 @@ FlightRegistrations RegisterFlights(std::span<const ObjectInFlight> objects, dou
         if (!difference || difference->change_sigmas > merge_gate_sigma) continue;
         const Eigen::Matrix3d all_m2 = difference->flights_m2 + difference->offset.covariance_m2;
         if (Mahalanobis(difference->offset.enu_m, all_m2) > merge_gate_sigma) continue;
-        of_flights[{first.video, second.video}].push_back({first.id, second.id, *difference});
+        of_flights[{first.video, second.video}].push_back(
+            {first.id, second.id, *difference, difference->offset.covariance_m2.inverse()});
       }
       neighbours.Add(where, object->id);
       by_id[object->id] = object;

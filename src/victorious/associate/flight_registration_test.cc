@@ -40,8 +40,9 @@ class TwoFlights {
     object.model = model;
     object.relative.place = Geolocation{.point = TangentPlane(kOrigin).GeodeticFromEnu(enu),
                                         .covariance_enu_m2 = 0.04 * Eigen::Matrix3d::Identity()};
-    object.absolute = *object.relative.place;
-    object.absolute.covariance_enu_m2 += 16 * Eigen::Matrix3d::Identity();
+    Geolocation absolute = *object.relative.place;
+    absolute.covariance_enu_m2 += 16 * Eigen::Matrix3d::Identity();
+    object.SetPlaces(object.relative, absolute);
     objects_.push_back(object);
   }
 
