@@ -75,23 +75,6 @@ const ObjectInFlight& BestHeadingOf(std::span<const ObjectInFlight* const> fligh
                                     [](const ObjectInFlight* flight) { return flight->relative.headings; });
 }
 
-Geolocation FuseStatic(std::span<const ObjectInFlight* const> flights) {
-  Geolocation place = LastOf(flights).absolute;
-  if (flights.size() == 1) return place;
-  const TangentPlane plane(place.point);
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
-  for (const ObjectInFlight* flight : flights) {
-    const Eigen::Matrix3d of_flight = flight->absolute.covariance_enu_m2.inverse();
-    information += of_flight;
-    weighted += of_flight * plane.EnuFromGeodetic(flight->absolute.point);
-  }
-  place.covariance_enu_m2 = information.inverse();
-  place.point = plane.GeodeticFromEnu(place.covariance_enu_m2 * weighted);
-  place.covariance_enu_m2 = (place.covariance_enu_m2 + place.covariance_enu_m2.transpose().eval()) / 2;
-  return place;
-}
-
 Geolocation FuseMoving(std::span<const ObjectInFlight* const> flights) {
   const ObjectInFlight& last = LastOf(flights);
   Eigen::Matrix3d common_m2 = last.common_m2;
@@ -158,6 +141,23 @@ std::optional<ObjectInFlight> MakeObjectInFlight(ObjectHypothesis& of_one_flight
 
 bool IsAnyMoving(std::span<const ObjectInFlight* const> flights) {
   return std::ranges::any_of(flights, &ObjectInFlight::IsMoving);
+}
+
+Geolocation FuseStatic(std::span<const ObjectInFlight* const> flights) {
+  Geolocation place = LastOf(flights).absolute;
+  if (flights.size() == 1) return place;
+  const TangentPlane plane(place.point);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
+  for (const ObjectInFlight* flight : flights) {
+    const Eigen::Matrix3d of_flight = flight->absolute.covariance_enu_m2.inverse();
+    information += of_flight;
+    weighted += of_flight * plane.EnuFromGeodetic(flight->absolute.point);
+  }
+  place.covariance_enu_m2 = information.inverse();
+  place.point = plane.GeodeticFromEnu(place.covariance_enu_m2 * weighted);
+  place.covariance_enu_m2 = (place.covariance_enu_m2 + place.covariance_enu_m2.transpose().eval()) / 2;
+  return place;
 }
 
 std::optional<PlaceDifference> CompareFlights(const ObjectInFlight& a, const ObjectInFlight& b, bool moves) {

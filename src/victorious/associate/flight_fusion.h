@@ -70,6 +70,10 @@ inline constexpr double kMaxFlightGap_s = 2;
 
 [[nodiscard]] bool IsAnyMoving(std::span<const ObjectInFlight* const> flights);
 
+/// The place of FuseFlights() of an object that stands; ce90_m and le90_m are not its.
+/// @param flights  at least one
+[[nodiscard]] Geolocation FuseStatic(std::span<const ObjectInFlight* const> flights);
+
 /// sqrt(difference^T covariance^-1 difference)
 [[nodiscard]] double Mahalanobis(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance);
 

@@ -14,7 +14,7 @@ std::int64_t MinuteOf(double utc_s) { return static_cast<std::int64_t>(std::floo
 
 Whereabouts FindWhereabouts(std::span<const ObjectInFlight* const> flights) {
   Whereabouts where;
-  if (!IsAnyMoving(flights)) where.static_point = FuseFlights(flights).place->point;
+  if (!IsAnyMoving(flights)) where.static_point = FuseStatic(flights).point;
   for (const ObjectInFlight* flight : flights) {
     if (!flight->utc_offset_s) continue;
     const std::int64_t last = MinuteOf(flight->last_s + kMaxFlightGap_s / 2);
