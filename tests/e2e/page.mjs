@@ -211,6 +211,46 @@ async function checkEvidence(page, object) {
   await page.waitForSelector("dialog.why[open]", { state: "detached" });
 }
 
+/** A click decides and goes on as its key does; at the end of the queue nothing is decided again. The first object is accepted. */
+async function checkQueue(page, objects) {
+  const reviewed = (count) => until(page, "/objects/counts", ({ accepted, rejected }) => accepted + rejected === count);
+  const [, second] = objects;
+  await page.click(`#object-${second.id}`);
+  await page.locator(".inspector .accept").click();
+  await page.waitForSelector(`#object-${second.id} .verdict.accepted:not(.pending)`);
+  // Space plays: the button that was clicked does not keep it.
+  await page.keyboard.press(" ");
+  await page.waitForFunction(() => !document.querySelector("video").paused);
+  await page.keyboard.press(" ");
+  await reviewed(2);
+  await becomes(async () => (await api(page, `/objects/${second.id}`)).review?.verdict, "accepted");
+  for (const { id } of objects.slice(2)) {
+    await becomes(() => selectedId(page), id);
+    await page.keyboard.press("x");
+  }
+  await reviewed(objects.length);
+  await page.locator(".inspector .status", { hasText: "All reviewed" }).waitFor();
+  const last = await selectedId(page);
+  const { verdict } = (await api(page, `/objects/${last}`)).review;
+  await page.keyboard.press(verdict === "accepted" ? "x" : "a");
+  await page.locator(".notice", { hasText: "All reviewed" }).waitFor();
+  await page.keyboard.press("j");
+  await page.locator(".notice", { hasText: "last object" }).waitFor();
+  await becomes(async () => (await api(page, `/objects/${last}`)).review.verdict, verdict);
+  for (let left = objects.length - 1; left > 0; left--) {
+    await page.keyboard.press("u");
+    await reviewed(left);
+  }
+  // The list by Home and End.
+  await page.locator(".rows").focus();
+  await page.keyboard.press("End");
+  await becomes(() => selectedId(page), objects.at(-1).id);
+  await page.keyboard.press("Home");
+  await becomes(() => selectedId(page), objects[0].id);
+  await page.keyboard.press("j");
+  await becomes(() => selectedId(page), second.id);
+}
+
 async function triage(page) {
   await open(page, "/");
   const { objects } = await api(page, "/objects");
@@ -272,6 +312,8 @@ async function triage(page) {
   await page.keyboard.press("u");
   await page.waitForSelector(`#object-${second.id} .verdict`, { state: "detached" });
   await becomes(async () => (await api(page, `/objects/${second.id}`)).review, null);
+
+  await checkQueue(page, objects);
 
   // A note by keyboard alone; the other keys are letters while it is typed.
   await page.keyboard.press("n");

@@ -236,6 +236,15 @@ export async function askNeighbour(id: number | null, by: 1 | -1, sort: Sort, fi
   return found.objects[0]?.id ?? null;
 }
 
+/** The last of all objects that match; null: none does. */
+export async function askLast(sort: Sort, filters: Filters): Promise<number | null> {
+  const ask = (offset: number) => listObjects(withParams(paramsOf(sort, filters), { offset, limit: 1 }));
+  const { total } = await ask(0);
+  const found = await ask(Math.max(0, (total ?? 0) - 1));
+  remember(found.objects);
+  return found.objects[0]?.id ?? null;
+}
+
 export function setReviews(id: number, reviews: Reviews) {
   const before = known.get(id);
   if (!before) return;

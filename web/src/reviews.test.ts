@@ -22,6 +22,7 @@ vi.mock("./state", async () => {
   return {
     filters: signal({ review: "all" }),
     isConnected: signal(true),
+    isQueueDone: signal(false),
     matcher: signal(() => true),
     project: signal({ state: "ready", value: { can_review: true } }),
     selected: signal(null),

@@ -5,14 +5,14 @@ import { ApiFailure, listDecisions, putReview } from "./api/client";
 import type { Review, Verdict } from "./api/types";
 import { type Reviews, isOwnKnown, ownDecision, ownOf, reviewsOf, withDecision } from "./logic/decisions";
 import { messageOf } from "./logic/errors";
-import { nextReview } from "./logic/filters";
+import { type Filters, isChosen, nextReview } from "./logic/filters";
 import { plural } from "./logic/format";
 import { me } from "./me";
 import { notify, notifyError } from "./notices";
 import * as objects from "./objects";
 import { neighbour, select } from "./selection";
 import { account, session } from "./session";
-import { filters, isConnected, matcher, project, selected, selectedId } from "./state";
+import { filters, isConnected, isQueueDone, matcher, project, selected, selectedId } from "./state";
 
 const RETRY_MS = 3000;
 
@@ -185,25 +185,46 @@ function decideMarked(verdict: Exclude<Verdict, null>) {
   });
 }
 
+/** What is said once nothing is left to decide. */
+export const queueEnd = computed(() =>
+  isChosen({ ...filters.value, review: "all" })
+    ? "All that matches the filters is reviewed. U takes the last decision back."
+    : "All reviewed. U takes the last decision back.",
+);
+
 /** Decides about the selected object and goes on to the next one to review. */
 export function decide(verdict: Exclude<Verdict, null>) {
   if (!canReview()) return;
   if (marked.value.size > 0) return decideMarked(verdict);
   const object = selected.value;
   if (!object) return;
-  const next = neighbour(1, { ...filters.value, review: nextReview(filters.value.review) });
+  // The key that ended the queue, pressed again, decides nothing.
+  if (isQueueDone.value) return notify(queueEnd.value);
+  const wanted = { ...filters.value, review: nextReview(filters.value.review) };
+  const next = neighbour(1, wanted);
   review(object.id, verdict);
   notify(`${object.model} ${object.id}: ${verdict}. U takes it back.`);
-  next
-    .then((id) => {
-      if (id !== null && selectedId.value === object.id) select(id, { push: true });
-    })
-    .catch(notifyError);
+  void goOn(object.id, next, wanted).catch(notifyError);
+}
+
+/** Selects the next object to review, which may stand before the one that was decided; else says that there is none. */
+async function goOn(from: number, next: Promise<number | null>, wanted: Filters) {
+  const after = await next;
+  const id = after ?? (await neighbour(1, wanted, null));
+  if (selectedId.value !== from) return;
+  if (id !== null && id !== from) {
+    select(id, { push: true });
+    if (after === null) notify("The rest of the list is reviewed: on from its beginning.");
+    return;
+  }
+  isQueueDone.value = true;
+  notify(queueEnd.value);
 }
 
 /** Takes back the reader's last step. */
 export function undo() {
   const last = undoSteps.get(me.peek())?.pop();
+  isQueueDone.value = false;
   if (!last) {
     notify("There is nothing to take back.");
     return;

@@ -5,11 +5,11 @@ import { getObject, listObjectSightings } from "./api/client";
 import type { FoundObject } from "./api/types";
 import { writeUrl } from "./address";
 import { messageOf } from "./logic/errors";
-import { type Filters, makeMatcher } from "./logic/filters";
+import { type Filters, isFiltered, makeMatcher } from "./logic/filters";
 import { notify, notifyError } from "./notices";
 import { me } from "./me";
 import * as objects from "./objects";
-import { detail, filters, frameTable, seekRequest, selected, selectedId, shownFrame, shownTime, sort, videoId } from "./state";
+import { detail, filters, frameTable, isQueueDone, seekRequest, selected, selectedId, shownFrame, shownTime, sort, videoId } from "./state";
 
 /** The object whose best sighting is to be shown once it is known. */
 let seekToBest: number | null = null;
@@ -68,23 +68,45 @@ export function select(id: number, { seek = true, push = false } = {}) {
   if (seekToBest !== null && selectedId.value === id && known?.state === "ready" && known.value.best) {
     showTime(known.value.best.video_id, known.value.best.time_s);
   }
-  selectedId.value = id;
+  batch(() => {
+    selectedId.value = id;
+    isQueueDone.value = false;
+  });
 }
 
-/** The nearest object of the list before or after the selected one that passes a test; the server knows what is not loaded. */
-export async function neighbour(by: 1 | -1, wanted: Filters): Promise<number | null> {
+/**
+ * The nearest object of the list before or after another one that passes a test; the server knows what is not loaded.
+ * @param id  null: the list is entered at its first or last object
+ */
+export async function neighbour(by: 1 | -1, wanted: Filters, id = selectedId.value): Promise<number | null> {
   const matches = makeMatcher(wanted, me.peek());
-  const id = selectedId.value;
   const found = objects.findNeighbour(id, by, matches);
   if (found === "end") return null;
   if (found !== "unknown") return found;
-  return objects.askNeighbour(id, by, sort.value, wanted);
+  return id === null && by < 0 ? objects.askLast(sort.value, wanted) : objects.askNeighbour(id, by, sort.value, wanted);
 }
 
 /** The next or previous object of the list that passes the filters. */
 export function step(by: 1 | -1) {
   const from = selectedId.value;
   neighbour(by, filters.value)
+    .then((id) => {
+      if (id === null) sayEnd(by);
+      else if (selectedId.value === from) select(id, { push: true });
+    })
+    .catch(notifyError);
+}
+
+function sayEnd(by: 1 | -1) {
+  if (objects.list.value?.total === 0) return;
+  const what = isFiltered(filters.value) ? "object that matches the filters" : "object of the list";
+  notify(by > 0 ? `This is the last ${what}.` : `This is the first ${what}.`);
+}
+
+/** The first or last object of the list that passes the filters. */
+export function stepToEnd(end: "first" | "last") {
+  const from = selectedId.value;
+  neighbour(end === "first" ? 1 : -1, filters.value, null)
     .then((id) => {
       if (id !== null && selectedId.value === from) select(id, { push: true });
     })

@@ -35,6 +35,8 @@ export const isOverlayHidden = signal(false);
 export const isBoxing = signal(false);
 /** An area of the map is being drawn. */
 export const isDrawingArea = signal(false);
+/** The reader has decided about the selected object, and nothing is left to decide. */
+export const isQueueDone = signal(false);
 export const isHelpOpen = signal(false);
 export const coordinateStyle = signal<CoordinateStyle>(
   COORDINATE_STYLES.find((one) => one === localStorage.getItem("coordinates")) ?? "decimal",

@@ -238,7 +238,14 @@ function ReviewPanel({ object }: { object: FoundObject }) {
   const save = () => {
     if (note !== stored) reviews.review(object.id, verdict, note);
   };
+  // The same as the keys. A button that was clicked does not keep the focus: Space plays.
+  const decide = (chosen: "accepted" | "rejected") => (event: MouseEvent) => {
+    if (event.detail > 0) (event.currentTarget as HTMLElement).blur();
+    reviews.decide(chosen);
+  };
+  const many = reviews.marked.value.size > 0 ? ` ${reviews.marked.value.size.toLocaleString("en")}` : "";
   const statusOf = () => {
+    if (state.isQueueDone.value) return reviews.queueEnd.value;
     if (isPending) return "Saving";
     if (own) return `Saved ${formatWhen(own.updated_utc_us)}`;
     if (!canReview) return reviews.whyNoReview.value;
@@ -252,17 +259,17 @@ function ReviewPanel({ object }: { object: FoundObject }) {
           class="button accept"
           aria-pressed={verdict === "accepted"}
           disabled={!canReview || !isKnown}
-          onClick={() => reviews.review(object.id, verdict === "accepted" ? null : "accepted", note)}
+          onClick={decide("accepted")}
         >
-          <Icon name="accept" /> Accept <kbd>A</kbd>
+          <Icon name="accept" /> Accept{many} <kbd>A</kbd>
         </button>
         <button
           class="button reject"
           aria-pressed={verdict === "rejected"}
           disabled={!canReview || !isKnown}
-          onClick={() => reviews.review(object.id, verdict === "rejected" ? null : "rejected", note)}
+          onClick={decide("rejected")}
         >
-          <Icon name="reject" /> Reject <kbd>X</kbd>
+          <Icon name="reject" /> Reject{many} <kbd>X</kbd>
         </button>
       </div>
       <label class="hidden" for="note">

@@ -222,9 +222,10 @@ function Rows({ list }: { list: PagedList }) {
       aria-label="Objects"
       aria-activedescendant={selected === null ? undefined : `object-${selected}`}
       onKeyDown={(event) => {
-        if (event.key !== "ArrowDown" && event.key !== "ArrowUp") return;
+        if (event.key === "ArrowDown" || event.key === "ArrowUp") selection.step(event.key === "ArrowDown" ? 1 : -1);
+        else if (event.key === "Home" || event.key === "End") selection.stepToEnd(event.key === "Home" ? "first" : "last");
+        else return;
         event.preventDefault();
-        selection.step(event.key === "ArrowDown" ? 1 : -1);
       }}
     >
       <div role="presentation" style={{ height: virtualizer.getTotalSize(), position: "relative" }}>
