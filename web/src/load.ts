@@ -1,7 +1,7 @@
 // What the page loads: at its beginning, when the server tells of something new, and when the user chose something else.
 import { batch, effect, untracked } from "@preact/signals";
 
-import { ApiFailure, getCameraPath, getProject, getTimes, listVideos } from "./api/client";
+import { ApiFailure, getCameraPath, getProject, getTimes, isAlive, listVideos, onUnreachable } from "./api/client";
 import { onEvent, startEvents } from "./events";
 import { formatArea } from "./logic/area";
 import { messageOf } from "./logic/errors";
@@ -21,6 +21,20 @@ const RETRY_MS = 3000;
 
 /** Whether the server does not answer, or its database is away: it tells so itself. */
 const isAway = (error: unknown) => error instanceof ApiFailure && (error.status === 0 || error.status === 503);
+
+/** Says that the server is away, asks until it is back, and loads then what was missed. */
+let isWaiting = false;
+async function waitForServer() {
+  isConnected.value = false;
+  if (isWaiting) return;
+  isWaiting = true;
+  do await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+  while (!(await isAlive()));
+  isWaiting = false;
+  isConnected.value = true;
+  if (project.peek().state === "ready") void refresh();
+}
+onUnreachable(() => void waitForServer());
 
 /** Loads what the page begins with; tries again by itself while the server does not answer. */
 export async function load() {

@@ -1,6 +1,7 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
 import type { ApiErrorBody, CameraPath, Cluster, Counts, Evidence, Job, ModelViews, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
+import { withoutField } from "../logic/errors";
 import { readTrack } from "../logic/followed";
 import { type SightingPages, inHalves } from "../logic/halves";
 
@@ -23,24 +24,70 @@ export function onUnauthenticated(handler: () => void) {
   tellUnauthenticated = handler;
 }
 
-async function ask(path: string, init?: RequestInit): Promise<Response> {
-  let response: Response;
-  try {
-    response = await fetch(ROOT + path, init);
-  } catch (error) {
-    if (error instanceof DOMException && error.name === "AbortError") throw error;
-    throw new ApiFailure("The server does not answer. Is `victorious serve` still running?", 0);
-  }
-  if (!response.ok) {
-    const body = (await response.json().catch(() => null)) as ApiErrorBody | null;
-    if (response.status === 401 && path !== "/session") tellUnauthenticated();
-    throw new ApiFailure(body?.message ?? `The server answers ${response.status}.`, response.status);
-  }
-  return response;
+let tellUnreachable = () => {};
+
+/** Calls back when the server does not answer, be it gone or hung. */
+export function onUnreachable(handler: () => void) {
+  tellUnreachable = handler;
 }
 
-const request = async <T>(path: string, init?: RequestInit) => (await (await ask(path, init)).json()) as T;
-const requestText = async (path: string) => (await ask(path)).text();
+/** An answer may take long, of a server that is busy with it; a server that hangs does not answer this either. */
+const SILENT_MS = 4000;
+const ALIVE_MS = 4000;
+
+/** Whether the server answers anything in time. */
+export async function isAlive(): Promise<boolean> {
+  const abort = new AbortController();
+  const timer = setTimeout(() => abort.abort(), ALIVE_MS);
+  try {
+    await fetch(`${ROOT}/session`, { signal: abort.signal, cache: "no-store" });
+    return true;
+  } catch {
+    return false;
+  } finally {
+    clearTimeout(timer);
+  }
+}
+
+const unreachable = () => {
+  tellUnreachable();
+  return new ApiFailure("The server does not answer. Is `victorious serve` still running?", 0);
+};
+
+async function ask<T>(path: string, init: RequestInit | undefined, read: (response: Response) => Promise<T>): Promise<T> {
+  const abort = new AbortController();
+  const cancel = () => abort.abort();
+  init?.signal?.addEventListener("abort", cancel);
+  if (init?.signal?.aborted) cancel();
+  let [isHung, isDone] = [false, false];
+  let timer: ReturnType<typeof setTimeout>;
+  const watch = async () => {
+    const lives = await isAlive();
+    if (isDone) return;
+    isHung = !lives;
+    if (isHung) cancel();
+    else timer = setTimeout(() => void watch(), SILENT_MS);
+  };
+  timer = setTimeout(() => void watch(), SILENT_MS);
+  try {
+    const response = await fetch(ROOT + path, { ...init, signal: abort.signal });
+    if (response.ok) return await read(response);
+    const body = (await response.json().catch(() => null)) as ApiErrorBody | null;
+    if (response.status === 401 && path !== "/session") tellUnauthenticated();
+    throw new ApiFailure(body ? withoutField(body) : `The server answers ${response.status}.`, response.status);
+  } catch (error) {
+    // The browser says a failed connection as a TypeError.
+    if (isHung || error instanceof TypeError) throw unreachable();
+    throw error;
+  } finally {
+    isDone = true;
+    clearTimeout(timer);
+    init?.signal?.removeEventListener("abort", cancel);
+  }
+}
+
+const request = <T>(path: string, init?: RequestInit) => ask(path, init, (response) => response.json() as Promise<T>);
+const requestText = (path: string) => ask(path, undefined, (response) => response.text());
 
 const send = <T>(path: string, method: "POST" | "PUT", body: unknown) =>
   request<T>(path, { method, headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
