@@ -7,13 +7,15 @@ export interface Notice {
   id: number;
   text: string;
   kind: "info" | "error";
+  /** A later message about the same takes its place. */
+  about: string;
 }
 export const notices = signal<Notice[]>([]);
 let nextNotice = 0;
 
-export function notify(text: string, kind: Notice["kind"] = "info") {
+export function notify(text: string, kind: Notice["kind"] = "info", about = text) {
   const id = nextNotice++;
-  notices.value = [...notices.value.filter((one) => one.text !== text), { id, text, kind }];
+  notices.value = [...notices.value.filter((one) => one.about !== about), { id, text, kind, about }];
   setTimeout(() => dismiss(id), kind === "error" ? 12_000 : 4000);
 }
 

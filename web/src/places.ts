@@ -2,24 +2,31 @@
 import { getCameraPath } from "./api/client";
 import type { CameraPath } from "./api/types";
 import { type Position, whenSeen } from "./logic/geo";
-import { baseName } from "./logic/format";
-import { MAX_VIDEOS, findPlace } from "./logic/place_search";
+import { baseName, plural } from "./logic/format";
+import { findPlace } from "./logic/place_search";
 import { notify } from "./notices";
 import { showTime } from "./selection";
 import { cameraPath, indexVersion, videoId, videos } from "./state";
 
 /** Of the other videos, as long as the index does not change. */
 const paths = new Map<number, Promise<CameraPath>>();
+/** Of the videos that a search led to. */
+const known = new Map<number, CameraPath>();
+const SILENT_MS = 400;
+const PROGRESS = "place";
 let pathsVersion = -1;
 let latest = 0;
 
 function load(video: number): Promise<CameraPath> {
-  if (pathsVersion !== indexVersion.peek()) paths.clear();
+  if (pathsVersion !== indexVersion.peek()) {
+    paths.clear();
+    known.clear();
+  }
   pathsVersion = indexVersion.peek();
-  const known = paths.get(video) ?? getCameraPath(video, new AbortController().signal);
-  paths.set(video, known);
-  known.catch(() => paths.delete(video)); // the next click asks again
-  return known;
+  const path = paths.get(video) ?? getCameraPath(video, new AbortController().signal);
+  paths.set(video, path);
+  path.catch(() => paths.delete(video)); // the next click asks again
+  return path;
 }
 
 /** Goes to the moment that shows a place best. */
@@ -30,13 +37,35 @@ export async function showPlace(place: Position) {
   const time = path && whenSeen(path, place);
   if (here !== null && time !== null) return showTime(here, time);
   const others = videos.peek().filter((one) => one.id !== here && one.missing === null);
-  const found = await findPlace(others.map((one) => one.id), load, place, () => search === latest);
+  const begun = Date.now();
+  const tell = (searched: number) => {
+    if (search === latest && Date.now() - begun > SILENT_MS) {
+      notify(`Looking for this place: ${searched.toLocaleString("en")} of ${plural(others.length, "video")}`, "info", PROGRESS);
+    }
+    return search === latest;
+  };
+  const { found, searched, failed } = await findPlace(others.map((one) => one.id), load, place, tell);
   if (search !== latest) return;
   if (found) {
+    known.set(found.video, await load(found.video));
     showTime(found.video, found.time);
-    return notify(`Seen in ${baseName(others.find((one) => one.id === found.video)?.name ?? "")}.`);
+    return notify(`Seen in ${baseName(others.find((one) => one.id === found.video)?.name ?? "")}.`, "info", PROGRESS);
   }
-  if (others.length > MAX_VIDEOS) return notify(`This place is not in this video, nor in ${MAX_VIDEOS} others; the rest was not looked through.`);
-  if (others.length > 0) return notify("No video showed this place.");
-  if (path?.points.some((point) => point.footprint)) notify("The camera did not show this place.");
+  const unread = failed > 0 ? ` ${plural(failed, "path")} could not be read.` : "";
+  if (others.length > 0) {
+    return notify(`No video showed this place: this one and ${plural(searched, "other")} were looked through.${unread}`, "info", PROGRESS);
+  }
+  if (path?.points.some((point) => point.footprint)) notify("The camera did not show this place.", "info", PROGRESS);
+}
+
+/** When a place was shown best, by the video that is shown, else by one whose path is known already; null: not known. */
+export function seenAt(place: Position): { video: number; time: number } | null {
+  const [here, path] = [videoId.value, cameraPath.value];
+  const time = path && whenSeen(path, place);
+  if (here !== null && time !== null) return { video: here, time };
+  for (const [video, other] of known) {
+    const at = video === here ? null : whenSeen(other, place);
+    if (at !== null) return { video, time: at };
+  }
+  return null;
 }

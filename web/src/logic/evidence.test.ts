@@ -59,6 +59,6 @@ describe("evidence of a sighting", () => {
     expect(verdictOf({ ...evidence, pose: null })).toContain("give no pose here");
     const tracked = { ...evidence, pose: null, sighting: { ...evidence.sighting, source: "tracked" as const } };
     expect(verdictOf(tracked)).toContain("Followed from frame to frame");
-    expect([1.5, 4, 7.3, 12.8].map(formatPower)).toEqual(["32", "10 thousand", "20 million", "10^12"]);
+    expect([1.5, 4, 7.3, 12.8, 340].map(formatPower)).toEqual(["32", "10 thousand", "20 million", "10¹²", "10¹⁰⁰"]);
   });
 });

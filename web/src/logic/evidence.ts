@@ -92,7 +92,7 @@ export function verdictOf(evidence: Evidence): string {
   const pooled = evidence.is_pooled ? ", with features of the views beside it" : "";
   const chance =
     pose.neg_log10_nfa > 0
-      ? `By chance, one frame in ${formatPower(pose.neg_log10_nfa)} shows as good a pose.`
+      ? `By chance, ${pose.neg_log10_nfa > MAX_DECADES ? "less than " : ""}one frame in ${formatPower(pose.neg_log10_nfa)} shows as good a pose.`
       : "Chance explains it.";
   const counted =
     sighting.source === "recognised" && sighting.matches !== inliers ? ` (the search counted ${sighting.matches})` : "";
@@ -100,10 +100,14 @@ export function verdictOf(evidence: Evidence): string {
   return `Matched again here, ${agreeing} on one pose${counted}${light}${pooled}. ${chance}`;
 }
 
-/** 10 to a power, for people: 300, 2 million, 10^9. */
+/** Beyond it the model of chance says nothing more. */
+const MAX_DECADES = 100;
+
+/** 10 to a power, for people: 300, 2 million, 10⁹, at most 10¹⁰⁰. */
 export function formatPower(decades: number): string {
   if (decades < 3) return Math.round(10 ** decades).toLocaleString("en");
   if (decades < 6) return `${Math.round(10 ** (decades - 3)).toLocaleString("en")} thousand`;
   if (decades < 9) return `${Math.round(10 ** (decades - 6)).toLocaleString("en")} million`;
-  return `10^${Math.floor(decades)}`;
+  const power = String(Math.floor(Math.min(decades, MAX_DECADES)));
+  return `10${power.replaceAll(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹".charAt(Number(digit)))}`;
 }

@@ -31,24 +31,30 @@ export interface Filters {
 
 export const NO_FILTERS: Filters = { text: "", models: [], video: null, review: "all", minScore: 0, area: null, thresholds: new Map() };
 
-const NEAR = /\bnear\s+(-?\d+(?:\.\d+)?)\s*,\s*(-?\d+(?:\.\d+)?)\s*,?\s+(\d+(?:\.\d+)?)\s*(km|m)?\b/i;
+const NEAR = /\bnear\s+(-?\d+(?:\.\d+)?)(?:\s*,\s*|\s+)(-?\d+(?:\.\d+)?)(?:\s*,?\s+(\d+(?:\.\d+)?)\s*(km|m)?\b)?/i;
+/** A place that is not complete, as while it is typed. */
+const NEAR_PART = /\bnear\s+-?\d[^a-z]*/i;
+/** m, of a place without a radius */
+const NEAR_RADIUS = 200;
 
-/** Splits a query into words and a circle. */
-export function parseQuery(text: string): { words: string[]; near: Circle | null } {
+/** Splits a query into words and a circle. `hint`: what is taken for granted, or what is missing. */
+export function parseQuery(text: string): { words: string[]; near: Circle | null; hint: string | null } {
   const match = NEAR.exec(text);
-  const near = match
-    ? {
-        latitude: Number(match[1]),
-        longitude: Number(match[2]),
-        metres: Number(match[3]) * (match[4]?.toLowerCase() === "km" ? 1000 : 1),
-      }
-    : null;
+  const [latitude, longitude] = [Number(match?.[1]), Number(match?.[2])];
+  const isOnEarth = Math.abs(latitude) <= 90 && Math.abs(longitude) <= 180;
+  const metres = match?.[3] === undefined ? NEAR_RADIUS : Number(match[3]) * (match[4]?.toLowerCase() === "km" ? 1000 : 1);
+  const near = match && isOnEarth ? { latitude, longitude, metres } : null;
+  const hintOf = () => {
+    if (match && !isOnEarth) return "near: a latitude lies between −90 and 90, a longitude between −180 and 180.";
+    if (match) return match[3] === undefined ? `Within ${NEAR_RADIUS} m, as no radius is given.` : null;
+    return NEAR_PART.test(text) ? "near needs latitude and longitude: near 52.52,13.40 200 m" : null;
+  };
   const words = text
-    .replace(NEAR, " ")
+    .replace(match ? NEAR : NEAR_PART, " ")
     .toLowerCase()
     .split(/\s+/)
     .filter((word) => word !== "");
-  return { words, near };
+  return { words, near, hint: hintOf() };
 }
 
 /** Distance on the ground, m; flat within some kilometres. */

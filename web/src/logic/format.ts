@@ -56,8 +56,15 @@ export function formatPosition(latitude: number, longitude: number, style: Coord
   }
 }
 
+/** A probability. What is less than 1 is not shown as 1: it lies below a threshold of 1. */
+export function formatScore(score: number, digits = 2): string {
+  const text = score.toFixed(digits);
+  return score < 1 && Number(text) === 1 ? `>${(1 - 10 ** -digits).toFixed(digits)}` : text;
+}
+
 /** Of 100 objects with such a score, how many are real. */
 export function explainScore(score: number): string {
+  if (score < 1 && score > 0.99) return "Of 100 objects with this score, more than 99 are real";
   return `Of 100 objects with this score, about ${Math.round(score * 100)} are real`;
 }
 

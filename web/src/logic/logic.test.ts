@@ -5,7 +5,7 @@ import { rectangle } from "./area";
 import { withDecision } from "./decisions";
 import { toCsv, toGeoJson } from "./export";
 import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery, searchedHours, thresholdCost } from "./filters";
-import { formatAngle, formatExpected, formatMetres, formatPosition, formatSpan, formatTime } from "./format";
+import { explainScore, formatAngle, formatExpected, formatMetres, formatPosition, formatScore, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
 import { BINDINGS, actionOf } from "./keys";
@@ -130,8 +130,16 @@ describe("filters", () => {
     expect(parseQuery("jeep near 52.5, -13.4, 2 km")).toEqual({
       words: ["jeep"],
       near: { latitude: 52.5, longitude: -13.4, metres: 2000 },
+      hint: null,
     });
-    expect(parseQuery("near the barn").near).toBeNull();
+    expect(parseQuery("near the barn")).toEqual({ words: ["near", "the", "barn"], near: null, hint: null });
+    const assumed = { latitude: 52.52, longitude: 13.4, metres: 200 };
+    for (const text of ["near 52.52,13.40", "near 52.52 13.40", "near 52.52, 13.40"]) {
+      expect(parseQuery(text)).toMatchObject({ words: [], near: assumed, hint: expect.stringMatching(/200 m/) as string });
+    }
+    expect(parseQuery("near 52.52 13.40 50 m").near).toEqual({ ...assumed, metres: 50 });
+    expect(parseQuery("near 52.52,")).toMatchObject({ words: [], near: null, hint: expect.stringMatching(/longitude/) as string });
+    expect(parseQuery("near 152.52,13.40").near).toBeNull();
     expect(isFiltered(NO_FILTERS)).toBe(false);
     expect(isFiltered({ ...NO_FILTERS, text: "x" })).toBe(true);
     const thresholds = new Map([["jeep", 0.5]]);
@@ -196,6 +204,11 @@ describe("PagedList", () => {
 });
 
 describe("format", () => {
+  it("does not show a probability below 1 as 1", () => {
+    expect([1, 0.9999, 0.994, 0.5].map((one) => formatScore(one))).toEqual(["1.00", ">0.99", "0.99", "0.50"]);
+    expect(formatScore(0.99996, 3)).toBe(">0.999");
+    expect(explainScore(0.9999)).toMatch(/more than 99/);
+  });
   it("writes times", () => {
     expect([0, 4.9, 59.999, 61.5, 3661].map(formatTime)).toEqual(["0:00.00", "0:04.90", "1:00.00", "1:01.50", "1:01:01.00"]);
   });

@@ -2,25 +2,43 @@
 import type { CameraPath } from "../api/types";
 import { type Position, whenSeen } from "./geo";
 
-/** Videos that are looked through: each costs a request. */
-export const MAX_VIDEOS = 100;
+/** Paths that are loaded at a time: a browser keeps other requests waiting beyond. */
+export const AT_ONCE = 4;
+
+export interface PlaceSearch {
+  /** The first of the videos whose camera showed the place, and when; null: none of them. */
+  found: { video: number; time: number } | null;
+  /** Videos that were looked through. */
+  searched: number;
+  /** Videos among them whose path could not be had. */
+  failed: number;
+}
 
 /**
- * The first of some videos whose camera showed a place, and when; null: none of them.
- * @param load  the path of a video's camera; one that cannot be had is passed over
- * @param isWanted  false ends the search
+ * @param load  the path of a video's camera
+ * @param tell  is told how many videos have been looked through; false ends the search
  */
 export async function findPlace(
   videos: readonly number[],
   load: (video: number) => Promise<CameraPath>,
   place: Position,
-  isWanted: () => boolean,
-): Promise<{ video: number; time: number } | null> {
-  for (const video of videos.slice(0, MAX_VIDEOS)) {
-    if (!isWanted()) return null;
-    const path = await load(video).catch(() => null);
-    const time = path && whenSeen(path, place);
-    if (time !== null) return { video, time };
+  tell: (searched: number) => boolean,
+): Promise<PlaceSearch> {
+  let failed = 0;
+  let searched = 0;
+  for (; searched < videos.length && tell(searched); searched += AT_ONCE) {
+    const some = videos.slice(searched, searched + AT_ONCE);
+    const times = await Promise.all(
+      some.map((video) =>
+        load(video).then(
+          (path) => whenSeen(path, place),
+          () => (failed++, null),
+        ),
+      ),
+    );
+    const at = times.findIndex((time) => time !== null);
+    const [video, time] = [some[at], times[at]];
+    if (video !== undefined && typeof time === "number") return { found: { video, time }, searched: searched + at + 1, failed };
   }
-  return null;
+  return { found: null, searched: Math.min(searched, videos.length), failed };
 }
