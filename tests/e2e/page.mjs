@@ -16,7 +16,7 @@ const FLAGS = [
   "--disable-component-update", "--disable-sync",
 ];
 // Drawn in software, a map costs more than all that the other scenarios check: without WebGL the page says so, and works.
-const WITH_MAP = ["triage", "many", "tiles", "accessible"];
+const WITH_MAP = ["triage", "many", "tiles", "accessible", "videos", "narrow"];
 const ORANGE = [230, 159, 0]; // of the first model (state.ts)
 const SELECTED = "[role=option][aria-selected=true]";
 
@@ -46,6 +46,15 @@ async function waitForFrame(page, frame) {
   await page.waitForFunction(
     (wanted) => document.querySelector(".stage canvas")?.dataset.frame === String(wanted), frame, { timeout: 30_000 },
   );
+}
+
+/** Saves the list by its menu, which downloads nothing before an item is chosen. */
+async function saveAs(page, item) {
+  await page.locator(".list .menu > button").focus();
+  await page.keyboard.press("ArrowDown");
+  await page.waitForFunction(() => document.activeElement.role === "menuitem");
+  await page.getByRole("menuitem", { name: item }).click();
+  await page.getByRole("menu").waitFor({ state: "detached" });
 }
 
 /** axe finds nothing in what is shown now, in the dark nor in the light. */
@@ -196,6 +205,9 @@ async function checkEvidence(page, object) {
   await page.waitForFunction(
     (count) => document.querySelectorAll(".evidence .match").length === count, evidence.stages[0].matches,
   );
+  await page.getByLabel("Lines").uncheck();
+  await becomes(() => page.locator(".evidence .match line").count(), 0);
+  await page.getByLabel("Lines").check();
   for (const image of await page.locator(".evidence image").all()) {
     const address = await image.getAttribute("href");
     assert.equal((await page.request.get(address)).status(), 200, address);
@@ -209,6 +221,78 @@ async function checkEvidence(page, object) {
   await page.unroute("**/evidence*");
   await page.keyboard.press("Escape");
   await page.waitForSelector("dialog.why[open]", { state: "detached" });
+}
+
+/** The names in a frame are drawn after all lines: no trail strikes out a name. */
+async function checkOverlay(page) {
+  const frame = await shownFrame(page);
+  await page.evaluate(() => {
+    const prototype = CanvasRenderingContext2D.prototype;
+    window.drawn = [];
+    for (const name of ["drawImage", "stroke", "fillText"]) {
+      const original = prototype[name];
+      prototype[name] = function (...values) {
+        if (this.canvas.closest(".stage")) window.drawn.push(name);
+        return original.apply(this, values);
+      };
+    }
+  });
+  await page.keyboard.press(",");
+  await waitForFrame(page, frame - 1);
+  const drawn = await page.evaluate(() => window.drawn);
+  const last = drawn.slice(drawn.lastIndexOf("drawImage"));
+  assert.ok(last.includes("fillText") && last.includes("stroke"), `nothing is drawn over the frame: ${drawn}`);
+  assert.ok(last.lastIndexOf("stroke") < last.indexOf("fillText"), `lines over names: ${last}`);
+  await page.keyboard.press(".");
+  await waitForFrame(page, frame);
+}
+
+/** The time line by keys, like any slider. */
+async function checkTimeKeys(page) {
+  const { times_s: times } = await api(page, "/videos/1/times");
+  await page.getByRole("slider", { name: "Time" }).focus();
+  for (const [key, frame] of [["Home", 0], ["ArrowUp", 1], ["ArrowDown", 0], ["End", times.length - 1]]) {
+    await page.keyboard.press(key);
+    await waitForFrame(page, frame);
+  }
+  await page.keyboard.press("PageDown");
+  const wanted = 0.9 * times.at(-1);
+  await waitForFrame(page, times.reduce((best, one, i) => (Math.abs(one - wanted) < Math.abs(times[best] - wanted) ? i : best), 0));
+  await page.evaluate(() => document.activeElement.blur());
+}
+
+/** A place without a radius is one of 200 m; what is not complete says what is missing. */
+async function checkNear(page, object) {
+  const { latitude_deg: latitude, longitude_deg: longitude } = object.place;
+  await page.fill("#search", `near ${latitude},`);
+  await page.locator(".hint", { hasText: "latitude and longitude" }).waitFor();
+  await page.fill("#search", `near ${latitude} ${longitude}`);
+  await page.locator(".hint", { hasText: "200 m" }).waitFor();
+  await becomes(() => page.locator(`#object-${object.id}.greyed`).count(), 0);
+  await page.fill("#search", "");
+}
+
+/** A server that hangs is told in some seconds; what was decided is stored once it is back. */
+async function checkLostServer(page, object) {
+  await page.evaluate(() => document.activeElement.blur());
+  await page.click(`#object-${object.id}`);
+  const hang = () => {};
+  await page.route("**/api/v1/**", hang);
+  await page.keyboard.press("x");
+  const banner = page.locator(".lost");
+  await banner.waitFor({ timeout: 15_000 });
+  const [lost, head] = [await banner.boundingBox(), await page.locator(".head").boundingBox()];
+  assert.ok(lost.y + lost.height <= head.y + 1, "the banner covers the header");
+  await page.unroute("**/api/v1/**", hang);
+  await banner.waitFor({ state: "detached" });
+  await until(page, `/objects/${object.id}`, ({ review }) => review?.verdict === "rejected");
+  await page.keyboard.press("u");
+  await until(page, `/objects/${object.id}`, ({ review }) => review?.verdict !== "rejected");
+  // A picture that cannot be had leaves no broken image.
+  await page.route("**/thumbnail*", (route) => route.fulfill({ status: 404, body: "" }));
+  await page.goto(page.url());
+  await page.locator(".crop .none", { hasText: "no picture" }).waitFor();
+  await page.unroute("**/thumbnail*");
 }
 
 /** A click decides and goes on as its key does; at the end of the queue nothing is decided again. The first object is accepted. */
@@ -387,6 +471,53 @@ async function triage(page) {
   await page.waitForSelector("dialog.help[open]");
   await page.keyboard.press("Escape");
   await page.waitForSelector("dialog.help[open]", { state: "detached" });
+
+  await checkOverlay(page);
+  await checkTimeKeys(page);
+  await checkNear(page, second);
+  await checkLostServer(page, second);
+}
+
+/** Three videos: what was seen where and when, by which of them. The second looks at other ground, the third has no telemetry. */
+async function videos(page) {
+  await open(page, "/?video=1&t=0");
+  const { videos: all } = await api(page, "/videos");
+  const { objects } = await api(page, "/objects");
+  for (const { id, moments } of objects) {
+    const own = new Set(moments.map((one) => one.video_id));
+    const wanted = own.size > 1 ? `${own.size} videos` : all.find((one) => own.has(one.id)).name.replace(/.*\//, "");
+    await becomes(() => page.locator(`#object-${id} .facts`).last().innerText(), new RegExp(`· ${wanted}$`));
+  }
+  // The middle of the map shows the camera's path; its ground says when, and a click goes there.
+  await page.waitForSelector(".map .canvas[data-ready=true]");
+  await page.getByRole("button", { name: "All", exact: true }).click();
+  await page.waitForTimeout(500);
+  const map = await page.locator(".map .on-map").boundingBox();
+  const seen = page.locator(".map .seen");
+  const hover = async (x, y) => {
+    await page.mouse.move(x, y);
+    await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+    return (await seen.count()) > 0 ? seen.innerText() : "";
+  };
+  await becomes(() => hover(map.x + map.width / 2, map.y + map.height / 2), /^shown at 0:0\d\.\d\d by one\.mp4$/);
+  // Ground that only the second video shows, north of it: found by a click, and named from then on.
+  for (let i = 0; i < 2; i++) await page.locator(".maplibregl-ctrl-zoom-out").click();
+  await page.waitForTimeout(1000);
+  const x = map.x + map.width / 2 - 25; // beside the objects
+  let other = null;
+  for (let y = map.y + 60; y < map.y + map.height / 2 && !other; y += 12) {
+    if ((await hover(x, y)) !== "") break;
+    await page.mouse.click(x, y);
+    const told = page.locator(".notice", { hasText: /Seen in two\.mp4|No video showed this place/ });
+    await told.waitFor();
+    if (/Seen in/.test(await told.innerText())) other = y;
+    else assert.match(await told.innerText(), /this one and 2 others were looked through/);
+    await page.getByRole("button", { name: "Dismiss" }).first().click();
+  }
+  assert.ok(other, "the second video is not found by its ground");
+  await becomes(() => page.locator(".stage .corner").innerText(), "two.mp4");
+  await page.selectOption("#video", "3");
+  await page.locator(".map .reason", { hasText: "no telemetry" }).waitFor();
 }
 
 /** A list of thousands: any part of it, the neighbour that is not loaded, clusters on the map. */
@@ -549,6 +680,8 @@ async function boxInFrame(page, sighting) {
   await page.mouse.move(...at(left + width, top + height));
   await page.mouse.up();
   await page.waitForSelector("dialog.model[open]");
+  await becomes(() => page.evaluate(() => document.activeElement.id), "model-name");
+  assert.ok(await page.locator("dialog.model canvas").evaluate(({ width, height }) => width > 20 && height > 20));
 }
 
 /** From nothing to finds: photos are dropped, then a video; the results come without a reload, to every tab. */
@@ -605,7 +738,7 @@ async function jobs(page, [photos, video]) {
   assert.equal(readFileSync(await clip.path()).subarray(4, 8).toString(), "ftyp");
 
   // The list as a table.
-  const [table] = await Promise.all([page.waitForEvent("download"), page.selectOption(".list .save", "csv")]);
+  const [table] = await Promise.all([page.waitForEvent("download"), saveAs(page, "Table (CSV)")]);
   const lines = readFileSync(await table.path(), "utf8").trim().split("\r\n");
   assert.equal(lines.length, 1 + (await page.locator("[role=option]").count()));
 
@@ -630,7 +763,7 @@ async function jobs(page, [photos, video]) {
   // A live source that is no address, and one that does not answer.
   await page.fill("#live-url", "http://127.0.0.1/");
   await page.getByRole("button", { name: "Start" }).click();
-  await page.waitForSelector(".live .problem:has-text('rtsp://')");
+  await becomes(() => page.locator(".live .problem").innerText(), /^The address must be .*rtsp:/);
   await page.fill("#live-url", "rtsp://ann:secret@127.0.0.1:1/camera");
   await page.keyboard.press("Enter");
   await page.waitForSelector(".job.failed:has(strong:text-is('rtsp://127.0.0.1:1/camera'))");
@@ -640,6 +773,14 @@ async function jobs(page, [photos, video]) {
   await page.setInputFiles("input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });
   await page.waitForSelector(".job.failed:has(strong:text-is('broken.mp4'))");
   await becomes(() => page.locator(".job.failed .job-state").first().innerText(), /broken\.mp4/);
+  await becomes(() => page.locator(".notice.error:has-text('broken')").count(), 0, "it is said once");
+  const broken = page.locator(".job.failed:has(strong:text-is('broken.mp4'))");
+  const { jobs: told } = await api(page, "/jobs");
+  await broken.getByRole("button", { name: "Retry" }).click();
+  await until(page, "/jobs", ({ jobs: now }) => now.length > told.length && now.every((one) => one.ended_utc_us !== null));
+  await becomes(() => broken.count(), 1);
+  await broken.getByRole("button", { name: "Dismiss" }).click();
+  await broken.waitFor({ state: "detached" });
   await page.setInputFiles("input[type=file]", { name: "notes.txt", mimeType: "text/plain", buffer: Buffer.from("x") });
   await page.waitForSelector(".notice.error:has-text('notes.txt')");
 }
@@ -728,7 +869,7 @@ async function thresholds(page) {
   await checkAccessible(page, "a threshold in force");
   await page.getByRole("button", { name: "matches only" }).click();
   await page.waitForFunction(() => document.querySelector("[role=option]")?.getAttribute("aria-setsize") === "22");
-  const [table] = await Promise.all([page.waitForEvent("download"), page.selectOption(".list .save", "csv")]);
+  const [table] = await Promise.all([page.waitForEvent("download"), saveAs(page, "Table (CSV)")]);
   assert.equal(readFileSync(await table.path(), "utf8").trim().split("\r\n").length, 1 + 22);
   await becomes(async () => (await api(page, "/objects?limit=100")).objects.length, 24, "the index is as it was");
   await page.reload();
@@ -787,6 +928,42 @@ async function accessible(page) {
   await page.evaluate(() => document.activeElement?.blur());
   await page.keyboard.press("Escape");
   await page.waitForSelector("aside.jobs", { state: "detached" });
+}
+
+/** A tablet, and a laptop at 200 %: nothing is cut off, and the map has room for what it shows. */
+async function narrow(page) {
+  await open(page, "/");
+  await page.waitForSelector(".map .canvas[data-ready=true]");
+  await page.waitForSelector(".facts-grid .wide");
+  const box = (selector) => page.locator(selector).first().boundingBox();
+  for (const [width, height] of [[1024, 768], [820, 1180], [1280, 720], [720, 450], [640, 400]]) {
+    const what = `${width} x ${height}`;
+    await page.setViewportSize({ width, height });
+    await page.waitForTimeout(300);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), `${what}: wider than the window`);
+    for (const selector of [".inspector", ".list", ".head", ".map .tools", ".review .buttons"]) {
+      const cut = await page.locator(selector).evaluate((one) => one.scrollWidth - one.clientWidth);
+      assert.ok(cut <= 1, `${what}: ${selector} is cut off by ${cut} px`);
+    }
+    for (const name of ["why", "turn"]) assert.ok(await page.getByRole("button", { name, exact: true }).isVisible(), `${what}: ${name}`);
+    const [map, head] = [await box(".map .on-map"), await box(".head")];
+    assert.ok(map.height >= 190 && map.width >= 260, `${what}: the map has ${map.width} x ${map.height}`);
+    assert.ok(head.height < 100, `${what}: the header has ${head.height}`);
+    await page.keyboard.press("d");
+    await becomes(() => page.evaluate(() => document.activeElement.id), "area-corners");
+    const [form, field, area] = [await box("form.area"), await box("#area-corners"), await box(".map .on-map")];
+    assert.ok(form.y >= area.y + area.height - 1, `${what}: the form covers the map`);
+    assert.ok(field.y >= 0 && field.y + field.height <= height, `${what}: the field is out of sight`);
+    await page.keyboard.press("Escape");
+    await page.waitForSelector("form.area", { state: "detached" });
+  }
+  // A tablet folds the filters.
+  await page.setViewportSize({ width: 1024, height: 768 });
+  await becomes(() => page.locator(".chips").isVisible(), false);
+  await page.getByRole("button", { name: "Filters" }).click();
+  await page.getByRole("button", { name: "to review" }).click();
+  await becomes(() => page.locator(".inspector").evaluate((one) => one.scrollHeight <= one.clientHeight), true, "all facts are shown");
+  await checkAccessible(page, "a tablet, with filters");
 }
 
 /** A live source by its address: its finds are on the page while it sends; stopped, they stay. */
@@ -951,6 +1128,8 @@ async function accounts(page, [password]) {
   await logIn("bob", password);
   await page.waitForSelector("[role=option]");
   assert.ok(await page.locator(".inspector .accept").isDisabled(), "a viewer does not review");
+  await page.keyboard.press("b");
+  await page.waitForSelector(".notice.error:has-text('You may look, but not add or search')");
   await page.keyboard.press("x");
   await page.waitForSelector(".notice.error:has-text('role analyst')");
   await becomes(async () => (await api(page, `/objects/${objects[0].id}`)).review?.verdict, "accepted");
@@ -998,7 +1177,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts }[scenario](page, inputs);
+  await { triage, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

@@ -53,7 +53,10 @@ class PageTest(program.ProgramTest):
                     " covariance_enu_m2 = ?, ce90_m = 5, le90_m = 4 WHERE id = ?",
                     (0.9163 + 5e-6 * i, covariance, number),
                 )
-        rows = [f"{time},{52.4995 + 1e-4 * time},13.407,140,0,-80,0,60" for time in range(10)]
+        self.write_telemetry(video, 52.4995)
+
+    def write_telemetry(self, video, latitude):
+        rows = [f"{time},{latitude + 1e-4 * time},13.407,140,0,-80,0,60" for time in range(10)]
         header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
         Path(f"{video}.telemetry.csv").write_text("\n".join([header, *rows]) + "\n")
 
@@ -106,6 +109,25 @@ class PageTest(program.ProgramTest):
         models = self.scratch / "models"
         shutil.copytree(program.models(), models)
         self.drive("accessible", db, "--models", models)
+
+    def test_tablet(self):
+        """Narrow windows, and a laptop's at 200 %."""
+        video = self.scratch / "flight.mp4"
+        shutil.copy(program.flight() / "flight.mp4", video)
+        db = self.index(video)
+        self.place_objects(db, video)
+        self.drive("narrow", db, "--models", program.models())
+
+    def test_videos(self):
+        """Three videos of one flight: the second one looks at ground in the north of the first, the third has no telemetry."""
+        videos = [self.scratch / name for name in ("one.mp4", "two.mp4", "three.mp4")]
+        for number, video in enumerate(videos):
+            video.write_bytes((program.flight() / "flight.mp4").read_bytes() + bytes(number))
+        for video in videos:
+            db = self.index(video)
+        self.place_objects(db, videos[0])
+        self.write_telemetry(videos[1], 52.501)
+        self.drive("videos", db, "--models", program.models())
 
     def test_live_sources(self):
         """A transport stream by UDP, RTSP and SRT, sent as it would be filmed."""

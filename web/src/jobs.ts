@@ -18,7 +18,12 @@ export interface Upload {
   abort: () => void;
 }
 
-export const jobs = signal<readonly Job[]>([]);
+/** What the server tells, and of it what this browser has dismissed. */
+const told = signal<readonly Job[]>([]);
+const dismissed = signal<ReadonlySet<string>>(new Set(readDismissed()));
+export const jobs = computed(() => told.value.filter((one) => !dismissed.value.has(keyOf(one))));
+/** What was posted, as long as this page is open: an address may hold a password, and is kept nowhere. */
+const posted = new Map<number, NewJob>();
 export const uploads = signal<readonly Upload[]>([]);
 export const isOpen = signal(false);
 /** What a model is made from: files, or an object that was boxed in a frame (x, y, width, height in the video's pixels). */
@@ -31,7 +36,52 @@ export const active = computed(() => jobs.value.filter((one) => one.state === "q
 
 let nextUpload = 0;
 
+/** Ids alone begin anew in another index. */
+const keyOf = (job: Job) => `${job.id} ${job.created_utc_us}`;
+const MAX_DISMISSED = 200;
+
+function readDismissed(): string[] {
+  try {
+    const kept: unknown = JSON.parse(localStorage.getItem("dismissed-jobs") ?? "[]");
+    return Array.isArray(kept) ? kept.filter((one): one is string => typeof one === "string") : [];
+  } catch {
+    return [];
+  }
+}
+
+/** Leaves an ended job out of the list, in this browser. */
+export function dismiss(job: Job) {
+  const kept = [...dismissed.value, keyOf(job)].slice(-MAX_DISMISSED);
+  dismissed.value = new Set(kept);
+  localStorage.setItem("dismissed-jobs", JSON.stringify(kept));
+}
+
+async function post(job: NewJob): Promise<Job> {
+  const made = await postJob(job);
+  posted.set(made.id, job);
+  return made;
+}
+
+export const canRetry = (job: Job) => posted.has(job.id) || job.kind === "refine";
+
+/** Posts the same job again. */
+export async function retry(job: Job) {
+  try {
+    const again = await post(posted.get(job.id) ?? { kind: "refine" });
+    if (searchAfter.delete(job.id)) searchAfter.add(again.id);
+    dismiss(job);
+  } catch (error) {
+    notices.notifyError(error);
+  }
+}
+
 export const canAdd = computed(() => state.project.value.state === "ready" && state.project.value.value.has_jobs);
+
+/** For the case that `canAdd` is not set: what is missing. */
+export const whyNotAdd = () =>
+  account.value?.role === "viewer"
+    ? "You may look, but not add or search: that needs the role analyst."
+    : "This server neither adds nor searches: start it with --models DIR on an index that can be written.";
 
 const READY = {
   model: (title: string) => `The model ${title} is ready.`,
@@ -43,16 +93,17 @@ const READY = {
 };
 
 function take(list: readonly Job[]) {
-  const before = new Map(jobs.value.map((one) => [one.id, one.state]));
+  const before = new Map(told.value.map((one) => [one.id, one.state]));
   for (const job of list) {
     const was = before.get(job.id);
     if (was === undefined || was === job.state) continue;
     if (job.state === "done" && job.kind in READY) notices.notify(READY[job.kind as keyof typeof READY](job.title));
     if (job.state === "done" && searchAfter.delete(job.id)) void searchAll();
-    if (job.state === "failed") notices.notify(withoutUploadFolder(job.message), "error");
+    // The open panel says it.
+    if (job.state === "failed" && !isOpen.value) notices.notify(withoutUploadFolder(job.message), "error");
     if (job.state === "done") void load.refresh();
   }
-  jobs.value = list;
+  told.value = list;
 }
 
 export function startJobs() {
@@ -79,7 +130,7 @@ async function addVideo({ file, telemetry }: Plan<File>["videos"][number]) {
   const upload = await send(file);
   const job: NewJob = { kind: "index", upload };
   if (telemetry) job.telemetry = await send(telemetry);
-  await postJob(job);
+  await post(job);
 }
 
 /** Follows an object that was boxed in a frame through its video. */
@@ -88,7 +139,7 @@ export async function follow(source: Extract<ModelSource, { video: number }>, ty
   try {
     const job: NewJob = { kind: "track", video_id: source.video, frame: source.frame, box: source.box };
     if (type.trim() !== "") job.type = type.trim();
-    await postJob(job);
+    await post(job);
   } catch (error) {
     notices.notifyError(error);
   }
@@ -96,7 +147,7 @@ export async function follow(source: Extract<ModelSource, { video: number }>, ty
 
 /** Searches a live source until it ends or is stopped. Throws ApiFailure with a message for the user. */
 export async function watch(url: string) {
-  await postJob({ kind: "live", url: url.trim() });
+  await post({ kind: "live", url: url.trim() });
 }
 
 /** @param isSearched  all videos are searched for it then, as long as this page is open */
@@ -112,7 +163,7 @@ export async function addModel(name: string, source: ModelSource, length: number
       model.frame = source.frame;
       model.box = source.box;
     }
-    const job = await postJob(model);
+    const job = await post(model);
     if (isSearched) searchAfter.add(job.id);
   } catch (error) {
     if (!(error instanceof DOMException && error.name === "AbortError")) notices.notifyError(error);
@@ -122,12 +173,7 @@ export async function addModel(name: string, source: ModelSource, length: number
 /** Takes files that were dropped or chosen. */
 export function addFiles(files: readonly File[]) {
   if (!canAdd.value) {
-    notices.notify(
-      account.value?.role === "viewer"
-        ? "You may look, but not add files: that needs the role analyst."
-        : "This server takes no files: start it with --models DIR on an index that can be written.",
-      "error",
-    );
+    notices.notify(whyNotAdd(), "error");
     return;
   }
   const plan = planFiles(files);
@@ -145,7 +191,7 @@ export function addFiles(files: readonly File[]) {
 export async function askForCopy(video: number): Promise<boolean> {
   if (!canAdd.value) return false;
   try {
-    await postJob({ kind: "copy", video_id: video });
+    await post({ kind: "copy", video_id: video });
     return true;
   } catch (error) {
     // Made meanwhile, by another viewer.
@@ -169,7 +215,7 @@ export async function askForClip(object: FoundObject) {
   }
   isOpen.value = true;
   try {
-    await postJob(clip);
+    await post(clip);
   } catch (error) {
     notices.notifyError(error);
   }
@@ -178,7 +224,7 @@ export async function askForClip(object: FoundObject) {
 /** Searches all videos again, for models that are new. */
 export async function searchAll() {
   try {
-    for (const video of state.videos.value) if (video.missing === null) await postJob({ kind: "index", video_id: video.id });
+    for (const video of state.videos.value) if (video.missing === null) await post({ kind: "index", video_id: video.id });
   } catch (error) {
     notices.notifyError(error);
   }
@@ -188,7 +234,7 @@ export async function searchAll() {
 export async function refineCategories() {
   isOpen.value = true;
   try {
-    await postJob({ kind: "refine" });
+    await post({ kind: "refine" });
   } catch (error) {
     notices.notifyError(error);
   }

@@ -2,7 +2,7 @@
 // video and map. Views read these signals; load.ts, selection.ts and reviews.ts change them.
 import { computed, effect, signal } from "@preact/signals";
 
-import type { CameraPath, ObjectDetail, Project, Video } from "./api/types";
+import type { CameraPath, FoundObject, ObjectDetail, Project, Video } from "./api/types";
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
 import { COORDINATE_STYLES, type CoordinateStyle } from "./logic/format";
 import type { FrameTable } from "./logic/frame_table";
@@ -82,6 +82,10 @@ export function colourOf(model: string): string {
   const at = modelNames.value.indexOf(model);
   return COLOURS[Math.max(at, 0) % COLOURS.length] ?? "#e69f00";
 }
+
+/** Names of the videos that show an object. */
+export const videosOf = (object: FoundObject): string[] =>
+  [...new Set(object.moments.map((one) => one.video_id))].map((id) => videos.value.find((one) => one.id === id)?.name ?? String(id));
 
 export function setFilters(change: Partial<Filters>) {
   filters.value = { ...filters.value, ...change };

@@ -70,19 +70,28 @@ function cornersOf(sighting: DrawnSighting["sighting"]): number[][] {
   return [[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
 }
 
-/** Sizes in CSS pixels: lines and letters keep their size at any zoom of the frame. */
-export function drawSighting(
+const opacityOf = (one: DrawnSighting) => (one.isGreyed && !one.isSelected ? 0.35 : 1);
+
+/**
+ * Draws all outlines, then all labels: no line strikes out a name. Sizes in CSS pixels: lines and letters keep their size at
+ * any zoom of the frame.
+ */
+export function drawSightings(
   context: CanvasRenderingContext2D,
-  one: DrawnSighting,
+  all: readonly DrawnSighting[],
   frame: { width: number; height: number },
   at: Fit,
   areaWidth: number,
 ) {
+  for (const one of all) drawOutline(context, one, frame, at);
+  for (const one of all) drawLabel(context, one, at, areaWidth);
+}
+
+function drawOutline(context: CanvasRenderingContext2D, one: DrawnSighting, frame: { width: number; height: number }, at: Fit) {
   const { sighting, colour } = one;
   context.save();
-  context.globalAlpha = one.isGreyed && !one.isSelected ? 0.35 : 1;
+  context.globalAlpha = opacityOf(one);
   context.lineJoin = "round";
-  context.save();
   context.beginPath();
   context.rect(at.x, at.y, frame.width * at.scale, frame.height * at.scale);
   context.clip();
@@ -95,6 +104,12 @@ export function drawSighting(
   context.strokeStyle = colour;
   context.stroke();
   context.restore();
+}
+
+function drawLabel(context: CanvasRenderingContext2D, one: DrawnSighting, at: Fit, areaWidth: number) {
+  const { sighting, colour } = one;
+  context.save();
+  context.globalAlpha = opacityOf(one);
   const [x = 0, y = 0, , height = 0] = sighting.box;
   const text = one.label;
   context.font = `${one.isSelected ? 600 : 400} 12px system-ui, sans-serif`;

@@ -149,7 +149,7 @@ export function App() {
         </div>
       )}
       {isOpen && (
-        <div class="page">
+        <div class={state.isDrawingArea.value ? "page drawing" : "page"}>
           <Header />
           <main>
             <ObjectList />

@@ -16,6 +16,8 @@ const PATHS = {
   close: "M4 4l8 8M12 4l-8 8",
   box: "M2 5V2h3M11 2h3v3M14 11v3h-3M5 14H2v-3M6 8h4M8 6v4",
   add: "M8 2.5v11M2.5 8h11",
+  fit: "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4",
+  area: "M3 4.5 12 2.5 13.5 11 5 13.5z",
   copy: "M5.5 5.5V2.5h8v8h-3M2.5 5.5h8v8h-8z",
 } as const;
 

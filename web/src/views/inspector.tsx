@@ -4,7 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { listDecisions, thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail, Review } from "../api/types";
 import { MAX_DECISIONS, isOwnKnown, nameOf, ownDecision } from "../logic/decisions";
-import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatSpan, formatTime, plural } from "../logic/format";
+import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatScore, formatSpan, formatTime, plural } from "../logic/format";
 import { askForClip, canAdd } from "../jobs";
 import { me } from "../me";
 import * as notices from "../notices";
@@ -16,6 +16,7 @@ import * as turntable from "../turntable";
 import * as why from "../why";
 import { Icon } from "./icons";
 import { VerdictMark } from "./list";
+import { Picture } from "./picture";
 
 function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail | null }) {
   const best = detail?.best ?? null;
@@ -24,7 +25,7 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
     <div class="crops">
       <figure class="crop">
         <div class="frame">
-          <img src={thumbnailUrl(object.id, 344)} alt={`${object.model} in its best sighting`} />
+          <Picture src={thumbnailUrl(object.id, 344)} alt={`${object.model} in its best sighting`} />
         </div>
         <figcaption>
           {best ? (
@@ -40,14 +41,19 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
         <figure class="crop view">
           <div class="frame">
             <button class="turn" title="Turn the model (T)" aria-label={`Turn ${object.model}, and show which of its views matched`} onClick={turntable.openSelected}>
-              <img src={viewUrl(object.model_id, best.view_index)} alt={`The view of ${object.model} that matched`} />
+              <Picture src={viewUrl(object.model_id, best.view_index)} alt={`The view of ${object.model} that matched`} />
             </button>
           </div>
           <figcaption>
             <button class="link" title="The matches between view and frame, stage by stage (W)" onClick={why.ask}>
               why
             </button>
-            : <span title="Matches that agree on the pose, counted by the search">{plural(best.matches, "match", "matches")} in the search</span>
+            {" · "}
+            <button class="link" title="Turn the model (T)" onClick={turntable.openSelected}>
+              turn
+            </button>
+            {" · "}
+            <span title="Matches that agree on the pose, counted by the search">{plural(best.matches, "match", "matches")}</span>
           </figcaption>
         </figure>
       )}
@@ -99,9 +105,7 @@ function Position({ object }: { object: FoundObject }) {
 function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail | null }) {
   const place = object.place;
   const best = detail?.best ?? null;
-  const videos = [...new Set(object.moments.map((one) => one.video_id))].map(
-    (id) => state.videos.value.find((one) => one.id === id)?.name ?? String(id),
-  );
+  const videos = state.videosOf(object);
   return (
     <div>
       <div class="facts-head">
@@ -110,7 +114,7 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
         </h2>
         <span class="muted">
           object {object.id}
-          {detail?.rank ? `, rank ${detail.rank.toLocaleString("en")}` : ""}
+          {detail?.rank ? `, rank ${detail.rank.toLocaleString("en")}` : ""}, {plural(object.frames, "frame")}
         </span>
         <VerdictMark object={object} />
         {canAdd.value && (
@@ -126,13 +130,11 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
       <dl class="facts-grid">
         <div>
           <dt>Score</dt>
-          <dd title={explainScore(object.score)}>{object.score.toFixed(3)}</dd>
+          <dd title={explainScore(object.score)}>{formatScore(object.score, 3)}</dd>
         </div>
         <div>
           <dt>Seen</dt>
-          <dd>
-            {formatSpan(object.first_time_s, object.last_time_s)}, {plural(object.frames, "frame")}
-          </dd>
+          <dd>{formatSpan(object.first_time_s, object.last_time_s)}</dd>
         </div>
         {object.against.length > 0 && (
           <div class="wide">

@@ -7,6 +7,7 @@ import { messageOf } from "../logic/errors";
 import { plural } from "../logic/format";
 import { formatLeft, modelNameOf, withoutUploadFolder } from "../logic/uploads";
 import * as jobs from "../jobs";
+import { frameCanvas } from "../player";
 import * as state from "../state";
 import * as turntable from "../turntable";
 import { Icon } from "./icons";
@@ -63,9 +64,21 @@ function Row({ job }: { job: Job }) {
             {job.kind === "live" ? "Stop" : "Cancel"}
           </button>
         )}
+        {job.state === "failed" && jobs.canRetry(job) && (
+          <button class="link" onClick={() => void jobs.retry(job)}>
+            Retry
+          </button>
+        )}
+        {job.state === "failed" && (
+          <button class="link" title="Leave it out of this list" onClick={() => jobs.dismiss(job)}>
+            Dismiss
+          </button>
+        )}
       </div>
       {job.state === "running" && <Bar part={job.total ? job.done / job.total : null} />}
-      <div class="job-state">{describe(job)}</div>
+      <div class="job-state" role={job.state === "failed" ? "alert" : undefined}>
+        {describe(job)}
+      </div>
       {job.files.length > 0 && (
         <div class="job-files">
           {job.files.map((name) => (
@@ -192,6 +205,27 @@ export function JobsPanel() {
   );
 }
 
+/** px */
+const CROP = { width: 320, height: 160 };
+
+/** What was boxed, cut from the frame that is shown. */
+function Crop({ source }: { source: { video: number; frame: number; box: number[] } }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const [x = 0, y = 0, width = 1, height = 1] = source.box;
+  const scale = Math.min(CROP.width / width, CROP.height / height);
+  useEffect(() => {
+    const video = state.videos.value.find((one) => one.id === source.video);
+    const context = canvas.current?.getContext("2d");
+    if (!video || !context) return;
+    // The browser may deliver another size than the video was indexed in.
+    const [right, down] = [frameCanvas.width / video.width_px, frameCanvas.height / video.height_px];
+    context.drawImage(frameCanvas, x * right, y * down, width * right, height * down, 0, 0, context.canvas.width, context.canvas.height);
+  }, [source]);
+  return (
+    <canvas ref={canvas} width={Math.round(width * scale)} height={Math.round(height * scale)} role="img" aria-label="What you boxed" />
+  );
+}
+
 export function ModelDialog() {
   const dialog = useRef<HTMLDialogElement>(null);
   const source = jobs.askedModel.value;
@@ -202,6 +236,7 @@ export function ModelDialog() {
   const [isSearched, setIsSearched] = useState(true);
   const [isFollowed, setIsFollowed] = useState(false);
   const [type, setType] = useState("");
+  const nameField = useRef<HTMLInputElement>(null);
   const boxed = source && !("files" in source) ? source : null;
   useEffect(() => {
     if (source) {
@@ -213,6 +248,9 @@ export function ModelDialog() {
       dialog.current?.showModal();
     } else dialog.current?.close();
   }, [source, first]);
+  useEffect(() => {
+    if (source && !isFollowed) nameField.current?.focus();
+  }, [source, isFollowed]);
   const isValid = /^[A-Za-z0-9][A-Za-z0-9._-]*$/.test(name);
   return (
     <dialog class="help model" ref={dialog} aria-labelledby="model-title" onClose={() => (jobs.askedModel.value = null)}>
@@ -226,6 +264,7 @@ export function ModelDialog() {
         <header>
           <h2 id="model-title">{boxed ? "What you boxed" : "New model"}</h2>
         </header>
+        {boxed && <Crop source={boxed} />}
         {boxed && (
           <div class="choice" role="group" aria-label="What to do">
             <button type="button" class="chip" aria-pressed={!isFollowed} onClick={() => setIsFollowed(false)}>
@@ -269,6 +308,7 @@ export function ModelDialog() {
             <label for="model-name">Name</label>
             <input
               id="model-name"
+              ref={nameField}
               class="field"
               value={name}
               autocomplete="off"

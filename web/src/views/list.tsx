@@ -1,13 +1,13 @@
 // The ranked list: a queue to be worked off by keys. Only the visible rows are in the document.
 import { Virtualizer, elementScroll, observeElementOffset, observeElementRect } from "@tanstack/virtual-core";
-import { computed } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useReducer, useRef, useState } from "preact/hooks";
 
 import { thumbnailUrl } from "../api/client";
 import type { FoundObject } from "../api/types";
 import { describeDecisions, summarise } from "../logic/decisions";
-import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, searchedHours, thresholdCost } from "../logic/filters";
-import { explainScore, formatExpected, formatMetres, formatSpan, plural } from "../logic/format";
+import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, parseQuery, searchedHours, thresholdCost } from "../logic/filters";
+import { baseName, explainScore, formatExpected, formatMetres, formatScore, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
 import { canAdd } from "../jobs";
 import * as load from "../load";
@@ -20,6 +20,8 @@ import * as selection from "../selection";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { Learnt } from "./learnt";
+import { Menu } from "./menu";
+import { Picture } from "./picture";
 
 const ROW_HEIGHT = 80;
 
@@ -65,10 +67,14 @@ export function VerdictMark({ object }: { object: FoundObject }) {
   );
 }
 
+/** Where the list has little height they are folded (app.css); elsewhere they are always shown. */
+const areFiltersOpen = signal(false);
+
 function Row({ object, index, top, total }: { object: FoundObject; index: number; top: number; total: number }) {
   const isSelected = state.selectedId.value === object.id;
   const isMarked = reviews.marked.value.has(object.id);
   const place = object.place;
+  const videos = state.videosOf(object);
   return (
     <div
       id={`object-${object.id}`}
@@ -87,29 +93,22 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
     >
       <div class="thumb">
         {isMarked && <span class="mark"><Icon name="accept" /></span>}
-        <img
-          src={thumbnailUrl(object.id, 168)}
-          alt=""
-          loading="lazy"
-          decoding="async"
-          width="84"
-          height="63"
-          onError={(event) => (event.currentTarget.style.visibility = "hidden")}
-        />
+        <Picture src={thumbnailUrl(object.id, 168)} alt="" width={84} height={63} />
       </div>
       <div>
         <div class="name">
           <span class="swatch" style={{ background: state.colourOf(object.model) }} />
           <span>{object.model}</span>
         </div>
-        <div class="facts">
-          {formatSpan(object.first_time_s, object.last_time_s)}
+        <div class="facts">{formatSpan(object.first_time_s, object.last_time_s)}</div>
+        <div class="facts" title={videos.join("\n")}>
+          {place ? `± ${formatMetres(place.ce90_m)}` : "no place"}
+          {state.videos.value.length > 1 && ` · ${videos.length === 1 ? baseName(videos[0] ?? "") : plural(videos.length, "video")}`}
         </div>
-        <div class="facts">{place ? `± ${formatMetres(place.ce90_m)}` : "no place"}</div>
       </div>
       <div class="side">
         <span class="score" title={explainScore(object.score)}>
-          {object.score.toFixed(2)}
+          {formatScore(object.score)}
         </span>
         <span class="muted">{plural(object.frames, "frame")}</span>
         <VerdictMark object={object} />
@@ -283,23 +282,24 @@ function Order() {
 
 function Save() {
   return (
-    <select
-      class="field save"
-      aria-label="Save the objects that match"
+    <Menu
+      label="Save"
       title="Save the objects that match the filters"
-      value=""
-      onChange={(event) => {
-        const kind = event.currentTarget.value;
-        event.currentTarget.value = "";
-        if (kind === "csv" || kind === "geojson") void save.saveList(kind);
-      }}
-    >
-      <option value="" disabled hidden>
-        Save
-      </option>
-      <option value="csv">Table (CSV)</option>
-      <option value="geojson">Map (GeoJSON)</option>
-    </select>
+      items={[
+        { label: "Table (CSV)", choose: () => void save.saveList("csv") },
+        { label: "Map (GeoJSON)", choose: () => void save.saveList("geojson") },
+      ]}
+    />
+  );
+}
+
+/** What a place in the search field lacks, or what is taken for granted. */
+function SearchHint() {
+  const { hint } = parseQuery(state.filters.value.text);
+  return (
+    <p class="hint" role="status" hidden={hint === null}>
+      {hint}
+    </p>
   );
 }
 
@@ -385,18 +385,29 @@ export function ObjectList() {
               Clear filters
             </button>
           )}
+          <button
+            class="chip filters-button"
+            aria-expanded={areFiltersOpen.value}
+            aria-controls="filters"
+            onClick={() => (areFiltersOpen.value = !areFiltersOpen.value)}
+          >
+            Filters
+          </button>
           {all > 0 && <Save />}
         </div>
+        <SearchHint />
         {reviews.marked.value.size > 0 && <Marked />}
         {isNew && (
           <button class="button new" onClick={() => void load.showNew()}>
             {plural(all - (objects.listedAll.value ?? all), "new object")}: show
           </button>
         )}
-        <Chips />
-        {all > 0 && <Order />}
-        {all > 0 && <Threshold />}
-        {all > 0 && <Learnt />}
+        <div id="filters" class="filters" data-open={areFiltersOpen.value}>
+          <Chips />
+          {all > 0 && <Order />}
+          {all > 0 && <Threshold />}
+          {all > 0 && <Learnt />}
+        </div>
       </div>
       {project.state === "loading" && <Loading />}
       {project.state === "failed" && (

@@ -2,7 +2,7 @@
 // It needs no internet: land from world-atlas, a metric grid, and the frame itself laid on the ground.
 import "maplibre-gl/dist/maplibre-gl.css";
 
-import { effect, signal } from "@preact/signals";
+import { effect, signal, untracked } from "@preact/signals";
 import type { FeatureCollection } from "geojson";
 import type { GeometryCollection, Topology } from "topojson-specification";
 import type { CanvasSource, GeoJSONSource, LngLatBoundsLike, Map as MapLibre, VectorTileSource } from "maplibre-gl";
@@ -13,11 +13,11 @@ import { tilesUrl } from "../api/client";
 import type { CameraPath, FoundObject, Project } from "../api/types";
 import { messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
-import { formatMetres, formatPosition } from "../logic/format";
+import { baseName, formatMetres, formatPosition, formatTime } from "../logic/format";
 import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing } from "../logic/geo";
 import { me } from "../me";
-import { lastReview } from "../objects";
-import { showPlace } from "../places";
+import { lastReview, objectOf, videoObjects } from "../objects";
+import { seenAt, showPlace } from "../places";
 import { frameCanvas, pictureVersion } from "../player";
 import * as notices from "../notices";
 import * as selection from "../selection";
@@ -77,6 +77,13 @@ function boundsOf(path: CameraPath | null): LngLatBoundsLike | null {
   for (const point of path?.points ?? []) {
     all.push(point.position as Position, ...((point.footprint as Position[] | null) ?? []));
   }
+  // What the camera saw is known by its objects alone.
+  if (!path?.points.some((point) => point.footprint)) {
+    for (const id of videoObjects.peek()?.ids ?? []) {
+      const place = objectOf(id)?.place;
+      if (place) all.push([place.longitude_deg, place.latitude_deg]);
+    }
+  }
   if (all.length === 0) {
     const project = state.project.peek();
     return project.state === "ready" ? (project.value.bounds as [number, number, number, number] | null) : null;
@@ -86,6 +93,12 @@ function boundsOf(path: CameraPath | null): LngLatBoundsLike | null {
   const min = (values: number[]) => values.reduce((a, b) => Math.min(a, b));
   const max = (values: number[]) => values.reduce((a, b) => Math.max(a, b));
   return [min(xs), min(ys), max(xs), max(ys)];
+}
+
+/** px at the edges of the map that are left free: its controls stand there. A small map has no room for that. */
+function besideControls(map: MapLibre) {
+  const { clientWidth: width, clientHeight: height } = map.getContainer();
+  return { top: Math.min(52, height / 5), bottom: Math.min(64, height / 5), left: Math.min(28, width / 10), right: Math.min(56, width / 7) };
 }
 
 function updateGrid(map: MapLibre) {
@@ -285,12 +298,14 @@ function connect(map: MapLibre): (() => void)[] {
       if (footprints.length > 0) map.setPaintProperty("coverage", "fill-opacity", Math.max(0.006, Math.min(0.08, 1.2 / footprints.length)));
       const line = points.map((one) => one.position as Position);
       setData("path", line.length > 1 ? collection([feature({ type: "LineString", coordinates: line })]) : EMPTY);
-      const bounds = boundsOf(path);
-      const video = state.videoId.value;
-      if (bounds && path && video !== fittedVideo) {
-        fittedVideo = video;
-        map.fitBounds(bounds, { padding: 40, maxZoom: 20, duration: 0 });
-      }
+    }),
+    effect(() => {
+      const [path, video] = [state.cameraPath.value, state.videoId.value];
+      if (!path || video === fittedVideo || videoObjects.value?.video !== video) return;
+      const bounds = untracked(() => boundsOf(path));
+      if (!bounds) return;
+      fittedVideo = video;
+      map.fitBounds(bounds, { padding: besideControls(map), maxZoom: 20, duration: 0 });
     }),
     effect(() => {
       void pictureVersion.value;
@@ -327,7 +342,7 @@ function connect(map: MapLibre): (() => void)[] {
     effect(() => {
       const show = () => {
         const bounds = boundsOf(state.cameraPath.peek());
-        if (bounds) map.fitBounds(bounds, { padding: 40, maxZoom: 20, duration: calm });
+        if (bounds) map.fitBounds(bounds, { padding: besideControls(map), maxZoom: 20, duration: calm });
       };
       if (fitRequest.value > 0) show();
     }),
@@ -336,10 +351,23 @@ function connect(map: MapLibre): (() => void)[] {
 
 const fitRequest = signal(0);
 
+const hasPlaces = () => state.project.value.state === "ready" && state.project.value.value.bounds !== null;
+
+/** When and by which video the ground under the pointer was shown. */
+function Seen() {
+  const at = pointer.value;
+  const seen = at && seenAt(at);
+  if (!seen) return null;
+  return (
+    <div class="readout seen">
+      shown at {formatTime(seen.time)} by {baseName(state.videos.value.find((one) => one.id === seen.video)?.name ?? "")}
+    </div>
+  );
+}
+
 function Nowhere() {
   const path = state.cameraPath.value;
-  const hasPlaces = state.project.value.state === "ready" && state.project.value.value.bounds !== null;
-  if (path === null || path.source !== null || hasPlaces) return null;
+  if (path === null || path.source !== null || hasPlaces()) return null;
   return (
     <div class="empty">
       <h3>No places</h3>
@@ -356,48 +384,56 @@ export function MapPane() {
   const container = useMap();
   const at = pointer.value;
   const toggle = (text: string, title: string, value: typeof isDraped) => (
-    <button class="button" aria-pressed={value.value} title={title} onClick={() => (value.value = !value.value)}>
-      {text}
+    <button class="button toggle" aria-pressed={value.value} title={title} onClick={() => (value.value = !value.value)}>
+      <span class="tick-box">{value.value && <Icon name="accept" />}</span> {text}
     </button>
   );
   const path = state.cameraPath.value;
   return (
     <section class="map" aria-label="Where the objects are">
-      <div class="canvas" ref={container} data-ready={isReady.value} />
-      <div class="tools">
-        {toggle("Frame", "Lay the frame on the ground that it shows", isDraped)}
-        {toggle("Follow", "Keep the camera in the middle", isFollowing)}
-        <button class="button" title="Show the whole flight" onClick={() => fitRequest.value++}>
-          All
-        </button>
-        <button class="button" aria-pressed={state.isDrawingArea.value} title="Draw an area to filter by it (D)" onClick={toggleDrawing}>
-          Area
-        </button>
-      </div>
-      {baseMap.value && baseMap.value.attribution !== "" && <div class="attribution">{baseMap.value.attribution}</div>}
-      {hover.value && (
-        <div class="tip" style={{ left: `${hover.value.x}px`, top: `${hover.value.y}px` }}>
-          {hover.value.text}
+      <div class="on-map">
+        <div class="canvas" ref={container} data-ready={isReady.value} />
+        <div class="tools" role="group" aria-label="Map">
+          {toggle("Frame", "Lay the frame on the ground that it shows", isDraped)}
+          {toggle("Follow", "Keep the camera in the middle", isFollowing)}
+          <button class="button" title="Show the whole flight" onClick={() => fitRequest.value++}>
+            <Icon name="fit" /> All
+          </button>
+          <button class="button" aria-pressed={state.isDrawingArea.value} title="Draw an area to filter by it (D)" onClick={toggleDrawing}>
+            <Icon name="area" /> Area
+          </button>
         </div>
-      )}
-      <AreaPanel />
-      <div class="panel" hidden={state.isDrawingArea.value}>
-        {path?.reason && path.source !== null && (
-          <div class="readout" title={path.reason}>
-            <Icon name="help" /> {path.source === "sightings" ? "camera path from sightings only" : "ground shown is unknown"}
+        {baseMap.value && baseMap.value.attribution !== "" && <div class="attribution">{baseMap.value.attribution}</div>}
+        {hover.value && (
+          <div class="tip" style={{ left: `${hover.value.x}px`, top: `${hover.value.y}px` }}>
+            {hover.value.text}
           </div>
         )}
-        <div class="readout">
-          {at ? formatPosition(at[1], at[0], state.coordinateStyle.value) : "North up"}
-          {spacing.value !== null && ` · grid ${formatMetres(spacing.value).replace(/\.0 m$/, " m")}`}
+        <div class="panel">
+          {path?.reason && path.source !== null && (
+            <div class="readout reason" title={path.reason}>
+              <Icon name="help" /> <span>{path.source === "sightings" ? "camera path from sightings only" : "ground shown is unknown"}</span>
+            </div>
+          )}
+          {path !== null && path.source === null && hasPlaces() && (
+            <div class="readout reason" title="KLV in the video, a DJI .SRT beside it, or a table of telemetry would give its camera and its objects a place">
+              <Icon name="help" /> <span>this video has no telemetry: no camera, no places</span>
+            </div>
+          )}
+          <Seen />
+          <div class="readout">
+            {at ? formatPosition(at[1], at[0], state.coordinateStyle.value) : "North up"}
+            {spacing.value !== null && ` · grid ${formatMetres(spacing.value).replace(/\.0 m$/, " m")}`}
+          </div>
         </div>
+        {failure.value && (
+          <div class="empty" role="alert">
+            {failure.value}
+          </div>
+        )}
+        <Nowhere />
       </div>
-      {failure.value && (
-        <div class="empty" role="alert">
-          {failure.value}
-        </div>
-      )}
-      <Nowhere />
+      <AreaPanel />
     </section>
   );
 }

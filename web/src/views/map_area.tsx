@@ -2,7 +2,7 @@
 import { effect, signal } from "@preact/signals";
 import type { FeatureCollection } from "geojson";
 import type { Map as MapLibre, MapMouseEvent } from "maplibre-gl";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 
 import { type Area, MAX_CORNERS, formatArea, isArea, nearestCorner, onOneGlobe, parseArea, rectangle } from "../logic/area";
 import type { Position } from "../logic/geo";
@@ -94,7 +94,13 @@ export function AreaPanel() {
   const isDrawing = state.isDrawingArea.value;
   const area = state.filters.value.area;
   const [text, setText] = useState("");
-  useEffect(() => setText(area ? formatArea(area) : ""), [isDrawing]);
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => {
+    setText(area ? formatArea(area) : "");
+    // Zoomed, the map may stand far below what is shown.
+    field.current?.closest(".map")?.scrollIntoView({ block: "nearest" });
+    field.current?.focus({ preventScroll: true });
+  }, [isDrawing]);
   if (!isDrawing) return null;
   const typed = parseArea(text);
   const isWrong = text.trim() !== "" && typed === null;
@@ -106,6 +112,11 @@ export function AreaPanel() {
         event.preventDefault();
         finish(draft.value.length >= 3 ? draft.value : (typed ?? []));
       }}
+      onKeyDown={(event) => {
+        if (event.key !== "Escape") return;
+        event.preventDefault();
+        toggleDrawing();
+      }}
     >
       <span>Drag a rectangle, or click corners (the last twice)</span>
       <label class="hidden" for="area-corners">
@@ -114,6 +125,7 @@ export function AreaPanel() {
       <div class="corners">
         <input
           id="area-corners"
+          ref={field}
           class="field"
           autocomplete="off"
           spellcheck={false}

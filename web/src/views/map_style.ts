@@ -32,6 +32,9 @@ export function makeStyle(tiles: string, base: BaseMap | null): StyleSpecificati
   const colour = byModel(state.colourOf, "#e69f00");
   const opacity: ExpressionSpecification = ["case", ["to-boolean", ["get", "matches"]], 1, 0.25];
   const isRejected: ExpressionSpecification = ["==", ["coalesce", ["feature-state", "verdict"], ["get", "verdict"]], "rejected"];
+  // The arrow of the heading stands there: the name gives way.
+  const heading: ExpressionSpecification = ["%", ["+", ["coalesce", ["get", "heading"], 270], 360], 360];
+  const pointsEast: ExpressionSpecification = ["all", [">", heading, 40], ["<", heading, 140]];
   const geojson = () => ({ type: "geojson" as const, data: EMPTY });
   return {
     version: 8,
@@ -195,7 +198,7 @@ export function makeStyle(tiles: string, base: BaseMap | null): StyleSpecificati
           "icon-rotate": ["get", "heading"],
           "icon-rotation-alignment": "map",
           "icon-allow-overlap": true,
-          "icon-offset": [0, -14],
+          "icon-offset": [0, -18],
         },
         paint: { "icon-opacity": opacity },
       },
@@ -207,7 +210,7 @@ export function makeStyle(tiles: string, base: BaseMap | null): StyleSpecificati
         layout: {
           "icon-image": ["concat", "name:", byModel((name) => name, "")],
           "icon-anchor": "left",
-          "icon-offset": [11, 0],
+          "icon-offset": ["case", pointsEast, ["literal", [26, 0]], ["literal", [11, 0]]],
           "icon-padding": 2,
           "symbol-sort-key": ["-", 0, ["get", "score"]],
         },

@@ -72,6 +72,14 @@ export function Timeline() {
     selection.showTime(video, part * length.value);
   };
   const time = state.shownTime.value ?? 0;
+  const keys = (event: KeyboardEvent) => {
+    const page = length.value / 10;
+    const to = { Home: 0, End: length.value, PageUp: time + page, PageDown: time - page }[event.key];
+    if (event.key === "ArrowUp" || event.key === "ArrowDown") selection.stepFrame(event.key === "ArrowUp" ? 1 : -1);
+    else if (to !== undefined && video !== null) selection.showTime(video, Math.min(Math.max(to, 0), length.value));
+    else return;
+    event.preventDefault();
+  };
   return (
     <div class="timeline" aria-label="Time line" role="group">
       <div class="over" style={{ height: `${24 + 22 * (lanes.value.length + followed.value.length)}px` }}>
@@ -84,6 +92,7 @@ export function Timeline() {
           ref={track}
           onPointerDown={scrub}
           onPointerMove={scrub}
+          onKeyDown={keys}
           role="slider"
           tabIndex={0}
           aria-label="Time"

@@ -3,8 +3,8 @@ import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { followed } from "../followed";
-import { baseName, formatTime } from "../logic/format";
-import { type Fit, boxBetween, boxCentres, drawSighting, drawTrail, fit, hit } from "../logic/overlay";
+import { baseName, formatScore, formatTime } from "../logic/format";
+import { type DrawnSighting, type Fit, boxBetween, boxCentres, drawSightings, drawTrail, fit, hit } from "../logic/overlay";
 import * as jobs from "../jobs";
 import { objectOf } from "../objects";
 import { frameCanvas, pictureVersion, playbackRate, player, unplayable } from "../player";
@@ -22,7 +22,7 @@ export const togglePlay = () => player.togglePlay();
 /** Lets the next drag box an object in the frame, or not. */
 export function toggleBoxing() {
   if (!state.isBoxing.value && !jobs.canAdd.value) {
-    notices.notify("Searching for a boxed object needs a server with --models, and the role analyst.", "error");
+    notices.notify(jobs.whyNotAdd(), "error");
     return;
   }
   if (state.isPlaying.value) togglePlay();
@@ -52,31 +52,45 @@ function draw(canvas: HTMLCanvasElement) {
   const sightings = [...sightingsAt(frame)].sort(
     (a, b) => Number(a.object_id === selected) - Number(b.object_id === selected),
   );
-  for (const sighting of sightings) {
+  const drawn = sightings.map((sighting): DrawnSighting => {
     const object = objectOf(sighting.object_id);
     const name = state.modelName(sighting.model_id);
-    const colour = state.colourOf(name);
     const isSelected = sighting.object_id === selected;
-    if (isSelected) drawTrail(context, trailOf(sighting.object_id, frame, TRAIL_FRAMES), colour, at);
     const isRejected = object?.review?.verdict === "rejected";
     const isGreyed = object !== undefined && !matches(object);
-    const drawn = { sighting, label: `${name} ${sighting.score.toFixed(2)}`, colour, isSelected, isGreyed, isRejected };
-    drawSighting(context, drawn, { width: videoWidth, height: videoHeight }, at, width);
-  }
-  drawFollowed(context, frame, { width: videoWidth, height: videoHeight }, at, width);
+    return { sighting, label: name, colour: state.colourOf(name), isSelected, isGreyed, isRejected };
+  });
+  const chosen = drawn.find((one) => one.isSelected);
+  if (chosen && selected !== null) drawTrail(context, trailOf(selected, frame, TRAIL_FRAMES), chosen.colour, at);
+  drawn.push(...followedIn(context, frame, at));
+  drawSightings(context, drawn, { width: videoWidth, height: videoHeight }, at, width);
 }
 
-/** What a user boxed and had followed. */
-function drawFollowed(context: CanvasRenderingContext2D, frame: number, size: { width: number; height: number }, at: Fit, areaWidth: number) {
-  for (const one of followed.value) {
+/** What a user boxed and had followed; draws its trails. */
+function followedIn(context: CanvasRenderingContext2D, frame: number, at: Fit): DrawnSighting[] {
+  return followed.value.flatMap((one) => {
     const row = one.byFrame.get(frame);
-    if (!row) continue;
+    if (!row) return [];
     const trail = boxCentres(frame, TRAIL_FRAMES, (before) => one.byFrame.get(before)?.box);
     drawTrail(context, trail, state.FOLLOWED_COLOUR, at);
     const sighting = { box: [...row.box], outline: [], source: "recognised" as const };
-    const drawn = { sighting, label: one.name, isLabelInside: true, colour: state.FOLLOWED_COLOUR, isSelected: false, isGreyed: false, isRejected: false };
-    drawSighting(context, drawn, size, at, areaWidth);
-  }
+    return { sighting, label: one.name, isLabelInside: true, colour: state.FOLLOWED_COLOUR, isSelected: false, isGreyed: false, isRejected: false };
+  });
+}
+
+/** What lies under a point of the area that shows the frame. */
+function sightingUnder(target: HTMLCanvasElement, x: number, y: number) {
+  const [frame, video] = [state.shownFrame.value, state.video.value];
+  if (frame === null || !video) return null;
+  const at = fit(video.width_px, video.height_px, target.clientWidth, target.clientHeight);
+  return hit(sightingsAt(frame), (x - at.x) / at.scale, (y - at.y) / at.scale);
+}
+
+/** Says what is under the pointer. The score is that of one frame, not that of the object in the list. */
+function explain(target: HTMLCanvasElement, x: number, y: number) {
+  const found = sightingUnder(target, x, y);
+  const how = found?.source === "tracked" ? "tracked to this frame" : "recognised in this frame";
+  target.title = found ? `${state.modelName(found.model_id)} ${found.object_id}: ${how}, score of the frame ${formatScore(found.score)}` : "";
 }
 
 function Stage() {
@@ -116,6 +130,7 @@ function Stage() {
   };
   const move = (event: PointerEvent) => {
     if (drag) setDrag({ from: drag.from, to: [event.offsetX, event.offsetY] });
+    else if (canvas.current) explain(canvas.current, event.offsetX, event.offsetY);
   };
   const end = (event: PointerEvent) => {
     const [frame, video, target] = [state.shownFrame.value, state.video.value, canvas.current];
@@ -133,14 +148,8 @@ function Stage() {
   };
   const click = (event: MouseEvent) => {
     if (isBoxing || jobs.askedModel.value !== null) return;
-    const frame = state.shownFrame.value;
-    const video = state.video.value;
-    const target = canvas.current;
-    if (frame !== null && video && target) {
-      const at = fit(video.width_px, video.height_px, target.clientWidth, target.clientHeight);
-      const found = hit(sightingsAt(frame), (event.offsetX - at.x) / at.scale, (event.offsetY - at.y) / at.scale);
-      if (found) return selection.select(found.object_id, { seek: false, push: true });
-    }
+    const found = canvas.current && sightingUnder(canvas.current, event.offsetX, event.offsetY);
+    if (found) return selection.select(found.object_id, { seek: false, push: true });
     togglePlay();
   };
   const video = state.video.value;
@@ -238,7 +247,7 @@ function Controls() {
           <select
             id="video"
             class="field"
-            style={{ maxWidth: "11rem" }}
+            style={{ maxWidth: "9rem" }}
             value={String(state.videoId.value ?? "")}
             onChange={(event) => selection.showTime(Number(event.currentTarget.value), 0)}
           >

@@ -11,7 +11,7 @@ import { Icon } from "./icons";
 
 const pointsOf = (corners: readonly (readonly number[])[]) => corners.map((one) => one.join(",")).join(" ");
 
-function Sheet({ evidence, stage, isWhole }: { evidence: Evidence; stage: number; isWhole: boolean }) {
+function Sheet({ evidence, stage, isWhole, hasLines }: { evidence: Evidence; stage: number; isWhole: boolean; hasLines: boolean }) {
   const { sighting } = evidence;
   const video = state.videos.value.find((one) => one.id === sighting.video_id);
   const [width, height] = [video?.width_px ?? 0, video?.height_px ?? 0];
@@ -35,7 +35,7 @@ function Sheet({ evidence, stage, isWhole }: { evidence: Evidence; stage: number
         <polygon class="outline" points={pointsOf(outline)} clip-path="url(#evidence-frame)" />
         {lines.map(({ from, to, isInlier }, i) => (
           <g key={i} class={isInlier ? "match inlier" : "match"}>
-            <line x1={from[0]} y1={from[1]} x2={to[0]} y2={to[1]} />
+            {hasLines && <line x1={from[0]} y1={from[1]} x2={to[0]} y2={to[1]} />}
             <circle cx={from[0]} cy={from[1]} r={isInlier ? 3 : 1.5} />
             <circle cx={to[0]} cy={to[1]} r={isInlier ? 3 : 1.5} />
           </g>
@@ -67,18 +67,23 @@ function Body({ evidence }: { evidence: Evidence }) {
   const last = evidence.stages.length - 1;
   const [stage, setStage] = useState(last);
   const [isWhole, setIsWhole] = useState(false);
+  const [hasLines, setHasLines] = useState(true);
   const { view } = evidence;
   return (
     <>
       <p class="verdict-text">{verdictOf(evidence)}</p>
       <Stages evidence={evidence} stage={stage} choose={setStage} />
-      <Sheet evidence={evidence} stage={stage} isWhole={isWhole} />
+      <Sheet evidence={evidence} stage={stage} isWhole={isWhole} hasLines={hasLines} />
       <div class="below">
         <span class="muted">
           {view.azimuth_deg === null || view.off_nadir_deg === null
             ? `Photo ${view.index + 1} of the model`
             : `View ${view.index}: azimuth ${view.azimuth_deg.toFixed(0)}°, ${view.off_nadir_deg.toFixed(0)}° off nadir`}
         </span>
+        <label class="check">
+          <input type="checkbox" checked={hasLines} onChange={(event) => setHasLines(event.currentTarget.checked)} />
+          Lines
+        </label>
         <label class="check">
           <input type="checkbox" checked={isWhole} onChange={(event) => setIsWhole(event.currentTarget.checked)} />
           Whole frame
