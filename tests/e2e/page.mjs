@@ -486,7 +486,7 @@ async function videos(page) {
   for (const { id, moments } of objects) {
     const own = new Set(moments.map((one) => one.video_id));
     const wanted = own.size > 1 ? `${own.size} videos` : all.find((one) => own.has(one.id)).name.replace(/.*\//, "");
-    await becomes(() => page.locator(`#object-${id} .facts`).last().innerText(), new RegExp(`· ${wanted}$`));
+    await becomes(() => page.locator(`#object-${id} .where`).innerText(), wanted);
   }
   // The middle of the map shows the camera's path; its ground says when, and a click goes there.
   await page.waitForSelector(".map .canvas[data-ready=true]");

@@ -85,20 +85,26 @@ function Position({ object }: { object: FoundObject }) {
       {text}{" "}
       <button class="link" aria-label="Copy the position" title="Copy" onClick={() => void copy(text)}>
         copy
-      </button>{" "}
-      <select
-        class="link"
-        aria-label="Coordinates as"
-        value={style}
-        onChange={(event) => (state.coordinateStyle.value = event.currentTarget.value as CoordinateStyle)}
-      >
-        {COORDINATE_STYLES.map((one) => (
-          <option key={one} value={one}>
-            {STYLE_NAMES[one]}
-          </option>
-        ))}
-      </select>
+      </button>
     </dd>
+  );
+}
+
+/** How coordinates are written, here and on the map. */
+function CoordinateChoice() {
+  return (
+    <select
+      class="link"
+      aria-label="Coordinates as"
+      value={state.coordinateStyle.value}
+      onChange={(event) => (state.coordinateStyle.value = event.currentTarget.value as CoordinateStyle)}
+    >
+      {COORDINATE_STYLES.map((one) => (
+        <option key={one} value={one}>
+          {STYLE_NAMES[one]}
+        </option>
+      ))}
+    </select>
   );
 }
 
@@ -143,7 +149,10 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
           </div>
         )}
         <div class="wide">
-          <dt>Position (WGS 84)</dt>
+          <dt>
+            Position (WGS 84)
+            {place && <CoordinateChoice />}
+          </dt>
           <Position object={object} />
         </div>
         <div>

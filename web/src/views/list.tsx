@@ -74,7 +74,9 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
   const isSelected = state.selectedId.value === object.id;
   const isMarked = reviews.marked.value.has(object.id);
   const place = object.place;
+  const accuracy = place ? `± ${formatMetres(place.ce90_m)}` : "no place";
   const videos = state.videosOf(object);
+  const areSeveral = state.videos.value.length > 1;
   return (
     <div
       id={`object-${object.id}`}
@@ -95,23 +97,26 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
         {isMarked && <span class="mark"><Icon name="accept" /></span>}
         <Picture src={thumbnailUrl(object.id, 168)} alt="" width={84} height={63} />
       </div>
-      <div>
-        <div class="name">
-          <span class="swatch" style={{ background: state.colourOf(object.model) }} />
-          <span>{object.model}</span>
+      <div class="lines">
+        <div class="line">
+          <div class="name">
+            <span class="swatch" style={{ background: state.colourOf(object.model) }} />
+            <span>{object.model}</span>
+          </div>
+          <span class="score" title={explainScore(object.score)}>
+            {formatScore(object.score)}
+          </span>
         </div>
-        <div class="facts">{formatSpan(object.first_time_s, object.last_time_s)}</div>
-        <div class="facts" title={videos.join("\n")}>
-          {place ? `± ${formatMetres(place.ce90_m)}` : "no place"}
-          {state.videos.value.length > 1 && ` · ${videos.length === 1 ? baseName(videos[0] ?? "") : plural(videos.length, "video")}`}
+        <div class="line">
+          <div class="facts">{formatSpan(object.first_time_s, object.last_time_s)}</div>
+          <span class="facts">{areSeveral ? accuracy : plural(object.frames, "frame")}</span>
         </div>
-      </div>
-      <div class="side">
-        <span class="score" title={explainScore(object.score)}>
-          {formatScore(object.score)}
-        </span>
-        <span class="muted">{plural(object.frames, "frame")}</span>
-        <VerdictMark object={object} />
+        <div class="line">
+          <div class="facts where" title={areSeveral ? videos.join("\n") : undefined}>
+            {!areSeveral ? accuracy : videos.length === 1 ? baseName(videos[0] ?? "") : plural(videos.length, "video")}
+          </div>
+          <VerdictMark object={object} />
+        </div>
       </div>
     </div>
   );

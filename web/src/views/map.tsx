@@ -98,7 +98,7 @@ function boundsOf(path: CameraPath | null): LngLatBoundsLike | null {
 /** px at the edges of the map that are left free: its controls stand there. A small map has no room for that. */
 function besideControls(map: MapLibre) {
   const { clientWidth: width, clientHeight: height } = map.getContainer();
-  return { top: Math.min(52, height / 5), bottom: Math.min(64, height / 5), left: Math.min(28, width / 10), right: Math.min(56, width / 7) };
+  return { top: Math.min(52, height / 5), bottom: Math.min(64, height / 5), left: Math.min(28, width / 10), right: Math.min(90, width / 4) };
 }
 
 function updateGrid(map: MapLibre) {

@@ -18,10 +18,13 @@ function Sheet({ evidence, stage, isWhole, hasLines }: { evidence: Evidence; sta
   const region = isWhole && width > 0 ? [0, 0, width, height] : evidence.region;
   const { view, frame, lines, hidden } = layOut(evidence, stage, region);
   const name = STAGES[evidence.stages[stage]?.name ?? "inliers"];
+  // Hundreds of lines upon each other must not hide what they lead to.
+  const opacity = Math.max(0.06, Math.min(0.3, 20 / Math.max(lines.length, 1)));
+  const radius = lines.length > 100 ? 2 : 3;
   const outline = (evidence.pose?.outline ?? []).map((corner) => placeOn(frame, corner));
   return (
     <figure class="evidence">
-      <svg viewBox={`0 0 ${SHEET.width} ${SHEET.height}`} role="img" aria-label={`${lines.length} matches between view and frame`}>
+      <svg viewBox={`0 0 ${SHEET.width} ${SHEET.height}`} role="img" aria-label={`${lines.length} matches between view and frame`} style={{ "--line-opacity": opacity }}>
         <clipPath id="evidence-frame">
           <rect x={frame.left} y={frame.top} {...sizeOf(frame)} />
         </clipPath>
@@ -36,8 +39,8 @@ function Sheet({ evidence, stage, isWhole, hasLines }: { evidence: Evidence; sta
         {lines.map(({ from, to, isInlier }, i) => (
           <g key={i} class={isInlier ? "match inlier" : "match"}>
             {hasLines && <line x1={from[0]} y1={from[1]} x2={to[0]} y2={to[1]} />}
-            <circle cx={from[0]} cy={from[1]} r={isInlier ? 3 : 1.5} />
-            <circle cx={to[0]} cy={to[1]} r={isInlier ? 3 : 1.5} />
+            <circle cx={from[0]} cy={from[1]} r={isInlier ? radius : 1.5} />
+            <circle cx={to[0]} cy={to[1]} r={isInlier ? radius : 1.5} />
           </g>
         ))}
       </svg>
