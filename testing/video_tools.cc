@@ -1,6 +1,8 @@
 #include "testing/video_tools.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -251,6 +253,31 @@ int DecodeImageNumber(const cv::Mat& image) {
 }
 
 void WriteTestVideo(const std::filesystem::path& path, const TestVideo& video) { Muxer(path, video).Write(); }
+
+void BeginEditListAt(const std::filesystem::path& path, double begin_s) {
+  std::string bytes = ReadBytes(path);
+  const auto find = [&](const char* box) {
+    const std::size_t at = bytes.find(box);
+    VICTORIOUS_CHECK(at != std::string::npos && bytes[at + 4] == 0);  // version 0: 32-bit times
+    return at + 8;                                                    // behind version and flags
+  };
+  const auto read = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+    return value;
+  };
+  const auto write = [&](std::size_t at, std::uint32_t value) {
+    for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (24 - 8 * i));
+  };
+  const auto ticks = [&](const char* box) {
+    return static_cast<std::uint32_t>(std::lround(begin_s * read(find(box) + 8)));
+  };
+  const std::size_t list = find("elst");
+  VICTORIOUS_CHECK(read(list) == 1);                // entries: duration, media time, rate
+  write(list + 4, read(list + 4) - ticks("mvhd"));  // of the whole
+  write(list + 8, read(list + 8) + ticks("mdhd"));
+  WriteBytes(path, bytes);
+}
 
 std::vector<std::int64_t> SteadyTimes(int count, std::int64_t step) {
   std::vector<std::int64_t> times;

@@ -47,6 +47,10 @@ struct TestVideo {
 /// Writes the video; a failed check aborts the test if FFmpeg returns an error.
 void WriteTestVideo(const std::filesystem::path& path, const TestVideo& video);
 
+/// Moves the beginning of an MP4 of one stream, with B-frames, to a time: its edit list leaves out what comes before,
+/// which a decoder may need. A failed check aborts the test if there is no edit list.
+void BeginEditListAt(const std::filesystem::path& path, double begin_s);
+
 /// Returns `count` equidistant time stamps: 0, step, 2 step, …
 std::vector<std::int64_t> SteadyTimes(int count, std::int64_t step);
 

@@ -1,11 +1,14 @@
 // draw_numbers FILE: writes a video whose frames show their own numbers (0 to 89, as black and white fields along the
 // upper edge), with B-frames. For the tests that box and frame belong together. FILE.mp4 and FILE.ts have H.264 at a
-// varying rate, FILE.mpg MPEG-1 at a steady one.
+// varying rate, FILE.mpg MPEG-1 at a steady one. FILE.edit.mp4 has ten more frames, numbered 200 to 209, before them,
+// which its edit list leaves out.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include <opencv2/core/mat.hpp>
 
 #include "testing/video_tools.h"
 
@@ -14,13 +17,19 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "draw_numbers: give a file: draw_numbers FILE.mp4|.ts|.mpg\n");
     return 2;
   }
+  const std::filesystem::path path = argv[1];
+  const std::string ending = path.extension();
+  const int left_out = path.stem().extension() == ".edit" ? 10 : 0;
   std::vector<std::int64_t> pts;
+  std::vector<cv::Mat> images;
   std::int64_t time = 0;
-  for (int frame = 0; frame < 90; ++frame) {
+  std::int64_t begin = 0;
+  for (int frame = -left_out; frame < 90; ++frame) {
+    if (frame == 0) begin = time;
     pts.push_back(time);
-    time += 20 + 13 * (frame % 7) + (frame % 30 == 29 ? 400 : 0);
+    images.push_back(victorious::testing::NumberedImage(frame < 0 ? 210 + frame : frame, {320, 240}));
+    time += 20 + 13 * ((frame + left_out) % 7) + (frame % 30 == 29 ? 400 : 0);
   }
-  const std::string ending = std::filesystem::path(argv[1]).extension();
   if (ending == ".mpg") {
     victorious::testing::WriteTestVideo(argv[1], {.muxer = "mpeg",
                                                   .encoder = "mpeg1video",
@@ -34,7 +43,9 @@ int main(int argc, char** argv) {
                                                 .size = {320, 240},
                                                 .time_base_hz = 1000,
                                                 .pts = pts,
+                                                .images = images,
                                                 .max_b_frames = 3,
                                                 .key_frame_interval = 30});
+  if (left_out > 0) victorious::testing::BeginEditListAt(path, 1e-3 * static_cast<double>(begin));
   return 0;
 }

@@ -59,6 +59,30 @@ TEST(FrameTimes, EqualThoseOfTheReader) {
   }
 }
 
+// The first frames are decoded, but not shown: times and frames begin behind them.
+TEST(FrameTimes, ObeyAnEditList) {
+  const ScratchFolder folder;
+  const auto path = folder / "edited.mp4";
+  WriteTestVideo(path, {.time_base_hz = 10, .pts = SteadyTimes(40, 1), .max_b_frames = 3, .key_frame_interval = 20});
+  testing::BeginEditListAt(path, 0.7);
+  const std::vector<double> decoded = DecodedTimes(path);
+  ASSERT_EQ(decoded.size(), 33U);
+  EXPECT_DOUBLE_EQ(decoded.front(), 0);
+  const auto times = ReadFrameTimes(path.string(), std::ssize(decoded), {});
+  ASSERT_TRUE(times) << times.error().message;
+  ASSERT_EQ(times->size(), decoded.size());
+  for (std::size_t i = 0; i < decoded.size(); ++i) EXPECT_NEAR((*times)[i], decoded[i], 1e-9) << i;
+  const auto reader = VideoReader::Open(path.string(), {});
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_EQ(testing::DecodeImageNumber((**(*reader)->NextFrame()).image), 7);
+  ASSERT_TRUE((*reader)->SeekTo(decoded[20]));
+  std::optional<Frame> frame;  // the key frame before it comes first
+  do frame = (*reader)->NextFrame().value();
+  while (frame && frame->time_s < decoded[20] - 1e-6);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(testing::DecodeImageNumber(frame->image), 27);
+}
+
 // A file cut off in its middle: the packet that is cut is read, but not decoded.
 TEST(FrameTimes, FollowTheNumberOfDecodedFrames) {
   const ScratchFolder folder;
