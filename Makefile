@@ -47,8 +47,8 @@ test:
 demo: victorious
 	./tools/demo.sh build/victorious scenes/demo.json assets/models demo
 
-# Opens the page on the demo's index, which `make demo` makes if it is not there.
-demo/index.db:
+# What the page shows, if it is not there.
+demo/index.db demo/flight/video.telemetry.csv &:
 	$(MAKE) demo
 
 # The demo by four workers on two nodes of a Slurm cluster, with PostgreSQL, all on this machine; as root.
@@ -56,8 +56,9 @@ demo-cluster: victorious | demo/index.db
 	./tools/install_packages.sh --cluster
 	./tools/demo_cluster.sh build/victorious scenes/demo.json demo demo/cluster
 
-serve: victorious | demo/index.db
-	build/victorious serve --db demo/index.db --models demo/models --telemetry demo/flight/telemetry.csv
+# Serves the page on the demo's index, and opens it in a browser where there is one.
+serve: victorious | demo/index.db demo/flight/video.telemetry.csv
+	./tools/serve.sh build/victorious --db demo/index.db --models demo/models
 
 bench: build
 	build/victorious bench

@@ -22,6 +22,8 @@ if [[ ! -e $flight/video.mp4 ]]; then
   say "Simulating a flight over a small town:"
   "$program" simulate "$scene" --out "$flight"
 fi
+# Beside the video, under the name by which every command finds it: the page, too, whatever videos are added there.
+cp "$flight/telemetry.csv" "$flight/video.telemetry.csv"
 
 # Another build may give other results: the models, views and index of an older build are deleted.
 if [[ -e $models && $program -nt $models ]]; then
@@ -47,7 +49,7 @@ for name in $names; do
 done
 
 say "Searching the flight for" $names "at once:"
-"$program" index "$flight/video.mp4" --telemetry "$flight/telemetry.csv" --models "$models" --db "$db"
+"$program" index "$flight/video.mp4" --models "$models" --db "$db"
 
 say "Found, best first:"
 "$program" search --db "$db"
@@ -92,8 +94,8 @@ printf '  %-24s %s\n' \
 cat <<END_OF_TEXT
 
 See it in the browser, the ranked list beside the video and the map:
-  make serve     then open http://127.0.0.1:8080/
-  ($program serve --db $db --models $models --telemetry $flight/telemetry.csv)
+  make serve     at http://127.0.0.1:8080/; opens a browser where there is one
+  ($program serve --db $db --models $models)
 
 Your own CAD file or photos, and your own video:
   $program model add NAME CAD_FILE --models my/models     (glTF, OBJ, AC3D, COLLADA, 3DS, PLY, STL)

@@ -52,7 +52,7 @@ class DemoTest(program.ProgramTest):
         self.finds_the_jet_where_it_is(folder)
         self.assertLess(self.metres_off(self.scratch / "demo"), 1)
         made = self.files()
-        for name in ("finds.jpg", "finds.kml", "finds.geojson", "views/jet.jpg", "flight/video.mp4", "flight/telemetry.csv"):
+        for name in ("finds.jpg", "finds.kml", "finds.geojson", "views/jet.jpg", "flight/video.mp4", "flight/video.telemetry.csv"):
             self.assertIn(f"demo/{name}", made)
         again = self.demo(*arguments)
         self.assertEqual(again.returncode, 0, again.stderr)

@@ -5,6 +5,7 @@ import contextlib
 import functools
 import http.client
 import json
+import os
 import shutil
 import signal
 import socket
@@ -596,6 +597,34 @@ class ServeTest(ServerCase):
             self.succeeds("index", next(Path(f"{db}.uploads").glob(f"*/{name}")), "--models", program.models(), "--db", alone)
             expected = program.run("export", "--db", alone, "--format", "sightings").rows()
             self.assertEqual([(one["frame"], one["box"]) for one in rows], [(one["frame"], one["box"]) for one in expected])
+
+    def test_serve_script_opens_the_page(self):
+        """tools/serve.sh: in a browser where there is one; the address is printed in any case."""
+        opened = self.scratch / "opened"
+        browser = self.write("bin/xdg-open", f"#!/bin/sh\necho $1 >{opened}\n")
+        browser.chmod(0o755)
+        without = self.scratch / "without"
+        without.mkdir()
+        for tool in ("bash", "uname"):
+            (without / tool).symlink_to(shutil.which(tool))
+        command = [program.REPOSITORY / "tools" / "serve.sh", program.PROGRAM, "--db", self.db, "--listen", "127.0.0.1:0"]
+        paths = {"none": str(without), "xdg-open": f"{browser.parent}:{without}"}
+        for display, tools in (("", "xdg-open"), (":1", "none"), (":1", "xdg-open")):
+            environment = os.environ | {"DISPLAY": display, "WAYLAND_DISPLAY": "", "PATH": paths[tools]}
+            served = subprocess.Popen(
+                list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment,
+                start_new_session=True,
+            )  # fmt: skip
+            address = served.stdout.readline().strip()
+            self.assertRegex(address, r"^http://127\.0\.0\.1:\d+/$")
+            is_opened = bool(display) and tools == "xdg-open"
+            if is_opened:
+                while not (opened.exists() and opened.read_text()) and served.poll() is None:
+                    time.sleep(0.02)
+                self.assertEqual(opened.read_text().strip(), address)
+            os.killpg(served.pid, signal.SIGINT)
+            served.communicate(timeout=program.TIMEOUT_S)
+            self.assertEqual(opened.exists(), is_opened)
 
     def test_jobs_are_cancelled(self):
         with self.serve("--models", program.models()) as server:
