@@ -22,6 +22,8 @@ import program
 
 API = json.loads((program.REPOSITORY / "api" / "openapi.json").read_text())
 
+HEADER = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
+
 
 def resolve(schema):
     """Follows a reference within the description."""
@@ -479,8 +481,7 @@ class ServeTest(ServerCase):
     def test_clips_of_objects(self):
         """The clip has the frames of one moment and a margin; its telemetry is found with it; the same is made once."""
         rows = [f"{time / 10},{52.5 + 1e-5 * time},13.4,140,0,-80,0,60" for time in range(200)]
-        header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
-        self.video.with_suffix(".telemetry.csv").write_text("\n".join([header, *rows]) + "\n")
+        self.video.with_suffix(".telemetry.csv").write_text("\n".join([HEADER, *rows]) + "\n")
         with self.serve("--models", program.models()) as server:
             found = self.get(server, "/api/v1/objects")["objects"][0]
             moment = found["moments"][0]
@@ -597,6 +598,29 @@ class ServeTest(ServerCase):
             self.succeeds("index", next(Path(f"{db}.uploads").glob(f"*/{name}")), "--models", program.models(), "--db", alone)
             expected = program.run("export", "--db", alone, "--format", "sightings").rows()
             self.assertEqual([(one["frame"], one["box"]) for one in rows], [(one["frame"], one["box"]) for one in expected])
+
+    def test_given_telemetry_is_that_of_one_video(self):
+        """Another video that is added has none: with the file of the first one, its track would have places."""
+        rows = [f"{time / 10},{52.5 + 1e-5 * time},13.4,140,0,-80,0,60" for time in range(200)]
+        table = self.write("table.csv", "\n".join([HEADER, *rows]) + "\n")
+        other = self.scratch / "other.mp4"
+        other.write_bytes(self.video.read_bytes() + bytes(8))
+        box = {"kind": "track", "frame": 3, "box": [40, 40, 80, 60], "type": "truck"}
+        with self.serve("--models", program.models(), "--telemetry", table) as server:
+            job = self.wait_for_job(server, self.post_job(server, kind="index", upload=self.upload(server, other)), "done")
+            for _ in range(int(program.TIMEOUT_S / 0.05)):
+                videos = self.get(server, "/api/v1/videos")["videos"]
+                if len(videos) == 2:
+                    break
+                time.sleep(0.05)
+            self.assertEqual([Path(one["name"]).name for one in videos], ["flight.mp4", "other.mp4"], job)
+            sources = [self.get(server, f"/api/v1/videos/{one['id']}/camera")["source"] for one in videos]
+            self.assertEqual(sources, ["telemetry", None])
+            for one, has_place in zip(videos, (True, False)):
+                job = self.wait_for_job(server, self.post_job(server, **box, video_id=one["id"]), "done")
+                lines = self.ask(server, f"/api/v1/jobs/{job['id']}/files/track")[2].decode().splitlines()
+                places = [json.loads(line).get("latitude_deg") for line in lines]
+                self.assertEqual(any(places), has_place, one["name"])
 
     def test_serve_script_opens_the_page(self):
         """tools/serve.sh: in a browser where there is one; the address is printed in any case."""

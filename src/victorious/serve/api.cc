@@ -71,13 +71,16 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
     VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const auto names, ModelLibrary(options.models).Names());
   }
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<IndexView> index, IndexView::Open(options.index));
+  std::optional<std::int64_t> telemetry_video;
   if (options.telemetry) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index->Lists());
     if (lists->videos.size() != 1) {
-      return Fail(
-          ErrorCode::kInvalidArgument,
-          fmt::format("--telemetry: the index has {} videos: it is for an index of one video", lists->videos.size()));
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("--telemetry: the index has {} videos, and the file belongs to one of them: name it "
+                              "VIDEO.telemetry.csv beside its video, where it is found without the flag",
+                              lists->videos.size()));
     }
+    telemetry_video = lists->videos.front().id;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto access, AccessControl::Open(options.index, index->can_review(), options.server));
   VICTORIOUS_ASSIGN_OR_RETURN(
@@ -85,6 +88,7 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
   const JobFolders folders{
       .index = options.index, .models = options.models, .uploads = options.uploads, .categories = options.categories};
   std::unique_ptr<Api> api(new Api(std::move(options), std::move(index), cancel));
+  api->telemetry_video_ = telemetry_video;
   api->access_ = std::move(access);
   api->thresholds_ = std::move(thresholds);
   VICTORIOUS_ASSIGN_OR_RETURN(api->live_, LiveService::Start(*api->index_, api->copies_, folders));

@@ -41,7 +41,7 @@ namespace victorious {
 struct ApiOptions {
   std::string index;                      ///< by the name that OpenStore takes; without a password
   std::filesystem::path models;           ///< model library, for the images of views; empty: none
-  std::optional<std::string> telemetry;   ///< telemetry file of the index's only video; std::nullopt: found by itself
+  std::optional<std::string> telemetry;   ///< of the only video that the index has; std::nullopt: found by itself
   std::filesystem::path web;              ///< the built page
   std::filesystem::path uploads;          ///< where uploaded files go; created when it is needed
   std::filesystem::path copies;           ///< where the videos go that are made for users; created when it is needed
@@ -195,6 +195,8 @@ class Api {
   /// The model of an id in the address. Errors: those of LoadModel; kNotFound.
   ApiExpected<std::shared_ptr<const ObjectModel>> LoadModelOf(std::string_view id);
   ApiExpected<SightingRecord> ReadSighting(std::int64_t object, QueryReader& query);
+  /// The telemetry file that was given for a video; std::nullopt: that of a video is in it or beside it.
+  [[nodiscard]] std::optional<std::string> TelemetryOf(const VideoRecord& video) const;
   [[nodiscard]] Expected<CameraStates> LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
                                                    const TelemetryOptions& options, const WarningSink& warn);
   /// The body of an answer, at most one at a time.
@@ -203,6 +205,7 @@ class Api {
   [[nodiscard]] Expected<CameraPath> ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m);
 
   ApiOptions options_;
+  std::optional<std::int64_t> telemetry_video_;  ///< id of the video that options_.telemetry belongs to
   std::unique_ptr<IndexView> index_;
   std::unique_ptr<AccessControl> access_;
   std::mutex cluster_mutex_;

@@ -134,11 +134,16 @@ ApiExpected<SightingRecord> Api::ReadSighting(std::int64_t object, QueryReader& 
   return NotFound(fmt::format("object {} has no sighting in frame {} of video {}", object, *frame, *video));
 }
 
+// Videos that are added while the server runs have their own.
+std::optional<std::string> Api::TelemetryOf(const VideoRecord& video) const {
+  return video.id == telemetry_video_ ? options_.telemetry : std::nullopt;
+}
+
 Expected<CameraStates> Api::LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
                                         const TelemetryOptions& options, const WarningSink& warn) {
   VideoInfo info;
   info.duration_s = video.duration_s;
-  return CameraStates::Load(path.string(), info, options_.telemetry, options, "the map has no camera path", warn);
+  return CameraStates::Load(path.string(), info, TelemetryOf(video), options, "the map has no camera path", warn);
 }
 
 Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,

@@ -62,7 +62,7 @@ ApiExpected<Json> Api::TrackInput(const Body& body) {
     input["type"] = word;
     title = word;
   }
-  if (options_.telemetry) input["telemetry"] = *options_.telemetry;
+  if (const auto telemetry = TelemetryOf(*video)) input["telemetry"] = *telemetry;
   input["title"] = fmt::format("{} in {}", title, std::filesystem::path(video->name).filename().string());
   Json content = input;
   content["content"] = video->content_id;

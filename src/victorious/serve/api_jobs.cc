@@ -210,7 +210,7 @@ ApiExpected<Json> Api::ClipInput(const Body& body) {
     if (!given->is_number()) return FailField(name, fmt::format("{}: must be a number of seconds", name));
     input[name] = given->get<double>();
   }
-  if (options_.telemetry) input["telemetry"] = *options_.telemetry;
+  if (const auto telemetry = TelemetryOf(*video)) input["telemetry"] = *telemetry;
   const ModelRecord* model = listed.lists->Model(found.front().object.model);
   input["title"] = fmt::format("{}-{}-{}", model == nullptr ? "object" : model->name, id,
                                std::filesystem::path(video->name).stem().string());

@@ -71,8 +71,13 @@ class ApiTest : public ::testing::Test {
     Open();
   }
 
-  void Open() {
-    auto api = Api::Open({.index = folder_ / "index.db", .models = {}, .telemetry = {}, .web = {}}, cancel_);
+  auto TryToOpen(std::optional<std::string> telemetry) {
+    return Api::Open({.index = folder_ / "index.db", .models = {}, .telemetry = std::move(telemetry), .web = {}},
+                     cancel_);
+  }
+
+  void Open(std::optional<std::string> telemetry = {}) {
+    auto api = TryToOpen(std::move(telemetry));
     ASSERT_TRUE(api) << api.error().message;
     api_ = *std::move(api);
   }
@@ -418,6 +423,29 @@ TEST_F(ApiTest, CameraPathComesFromTelemetry) {
   ASSERT_THAT(camera["points"], SizeIs(2));
   EXPECT_EQ(camera["ground_m"], 40.0) << "that of the located object";
   EXPECT_THAT(camera["points"][0]["footprint"], SizeIs(4));
+}
+
+// A file that is given belongs to the video that the index had, not to those that are added later.
+TEST_F(ApiTest, GivenTelemetryIsThatOfOneVideo) {
+  testing::WriteBytes(folder_ / "table.csv",
+                      "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
+                      "0,52,13,140,0,-90,0,60\n3,52.001,13,140,0,-90,0,60\n");
+  Open((folder_ / "table.csv").string());
+  std::filesystem::copy(folder_ / "flight.mp4", folder_ / "second.mp4");
+  {
+    const auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+    ASSERT_TRUE(store) << store.error().message;
+    ASSERT_TRUE((*store)->PutVideo(
+        {.content_id = "c2", .name = (folder_ / "second.mp4").string(), .width = 320, .height = 240}));
+  }
+  for (int i = 0; i < 500 && Get("/api/v1/videos")["videos"].size() < 2; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(Get("/api/v1/videos/1/camera")["source"], "telemetry");
+  EXPECT_TRUE(Get("/api/v1/videos/2/camera")["source"].is_null());
+  const auto again = TryToOpen((folder_ / "table.csv").string());
+  ASSERT_FALSE(again);
+  EXPECT_THAT(again.error().message, HasSubstr("VIDEO.telemetry.csv"));
 }
 
 TEST_F(ApiTest, IndexWithoutWritePermissionTakesNoReviews) {
