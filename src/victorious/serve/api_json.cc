@@ -145,7 +145,9 @@ Json CountsToJson(const ObjectCounts& counts) {
           {"accepted", counts.accepted},
           {"rejected", counts.rejected},
           {"unreviewed", counts.objects - counts.accepted - counts.rejected},
-          {"scores", counts.scores}};
+          {"scores", counts.scores},
+          {"accepted_scores", counts.accepted_scores},
+          {"rejected_scores", counts.rejected_scores}};
 }
 
 Json SightingToJson(const SightingRecord& sighting) {

@@ -233,6 +233,7 @@ TEST_F(ApiTest, CountsFollowFiltersAndReviews) {
   EXPECT_EQ(all["rejected"], 1);
   EXPECT_EQ(all["unreviewed"], 2);
   EXPECT_EQ(all["scores"][90], 1);
+  EXPECT_EQ(std::tuple(all["scores"][70], all["rejected_scores"][70], all["accepted_scores"][70]), std::tuple(1, 1, 0));
   EXPECT_EQ(Get("/api/v1/objects/counts?min_score=0.75")["objects"], 2);
   EXPECT_EQ(Get("/api/v1/objects/counts?q=jee")["objects"], 3);
   EXPECT_EQ(Get("/api/v1/objects/counts?q=jee+tank")["objects"], 0);

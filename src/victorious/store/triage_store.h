@@ -93,6 +93,8 @@ struct ObjectCounts {
   std::int64_t accepted = 0;
   std::int64_t rejected = 0;
   std::array<std::int64_t, kBins> scores{};  ///< objects with a score in [i, i + 1) hundredths; 1 is in the last
+  std::array<std::int64_t, kBins> accepted_scores{};  ///< the accepted ones of them
+  std::array<std::int64_t, kBins> rejected_scores{};  ///< the rejected ones of them
 };
 
 /// A region between parallels and meridians, radians; it does not cross the antimeridian.

@@ -225,6 +225,22 @@ TEST_P(TriageStoreTest, FiltersSelect) {
   EXPECT_EQ(counts->scores[95], 1);
 }
 
+TEST_P(TriageStoreTest, ScoresAreCountedByVerdict) {
+  ASSERT_TRUE(writer_->PutReview(ids_[2], {Verdict::kAccepted, "", 10, "ann"}));
+  ASSERT_TRUE(writer_->PutReview(ids_[5], {Verdict::kRejected, "", 11, "ann"}));
+  const auto counts = store_->Count({});
+  ASSERT_TRUE(counts) << counts.error().message;
+  const auto at = [&](int bin) {
+    return std::tuple(counts->scores[bin], counts->accepted_scores[bin], counts->rejected_scores[bin]);
+  };
+  EXPECT_EQ(at(80), std::tuple(2, 1, 0));
+  EXPECT_EQ(at(10), std::tuple(1, 0, 1));
+  EXPECT_EQ(at(95), std::tuple(1, 0, 0));
+  const auto rare = store_->Count({.models = {"crane"}});
+  ASSERT_TRUE(rare) << rare.error().message;
+  EXPECT_EQ(rare->accepted_scores[80], 0) << "filters hold for verdicts, too";
+}
+
 TEST_P(TriageStoreTest, DecisionsOfPersonsSelect) {
   ASSERT_TRUE(writer_->PutReview(ids_[0], {Verdict::kAccepted, "", 10, "ann"}));
   ASSERT_TRUE(writer_->PutReview(ids_[1], {Verdict::kAccepted, "", 11, "ann"}));

@@ -151,9 +151,12 @@ class SqlTriageStore final : public TriageStore {
         database_->Visit(sql, ValuesOf(matching), RowCount::kFew, [&](const Row& row) -> Expected<bool> {
           const std::int64_t number = row.Integer(2);
           counts.objects += number;
-          counts.scores[static_cast<std::size_t>(row.Integer(0))] += number;
+          const auto bin = static_cast<std::size_t>(row.Integer(0));
+          counts.scores[bin] += number;
           if (row.IsNull(1)) return true;
-          (row.Text(1) == ToText(Verdict::kAccepted) ? counts.accepted : counts.rejected) += number;
+          const bool is_accepted = row.Text(1) == ToText(Verdict::kAccepted);
+          (is_accepted ? counts.accepted : counts.rejected) += number;
+          (is_accepted ? counts.accepted_scores : counts.rejected_scores)[bin] += number;
           return true;
         }));
     return counts;
