@@ -490,6 +490,7 @@ class ServeTest(ServerCase):
             numbers = {self.post_job(server, **asked, from_s=first_s, to_s=first_s + 0.1) for _ in range(3)}
             job = self.wait_for_job(server, max(numbers), "done")
             self.assertEqual(job["files"], ["clip", "telemetry"])
+            self.assertRegex(job["message"], r"^[\d.]+ s to [\d.]+ s, with telemetry beside it$")
             self.assertEqual(job["title"], f"{found['model']}-{found['id']}-flight")
             status, headers, clip = self.ask(server, f"/api/v1/jobs/{job['id']}/files/clip")
             self.assertEqual((status, headers["Content-Type"], clip[4:8]), (200, "video/mp4", b"ftyp"))
@@ -550,6 +551,7 @@ class ServeTest(ServerCase):
             ):
                 status, _, text = self.ask(server, "/api/v1/jobs", "POST", json.dumps(body))
                 self.assertEqual((status, json.loads(text)["field"]), (400, field), body)
+                self.assertNotIn(f"{field}:", json.loads(text)["message"], "it is for readers, not for programs")
             for upload in ("../../etc", "0" * 16, ""):
                 status, _, text = self.ask(server, "/api/v1/jobs", "POST", json.dumps({"kind": "index", "upload": upload}))
                 self.assertEqual(status, 404, text)

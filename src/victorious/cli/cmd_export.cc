@@ -60,7 +60,7 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
       const std::size_t states,
       WriteClipTelemetry(drawing.video, file, span, out, [](const std::string& line) { LogWarning(OneLine(line)); }));
   LogInfo("{:.2f} s to {:.2f} s, {}", span.from_s, span.to_s,
-          states > 0 ? "with telemetry in " + OneLine(table) : "without telemetry");
+          states > 0 ? "with telemetry beside it" : "without telemetry");
   return {};
 }
 

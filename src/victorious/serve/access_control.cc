@@ -196,7 +196,7 @@ ApiExpected<HttpResponse> AccessControl::RefuseLogIn(const HttpRequest& request,
   }
   VICTORIOUS_RETURN_IF_ERROR(Log({}, "log_in_refused", known ? "account " + known->name : "an unknown account",
                                  DumpJson(Json({{"client", request.client}}))));
-  return Unauthenticated("name or password is wrong");
+  return Unauthenticated("Name or password is wrong");
 }
 
 ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int port) {
@@ -210,12 +210,12 @@ ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int p
   }
   for (const char* member : {"name", "password"}) {
     if (!body->is_object() || !body->contains(member) || !(*body)[member].is_string()) {
-      return FailField(member, fmt::format("{}: must be a text", member));
+      return FailField(member, fmt::format("The {} must be a text", member));
     }
   }
   const auto name = (*body)["name"].get<std::string>();
   const auto password = (*body)["password"].get<std::string>();
-  if (!CheckAccountName(name)) return Unauthenticated("name or password is wrong");
+  if (!CheckAccountName(name)) return Unauthenticated("Name or password is wrong");
   const Running running(log_ins_);
   if (running.number() > kMaxLogIns) return TooManyLogIns(1);
   if (const auto wait_s = limiter_.Take(request.client, name, clock_())) {

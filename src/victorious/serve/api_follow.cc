@@ -34,7 +34,8 @@ ApiExpected<Json> Api::LiveInput(const Body& body) {
   const bool is_live = std::ranges::any_of(
       kLiveSchemes, [&](std::string_view scheme) { return url.starts_with(scheme) && url.size() > scheme.size(); });
   if (!is_live || url.size() > kMaxBytes || !std::ranges::all_of(url, is_plain)) {
-    return FailField("url", "url: must be the address of a live source: rtsp://, rtsps://, udp://, srt:// or rtp://");
+    return FailField("url",
+                     "The address must begin with rtsp://, rtsps://, udp://, srt:// or rtp://, and have no spaces");
   }
   return Json{{"video", url}, {"title", WithoutCredentials(url)}};
 }
@@ -57,7 +58,7 @@ ApiExpected<Json> Api::TrackInput(const Body& body) {
     const std::string word = type->is_string() ? type->get<std::string>() : "";
     const auto is_letter = [](unsigned char c) { return c >= ' ' && c != 0x7f; };
     if (word.empty() || word.size() > kMaxTypeBytes || !std::ranges::all_of(word, is_letter)) {
-      return FailField("type", fmt::format("type: must be a word of at most {} bytes", kMaxTypeBytes));
+      return FailField("type", fmt::format("The type must be one line of at most {} bytes", kMaxTypeBytes));
     }
     input["type"] = word;
     title = word;

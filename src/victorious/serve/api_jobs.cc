@@ -30,7 +30,7 @@ using Body = nlohmann::json;
 ApiExpected<std::string> ReadText(const Body& body, const std::string& name) {
   const auto found = body.find(name);
   if (found != body.end() && found->is_string()) return found->get<std::string>();
-  return FailField(name, name + ": must be a text");
+  return FailField(name, fmt::format("The {} must be a text", name));
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ ApiExpected<HttpResponse> Api::Jobs(const Call& /*call*/) {
 ApiExpected<Api::ListedVideo> Api::ReadVideo(const Body& body) {
   VICTORIOUS_ASSIGN_OR_RETURN(auto lists, index_->Lists());
   const VideoRecord* video = lists->Video(ReadNumber(body, "video_id"));
-  if (video == nullptr) return FailField("video_id", "video_id: not a video of the index");
+  if (video == nullptr) return FailField("video_id", "The video is not in the index");
   return ListedVideo{.lists = std::move(lists), .record = video};
 }
 
@@ -111,7 +111,7 @@ ApiExpected<Json> Api::IndexInput(const Body& body) {
   Json input;
   VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id", "upload", "telemetry"}));
   if (body.contains("video_id") == body.contains("upload")) {
-    return FailField("upload", "give a video_id of the index or an upload");
+    return FailField("upload", "Give a video_id of the index or an upload");
   }
   if (body.contains("video_id")) {
     VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, ReadVideo(body));
@@ -165,12 +165,12 @@ ApiExpected<Json> Api::ModelInput(const Body& body) {
   Json input = {{"name", name}};
   if (const auto length = body.find("length_m"); length != body.end() && !length->is_null()) {
     if (!length->is_number() || !(length->get<double>() > 0)) {
-      return FailField("length_m", "length_m: must be a number above 0");
+      return FailField("length_m", "The length must be a number of metres above 0");
     }
     input["length_m"] = length->get<double>();
   }
   if (body.contains("video_id") == body.contains("uploads")) {
-    return FailField("uploads", "give uploads, or the video_id, frame and box of an object");
+    return FailField("uploads", "Give uploads, or the video_id, frame and box of an object");
   }
   if (body.contains("video_id")) {
     VICTORIOUS_RETURN_IF_ERROR(CheckBox(body));
@@ -181,7 +181,7 @@ ApiExpected<Json> Api::ModelInput(const Body& body) {
   }
   const Body& uploads = body.at("uploads");
   if (!uploads.is_array() || uploads.empty() || uploads.size() > kMaxFiles) {
-    return FailField("uploads", fmt::format("uploads: must be a list of 1 to {} uploads", kMaxFiles));
+    return FailField("uploads", fmt::format("Give 1 to {} files", kMaxFiles));
   }
   for (const Body& one : uploads) {
     const auto path = uploads_.Find(one.is_string() ? one.get<std::string>() : "");
@@ -202,12 +202,12 @@ ApiExpected<Json> Api::ClipInput(const Body& body) {
   const bool is_seen = !found.empty() && std::ranges::any_of(found.front().moments, [&](const TrackletRecord& moment) {
     return moment.video == video->id;
   });
-  if (!is_seen) return FailField("object_id", "object_id: not an object that the video shows");
+  if (!is_seen) return FailField("object_id", "The video does not show the object");
   Json input = {{"video", video->name}, {"object", id}};
   for (const char* name : {"from_s", "to_s"}) {
     const auto given = body.find(name);
     if (given == body.end() || given->is_null()) continue;
-    if (!given->is_number()) return FailField(name, fmt::format("{}: must be a number of seconds", name));
+    if (!given->is_number()) return FailField(name, fmt::format("The time {} must be a number of seconds", name));
     input[name] = given->get<double>();
   }
   if (const auto telemetry = TelemetryOf(*video)) input["telemetry"] = *telemetry;
@@ -324,7 +324,8 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(*body, "kind"));
   const std::optional<JobKind> kind = FromText(kJobKindTexts, name);
   if (!kind) {
-    return FailField("kind", fmt::format("kind \"{}\": must be index, live, model, copy, clip, track or refine", name));
+    return FailField("kind",
+                     fmt::format("The kind \"{}\" must be one of index, live, model, copy, clip, track, refine", name));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body));
   const NewJob asked{.kind = *kind,

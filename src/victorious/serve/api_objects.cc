@@ -121,23 +121,23 @@ ApiExpected<Review> ParseReview(std::string_view body) {
   if (!json->is_object()) return FailField("", "the body must be {\"verdict\": …, \"note\": …}");
   const auto read_text = [](const Json& value, const std::string& key, std::size_t limit,
                             std::string& text) -> ApiStatus {
-    if (!value.is_string()) return FailField(key, key + ": must be a text");
+    if (!value.is_string()) return FailField(key, fmt::format("The {} must be a text", key));
     text = value.get<std::string>();
     if (text.size() <= limit) return {};
-    return FailField(key, fmt::format("{}: has {} bytes, at most {} are kept", key, text.size(), limit));
+    return FailField(key, fmt::format("The {} has {} bytes; at most {} are kept", key, text.size(), limit));
   };
   Review review;
   for (const auto& [key, value] : json->items()) {
     if (key == "verdict") {
       if (value.is_null()) continue;
       if (value.is_string()) review.verdict = FromText(kVerdictTexts, value.get<std::string>());
-      if (!review.verdict) return FailField("verdict", "verdict: must be \"accepted\", \"rejected\" or null");
+      if (!review.verdict) return FailField("verdict", "The verdict must be \"accepted\", \"rejected\" or null");
     } else if (key == "note") {
       VICTORIOUS_RETURN_IF_ERROR(read_text(value, key, kMaxNoteBytes, review.note));
     } else if (key == "reviewer") {
       VICTORIOUS_RETURN_IF_ERROR(read_text(value, key, kMaxNameBytes, review.reviewer));
     } else {
-      return FailField(key, "only verdict, note and reviewer can be set");
+      return FailField(key, "Only verdict, note and reviewer can be set");
     }
   }
   return review;

@@ -41,16 +41,16 @@ ApiExpected<ThresholdInput> ParseThreshold(std::string_view body) {
     if (key == "min_score") {
       if (value.is_null()) continue;
       if (!value.is_number() || !(value.get<double>() >= 0 && value.get<double>() <= 1)) {
-        return FailField("min_score", "min_score: must be a number from 0 to 1, or null");
+        return FailField("min_score", "The threshold must be a number from 0 to 1, or null");
       }
       input.min_score = value.get<double>();
     } else if (key == "reviewer") {
       if (!value.is_string() || value.get<std::string>().size() > kMaxNameBytes) {
-        return FailField("reviewer", fmt::format("reviewer: must be a text of at most {} bytes", kMaxNameBytes));
+        return FailField("reviewer", fmt::format("The reviewer must be a text of at most {} bytes", kMaxNameBytes));
       }
       input.reviewer = value.get<std::string>();
     } else {
-      return FailField(key, "only min_score and reviewer can be set");
+      return FailField(key, "Only min_score and reviewer can be set");
     }
   }
   return input;

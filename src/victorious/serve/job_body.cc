@@ -9,7 +9,8 @@ namespace victorious {
 
 ApiStatus CheckMembers(const nlohmann::json& body, std::initializer_list<std::string_view> names) {
   for (const auto& [name, value] : body.items()) {
-    if (std::ranges::find(names, name) == names.end()) return FailField(name, name + ": not a member of such a job");
+    if (std::ranges::find(names, name) == names.end())
+      return FailField(name, fmt::format("A job of this kind has no {}", name));
   }
   return {};
 }
@@ -22,7 +23,7 @@ std::int64_t ReadNumber(const nlohmann::json& body, std::string_view name) {
 ApiExpected<std::int64_t> ReadFrame(const nlohmann::json& body, std::int64_t frames) {
   const std::int64_t frame = ReadNumber(body, "frame");
   if (frame >= 0 && frame < frames) return frame;
-  return FailField("frame", fmt::format("frame: must be a number from 0 to {}", frames - 1));
+  return FailField("frame", fmt::format("The frame must be a number from 0 to {}", frames - 1));
 }
 
 ApiStatus CheckBox(const nlohmann::json& body) {
@@ -31,7 +32,7 @@ ApiStatus CheckBox(const nlohmann::json& body) {
                       std::ranges::all_of(*box, [](const nlohmann::json& one) { return one.is_number(); }) &&
                       (*box)[2].get<double>() > 0 && (*box)[3].get<double>() > 0;
   if (is_box) return {};
-  return FailField("box", "box: must be x, y, width and height in pixels");
+  return FailField("box", "The box must be x, y, width and height in pixels");
 }
 
 }  // namespace victorious
