@@ -5,7 +5,7 @@ nothing is lost and nothing doubled.
 Usage: serve_soak.py [--kills N] [--seed SEED] [--videos V] [--frames F] [--keep DIR]; VICTORIOUS_PROGRAM and
 VICTORIOUS_DRAW_FLIGHT name the programs, as for tests/e2e.
 
-The flights are uploaded, and a job for each indexes it. The server is killed (SIGKILL) after random times, 1.5 s on
+The flights are uploaded, and a job for each indexes it. The server is killed (SIGKILL) after random times, 3 s on
 average, and started again, until N kills; jobs are asked for, one after the other, until then. At the end, once all jobs
 have ended:
 - each job is done, by its list;
@@ -34,7 +34,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests/e2e"))
 import program
 from cluster_soak import Difference, succeed
 
-PAUSE_S = 1.5  # between two kills, on average
+PAUSE_S = 3  # between two kills, on average
 WAIT_S = 600  # for the end of the jobs
 ANSWER_S = 60
 

@@ -19,6 +19,7 @@ import warnings
 from pathlib import Path
 
 import program
+import streams
 
 API = json.loads((program.REPOSITORY / "api" / "openapi.json").read_text())
 
@@ -623,6 +624,22 @@ class ServeTest(ServerCase):
                 lines = self.ask(server, f"/api/v1/jobs/{job['id']}/files/track")[2].decode().splitlines()
                 places = [json.loads(line).get("latitude_deg") for line in lines]
                 self.assertEqual(any(places), has_place, one["name"])
+
+    def test_live_jobs_say_how_far_they_are_behind(self):
+        with streams.Rtsp(program.flight(100) / "flight.ts", seconds=10) as source:
+            with self.serve("--models", program.models()) as server:
+                number = self.post_job(server, kind="live", url=source)
+                said = None
+                for _ in range(int(program.TIMEOUT_S / 0.05)):
+                    jobs = self.described(self.ask(server, "/api/v1/jobs")[2], "JobList")["jobs"]
+                    (job,) = (one for one in jobs if one["id"] == number)
+                    said = job["behind_s"] if said is None else said
+                    if job["state"] != "queued" and (said is not None or job["state"] != "running"):
+                        break
+                    time.sleep(0.05)
+                self.assertIsNotNone(said, job)
+                self.assertGreaterEqual(said, 0)
+                self.assertIsNone(self.wait_for_job(server, number, "done")["behind_s"], "it has ended")
 
     def test_serve_script_opens_the_page(self):
         """tools/serve.sh: in a browser where there is one; the address is printed in any case."""

@@ -41,6 +41,7 @@ struct EventWriter {
     json["total"] = event.total ? Json(*event.total) : Json();
     json["unit"] = EventText(event.unit);
     json["elapsed_s"] = event.elapsed_s;
+    if (event.behind_s) json["behind_s"] = *event.behind_s;
     return json;
   }
 
@@ -112,6 +113,11 @@ class EventReader {
     return found->get<double>();
   }
 
+  [[nodiscard]] Expected<std::optional<double>> OptionalSeconds(const char* member) const {
+    if (!json_.contains(member)) return std::nullopt;
+    return Seconds(member);
+  }
+
  private:
   const nlohmann::json& json_;
 };
@@ -123,6 +129,7 @@ Expected<ProgramEvent> ReadProgress(const EventReader& reader) {
   VICTORIOUS_ASSIGN_OR_RETURN(event.total, reader.OptionalCount("total"));
   VICTORIOUS_ASSIGN_OR_RETURN(event.unit, reader.Text("unit"));
   VICTORIOUS_ASSIGN_OR_RETURN(event.elapsed_s, reader.Seconds("elapsed_s"));
+  VICTORIOUS_ASSIGN_OR_RETURN(event.behind_s, reader.OptionalSeconds("behind_s"));
   return event;
 }
 

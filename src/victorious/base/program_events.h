@@ -21,6 +21,9 @@ struct ProgressEvent {
   std::optional<std::int64_t> total;  ///< std::nullopt: not known
   std::string unit;                   ///< of both, in the plural: "frames"
   double elapsed_s = 0;               ///< since the step began
+  /// Of a live source: how long after its arrival the last unit was done, against the unit that waited least before it
+  /// was read.
+  std::optional<double> behind_s = {};
 
   bool operator==(const ProgressEvent&) const = default;
 };

@@ -21,6 +21,8 @@ TEST(ProgramEvents, LinesAreThoseOfTheFormat) {
             R"({"event":"progress","label":"a.mp4","done":12,"total":40,"unit":"frames","elapsed_s":2.5})");
   EXPECT_EQ(FormatEvent(ProgressEvent{.label = "a", .done = 1, .total = {}, .unit = "views", .elapsed_s = 0}),
             R"({"event":"progress","label":"a","done":1,"total":null,"unit":"views","elapsed_s":0.0})");
+  EXPECT_EQ(FormatEvent(ProgressEvent{.label = "a", .done = 1, .unit = "frames", .elapsed_s = 2, .behind_s = 0.5}),
+            R"({"event":"progress","label":"a","done":1,"total":null,"unit":"frames","elapsed_s":2.0,"behind_s":0.5})");
   EXPECT_EQ(FormatEvent(InfoEvent{"x"}), R"({"event":"info","message":"x"})");
   EXPECT_EQ(FormatEvent(WarningEvent{"x"}), R"({"event":"warning","message":"x"})");
   EXPECT_EQ(FormatEvent(ErrorEvent{{ErrorCode::kNoSpace, "x"}}),
@@ -32,8 +34,10 @@ TEST(ProgramEvents, LinesAreThoseOfTheFormat) {
 TEST(ProgramEvents, ComeBackAsTheyWereWritten) {
   for (const ProgramEvent& event : std::initializer_list<ProgramEvent>{
            ProgressEvent{.label = "a \"b\"\\", .done = 12, .total = 40, .unit = "frames", .elapsed_s = 0.1},
-           ProgressEvent{.label = "", .done = 0, .total = {}, .unit = "", .elapsed_s = 0}, InfoEvent{"é"},
-           WarningEvent{"{\"event\":\"info\"}"}, VideoLeftEvent{"rtsp://a"}, VideoCutEvent{"/a.mp4", 12}}) {
+           ProgressEvent{.label = "", .done = 0, .total = {}, .unit = "", .elapsed_s = 0},
+           ProgressEvent{.label = "a", .done = 3, .total = {}, .unit = "frames", .elapsed_s = 9, .behind_s = 1.25},
+           InfoEvent{"é"}, WarningEvent{"{\"event\":\"info\"}"}, VideoLeftEvent{"rtsp://a"},
+           VideoCutEvent{"/a.mp4", 12}}) {
     EXPECT_EQ(ParseEvent(FormatEvent(event)), event) << FormatEvent(event);
   }
   for (const EnumText<ErrorCode>& code : kErrorCodeTexts) {
@@ -53,11 +57,22 @@ TEST(ProgramEvents, AnyTextIsOneBoundedLine) {
 
 TEST(ProgramEvents, OtherLinesAreErrors) {
   for (const char* line :
-       {"", "error: x", "[]", "{}", R"({"event":"dance"})", R"({"event":3})", R"({"event":"info"})",
-        R"({"event":"info","message":3})", R"({"event":"info","message":"a\nb"})", R"({"event":"error","message":"x"})",
-        R"({"event":"error","message":"x","code":"dance"})", R"({"event":"video_left"})",
-        R"({"event":"video_cut","video":"a"})", R"({"event":"info","message":"x","message":"y"})",
+       {"",
+        "error: x",
+        "[]",
+        "{}",
+        R"({"event":"dance"})",
+        R"({"event":3})",
+        R"({"event":"info"})",
+        R"({"event":"info","message":3})",
+        R"({"event":"info","message":"a\nb"})",
+        R"({"event":"error","message":"x"})",
+        R"({"event":"error","message":"x","code":"dance"})",
+        R"({"event":"video_left"})",
+        R"({"event":"video_cut","video":"a"})",
+        R"({"event":"info","message":"x","message":"y"})",
         R"({"event":"progress","label":"a","done":-1,"total":1,"unit":"u","elapsed_s":1})",
+        R"({"event":"progress","label":"a","done":1,"total":1,"unit":"u","elapsed_s":1,"behind_s":-1})",
         R"({"event":"progress","label":"a","done":1.5,"total":1,"unit":"u","elapsed_s":1})",
         R"({"event":"progress","label":"a","done":1,"total":18446744073709551615,"unit":"u","elapsed_s":1})",
         R"({"event":"progress","label":"a","done":1,"total":1,"unit":"u","elapsed_s":-1})",

@@ -33,9 +33,10 @@ std::string TimeLeftText(double seconds) {
                    : fmt::format("{}:{:02} left", whole / 60, whole % 60);
 }
 
-void Progress::Update(std::int64_t done) {
+void Progress::Update(std::int64_t done, std::optional<double> behind_s) {
   if (!first_done_) first_done_ = done;
   done_ = done;
+  behind_s_ = behind_s;
   const auto now = Clock::now();
   if (now - last_draw_ < Interval()) return;
   last_draw_ = now;
@@ -51,7 +52,8 @@ void Progress::Draw(bool last) {
   last_drawn_ = done_;
   const double seconds = std::max(1e-3, std::chrono::duration<double>(Clock::now() - start_).count());
   if (HasEventOutput()) {
-    ReportEvent(ProgressEvent{.label = label_, .done = done_, .total = total_, .unit = unit_, .elapsed_s = seconds});
+    ReportEvent(ProgressEvent{
+        .label = label_, .done = done_, .total = total_, .unit = unit_, .elapsed_s = seconds, .behind_s = behind_s_});
     return;
   }
   const double rate = static_cast<double>(done_ - *first_done_) / seconds;
@@ -61,6 +63,7 @@ void Progress::Draw(bool last) {
     left = TimeLeftText(static_cast<double>(*total_ - done_) / rate);
     if (!left.empty()) left = ", " + left;
   }
+  if (behind_s_) left = fmt::format(", {:.1f} s behind", *behind_s_);
   std::string line;
   if (on_terminal_) {
     std::string bar;

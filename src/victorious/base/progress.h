@@ -25,7 +25,8 @@ class Progress {
 
   /// Reports the number of units done so far. Draws at most ten times a second on a terminal, every five seconds
   /// elsewhere; writes an event at most once a second.
-  void Update(std::int64_t done);
+  /// @param behind_s  of a live source (ProgressEvent)
+  void Update(std::int64_t done, std::optional<double> behind_s = std::nullopt);
 
  private:
   void Draw(bool last);
@@ -38,6 +39,7 @@ class Progress {
   bool on_terminal_;
   std::optional<std::int64_t> first_done_;
   std::int64_t done_ = 0;
+  std::optional<double> behind_s_;
   std::optional<std::int64_t> last_drawn_;
   Clock::time_point start_;
   Clock::time_point last_draw_;

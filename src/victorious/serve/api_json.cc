@@ -311,6 +311,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
           {"unit", progress.unit},
           {"message", WithoutCredentials(progress.message)},
           {"left_s", std::move(left)},
+          {"behind_s", job.state == WorkState::kRunning ? OrNull(progress.behind_s, &TimeJson) : Json()},
           {"cancel_asked", job.cancel_asked},
           {"files", FilesOf(job)},
           {"video_id", VideoIdOf(job)},

@@ -196,6 +196,7 @@ bool ApplyEvent(const ProgramEvent& event, JobProgress& progress) {
     progress.done = step->done;
     progress.total = step->total;
     progress.unit = step->unit;
+    progress.behind_s = step->behind_s;
   } else if (const auto* const info = std::get_if<InfoEvent>(&event)) {
     progress.message = info->message;
   } else if (const auto* const warning = std::get_if<WarningEvent>(&event)) {

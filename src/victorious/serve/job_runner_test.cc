@@ -287,8 +287,10 @@ TEST_F(JobRunnerTest, ProcessIsKilledWhenItsLeaseCannotBeRenewed) {
 
 TEST(ApplyEvent, KeepsTheLastCountAndTheLastMessage) {
   JobProgress progress;
-  EXPECT_TRUE(ApplyEvent(ProgressEvent{.label = "a.mp4", .done = 12, .total = 40, .unit = "frames", .elapsed_s = 3.5},
-                         progress));
+  EXPECT_TRUE(ApplyEvent(
+      ProgressEvent{.label = "udp://a", .done = 12, .total = 40, .unit = "frames", .elapsed_s = 3.5, .behind_s = 0.5},
+      progress));
+  EXPECT_EQ(progress.behind_s, 0.5);
   EXPECT_EQ(progress.done, 12);
   EXPECT_EQ(progress.total, 40);
   EXPECT_EQ(progress.unit, "frames");
@@ -296,6 +298,7 @@ TEST(ApplyEvent, KeepsTheLastCountAndTheLastMessage) {
       ApplyEvent(ProgressEvent{.label = "views", .done = 7, .total = {}, .unit = "views", .elapsed_s = 1}, progress));
   EXPECT_EQ(progress.done, 7);
   EXPECT_FALSE(progress.total);
+  EXPECT_FALSE(progress.behind_s);
   EXPECT_TRUE(ApplyEvent(InfoEvent{"12 sightings"}, progress));
   EXPECT_EQ(progress.message, "12 sightings");
   EXPECT_TRUE(ApplyEvent(WarningEvent{"no telemetry"}, progress));

@@ -2,7 +2,8 @@
 // (from serve/). Output: the jobs, one at a time, to whoever claims them. It is kept in the index.
 //
 // A queued job that is cancelled ends at once; a running one once its worker, which learns it from Renew, has stopped
-// it. A lost lease is another attempt, the third a failure. All times are given by the caller, microseconds since 1970.
+// it. A lost lease is another attempt, the tenth without coming further a failure. All times are given by the caller,
+// microseconds since 1970.
 #pragma once
 
 #include <array>
@@ -42,12 +43,17 @@ inline constexpr auto kJobKindTexts = std::to_array<EnumText<JobKind>>({{JobKind
 
 constexpr std::string_view ToText(JobKind kind) { return ToText(kJobKindTexts, kind); }
 
+/// A job whose workers are killed so often, without it coming further, has failed. More than for tasks (kMaxAttempts):
+/// one process works on all jobs of a server, and is killed for other reasons than the job that it works on.
+inline constexpr int kMaxJobAttempts = 10;
+
 /// How far a job has come.
 struct JobProgress {
   std::int64_t done = 0;
   std::optional<std::int64_t> total;  ///< std::nullopt: not known
   std::string unit;                   ///< of both, as in "frames"
   std::string message;                ///< the present step, or how it ended
+  std::optional<double> behind_s;     ///< of a live source (ProgressEvent); std::nullopt: none, or not known yet
 };
 
 struct JobRecord {
@@ -59,7 +65,7 @@ struct JobRecord {
   std::optional<std::int64_t> started_utc_us;  ///< of the present attempt
   std::optional<std::int64_t> ended_utc_us;
   std::string worker;  ///< that has it; empty: none
-  int attempts = 0;    ///< claims so far, without those that were released
+  int attempts = 0;    ///< claims since it came further than before, with that one; without those that were released
   bool cancel_asked = false;
   JobProgress progress;
 };
@@ -90,7 +96,7 @@ class JobQueue {
   /// it.
   [[nodiscard]] virtual Expected<SubmittedJob> SubmitOnce(const NewJob& job) = 0;
   /// Takes the oldest job of these kinds that is queued or whose lease has run out; std::nullopt: there is none. A job
-  /// whose lease has run out in its last attempt (kMaxAttempts) fails instead, and one that was to be cancelled is
+  /// whose lease has run out in its last attempt (kMaxJobAttempts) fails instead, and one that was to be cancelled is
   /// cancelled.
   [[nodiscard]] virtual Expected<std::optional<JobRecord>> Claim(const std::string& worker,
                                                                  std::span<const JobKind> kinds, std::int64_t now_us,

@@ -104,12 +104,16 @@ TEST_P(JobQueueTest, CopiesAreTakenFirst) {
 TEST_P(JobQueueTest, HeartbeatsKeepAJobAndItsProgress) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
   ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
-  EXPECT_TRUE(*queue_->Renew(job->id, "A", 100, kLease, {.done = 5, .total = 9, .unit = "frames", .message = "x"}));
+  EXPECT_TRUE(*queue_->Renew(job->id, "A", 100, kLease,
+                             {.done = 5, .total = 9, .unit = "frames", .message = "x", .behind_s = 2.5}));
   EXPECT_FALSE(*other_->Claim("B", kAllKinds, 150, kLease)) << "the lease was renewed at 100";
   const auto found = other_->Find(job->id);
   EXPECT_EQ((*found)->progress.done, 5);
   EXPECT_EQ((*found)->progress.total, 9);
   EXPECT_EQ((*found)->progress.unit, "frames");
+  EXPECT_EQ((*found)->progress.behind_s, 2.5);
+  ASSERT_TRUE(*other_->Claim("B", kAllKinds, 100 + 2 * kLease, kLease));
+  EXPECT_FALSE((*other_->Find(job->id))->progress.behind_s) << "another attempt";
 }
 
 TEST_P(JobQueueTest, JobOfADeadWorkerGoesOn) {
@@ -126,12 +130,30 @@ TEST_P(JobQueueTest, JobOfADeadWorkerGoesOn) {
 
 TEST_P(JobQueueTest, JobThatKillsItsWorkersFails) {
   const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
-  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kMaxJobAttempts; ++attempt) {
     ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 1000 * (attempt + 1), kLease)) << attempt;
   }
-  EXPECT_FALSE(*queue_->Claim("A", kAllKinds, 9000, kLease));
+  EXPECT_FALSE(*queue_->Claim("A", kAllKinds, 99'000, kLease));
   EXPECT_EQ((*queue_->Find(job->id))->state, WorkState::kFailed);
-  EXPECT_THAT((*queue_->Find(job->id))->progress.message, ::testing::HasSubstr("was killed 3 times"));
+  EXPECT_THAT((*queue_->Find(job->id))->progress.message, ::testing::HasSubstr("was killed 10 times"));
+}
+
+// A server that is killed again and again takes with it what it works on.
+TEST_P(JobQueueTest, JobThatComesFurtherEachTimeGoesOn) {
+  const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
+  std::int64_t now_us = 0;
+  const auto attempt = [&](std::int64_t done) {
+    now_us += 2 * kLease;
+    const auto claimed = queue_->Claim("A", kAllKinds, now_us, kLease);
+    if (!claimed || !*claimed) return false;
+    EXPECT_TRUE(queue_->Renew(job->id, "A", now_us, kLease, {.done = done, .unit = "frames"}));
+    return true;
+  };
+  for (int i = 1; i <= 3 * kMaxJobAttempts; ++i) ASSERT_TRUE(attempt(10 * i)) << i;
+  const std::int64_t furthest = 30 * kMaxJobAttempts;
+  for (int i = 1; i < kMaxJobAttempts; ++i) ASSERT_TRUE(attempt(i % 2 == 0 ? furthest : furthest - 5)) << i;
+  EXPECT_FALSE(attempt(furthest)) << "it does not come further";
+  EXPECT_EQ((*queue_->Find(job->id))->state, WorkState::kFailed);
 }
 
 TEST_P(JobQueueTest, ReleasedJobsAreTakenAgainWithoutLosingAnAttempt) {

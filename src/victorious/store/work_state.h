@@ -18,7 +18,7 @@
 // They are two classes, not one interface with two stores, because they differ in what they promise:
 //   - a job belongs to a person who sees its progress, may cancel it, and decides after a failure what is to be done:
 //     its process failing is final, and only a lost worker gets it another attempt. A task belongs to nobody who
-//     watches: it is tried again after growing delays, and forgets failures once it makes progress.
+//     watches: it is tried again after growing delays. Both forget lost attempts once they come further.
 //   - jobs are claimed on one machine, whose caller gives the time; tasks on many, so only the clock of the database
 //     counts.
 //   - tasks have a priority, a key and a build of the program that may do them; jobs have none of these.
@@ -48,7 +48,7 @@ inline constexpr auto kWorkStateTexts = std::to_array<EnumText<WorkState>>({{Wor
 
 constexpr std::string_view ToText(WorkState state) { return ToText(kWorkStateTexts, state); }
 
-/// Work whose attempts end without it being done has failed after this many: it may be what kills its workers.
+/// A task whose attempts end without it coming further has failed after this many: it may be what kills its workers.
 inline constexpr int kMaxAttempts = 3;
 
 }  // namespace victorious

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
@@ -14,11 +15,28 @@
 namespace victorious {
 namespace {
 
+// How far the work on a live source is behind it. The time stamps of frames tell when each was filmed up to a common
+// offset to this machine's clock; the frame that waited least before it was read bounds the offset.
+class LiveDelay {
+ public:
+  void EnterRead(double time_s) { offset_s_ = std::min(offset_s_.load(), Now_s() - time_s); }
+  /// Of a frame that has passed all stages, s.
+  [[nodiscard]] double BehindOf(double time_s) const { return std::max(0.0, Now_s() - time_s - offset_s_); }
+
+ private:
+  static double Now_s() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  }
+
+  std::atomic<double> offset_s_ = std::numeric_limits<double>::infinity();  // written by the reading thread only
+};
+
 // Reads frames until the end, a cancellation, a stop or an error. Holds them back as the packet receiver wants.
 class HeldFrames {
  public:
-  HeldFrames(VideoReader& reader, const CancelToken& cancel, const std::atomic<bool>& stopped, PacketReceiver* packets)
-      : reader_(reader), cancel_(cancel), stopped_(stopped), packets_(packets) {}
+  HeldFrames(VideoReader& reader, const CancelToken& cancel, const std::atomic<bool>& stopped, PacketReceiver* packets,
+             LiveDelay& delay)
+      : reader_(reader), cancel_(cancel), stopped_(stopped), packets_(packets), delay_(delay) {}
 
   std::optional<Frame> Next() {
     if (packets_ == nullptr) return Read();
@@ -52,6 +70,7 @@ class HeldFrames {
     if (!*frame) return End(FrameLoopEnd::kEndOfVideo);
     ++frames_read_;
     last_time_s_ = (*frame)->time_s;
+    delay_.EnterRead(last_time_s_);
     std::vector<DataPacket> packets = reader_.TakeDataPackets();
     if (packets_ != nullptr) status_ = packets_->Add(std::move(packets), last_time_s_);
     return *std::move(frame);
@@ -67,6 +86,7 @@ class HeldFrames {
   const CancelToken& cancel_;
   const std::atomic<bool>& stopped_;
   PacketReceiver* packets_;
+  LiveDelay& delay_;
   std::deque<Frame> held_;
   Status status_;
   bool ended_ = false;
@@ -78,6 +98,7 @@ class HeldFrames {
 // A frame's work on its way through the stages.
 struct Passage {
   std::int64_t frame = 0;
+  double time_s = 0;
   std::shared_ptr<void> work;
   Status status;
 };
@@ -92,7 +113,12 @@ Expected<FrameLoopEnd> FrameLoop::RunErased(const std::function<std::shared_ptr<
   namespace tbb = oneapi::tbb;
   std::optional<Progress> progress;
   if (!options_.label.empty()) progress.emplace(options_.label, reader_.info().frame_count, "frames");
-  HeldFrames frames(reader_, cancel_, stopped_, options_.packets);
+  LiveDelay delay;
+  HeldFrames frames(reader_, cancel_, stopped_, options_.packets, delay);
+  const bool is_live = reader_.info().live;
+  const auto report = [&](std::int64_t frame, double time_s) {
+    if (progress) progress->Update(frame + 1, is_live ? std::optional(delay.BehindOf(time_s)) : std::nullopt);
+  };
   std::atomic<bool> failed = false;
   Status status;  // of the first frame that failed; written by the last filter only
 
@@ -102,11 +128,13 @@ Expected<FrameLoopEnd> FrameLoop::RunErased(const std::function<std::shared_ptr<
       std::optional<Frame> frame = frames.Next();
       if (!frame) break;
       const std::int64_t index = frame->index;
+      const double time_s = frame->time_s;
       if (std::shared_ptr<void> work = select(*std::move(frame))) {
         entered = true;
-        return std::make_shared<Passage>(Passage{.frame = index, .work = std::move(work), .status = {}});
+        return std::make_shared<Passage>(
+            Passage{.frame = index, .time_s = time_s, .work = std::move(work), .status = {}});
       }
-      if (progress && !entered) progress->Update(index + 1);
+      if (!entered) report(index, time_s);
     }
     control.stop();
     return nullptr;
@@ -127,7 +155,7 @@ Expected<FrameLoopEnd> FrameLoop::RunErased(const std::function<std::shared_ptr<
   }
   const auto finish = [&](const PassagePtr& passage) {
     if (status) status = std::move(passage->status);
-    if (progress) progress->Update(passage->frame + 1);
+    report(passage->frame, passage->time_s);
   };
   const auto pipeline = chain & tbb::make_filter<PassagePtr, void>(tbb::filter_mode::serial_in_order, finish);
 

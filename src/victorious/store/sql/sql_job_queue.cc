@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kSelectJobs =
     "SELECT id, kind, input, state, created_utc_us, started_utc_us, ended_utc_us, owner, attempts, cancel_asked, done, "
-    "total, unit, message FROM jobs ";
+    "total, unit, message, behind_s FROM jobs ";
 
 Expected<JobRecord> ReadJob(const Row& row, std::string_view name) {
   const auto kind = FromText(kJobKindTexts, row.Text(1));
@@ -26,19 +26,21 @@ Expected<JobRecord> ReadJob(const Row& row, std::string_view name) {
   }
   const auto state = FromText(kWorkStateTexts, row.Text(3));
   if (!state) return std::unexpected(DamagedIndex(name, fmt::format("a job in the state \"{}\"", row.Text(3))));
-  return JobRecord{
-      .id = row.Integer(0),
-      .kind = *kind,
-      .input_json = row.Text(2),
-      .state = *state,
-      .created_utc_us = row.Integer(4),
-      .started_utc_us = row.OptionalInteger(5),
-      .ended_utc_us = row.OptionalInteger(6),
-      .worker = row.Text(7),
-      .attempts = static_cast<int>(row.Integer(8)),
-      .cancel_asked = row.Integer(9) != 0,
-      .progress = {
-          .done = row.Integer(10), .total = row.OptionalInteger(11), .unit = row.Text(12), .message = row.Text(13)}};
+  return JobRecord{.id = row.Integer(0),
+                   .kind = *kind,
+                   .input_json = row.Text(2),
+                   .state = *state,
+                   .created_utc_us = row.Integer(4),
+                   .started_utc_us = row.OptionalInteger(5),
+                   .ended_utc_us = row.OptionalInteger(6),
+                   .worker = row.Text(7),
+                   .attempts = static_cast<int>(row.Integer(8)),
+                   .cancel_asked = row.Integer(9) != 0,
+                   .progress = {.done = row.Integer(10),
+                                .total = row.OptionalInteger(11),
+                                .unit = row.Text(12),
+                                .message = row.Text(13),
+                                .behind_s = row.OptionalReal(14)}};
 }
 
 class SqlJobQueue final : public JobQueue {
@@ -82,7 +84,7 @@ class SqlJobQueue final : public JobQueue {
       VICTORIOUS_RETURN_IF_ERROR(
           database_->Write("UPDATE jobs SET state = 'running', owner = ?, lease_utc_us = ?, started_utc_us = ?, "
                            "attempts = attempts + 1, "
-                           "done = 0, total = NULL, unit = '', message = '' WHERE id = ?",
+                           "done = 0, total = NULL, unit = '', message = '', behind_s = NULL WHERE id = ?",
                            ValueList(worker, now_us + lease_us, now_us, id)));
       VICTORIOUS_ASSIGN_OR_RETURN(claimed, Find(id));
     }
@@ -92,10 +94,13 @@ class SqlJobQueue final : public JobQueue {
 
   Expected<bool> Renew(std::int64_t job, const std::string& worker, std::int64_t now_us, std::int64_t lease_us,
                        const JobProgress& progress) override {
+    // A server that is killed for other reasons takes its jobs along, but they come further each time.
     VICTORIOUS_RETURN_IF_ERROR(WriteOwned(
-        "UPDATE jobs SET lease_utc_us = ?, done = ?, total = ?, unit = ?, message = ? WHERE id = ? AND owner = ? AND "
-        "state = 'running'",
-        ValueList(now_us + lease_us, progress.done, progress.total, progress.unit, progress.message, job, worker),
+        "UPDATE jobs SET lease_utc_us = ?, done = ?, total = ?, unit = ?, message = ?, behind_s = ?, "
+        "attempts = CASE WHEN furthest < ? THEN 1 ELSE attempts END, "
+        "furthest = CASE WHEN furthest < ? THEN ? ELSE furthest END WHERE id = ? AND owner = ? AND state = 'running'",
+        ValueList(now_us + lease_us, progress.done, progress.total, progress.unit, progress.message, progress.behind_s,
+                  progress.done, progress.done, progress.done, job, worker),
         job));
     VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord record, Get(job));
     return !record.cancel_asked;
@@ -205,12 +210,13 @@ class SqlJobQueue final : public JobQueue {
   // Ends jobs whose lease was lost and that are not to be tried again.
   Status EndLostLeases(std::int64_t now_us) {
     const std::string reason = fmt::format(
-        "its process was killed {} times: see the log of the server, then start the job again", kMaxAttempts);
+        "its process was killed {} times at the same place: see the log of the server, then start the job again",
+        kMaxJobAttempts);
     const auto ended = database_->Write(
         "UPDATE jobs SET state = CASE WHEN cancel_asked = 1 THEN 'cancelled' ELSE 'failed' END, "
         "message = CASE WHEN cancel_asked = 1 THEN message ELSE ? END, ended_utc_us = ?, owner = NULL, "
         "lease_utc_us = NULL WHERE state = 'running' AND lease_utc_us < ? AND (cancel_asked = 1 OR attempts >= ?)",
-        ValueList(reason, now_us, now_us, kMaxAttempts));
+        ValueList(reason, now_us, now_us, kMaxJobAttempts));
     if (!ended) return std::unexpected(ended.error());
     return {};
   }

@@ -1,0 +1,6 @@
+-- How far jobs come.
+
+-- The furthest that any attempt has come: who comes further is not what kills its workers.
+ALTER TABLE jobs ADD COLUMN furthest bigint NOT NULL DEFAULT 0;
+-- How far the search of a live source is behind it.
+ALTER TABLE jobs ADD COLUMN behind_s double precision;
