@@ -404,9 +404,14 @@ class ServeTest(ServerCase):
         with self.serve() as server:
             before = self.get(server, "/api/v1/objects")["objects"][0]
             self.review(server, before["id"], verdict="accepted", note="kept")
+            key = self.get(server, f"/api/v1/objects/{before['id']}")["key"]
+            by_key = f"/api/v1/objects?key={urllib.parse.quote(key, safe='')}"
+            self.assertEqual([one["id"] for one in self.get(server, by_key)["objects"]], [before["id"]])
+            self.get(server, "/api/v1/objects?key=7", 400)
         self.succeeds("index", self.video, "--models", program.models(), "--db", self.db, "--redo")
         with self.serve() as server:
             reviewed = self.get(server, "/api/v1/objects?review=accepted")["objects"]
+            self.assertEqual([one["id"] for one in self.get(server, by_key)["objects"]], [reviewed[0]["id"]])
         self.assertEqual([(one["model"], one["review"]["note"]) for one in reviewed], [(before["model"], "kept")])
         self.assertNotEqual(reviewed[0]["id"], before["id"])
         self.assertEqual(reviewed[0]["first_time_s"], before["first_time_s"])

@@ -195,6 +195,11 @@ class Api {
   /// The model of an id in the address. Errors: those of LoadModel; kNotFound.
   ApiExpected<std::shared_ptr<const ObjectModel>> LoadModelOf(std::string_view id);
   ApiExpected<SightingRecord> ReadSighting(std::int64_t object, QueryReader& query);
+  /// The key of an object (object_key.h); null without a sighting.
+  ApiExpected<Json> KeyOf(const TriageObject& object, const IndexLists& lists, const IndexReader& reader);
+  /// The objects that a key names: at most one. Error: kInvalidArgument for a text that is no key.
+  ApiExpected<std::vector<TriageObject>> ObjectsOfKey(std::string_view key, const IndexLists& lists,
+                                                      const IndexReader& reader);
   /// The telemetry file that was given for a video; std::nullopt: that of a video is in it or beside it.
   [[nodiscard]] std::optional<std::string> TelemetryOf(const VideoRecord& video) const;
   [[nodiscard]] Expected<CameraStates> LoadCameras(const VideoRecord& video, const std::filesystem::path& path,

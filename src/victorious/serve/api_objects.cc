@@ -12,6 +12,7 @@
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
+#include "victorious/serve/object_key.h"
 #include "victorious/serve/object_tiles.h"
 
 namespace victorious {
@@ -172,15 +173,55 @@ ApiExpected<ObjectQuery> Api::ReadObjectQuery(QueryReader& query, const Caller& 
   return wanted;
 }
 
+ApiExpected<Json> Api::KeyOf(const TriageObject& object, const IndexLists& lists, const IndexReader& reader) {
+  const ModelRecord* model = lists.Model(object.object.model);
+  Json key;
+  VICTORIOUS_RETURN_IF_ERROR(
+      reader.sightings->VisitSightings({.object = object.object.id}, [&](SightingRecord&& first) {
+        const VideoRecord* video = lists.Video(first.video);
+        if (video != nullptr && model != nullptr) key = FormatObjectKey(*video, first, model->name);
+        return false;
+      }));
+  return key;
+}
+
+ApiExpected<std::vector<TriageObject>> Api::ObjectsOfKey(std::string_view key, const IndexLists& lists,
+                                                         const IndexReader& reader) {
+  constexpr double kRounding_s = 1e-6;
+  const std::optional<ObjectPlace> place = ParseObjectKey(key);
+  if (!place) return FailField("key", "The key must be that of an object of another answer");
+  const auto video = std::ranges::find_if(lists.videos, [&](const VideoRecord& one) { return place->IsIn(one); });
+  std::vector<std::int64_t> ids;
+  if (video != lists.videos.end()) {
+    const double time_s = 1e-6 * static_cast<double>(place->time_us);
+    const SightingFilter at{
+        .model_name = place->model, .from_s = time_s - kRounding_s, .to_s = time_s + kRounding_s, .video = video->id};
+    VICTORIOUS_RETURN_IF_ERROR(reader.sightings->VisitSightings(at, [&](SightingRecord&& sighting) {
+      if (place->IsAt(sighting)) ids = {sighting.object};
+      return ids.empty();
+    }));
+  }
+  return reader.objects->ObjectsById(ids);
+}
+
 ApiExpected<HttpResponse> Api::Objects(const Call& call) {
   QueryReader& query = call.query;
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query, call.caller));
   VICTORIOUS_ASSIGN_OR_RETURN(ListRequest wanted, ReadListRequest(query));
   const auto ids_text = query.Text("ids");
+  const auto key_text = query.Text("key");
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   TriageStore& store = *reader->objects;
+  const auto whole = [&](const std::vector<TriageObject>& objects) {
+    return JsonResponse(
+        {{"objects", RowsToJson(objects, *lists)}, {"next_cursor", nullptr}, {"offset", nullptr}, {"total", nullptr}});
+  };
+  if (key_text) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TriageObject> objects, ObjectsOfKey(*key_text, *lists, *reader));
+    return whole(objects);
+  }
   if (ids_text) {
     constexpr std::size_t kMaxIds = 1000;
     std::vector<std::int64_t> ids;
@@ -190,8 +231,7 @@ ApiExpected<HttpResponse> Api::Objects(const Call& call) {
       ids.push_back(*id);
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TriageObject> objects, store.ObjectsById(ids));
-    return JsonResponse(
-        {{"objects", RowsToJson(objects, *lists)}, {"next_cursor", nullptr}, {"offset", nullptr}, {"total", nullptr}});
+    return whole(objects);
   }
   ObjectSlice& slice = wanted.slice;
   if (wanted.cursor) {
@@ -275,6 +315,7 @@ ApiExpected<HttpResponse> Api::Object(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectKey> key, store.FindKey(id, {}));
   Json json = ObjectToJson(object, *lists);
   json["best"] = best ? SightingToJson(*best) : Json();
+  VICTORIOUS_ASSIGN_OR_RETURN(json["key"], KeyOf(object, *lists, *reader));
   json["rank"] = nullptr;
   if (key) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t better, store.CountBefore({}, {}, *key));

@@ -48,6 +48,7 @@ class IndexView {
       if (reader_) view_->Return(std::move(reader_));
     }
     IndexReader* operator->() const { return reader_.get(); }
+    IndexReader& operator*() const { return *reader_; }
 
    private:
     IndexView* view_;
