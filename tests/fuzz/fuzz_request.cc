@@ -123,6 +123,7 @@ std::vector<std::string> FuzzSeeds() {
       "objects?model=jeep&video=1&min_score=0.5&from=0&to=9&near=52,13,100&limit=5&cursor=0_0.5_1_1\n\n\n\n",
       "GET\n/api/v1/objects?sort=queue&since=5&around=1&q=jeep+1&review=none\n\n\n\n",
       "GET\n/api/v1/objects?ids=1,2&after=1\n\n\n\n",
+      "GET\n/api/v1/objects?key=0123456789abcdef.1500000.40.30.100.60.jeep\n\n\n\n",
       "GET\n/api/v1/objects/counts?near=90,0,1e7&q=%27+OR\n\n\n\n",
       "GET\n/api/v1/objects/counts?area=52,13,52.1,13,52,13.1\n\n\n\n",
       "GET\n/api/v1/tiles/3/4/2?v=1&model=jeep\n\n\n\n",
