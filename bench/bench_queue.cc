@@ -95,7 +95,7 @@ Status FillQueue(TaskQueue& queue, std::int64_t backlog, std::int64_t& made) {
         R"({{"video":"/archive/{:08}.mp4","options":["--models","/archive/models"],"program":"{}"}})", made, kProgram);
     tasks.push_back({.kind = "index", .key = key, .payload = payload, .program = std::string(kProgram)});
   }
-  const Expected<std::int64_t> added = queue.Submit(tasks);
+  const Expected<postgres::Submission> added = queue.Submit(tasks);
   if (!added) return std::unexpected(added.error());
   return {};
 }

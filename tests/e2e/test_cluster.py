@@ -67,7 +67,7 @@ class ClusterTest(program.ProgramTest):
     def test_workers_write_what_one_process_writes(self):
         said = self.submit(*self.videos)
         self.assertIn("3 videos submitted; 3 queued", said.err)
-        self.assertIn("0 videos submitted, 3 known already", self.submit(*self.videos).err)
+        self.assertIn("0 videos submitted, 3 submitted before;", self.submit(*self.videos).err)
         self.finish(*(self.start_worker("--until-empty") for _ in range(2)))
         status = self.status()
         self.assertEqual((status["queued"], status["running"], status["done"]), (0, 0, 3), status)

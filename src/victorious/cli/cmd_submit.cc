@@ -136,11 +136,13 @@ Status Run(const SubmitArguments& arguments) {
   for (const VideoRecord& video : videos) VICTORIOUS_RETURN_IF_ERROR(store->PutVideo(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
                               postgres::TaskQueue::Open(arguments.db, {.worker = "submit", .program = program}));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t added, queue->Submit(tasks));
+  VICTORIOUS_ASSIGN_OR_RETURN(const postgres::Submission submission, queue->Submit(tasks));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
-  const auto known = static_cast<std::int64_t>(tasks.size()) - added;
-  LogInfo("{} submitted{}; {} queued, {} running", CountText(added, "video"),
-          known > 0 ? fmt::format(", {} known already", known) : "", counts.queued, counts.running);
+  // The same video given twice is one task.
+  const std::int64_t open = std::max<std::int64_t>(0, std::ssize(tasks) - submission.added - submission.done);
+  LogInfo("{} submitted{}{}; {} queued, {} running", CountText(submission.added, "video"),
+          open > 0 ? fmt::format(", {} submitted before", open) : "",
+          submission.done > 0 ? fmt::format(", {} done already", submission.done) : "", counts.queued, counts.running);
   if (failure) return std::unexpected(*std::move(failure));
   return {};
 }

@@ -37,7 +37,7 @@ class PostgresClusterTest : public ::testing::Test {
 
   void Submit(const IndexTask& task, const std::string& content_id) {
     const postgres::NewTask queued = ToQueue(task, content_id, postgres::TaskPriority::kBatch).value();
-    ASSERT_EQ(queue_->Submit(std::span(&queued, 1)).value(), 1);
+    ASSERT_EQ(queue_->Submit(std::span(&queued, 1))->added, 1);
   }
 
   std::string url_;

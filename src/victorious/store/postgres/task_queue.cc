@@ -28,23 +28,27 @@ std::unique_ptr<TaskQueue> TaskQueue::On(std::shared_ptr<Connection> connection,
   return std::unique_ptr<TaskQueue>(new TaskQueue(std::move(connection), std::move(options)));
 }
 
-Expected<std::int64_t> TaskQueue::Submit(std::span<const NewTask> tasks) {
+Expected<Submission> TaskQueue::Submit(std::span<const NewTask> tasks) {
   CopyRows rows;
   for (const NewTask& task : tasks) {
-    rows.AddRow(task.kind, task.key, static_cast<int>(task.priority), task.payload, task.program);
+    rows.AddRow(task.kind, task.key, static_cast<int>(task.priority), task.payload, task.program, int{task.is_undone});
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Execute("CREATE TEMPORARY TABLE new_tasks (position bigint GENERATED ALWAYS AS IDENTITY, kind text, "
-                           "key text, priority bigint, payload text, program text) ON COMMIT DROP"));
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_tasks (kind, key, priority, payload, program)", rows));
+                           "key text, priority bigint, payload text, program text, is_undone bigint) ON COMMIT DROP"));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_tasks (kind, key, priority, payload, program, is_undone)", rows));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+      "UPDATE tasks t SET state = 'failed' FROM new_tasks n WHERE t.kind = n.kind AND t.key = n.key AND "
+      "t.state = 'done' AND n.is_undone <> 0"));
   // The same task twice would be an error of the server.
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result added,
       connection_->Query(
           "INSERT INTO tasks (kind, key, priority, payload, program) SELECT kind, key, priority, payload, program FROM "
           "(SELECT DISTINCT ON (kind, key) * FROM new_tasks ORDER BY kind, key, position) t ORDER BY position "
-          "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, reason = NULL, not_before = NULL, "
+          "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, is_fatal = false, reason = NULL, "
+          "not_before = NULL, "
           "payload = excluded.payload, program = excluded.program, "
           "priority = least(tasks.priority, excluded.priority) WHERE tasks.state = 'failed' OR "
           "(tasks.state = 'queued' AND (tasks.program <> excluded.program OR excluded.priority < tasks.priority)) OR "
@@ -53,21 +57,36 @@ Expected<std::int64_t> TaskQueue::Submit(std::span<const NewTask> tasks) {
   VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
       "UPDATE tasks c SET state = 'done', reason = 'taken over by another build' FROM tasks p JOIN new_tasks n "
       "USING (kind, key) WHERE c.parent = p.id AND c.state IN ('queued', 'failed') AND c.program <> p.program"));
+  // What runs or waits goes on, and what it still needs comes earlier.
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result raised,
+      connection_->Query("UPDATE tasks t SET priority = n.priority FROM (SELECT kind, key, min(priority) AS priority "
+                         "FROM new_tasks GROUP BY kind, key) n WHERE t.kind = n.kind AND t.key = n.key AND "
+                         "t.state IN ('running', 'waiting') AND t.priority > n.priority"));
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Query("UPDATE tasks c SET priority = p.priority FROM tasks p JOIN new_tasks n USING (kind, key) "
+                         "WHERE c.parent = p.id AND c.state IN ('queued', 'running') AND c.priority > p.priority"));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result done, connection_->Query("SELECT count(*) FROM tasks t JOIN (SELECT DISTINCT kind, key FROM new_tasks) n "
+                                      "USING (kind, key) WHERE t.state = 'done'"));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
-  return added.Changes();
+  return Submission{.added = added.Changes() + raised.Changes(), .done = done.Next() ? done.Integer(0) : 0};
 }
 
 Status TaskQueue::EndLostLeases() {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
       connection_->Write(
-          "WITH lost AS (SELECT id, worker FROM tasks WHERE state = 'running' AND leased_until < now() "
-          "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET failures = t.failures + 1, "
+          "WITH lost AS (SELECT id, worker, CASE WHEN renewed_at < pg_postmaster_start_time() THEN 0 ELSE 1 END "
+          "AS failed FROM tasks WHERE state = 'running' AND leased_until < now() "
+          "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET failures = t.failures + failed, "
           "leased_until = NULL, worker = NULL, "
-          "state = CASE WHEN t.failures + 1 < ? THEN 'queued' ELSE 'failed' END, is_fatal = true, "
-          "reason = 'its worker did not answer any more' FROM lost WHERE t.id = lost.id "
-          "RETURNING t.id, t.attempt, lost.worker) "
-          "INSERT INTO task_log (task_id, attempt, event, worker) SELECT id, attempt, 'lost', worker FROM ended",
+          "state = CASE WHEN failed = 0 OR t.failures + 1 < ? THEN 'queued' ELSE 'failed' END, is_fatal = failed = 1, "
+          "reason = CASE WHEN failed = 1 THEN 'its worker did not answer any more' "
+          "ELSE 'the server was started again' END FROM lost WHERE t.id = lost.id "
+          "RETURNING t.id, t.attempt, lost.worker, failed) "
+          "INSERT INTO task_log (task_id, attempt, event, worker) "
+          "SELECT id, attempt, CASE WHEN failed = 1 THEN 'lost' ELSE 'released' END, worker FROM ended",
           kMaxAttempts));
   return ended.Changes() > 0 ? Wake(std::nullopt) : Status();
 }
@@ -233,6 +252,32 @@ std::unexpected<Error> TaskQueue::LostLease(const Task& task) const {
       fmt::format("{}: attempt {} of task {} does not run any more: its lease was not renewed for {} s, and "
                   "another worker may do it",
                   connection_->name(), task.attempt, task.id, options_.lease.count()));
+}
+
+Status TaskQueue::Excuse(const Task& task) {
+  const Status released = Release(task);
+  if (released || released.error().code != ErrorCode::kConflict) return released;
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result excused,
+      connection_->Write(
+          "UPDATE tasks t SET failures = greatest(failures - 1, 0), "
+          "is_fatal = is_fatal AND (attempt <> ? OR state = 'running'), "
+          "state = CASE WHEN state = 'failed' AND attempt = ? THEN 'queued' ELSE state END "
+          "WHERE id = ? AND state IN ('queued', 'running', 'failed') AND EXISTS (SELECT FROM task_log l WHERE "
+          "l.task_id = t.id AND l.attempt = ? AND l.event = 'lost')",
+          task.attempt, task.attempt, task.id, task.attempt));
+  return {};
+}
+
+Status TaskQueue::ReleaseOwn() {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result released,
+      connection_->Write(
+          "WITH ended AS (UPDATE tasks SET state = 'queued', worker = NULL, leased_until = NULL WHERE "
+          "state = 'running' AND worker = ? RETURNING id, attempt) INSERT INTO task_log (task_id, attempt, event, "
+          "worker) SELECT id, attempt, 'released', ? FROM ended",
+          options_.worker, options_.worker));
+  return {};
 }
 
 Expected<TaskCounts> TaskQueue::Count() { return Count(false); }

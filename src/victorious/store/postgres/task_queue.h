@@ -35,8 +35,15 @@ struct NewTask {
   std::string kind;  ///< what is to be done
   std::string key;   ///< with what; a task of the same kind and key is added once
   TaskPriority priority = TaskPriority::kBatch;
-  std::string payload;  ///< for the worker, as JSON
-  std::string program;  ///< the build that shall do it (ProgramId): others may find other things
+  std::string payload;     ///< for the worker, as JSON
+  std::string program;     ///< the build that shall do it (ProgramId): others may find other things
+  bool is_undone = false;  ///< its results are not in the index (any more): it is queued again, even if it was done
+};
+
+/// What became of submitted tasks.
+struct Submission {
+  std::int64_t added = 0;  ///< new, or queued again, or changed: another program, a higher priority
+  std::int64_t done = 0;   ///< done before, and still
 };
 
 /// A claimed task.
@@ -95,12 +102,13 @@ class TaskQueue {
 
   [[nodiscard]] std::chrono::seconds lease() const { return options_.lease; }
 
-  /// Adds the tasks, in one transaction. One that has failed is queued again, a queued one gets the new program and the
-  /// higher priority. Returns the number of those that are new or changed.
-  [[nodiscard]] Expected<std::int64_t> Submit(std::span<const NewTask> tasks);
+  /// Adds the tasks, in one transaction. One that has failed, or is done and NewTask::is_undone, is queued again; a
+  /// queued one gets the new program; an open one and its parts get the higher priority.
+  [[nodiscard]] Expected<Submission> Submit(std::span<const NewTask> tasks);
 
   /// Claims the queued task of this program with the highest priority, of these the one that was added first, or whose
-  /// parent was; std::nullopt if there is none. Ends the leases of dead workers first.
+  /// parent was; std::nullopt if there is none. Ends the leases of dead workers first: each is a failed attempt, unless
+  /// the server itself was started after the last renewal.
   [[nodiscard]] Expected<std::optional<Task>> Claim();
 
   /// Renews the lease from now on. Error: kConflict if it was lost.
@@ -131,6 +139,13 @@ class TaskQueue {
   /// Gives the task back, as at a shutdown; it is not claimed before `delay` is over. Error: kConflict if the lease was
   /// lost.
   [[nodiscard]] Status Release(const Task& task, std::chrono::seconds delay = {});
+
+  /// Gives the task of a lost lease back that could not be renewed because the database did not answer: its loss is no
+  /// failed attempt. Without effect if it has ended otherwise.
+  [[nodiscard]] Status Excuse(const Task& task);
+
+  /// Gives back what this worker has claimed, as after a claim whose answer did not arrive.
+  [[nodiscard]] Status ReleaseOwn();
 
   /// Of the tasks that are no parts.
   [[nodiscard]] Expected<TaskCounts> Count();

@@ -37,7 +37,7 @@ class PostgresTaskQueueTest : public ::testing::Test {
   void Submit(const std::vector<NewTask>& tasks) const {
     const auto added = queue_->Submit(tasks);
     EXPECT_TRUE(added) << added.error().message;
-    EXPECT_EQ(*added, std::ssize(tasks));
+    EXPECT_EQ(added->added, std::ssize(tasks));
   }
 
   static Task ClaimOrDie(TaskQueue& queue) {
@@ -74,8 +74,10 @@ TEST_F(PostgresTaskQueueTest, ClaimsByPriorityThenByAge) {
           {"index", "b", TaskPriority::kPerson, R"({"frame":1})", ""},
           {"index", "c", TaskPriority::kLive, "{}", ""},
           {"index", "d", TaskPriority::kPerson, "{}", ""}});
-  EXPECT_EQ(*queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, "{}", ""},
-                                                 {"stitch", "a", TaskPriority::kBatch, "{}", ""}}),
+  EXPECT_EQ(queue_
+                ->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, "{}", ""},
+                                              {"stitch", "a", TaskPriority::kBatch, "{}", ""}})
+                ->added,
             1)
       << "a task is added once";
   std::vector<std::string> order;
@@ -192,7 +194,8 @@ TEST_F(PostgresTaskQueueTest, EachTaskEndsOnce) {
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
   EXPECT_EQ(queue_->Complete(task).error().code, ErrorCode::kConflict) << "once";
   EXPECT_THAT(Log(), ElementsAre("1 claimed first", "1 done first"));
-  EXPECT_EQ(*queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, "{}", ""}}), 0) << "it is done";
+  EXPECT_EQ(queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, "{}", ""}})->added, 0)
+      << "it is done";
 }
 
 // As when the server was restarted: what a session had prepared is gone with it.
@@ -237,6 +240,81 @@ TEST_F(PostgresTaskQueueTest, RenewedLeaseIsKept) {
   EXPECT_TRUE(queue_->Complete(task));
 }
 
+// The server was down for longer than a lease, so that no worker could renew one: no fault of the tasks.
+TEST_F(PostgresTaskQueueTest, RestartOfTheServerIsNoFailedAttempt) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  for (int outage = 0; outage < 2 * kMaxAttempts; ++outage) {
+    ClaimOrDie(*queue_);
+    EndLeases();
+    Run("UPDATE tasks SET renewed_at = pg_postmaster_start_time() - interval '1 s'");
+  }
+  EXPECT_EQ(ClaimOrDie(*queue_).failures, 0);
+}
+
+// The network was cut for longer than a lease: the worker says so when it is back.
+TEST_F(PostgresTaskQueueTest, ExcusedLossIsNoFailedAttempt) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  const auto other = OpenOrDie("other");
+  for (int outage = 0; outage < 2 * kMaxAttempts; ++outage) {
+    const Task task = ClaimOrDie(*queue_);
+    EXPECT_EQ(task.failures, 0);
+    EndLeases();
+    const Task taken = ClaimOrDie(*other);
+    EXPECT_EQ(taken.failures, 1);
+    ASSERT_TRUE(queue_->Excuse(task));
+    EXPECT_TRUE(other->Renew(taken, false)) << "who has it now, keeps it";
+    ASSERT_TRUE(other->Release(taken));
+  }
+  const Task task = ClaimOrDie(*queue_);
+  ASSERT_TRUE(queue_->Excuse(task)) << "nobody took it";
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
+  ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
+  ASSERT_TRUE(queue_->Excuse(task)) << "of a task that is done";
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
+}
+
+// The answer to a claim was lost with the connection.
+TEST_F(PostgresTaskQueueTest, WorkerGivesBackWhatItDoesNotKnowOf) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}, {"index", "b", TaskPriority::kBatch, "{}", ""}});
+  ClaimOrDie(*queue_);
+  ClaimOrDie(*OpenOrDie("other"));
+  ASSERT_TRUE(queue_->ReleaseOwn());
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1, .running = 1}));
+  EXPECT_EQ(ClaimOrDie(*queue_).key, "a");
+}
+
+// Done for a model whose results were deleted since, because another one of its name was searched for.
+TEST_F(PostgresTaskQueueTest, UndoneTaskIsQueuedAgain) {
+  NewTask task{"index", "a", TaskPriority::kBatch, "{}", ""};
+  Submit({task});
+  ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
+  auto again = queue_->Submit(std::span(&task, 1));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->added, 0);
+  EXPECT_EQ(again->done, 1);
+  task.is_undone = true;
+  again = queue_->Submit(std::span(&task, 1));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->added, 1);
+  EXPECT_EQ(again->done, 0);
+  EXPECT_EQ(ClaimOrDie(*queue_).attempt, 2);
+}
+
+TEST_F(PostgresTaskQueueTest, WaitingTaskAndItsPartsBecomeUrgent) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""},
+          {"index", "b", TaskPriority::kBatch, "{}", ""},
+          {"index", "c", TaskPriority::kBatch, "{}", ""}});
+  ASSERT_EQ(ClaimOrDie(*queue_).key, "a");
+  const Task task = ClaimOrDie(*queue_);
+  ASSERT_TRUE(queue_->Wait(task, std::vector<NewTask>{{"segment", "b 0", TaskPriority::kBatch, "{}", ""},
+                                                      {"segment", "b 1", TaskPriority::kBatch, "{}", ""}}));
+  ASSERT_EQ(ClaimOrDie(*queue_).key, "b 0");
+  Submit({{"index", "c", TaskPriority::kPerson, "{}", ""}});
+  Submit({{"index", "a", TaskPriority::kLive, "{}", ""}, {"index", "b", TaskPriority::kLive, "{}", ""}});
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1, .waiting = 1, .running = 1}));
+  EXPECT_EQ(ClaimOrDie(*queue_).key, "b 1") << "before c";
+}
+
 TEST_F(PostgresTaskQueueTest, TaskThatKillsThreeWorkersFails) {
   Submit({{"index", "poison", TaskPriority::kBatch, "{}", ""}, {"index", "good", TaskPriority::kBatch, "{}", ""}});
   for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
@@ -275,7 +353,7 @@ TEST_F(PostgresTaskQueueTest, TaskIsTriedAgainThenItHasFailed) {
   EXPECT_EQ(listed->front().attempt, kMaxAttempts);
   EXPECT_FALSE(queue_->Claim()->has_value());
 
-  EXPECT_EQ(*queue_->Submit(tasks), 1) << "submitted again, it is queued again";
+  EXPECT_EQ(queue_->Submit(tasks)->added, 1) << "submitted again, it is queued again";
   const Task again = ClaimOrDie(*queue_);
   EXPECT_EQ(again.attempt, kMaxAttempts + 1);
   ASSERT_TRUE(queue_->Fail(again, "again")) << "its failures are forgotten";
@@ -327,18 +405,31 @@ TEST_F(PostgresTaskQueueTest, ProgressForgetsFailures) {
 
 TEST_F(PostgresTaskQueueTest, TaskOfAnotherBuildIsNotClaimed) {
   const std::vector<NewTask> tasks = {{"index", "a", TaskPriority::kBatch, "{}", "old"}};
-  ASSERT_EQ(*queue_->Submit(tasks), 1);
+  ASSERT_EQ(queue_->Submit(tasks)->added, 1);
   EXPECT_FALSE(queue_->Claim()->has_value());
   EXPECT_FALSE(*queue_->HasOpenTasks());
   const std::vector<NewTask> again = {{"index", "a", TaskPriority::kPerson, "{}", ""}};
-  ASSERT_EQ(*queue_->Submit(again), 1) << "submitted by this build";
+  ASSERT_EQ(queue_->Submit(again)->added, 1) << "submitted by this build";
   EXPECT_TRUE(*queue_->HasOpenTasks());
   EXPECT_EQ(ClaimOrDie(*queue_).key, "a");
 }
 
+// 100,000 queued tasks of another build cost 26 ms a claim when they were read.
+TEST_F(PostgresTaskQueueTest, TasksOfAnotherBuildAreNotRead) {
+  const auto connection = Connection::Open(url_, true, "-c enable_seqscan=off -c enable_sort=off");
+  auto plan = (*connection)
+                  ->Query(
+                      "EXPLAIN SELECT id FROM tasks WHERE state = 'queued' AND program = 'this' ORDER BY priority, "
+                      "coalesce(parent, id), id LIMIT 1");
+  ASSERT_TRUE(plan) << plan.error().message;
+  std::string text;
+  while (plan->Next()) text += plan->Text(0) + "\n";
+  EXPECT_THAT(text, HasSubstr("Index Cond: (program = 'this'"));
+}
+
 TEST_F(PostgresTaskQueueTest, SubmittedTwiceAtOnceItIsOneTask) {
   const NewTask task{"index", "a", TaskPriority::kBatch, "{}", ""};
-  EXPECT_EQ(*queue_->Submit(std::vector{task, task}), 1);
+  EXPECT_EQ(queue_->Submit(std::vector{task, task})->added, 1);
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1}));
 }
 
