@@ -33,6 +33,9 @@ class FaultInjectingStore : public IndexStore {
     return store_.SetVideoFeatures(video, json);
   }
   [[nodiscard]] Expected<std::vector<VideoRecord>> Videos() override { return store_.Videos(); }
+  [[nodiscard]] Expected<std::vector<VideoRecord>> VideosNamed(const std::string& name) override {
+    return store_.VideosNamed(name);
+  }
   [[nodiscard]] Expected<ModelRecord> PutModel(const ModelRecord& model) override { return store_.PutModel(model); }
   [[nodiscard]] Expected<std::vector<ModelRecord>> Models() override { return store_.Models(); }
   [[nodiscard]] Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override {

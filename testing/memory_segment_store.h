@@ -68,7 +68,7 @@ class MemorySegmentStore final : public SegmentStore {
   [[nodiscard]] Status Complete(std::int64_t cut, FrameInterval frames, std::span<const std::byte> results) override {
     Segment* segment = Of(cut, frames);
     if (segment == nullptr) return Fail(ErrorCode::kNotFound, "no such segment");
-    if (segment->state == SegmentState::kDone) return {};
+    if (segment->state != SegmentState::kOpen) return {};
     *segment = {.frames = frames, .state = SegmentState::kDone, .reason = {}};
     cuts_.at(cut).results[frames.from].assign(results.begin(), results.end());
     return {};

@@ -210,9 +210,8 @@ Expected<std::optional<Indexer::PlannedCut>> Indexer::ReadCutPlan(const VideoRec
 
 Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& job, std::optional<FrameInterval> frames,
                                                               IndexStore& store, SegmentStore& segments) const {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.VideosNamed(job.video));
   for (const VideoRecord& video : videos) {
-    if (video.name != job.video) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoCut> cuts, segments.CutsOf(video.id));
     for (const VideoCut& cut : cuts) {
       VICTORIOUS_ASSIGN_OR_RETURN(std::optional<PlannedCut> planned, ReadCutPlan(video, cut, job, store));
@@ -317,7 +316,8 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   if (!reader->IsExact()) {
     if (job.inform) job.inform("its frames are not those that its container lists: it is indexed by one process");
     VICTORIOUS_RETURN_IF_ERROR(segments.SetWhole(found->cut.id));
-    // It begins anew: segments that were joined before may have kept frames that a resumed pass would keep, too.
+    // It begins anew: segments that were joined before may have kept frames that a resumed pass would keep, too. Where
+    // both stores are one database, SetWhole has deleted the searches.
     for (const SearchRecord& search : found->pass.searches) {
       VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(search.video, search.model));
     }

@@ -267,6 +267,8 @@ class IndexStore {
   [[nodiscard]] virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
   [[nodiscard]] virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
   [[nodiscard]] virtual Expected<std::vector<VideoRecord>> Videos() = 0;
+  /// Those whose name equals `name`, by id.
+  [[nodiscard]] virtual Expected<std::vector<VideoRecord>> VideosNamed(const std::string& name) = 0;
 
   /// Adds the model, or finds it. A model of the same name with other content replaces the old one; sightings, objects
   /// and progress of the old one are deleted in the same transaction. Returns the stored record.

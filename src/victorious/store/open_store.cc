@@ -23,8 +23,9 @@ bool IsDatabaseUrl(std::string_view name) {
   return name.starts_with("postgresql://") || name.starts_with("postgres://");
 }
 
-Expected<std::unique_ptr<IndexStore>> OpenStore(const std::string& name, StoreMode mode) {
-  return IsDatabaseUrl(name) ? OpenPostgresStore(name, mode) : OpenSqliteStore(name, mode);
+Expected<std::unique_ptr<IndexStore>> OpenStore(const std::string& name, StoreMode mode,
+                                                std::optional<TaskAttempt> task) {
+  return IsDatabaseUrl(name) ? OpenPostgresStore(name, mode, task) : OpenSqliteStore(name, mode);
 }
 
 Expected<bool> HasIndex(const std::string& name) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "victorious/base/error.h"
 #include "victorious/store/index_store.h"
+#include "victorious/store/work_state.h"
 
 namespace victorious {
 
@@ -14,7 +16,9 @@ namespace victorious {
 [[nodiscard]] bool IsDatabaseUrl(std::string_view name);
 
 /// Opens a SQLite file (OpenSqliteStore) or a PostgreSQL database (postgres/postgres_store.h: OpenPostgresStore).
-[[nodiscard]] Expected<std::unique_ptr<IndexStore>> OpenStore(const std::string& name, StoreMode mode);
+/// @param task  of a database, for which a worker's process writes (postgres/connection.h: Connection::Open)
+[[nodiscard]] Expected<std::unique_ptr<IndexStore>> OpenStore(const std::string& name, StoreMode mode,
+                                                              std::optional<TaskAttempt> task = {});
 
 /// True if there is an index under this name: the file exists, or the database has its schema. Errors: those of opening
 /// a database.

@@ -107,8 +107,8 @@ class SegmentStore {
   /// segment.
   [[nodiscard]] virtual Expected<std::vector<std::byte>> PreparedOf(std::int64_t cut, FrameInterval frames) = 0;
 
-  /// Stores the results of a segment: it is done. Without effect if it is done already. Error: kNotFound without the
-  /// cut or the segment.
+  /// Stores the results of a segment: it is done. Without effect if it is done already, or left out. Error: kNotFound
+  /// without the cut or the segment.
   [[nodiscard]] virtual Status Complete(std::int64_t cut, FrameInterval frames, std::span<const std::byte> results) = 0;
 
   /// Visits the results of the segments that are done, by frame, but for those that were discarded. Error: kNotFound
@@ -119,7 +119,8 @@ class SegmentStore {
   /// Deletes the results of the segments that are done and end at `frame` or before it: they are joined.
   [[nodiscard]] virtual Status Discard(std::int64_t cut, std::int64_t frame) = 0;
 
-  /// Says that one process must search the video as a whole.
+  /// Says that one process must search the video as a whole. In the index of the same database, what was joined of it
+  /// is deleted in the same transaction: it begins anew.
   [[nodiscard]] virtual Status SetWhole(std::int64_t cut) = 0;
 
   /// Gives up an open segment that kills who searches it: cuts it in halves, at a multiple of the cut's step; one of

@@ -172,6 +172,8 @@ TEST_P(SegmentStoreTest, GivenUpSegmentIsCutDownToTheSmallest) {
   ASSERT_TRUE(segments_->Complete(cut, {0, 120}, {}));
   ASSERT_TRUE(segments_->GiveUp(cut, {0, 120}, "late"));
   EXPECT_EQ(Segments(cut).front().state, SegmentState::kDone);
+  ASSERT_TRUE(segments_->Complete(cut, {120, 180}, Bytes("late")));
+  EXPECT_EQ(Segments(cut)[1].state, SegmentState::kQuarantined) << "what is left out stays a gap";
 }
 
 TEST_P(SegmentStoreTest, FinishLeavesTheGaps) {
@@ -201,10 +203,23 @@ TEST_P(SegmentStoreTest, FinishLeavesTheGaps) {
 
 TEST_P(SegmentStoreTest, VideoMayHaveToStayWhole) {
   const std::int64_t cut = Put(TwoSegments());
+  if (store_) {
+    IndexBatch batch;
+    batch.progress.push_back({.search = {.video = video_,
+                                         .model = model_,
+                                         .next_frame = 240,
+                                         .finished = false,
+                                         .options_json = "{}",
+                                         .program_version = "1"},
+                              .expected_next_frame = 0});
+    ASSERT_TRUE(store_->Commit(batch));
+  }
   ASSERT_TRUE(segments_->SetWhole(cut + 1));
   EXPECT_FALSE(segments_->Find(cut).value()->is_whole);
   ASSERT_TRUE(segments_->SetWhole(cut));
   EXPECT_TRUE(segments_->Find(cut).value()->is_whole);
+  if (!store_) return;
+  EXPECT_FALSE(store_->FindSearch(video_, model_).value()) << "what was joined may have other numbers of frames";
 }
 
 INSTANTIATE_TEST_SUITE_P(Memory, SegmentStoreTest, ::testing::Values(false));

@@ -75,6 +75,8 @@ TEST_P(VideosTest, TextsRoundTripByteForByte) {
   const VideoRecord video = PutVideo("c2", name, name);
   EXPECT_EQ(video.name, name);
   EXPECT_EQ(video.folder, name);
+  EXPECT_EQ(store_->VideosNamed(name)->size(), 1U);
+  EXPECT_TRUE(store_->VideosNamed("Übung.mp4")->empty());
   const ModelRecord model =
       store_->PutModel({.name = name, .content_id = "m2", .kind = ModelKind::kPhotos}).value_or(ModelRecord{});
   EXPECT_EQ(model.name, name);

@@ -25,6 +25,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 #include "victorious/base/enum_text.h"
@@ -47,6 +48,14 @@ inline constexpr auto kWorkStateTexts = std::to_array<EnumText<WorkState>>({{Wor
                                                                             {WorkState::kCancelled, "cancelled"}});
 
 constexpr std::string_view ToText(WorkState state) { return ToText(kWorkStateTexts, state); }
+
+/// An attempt at a task, which its lease allows to one worker.
+struct TaskAttempt {
+  std::int64_t task = 0;
+  std::int64_t attempt = 0;
+
+  bool operator==(const TaskAttempt&) const = default;
+};
 
 /// A task whose attempts end without it coming further has failed after this many: it may be what kills its workers.
 inline constexpr int kMaxAttempts = 3;

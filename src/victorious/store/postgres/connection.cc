@@ -84,12 +84,13 @@ struct ParameterArrays {
 };
 
 // The error of a connection that was not opened. libpq gives no code, only a text, which may be translated.
-Error ConnectionError(const std::string& name, const std::string& url, const std::string& text) {
+Error ConnectionError(const std::string& name, const std::string& url, const std::string& text, bool is_for_task) {
   const std::array<const char*, 3> keywords = {"dbname", "connect_timeout", nullptr};
   const std::array<const char*, 3> values = {url.c_str(), "10", nullptr};
   const PGPing ping = PQpingParams(keywords.data(), values.data(), 1);
   if (ping == PQPING_NO_RESPONSE) {
-    return {ErrorCode::kNotFound, fmt::format("{}: {}: start the server, or correct its host and port", name, text)};
+    return {is_for_task ? ErrorCode::kUnavailable : ErrorCode::kNotFound,
+            fmt::format("{}: {}: start the server, or correct its host and port", name, text)};
   }
   if (ping == PQPING_REJECT) {
     return {ErrorCode::kUnavailable, fmt::format("{}: {}: the server is starting or stopping: try again", name, text)};
@@ -97,7 +98,7 @@ Error ConnectionError(const std::string& name, const std::string& url, const std
   const std::array<std::string_view, 3> no_room = {"too many clients", "too many connections", "connection slots"};
   if (std::ranges::any_of(no_room, [&](std::string_view words) { return text.find(words) != std::string::npos; })) {
     return {ErrorCode::kUnavailable,
-            fmt::format("{}: {}: raise the server's max_connections, three for each worker, or run fewer", name, text)};
+            fmt::format("{}: {}: raise the server's max_connections, four for each worker, or run fewer", name, text)};
   }
   if (text.find("database") != std::string::npos && text.find("does not exist") != std::string::npos) {
     return {ErrorCode::kNotFound, fmt::format("{}: {}: create it (createdb -E UTF8), or correct its name", name, text)};
@@ -148,7 +149,7 @@ std::string DatabaseName(const std::string& url) {
 }
 
 Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, bool is_read_only,
-                                                       std::string_view settings) {
+                                                       std::string_view settings, std::optional<TaskAttempt> task) {
   char* fault = nullptr;
   const OptionsPtr options(PQconninfoParse(url.c_str(), &fault));
   if (!options) {
@@ -173,9 +174,10 @@ Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, b
   std::array<const char*, parameters.size()> values{};
   for (std::size_t i = 0; i < parameters.size(); ++i) std::tie(keywords[i], values[i]) = parameters[i];
   std::unique_ptr<Connection> connection(
-      new Connection(DatabaseName(url), PQconnectdbParams(keywords.data(), values.data(), 1)));
+      new Connection(DatabaseName(url), PQconnectdbParams(keywords.data(), values.data(), 1), task));
   if (connection->IsLost()) {
-    return std::unexpected(ConnectionError(connection->name_, url, FirstLine(PQerrorMessage(connection->handle_))));
+    return std::unexpected(
+        ConnectionError(connection->name_, url, FirstLine(PQerrorMessage(connection->handle_)), task.has_value()));
   }
   VICTORIOUS_RETURN_IF_ERROR(connection->CheckServer());
   VICTORIOUS_RETURN_IF_ERROR(connection->PrepareSession());
@@ -206,15 +208,13 @@ Status Connection::PrepareSession() {
       "pg_extension "
       "e JOIN pg_namespace n ON n.oid = e.extnamespace WHERE e.extname = 'postgis'), 'public')), false)",
       kSchemaName);
-  PGresult* result = PQexec(handle_, sql.c_str());
-  const bool is_set = PQresultStatus(result) == PGRES_TUPLES_OK;
-  const Error error = is_set ? Error{} : ErrorFromResult(result);
-  PQclear(result);
-  if (!is_set) return std::unexpected(error);
+  const bool is_sent = PQsendQuery(handle_, sql.c_str()) == 1;
+  const Expected<Result> set = is_sent ? Finish() : std::unexpected(ErrorFromResult(nullptr));
+  if (!set) return std::unexpected(set.error());
   return {};
 }
 
-bool Connection::IsLost() const { return PQstatus(handle_) != CONNECTION_OK; }
+bool Connection::IsLost() const { return is_silent_ || PQstatus(handle_) != CONNECTION_OK; }
 
 void Connection::ReadNotices() {
   pollfd socket = {.fd = PQsocket(handle_), .events = POLLIN, .revents = 0};
@@ -226,6 +226,7 @@ void Connection::ReadNotices() {
 Status Connection::Reconnect() {
   prepared_.clear();
   PQreset(handle_);
+  is_silent_ = false;
   if (IsLost()) {
     return Fail(ErrorCode::kUnavailable, fmt::format("{}: the connection was lost: {}: start the server again", name_,
                                                      FirstLine(PQerrorMessage(handle_))));
@@ -233,10 +234,35 @@ Status Connection::Reconnect() {
   return PrepareSession();
 }
 
+bool Connection::AwaitReply() {
+  if (!reply_timeout_) return true;
+  const auto end = std::chrono::steady_clock::now() + *reply_timeout_;
+  while (PQisBusy(handle_) == 1) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
+    pollfd socket = {.fd = PQsocket(handle_), .events = POLLIN, .revents = 0};
+    if (socket.fd < 0) return true;  // closed: libpq says so
+    // Once more also when the time is over: this process may have stood still.
+    if (::poll(&socket, 1, static_cast<int>(std::max<decltype(left)>(left, 0))) > 0) {
+      if (PQconsumeInput(handle_) != 1) return true;
+    } else if (left <= 0) {
+      is_silent_ = true;
+      return false;
+    }
+  }
+  return true;
+}
+
 Expected<Result> Connection::Finish() {
   std::optional<Result> last;
   std::optional<Error> error;
-  while (PGresult* result = PQgetResult(handle_)) {
+  while (true) {
+    if (!AwaitReply()) {
+      return Fail(ErrorCode::kUnavailable, fmt::format("{}: the server has not answered for {} s: run it again", name_,
+                                                       std::chrono::duration<double>(*reply_timeout_).count()));
+    }
+    PGresult* const result = PQgetResult(handle_);
+    if (result == nullptr) break;
     const ExecStatusType status = PQresultStatus(result);
     if (status == PGRES_FATAL_ERROR || status == PGRES_BAD_RESPONSE) {
       // An error of sending, not of the server: libpq may not have read yet that the connection has ended.
@@ -408,7 +434,21 @@ Expected<Transaction> Transaction::Begin(Connection& connection, Exclusion exclu
   const std::string_view share = exclusion == Exclusion::kShared ? "_shared" : "";
   const std::int64_t key = exclusion == Exclusion::kServer ? kServerLockKey : kLockKey;
   VICTORIOUS_RETURN_IF_ERROR(connection.Execute(fmt::format("SELECT pg_advisory_xact_lock{}({})", share, key)));
+  if (connection.task_ && exclusion != Exclusion::kServer) VICTORIOUS_RETURN_IF_ERROR(connection.CheckTask());
   return transaction;
+}
+
+// The lock does not hinder the worker, which renews its lease by changing the row (FOR NO KEY UPDATE), but those who
+// end a lost lease or claim the task (FOR UPDATE).
+Status Connection::CheckTask() {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result running, Query("SELECT 1 FROM tasks WHERE id = ? AND attempt = ? AND state = 'running' FOR KEY SHARE",
+                            task_->task, task_->attempt));
+  if (running.Next()) return {};
+  return Fail(ErrorCode::kConflict,
+              fmt::format("{}: attempt {} of task {} does not run any more: its lease was lost, and another worker may "
+                          "do it; nothing of this transaction is written",
+                          name_, task_->attempt, task_->task));
 }
 
 Transaction::~Transaction() {

@@ -1,10 +1,12 @@
 // A connection to a PostgreSQL server: RAII handles, errors as values.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,6 +14,7 @@
 #include "victorious/base/error.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/values.h"
+#include "victorious/store/work_state.h"
 
 struct pg_conn;
 
@@ -38,10 +41,14 @@ class Connection {
   ///             connect_timeout says otherwise.
   /// @param is_read_only  the server refuses to write
   /// @param settings  of the session on the server: "-c name=value …"
-  /// Errors: kInvalidArgument (not a URL); kNotFound (no such server or database); kPermissionDenied (role, password);
-  /// kUnsupported (older than PostgreSQL 15, or a database not in UTF-8).
+  /// @param task  for which a worker's process writes: its transactions that change the index (kShared, kAll) are
+  ///              refused with kConflict once that attempt does not run any more, and commit before another one begins
+  /// Errors: kInvalidArgument (not a URL); kNotFound (no such server or database; for a task, kUnavailable if nothing
+  /// answers: the server was there when the worker claimed it); kPermissionDenied (role, password); kUnsupported (older
+  /// than PostgreSQL 15, or a database not in UTF-8).
   [[nodiscard]] static Expected<std::unique_ptr<Connection>> Open(const std::string& url, bool is_read_only,
-                                                                  std::string_view settings = {});
+                                                                  std::string_view settings = {},
+                                                                  std::optional<TaskAttempt> task = {});
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -77,12 +84,17 @@ class Connection {
   [[nodiscard]] Status Visit(std::string_view sql, const BoundValues& parameters, int rows_at_once,
                              const std::function<Expected<bool>(const Result&)>& visit);
 
+  /// From now on a statement that the server does not answer in this time is an error (kUnavailable), and the
+  /// connection lost. Without it, a server that stands still is waited for.
+  void SetReplyTimeout(std::chrono::milliseconds timeout) { reply_timeout_ = timeout; }
+
   /// For messages: DatabaseName(url).
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:
   friend class Transaction;
-  Connection(std::string name, pg_conn* handle) : name_(std::move(name)), handle_(handle) {}
+  Connection(std::string name, pg_conn* handle, std::optional<TaskAttempt> task)
+      : name_(std::move(name)), handle_(handle), task_(task) {}
 
   [[nodiscard]] Status CheckServer() const;
   /// Sets what a new session needs.
@@ -93,6 +105,10 @@ class Connection {
   void ReadNotices();
   /// Returns the name of the statement on this connection, which is prepared at first.
   [[nodiscard]] Expected<std::string> Prepare(std::string_view sql, const BoundValues& parameters);
+  /// Waits until the results of what was sent can be read. False: the time is over, and the connection lost.
+  [[nodiscard]] bool AwaitReply();
+  /// Error: kConflict if the task's attempt does not run any more. Until the transaction ends, no other one begins.
+  [[nodiscard]] Status CheckTask();
   /// Waits for the results of what was sent; the last one, or the first error.
   [[nodiscard]] Expected<Result> Finish();
   [[nodiscard]] Error ErrorFromResult(const pg_result* result) const;
@@ -103,6 +119,9 @@ class Connection {
 
   std::string name_;
   pg_conn* handle_;
+  std::optional<TaskAttempt> task_;
+  std::optional<std::chrono::milliseconds> reply_timeout_;
+  bool is_silent_ = false;  ///< a reply did not come in time
   bool is_in_transaction_ = false;
   int cursors_ = 0;                                           ///< open visits
   std::map<std::string, std::string, std::less<>> prepared_;  ///< names by statement

@@ -93,8 +93,9 @@ Status Migrate(Connection& connection, std::span<const Migration> migrations) {
   return {};
 }
 
-Expected<std::unique_ptr<Connection>> OpenIndex(const std::string& url, StoreMode mode) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, Connection::Open(url, mode == StoreMode::kRead));
+Expected<std::unique_ptr<Connection>> OpenIndex(const std::string& url, StoreMode mode,
+                                                std::optional<TaskAttempt> task) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, Connection::Open(url, mode == StoreMode::kRead, {}, task));
   VICTORIOUS_RETURN_IF_ERROR(mode == StoreMode::kCreate ? Migrate(*connection, Migrations())
                                                         : CheckVersion(*connection));
   return connection;

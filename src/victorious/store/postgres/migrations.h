@@ -36,6 +36,8 @@ std::span<const Migration> Migrations();
 
 /// Opens the connection to an index; kCreate makes its tables if there are none. Errors: those of Connection::Open,
 /// CheckVersion and Migrate.
-[[nodiscard]] Expected<std::unique_ptr<Connection>> OpenIndex(const std::string& url, StoreMode mode);
+/// @param task  see Connection::Open
+[[nodiscard]] Expected<std::unique_ptr<Connection>> OpenIndex(const std::string& url, StoreMode mode,
+                                                              std::optional<TaskAttempt> task = {});
 
 }  // namespace victorious::postgres

@@ -153,7 +153,8 @@ Status PostgresSegmentStore::Complete(std::int64_t cut, FrameInterval frames, st
       connection_->Query("SELECT state FROM segments WHERE cut_id = ? AND from_frame = ? AND to_frame = ? FOR UPDATE",
                          cut, frames.from, frames.to));
   if (!found.Next()) return NoSegment(cut, frames);
-  if (found.Text(0) != ToText(kSegmentStateTexts, SegmentState::kDone)) {
+  // One that was given up meanwhile stays a gap.
+  if (found.Text(0) == ToText(kSegmentStateTexts, SegmentState::kOpen)) {
     VICTORIOUS_RETURN_IF_ERROR(
         connection_->Query("UPDATE segments SET state = 'done', reason = '', results = ?, prepared = NULL WHERE cut_id "
                            "= ? AND from_frame = ?",
@@ -181,18 +182,25 @@ Status PostgresSegmentStore::VisitResults(
 }
 
 Status PostgresSegmentStore::Discard(std::int64_t cut, std::int64_t frame) {
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const Result discarded,
-      connection_->Write("UPDATE segments SET results = NULL WHERE cut_id = ? AND to_frame <= ? AND state = 'done' AND "
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Query("UPDATE segments SET results = NULL WHERE cut_id = ? AND to_frame <= ? AND state = 'done' AND "
                          "results IS NOT NULL",
                          cut, frame));
-  return {};
+  return transaction.Commit();
 }
 
 Status PostgresSegmentStore::SetWhole(std::int64_t cut) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const Result updated,
-                              connection_->Write("UPDATE video_cuts SET is_whole = true WHERE id = ?", cut));
-  return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  for (const std::string_view table : {"tracklets", "searches"}) {
+    VICTORIOUS_RETURN_IF_ERROR(
+        connection_->Query(fmt::format("DELETE FROM {} t USING video_cuts c WHERE c.id = ? AND t.video_id = c.video_id "
+                                       "AND t.model_id = ANY (c.models)",
+                                       table),
+                           cut));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query("UPDATE video_cuts SET is_whole = true WHERE id = ?", cut));
+  return transaction.Commit();
 }
 
 Status PostgresSegmentStore::GiveUp(std::int64_t cut, FrameInterval frames, const std::string& reason) {
@@ -268,8 +276,9 @@ Expected<std::vector<QuarantinedSegment>> PostgresSegmentStore::Quarantined() {
 
 namespace victorious {
 
-Expected<std::unique_ptr<SegmentStore>> OpenPostgresSegmentStore(const std::string& url, StoreMode mode) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::Connection::Open(url, mode == StoreMode::kRead));
+Expected<std::unique_ptr<SegmentStore>> OpenPostgresSegmentStore(const std::string& url, StoreMode mode,
+                                                                 std::optional<TaskAttempt> task) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::Connection::Open(url, mode == StoreMode::kRead, {}, task));
   VICTORIOUS_RETURN_IF_ERROR(postgres::CheckVersion(*connection));
   return MakePostgresSegmentStore(std::move(connection));
 }

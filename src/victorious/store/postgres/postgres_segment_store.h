@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "victorious/store/index_store.h"
@@ -11,7 +12,9 @@
 namespace victorious {
 
 /// Opens the segments of an index that exists. Errors: those of OpenPostgresStore.
-[[nodiscard]] Expected<std::unique_ptr<SegmentStore>> OpenPostgresSegmentStore(const std::string& url, StoreMode mode);
+/// @param task  see Connection::Open
+[[nodiscard]] Expected<std::unique_ptr<SegmentStore>> OpenPostgresSegmentStore(const std::string& url, StoreMode mode,
+                                                                               std::optional<TaskAttempt> task = {});
 
 /// @param connection  of an index of this version
 [[nodiscard]] std::unique_ptr<SegmentStore> MakePostgresSegmentStore(std::shared_ptr<postgres::Connection> connection);

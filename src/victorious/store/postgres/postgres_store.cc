@@ -70,78 +70,6 @@ Expected<std::int64_t> PostgresStore::PutOptions(const std::string& json) {
   return *added;
 }
 
-Expected<VideoRecord> PostgresStore::PutVideo(const VideoRecord& video) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
-  std::optional<std::int64_t> features_options;
-  if (!video.features_json.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(features_options, PutOptions(video.features_json));
-  }
-  // Updated first: an INSERT takes an id even if the row exists, and ids follow one another.
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const Result updated,
-      connection_->Query("UPDATE videos SET name = ?, folder = ?, start_utc_us = CASE WHEN ?::bigint <> 0 THEN NULL "
-                         "ELSE coalesce(?, start_utc_us) END, is_of_photos = ? WHERE content_id = ?",
-                         video.name, video.folder, video.is_of_photos ? 1 : 0, video.start_utc_us,
-                         video.is_of_photos ? 1 : 0, video.content_id));
-  if (updated.Changes() == 0) {
-    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
-        "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
-        "features_options_id, start_utc_us, is_of_photos) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
-        "ON CONFLICT (content_id) DO UPDATE SET "
-        "name = excluded.name, folder = excluded.folder, "
-        "start_utc_us = coalesce(excluded.start_utc_us, videos.start_utc_us), is_of_photos = excluded.is_of_photos",
-        video.content_id, video.name, video.folder, video.width, video.height, video.frame_count, video.duration_s,
-        features_options, video.start_utc_us, video.is_of_photos ? 1 : 0));
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(Result found,
-                              connection_->Query(sql::SelectVideos() + "WHERE v.content_id = ?", video.content_id));
-  VICTORIOUS_CHECK(found.Next());
-  VideoRecord stored = sql::ReadVideo(found);
-  VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
-  return stored;
-}
-
-Expected<std::int64_t> PostgresStore::DeleteOtherContent(const std::string& name, const std::string& folder,
-                                                         const std::string& content_id) {
-  // Deletes the dependent rows as well (ON DELETE CASCADE).
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const Result deleted,
-      connection_->Query("DELETE FROM videos WHERE name = ? AND folder IN ('', ?) AND content_id <> ?", name, folder,
-                         content_id));
-  VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
-  return deleted.Changes();
-}
-
-Status PostgresStore::SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Result updated,
-                              connection_->Query("UPDATE videos SET frame_count = ?, duration_s = ? WHERE id = ?",
-                                                 frame_count, duration_s, video));
-  if (updated.Changes() != 1) return std::unexpected(Missing("video", video));
-  return transaction.Commit();
-}
-
-Status PostgresStore::SetVideoFeatures(std::int64_t video, const std::string& features_json) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
-  std::optional<std::int64_t> options;
-  if (!features_json.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(options, PutOptions(features_json));
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const Result updated,
-      connection_->Query("UPDATE videos SET features_options_id = ? WHERE id = ?", options, video));
-  if (updated.Changes() != 1) return std::unexpected(Missing("video", video));
-  return transaction.Commit();
-}
-
-Expected<std::vector<VideoRecord>> PostgresStore::Videos() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(sql::SelectVideos() + "ORDER BY v.id"));
-  std::vector<VideoRecord> videos;
-  while (rows.Next()) videos.push_back(sql::ReadVideo(rows));
-  return videos;
-}
-
 Expected<ModelRecord> PostgresStore::PutModel(const ModelRecord& model) {
   const auto find = [&]() -> Expected<std::optional<ModelRecord>> {
     VICTORIOUS_ASSIGN_OR_RETURN(Result found, connection_->Query(sql::SelectModels() + "WHERE name = ?", model.name));
@@ -592,8 +520,9 @@ Expected<std::vector<std::string>> PostgresStore::FindFaults() {
 
 namespace victorious {
 
-Expected<std::unique_ptr<IndexStore>> OpenPostgresStore(const std::string& url, StoreMode mode) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::OpenIndex(url, mode));
+Expected<std::unique_ptr<IndexStore>> OpenPostgresStore(const std::string& url, StoreMode mode,
+                                                        std::optional<TaskAttempt> task) {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto connection, postgres::OpenIndex(url, mode, task));
   return std::make_unique<postgres::PostgresStore>(std::move(connection));
 }
 

@@ -37,6 +37,7 @@ class PostgresStore final : public IndexStore {
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
   [[nodiscard]] Status SetVideoFeatures(std::int64_t video, const std::string& features_json) override;
   [[nodiscard]] Expected<std::vector<VideoRecord>> Videos() override;
+  [[nodiscard]] Expected<std::vector<VideoRecord>> VideosNamed(const std::string& name) override;
 
   [[nodiscard]] Expected<ModelRecord> PutModel(const ModelRecord& model) override;
   [[nodiscard]] Expected<std::vector<ModelRecord>> Models() override;
@@ -113,7 +114,8 @@ namespace victorious {
 /// Opens an index in a PostgreSQL database; kCreate makes its tables if there are none. Errors: those of
 /// Connection::Open; kNotFound (no index in the database, to read); kUnsupported (a schema of another program, or of
 /// another version; no PostGIS on the server).
-/// @param url  see Connection::Open
-[[nodiscard]] Expected<std::unique_ptr<IndexStore>> OpenPostgresStore(const std::string& url, StoreMode mode);
+/// @param url, task  see Connection::Open
+[[nodiscard]] Expected<std::unique_ptr<IndexStore>> OpenPostgresStore(const std::string& url, StoreMode mode,
+                                                                      std::optional<TaskAttempt> task = {});
 
 }  // namespace victorious

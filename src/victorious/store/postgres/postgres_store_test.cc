@@ -108,6 +108,8 @@ TEST(PostgresName, AbsentServerIsNotFound) {
   EXPECT_THAT(error.message, HasSubstr("start the server"));
   EXPECT_THAT(error.message, Not(HasSubstr("secret")));
   EXPECT_EQ(OpenError("postgresql://host:port/x%").code, ErrorCode::kInvalidArgument);
+  const auto of_task = Connection::Open("postgresql://me@127.0.0.1:1/videos", false, {}, TaskAttempt{});
+  EXPECT_EQ(of_task.error().code, ErrorCode::kUnavailable) << "it was there when the task was claimed";
 }
 
 TEST_F(PostgresStoreTest, WrongPasswordAndUnknownDatabase) {

@@ -20,6 +20,7 @@ constexpr std::string_view kPlans =
 Expected<std::unique_ptr<TaskQueue>> TaskQueue::Open(const std::string& url, TaskQueueOptions options) {
   VICTORIOUS_ASSIGN_OR_RETURN(auto connection,
                               Connection::Open(url, options.is_read_only, options.is_read_only ? "" : kPlans));
+  if (options.reply_timeout) connection->SetReplyTimeout(*options.reply_timeout);
   VICTORIOUS_RETURN_IF_ERROR(CheckVersion(*connection));
   return On(std::move(connection), std::move(options));
 }
@@ -148,6 +149,14 @@ Status TaskQueue::Renew(const Task& task, bool has_progress) {
           static_cast<double>(options_.lease.count()), has_progress ? 0 : 1, task.id, task.attempt));
   if (renewed.Changes() != 1) return LostLease(task);
   return {};
+}
+
+Expected<std::int64_t> TaskQueue::Progress(const std::string& video) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result row, connection_->Query("SELECT coalesce(sum(s.next_frame), 0)::bigint FROM videos v JOIN searches s ON "
+                                     "s.video_id = v.id WHERE v.name = ?",
+                                     video));
+  return row.Next() ? row.Integer(0) : 0;
 }
 
 Status TaskQueue::Complete(const Task& task) {

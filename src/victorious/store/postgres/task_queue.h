@@ -88,6 +88,8 @@ struct TaskQueueOptions {
   std::chrono::seconds lease{60};  ///< of its claims
   /// Before the second attempt of a task that failed; four times as long before the next. A shared disk may be away.
   std::chrono::seconds retry_delay{30};
+  /// After which a statement that the server does not answer is an error (Connection::SetReplyTimeout).
+  std::optional<std::chrono::milliseconds> reply_timeout = {};
   bool is_read_only = false;
 };
 
@@ -114,6 +116,9 @@ class TaskQueue {
   /// Renews the lease from now on. Error: kConflict if it was lost.
   /// @param has_progress  results were stored since the last renewal: its former failures do not count any more
   [[nodiscard]] Status Renew(const Task& task, bool has_progress);
+
+  /// The positions of the searches of a video, summed over models: a measure of progress.
+  [[nodiscard]] Expected<std::int64_t> Progress(const std::string& video);
 
   /// Ends the task: its results are stored. Error: kConflict if the lease was lost.
   [[nodiscard]] Status Complete(const Task& task);

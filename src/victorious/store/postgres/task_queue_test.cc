@@ -231,6 +231,33 @@ TEST_F(PostgresTaskQueueTest, LateWorkerIsRefused) {
   EXPECT_THAT(Log(), ElementsAre("1 claimed first", "1 lost first", "2 claimed second", "2 done second"));
 }
 
+// What a task's process writes is written while its attempt runs, or not at all.
+TEST_F(PostgresTaskQueueTest, LateProcessWritesNothing) {
+  Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
+  const Task task = ClaimOrDie(*queue_);
+  const TaskAttempt attempt{.task = task.id, .attempt = task.attempt};
+  const auto writer = Connection::Open(url_, false, {}, attempt);
+  const auto other = OpenOrDie("other");
+  {
+    auto transaction = Transaction::Begin(**writer, Exclusion::kShared);
+    ASSERT_TRUE(transaction) << transaction.error().message;
+    EXPECT_TRUE(queue_->Renew(task, true)) << "does not wait for the transaction";
+    EndLeases();
+    EXPECT_FALSE(other->Claim()->has_value()) << "not before the transaction has ended";
+    EXPECT_TRUE(transaction->Commit());
+  }
+  const Task next = ClaimOrDie(*other);
+  EXPECT_EQ(next.attempt, 2);
+  const auto refused = Transaction::Begin(**writer, Exclusion::kAll);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  EXPECT_THAT(refused.error().message, HasSubstr("attempt 1 of task"));
+  const auto store = OpenStore(url_, StoreMode::kCreate, attempt);
+  EXPECT_EQ((*store)->PutVideo({.content_id = "c", .name = "a"}).error().code, ErrorCode::kConflict);
+  const auto of_next = OpenStore(url_, StoreMode::kCreate, TaskAttempt{.task = next.id, .attempt = next.attempt});
+  EXPECT_TRUE((*of_next)->PutVideo({.content_id = "c", .name = "a"}));
+}
+
 TEST_F(PostgresTaskQueueTest, RenewedLeaseIsKept) {
   Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
   const Task task = ClaimOrDie(*queue_);

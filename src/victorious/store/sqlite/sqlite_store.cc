@@ -166,6 +166,13 @@ Expected<std::vector<VideoRecord>> SqliteStore::Videos() {
   return ReadAll(select, &sql::ReadVideo);
 }
 
+Expected<std::vector<VideoRecord>> SqliteStore::VideosNamed(const std::string& name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
+                              connection_->Prepare(sql::SelectVideos() + "WHERE v.name = ? ORDER BY v.id"));
+  select.Bind(name);
+  return ReadAll(select, &sql::ReadVideo);
+}
+
 Expected<ModelRecord> SqliteStore::PutModel(const ModelRecord& model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   // Deletes other content of this name with its dependent rows (ON DELETE CASCADE).
