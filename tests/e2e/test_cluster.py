@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -53,6 +54,11 @@ class ClusterTest(program.ProgramTest):
             of_workers, of_one = (self.numbered(self.exported(index, form)) for index in (self.url, db))
             self.assertEqual(of_workers, of_one, form)
             self.assertGreater(len(of_one), 3)
+
+    def rows(self) -> list[str]:
+        """The sightings, but for the ids of objects and the order that follows from these."""
+        rows = map(json.loads, self.exported(self.url, "sightings").splitlines())
+        return sorted(json.dumps(row | {"object_id": 0}) for row in rows)
 
     def exported(self, db, form) -> str:
         return self.succeeds("export", "--db", db, "--format", form).out
@@ -181,6 +187,49 @@ class ClusterTest(program.ProgramTest):
         self.assertIn("1 video submitted", self.submit(gone).err)
         self.finish(self.start_worker("--until-empty"))
         self.assertEqual(self.status()["done"], 2)
+
+    def test_models_of_a_name_that_change(self):
+        video, other, _ = self.videos
+        library = self.scratch / "models"
+        shutil.copytree(program.models(), library)
+        truck = library / "truck.vmodel"
+        before = truck.read_bytes()
+
+        def submit(video):
+            return self.succeeds("submit", video, "--models", library, "--db", self.url).err
+
+        def replace():
+            self.succeeds("model", "remove", "truck", "--models", library)
+            self.succeeds("model", "add", "truck", program.flight() / "crate.png", "--models", library)
+
+        self.assertIn("1 video submitted;", submit(video))
+        self.finish(self.start_worker("--until-empty"))
+        found = self.rows()
+        self.assertIn("0 videos submitted, 1 done already;", submit(video))
+        replace()
+        self.assertIn("1 video submitted;", submit(video))
+        self.finish(self.start_worker("--until-empty"))
+        self.assertNotEqual(self.rows(), found)
+        truck.write_bytes(before)
+        self.assertIn("1 video submitted;", submit(video), "its results were deleted for the other truck")
+        self.finish(self.start_worker("--until-empty"))
+        self.assertEqual(self.rows(), found)
+        # Replaced between submission and search: nothing is deleted.
+        submit(other)
+        replace()
+        self.finish(self.start_worker("--until-empty", "--retry-delay", "0"))
+        status = self.status()
+        self.assertEqual((status["done"], status["failed"]), (2, 1), status)
+        self.assertIn("truck was replaced after the video was submitted", status["tasks"][0]["reason"])
+        self.assertEqual(self.rows(), found)
+
+    def test_process_of_a_lost_attempt_writes_nothing(self):
+        self.submit(self.videos[0])
+        index = ("index", self.videos[0], "--models", program.models(), "--db", self.url)
+        self.assertIn("attempt 1 of task 1 does not run any more", self.succeeds(*index, "--task", "1:1").err)
+        self.assertEqual(self.sql("SELECT count(*) FROM victorious.models"), ["0"])
+        self.refuses(2, "TASK:ATTEMPT", *index, "--task", "1")
+        self.refuses(2, "not JSON", *index, "--targets", "x")
 
     def test_bad_arguments(self):
         models = program.models()

@@ -163,6 +163,7 @@ Expected<ChildEnd> RunChild(const ChildTask& task) {
     const bool is_overdue = interrupted && now - *interrupted > task.grace;
     if (control == ChildControl::kKill || is_overdue) {
       end.status = 128 + SIGKILL;  // ~ChildProcess kills it
+      end.is_killed = true;
       return end;
     }
     if (control == ChildControl::kInterrupt && !interrupted) {

@@ -44,6 +44,7 @@ struct ChildTask {
 struct ChildEnd {
   int status = 0;              ///< exit status; 128 + the number of the signal that killed it
   std::optional<Error> error;  ///< of its last error event
+  bool is_killed = false;      ///< by RunChild
 };
 
 /// Runs the child to its end. A line that is no event is passed on as a warning. Errors: those of pipe and fork.

@@ -20,6 +20,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
+#include "victorious/cluster/index_task.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/drawn_video.h"
@@ -54,6 +55,8 @@ struct IndexArguments {
   std::string draw;
   std::optional<double> cut_s;
   std::string frames;
+  std::string task;
+  std::string targets;
 };
 
 // What is done with one video.
@@ -142,12 +145,13 @@ Status CheckArguments(const IndexArguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--from {:g} is after --to {:g}: --to must be the later time",
                                                          *arguments.from_s, *arguments.to_s));
   }
-  if (!arguments.cut_s && arguments.frames.empty()) return {};
+  if (!arguments.cut_s && arguments.frames.empty() && arguments.task.empty()) return {};
   if (!IsDatabaseUrl(arguments.db)) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "--cut and --frames are for workers, which share a database: give --db postgresql://USER@HOST/DATABASE");
+    return Fail(ErrorCode::kInvalidArgument,
+                "--cut, --frames and --task are for workers, which share a database: give --db "
+                "postgresql://USER@HOST/DATABASE");
   }
+  if (!arguments.cut_s && arguments.frames.empty()) return {};
   if (arguments.videos.size() > 1 || arguments.redo || arguments.from_s || arguments.to_s || !arguments.draw.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--cut and --frames apply to one whole video: leave out --redo, --from, --to and --draw");
@@ -192,20 +196,40 @@ nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& repor
           {"sun", std::move(sun)}};
 }
 
+// Two whole numbers of at least 0, "1:2".
+std::optional<std::pair<std::int64_t, std::int64_t>> ReadPair(const std::string& text) {
+  std::pair<std::int64_t, std::int64_t> numbers;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, numbers.first);
+  const bool has_first = first.ec == std::errc() && first.ptr != end && *first.ptr == ':';
+  const auto second = std::from_chars(has_first ? first.ptr + 1 : end, end, numbers.second);
+  if (!has_first || second.ec != std::errc() || second.ptr != end || numbers.first < 0 || numbers.second < 0) {
+    return std::nullopt;
+  }
+  return numbers;
+}
+
 // "FROM:TO", as `work` gives it.
 Expected<std::optional<FrameInterval>> ReadFrames(const std::string& text) {
   if (text.empty()) return std::nullopt;
-  FrameInterval frames;
-  const char* const end = text.data() + text.size();
-  const auto from = std::from_chars(text.data(), end, frames.from);
-  const bool has_from = from.ec == std::errc() && from.ptr != end && *from.ptr == ':';
-  const auto to = std::from_chars(has_from ? from.ptr + 1 : end, end, frames.to);
-  if (!has_from || to.ec != std::errc() || to.ptr != end || frames.from < 0 || frames.from >= frames.to) {
+  const auto numbers = ReadPair(text);
+  if (!numbers || numbers->first >= numbers->second) {
     return Fail(
         ErrorCode::kInvalidArgument,
         fmt::format("--frames {}: give FROM:TO, the first frame of a segment and the one after it", OneLine(text)));
   }
-  return frames;
+  return FrameInterval{numbers->first, numbers->second};
+}
+
+// "TASK:ATTEMPT", as `work` gives it.
+Expected<std::optional<TaskAttempt>> ReadTask(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const auto numbers = ReadPair(text);
+  if (!numbers) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--task {}: give TASK:ATTEMPT, the numbers of a task and of its attempt", OneLine(text)));
+  }
+  return TaskAttempt{.task = numbers->first, .attempt = numbers->second};
 }
 
 Expected<SegmentedReport> IndexVideo(const Indexer& indexer, const IndexJob& job, const Work& work,
@@ -240,6 +264,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<FrameInterval> frames, ReadFrames(arguments.frames));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<TaskAttempt> task, ReadTask(arguments.task));
   std::vector<ObjectModel> models;
   if (!arguments.models.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
@@ -256,6 +281,8 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
                                               [](const std::string& warning) { LogWarning(warning); }));
+  // Before anything is stored: another model of the same name would delete the results of this one in all videos.
+  if (!arguments.targets.empty()) VICTORIOUS_RETURN_IF_ERROR(CheckTargets(arguments.targets, indexer.targets()));
   // A video that cannot be searched does not prevent the others from being indexed. Without any, no index is created.
   const std::map<std::string, Error> unsearchable = FindUnsearchable(arguments.videos, arguments.from_s);
   std::optional<Error> failure;
@@ -265,10 +292,11 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   for (const auto& [video, error] : unsearchable) LogWarning("left out: {}", OneLine(error.message));
   // Read here although the search reads it again: a wrong file leaves no new index.
   if (arguments.telemetry) VICTORIOUS_RETURN_IF_ERROR(ReadTelemetry(*arguments.telemetry, options.telemetry));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
+                              OpenStore(arguments.db, StoreMode::kCreate, task));
   std::unique_ptr<SegmentStore> segments;
   if (arguments.cut_s || frames) {
-    VICTORIOUS_ASSIGN_OR_RETURN(segments, OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate));
+    VICTORIOUS_ASSIGN_OR_RETURN(segments, OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate, task));
   }
   const Work work{.store = *store, .segments = segments.get(), .cut_s = arguments.cut_s, .frames = frames};
   for (const std::string& video : arguments.videos) {
@@ -353,6 +381,11 @@ Action SetUpIndex(ArgumentParser& parser) {
       .TypeName("SECONDS");
   parser.Add("--frames", arguments->frames, "For workers: search only this segment, which --cut made")
       .TypeName("FROM:TO");
+  parser.Add("--task", arguments->task, "For workers: write only while this attempt at a task runs")
+      .TypeName("TASK:ATTEMPT");
+  parser
+      .Add("--targets", arguments->targets, "For workers: the content ids by name of what --models must have, as JSON")
+      .TypeName("JSON");
   AddFieldOfView(parser, arguments->hfov_deg);
   AddCamera(parser, arguments->camera);
   AddGround(parser, arguments->ground);

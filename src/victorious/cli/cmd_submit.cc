@@ -1,9 +1,14 @@
 // victorious submit VIDEO... --models DIR --db postgresql://…: videos to be indexed by workers
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,11 +17,13 @@
 #include "victorious/base/file.h"
 #include "victorious/base/log.h"
 #include "victorious/base/program_id.h"
+#include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/indexer.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/store/open_store.h"
 #include "victorious/video/video_reader.h"
@@ -76,6 +83,52 @@ Expected<std::string> IdOfTargets(const SubmitArguments& arguments) {
   return ContentIdOfFiles(files, Interrupt());
 }
 
+// Their names and content ids, as a worker will find them.
+Expected<std::vector<ModelRecord>> ReadTargets(const SubmitArguments& arguments) {
+  IndexOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
+  std::vector<ObjectModel> models;
+  if (!arguments.models.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
+  }
+  std::optional<CategoryModel> categories;
+  if (!arguments.categories.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategoryModel(arguments.categories));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
+                              Indexer::Create(std::move(models), options, std::move(categories)));
+  return std::vector<ModelRecord>(indexer.targets().begin(), indexer.targets().end());
+}
+
+// What was searched for in an index, to the end.
+class FinishedSearches {
+ public:
+  [[nodiscard]] static Expected<FinishedSearches> Read(std::span<const ModelRecord> targets, IndexStore& store) {
+    FinishedSearches finished;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
+    for (const ModelRecord& target : targets) {
+      const auto stored = std::ranges::find_if(models, [&](const ModelRecord& model) {
+        return model.name == target.name && model.content_id == target.content_id;
+      });
+      finished.models_.push_back(stored == models.end() ? 0 : stored->id);
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchRecord> searches, store.Searches());
+    for (const SearchRecord& search : searches) {
+      if (search.finished) finished.searches_.emplace(search.video, search.model);
+    }
+    return finished;
+  }
+
+  /// Whether the video was searched for all targets.
+  [[nodiscard]] bool HasAllOf(std::int64_t video) const {
+    return std::ranges::all_of(models_, [&](std::int64_t model) { return searches_.contains({video, model}); });
+  }
+
+ private:
+  std::vector<std::int64_t> models_;  // of the targets; 0: not in the index
+  std::set<std::pair<std::int64_t, std::int64_t>> searches_;
+};
+
 Status CheckArguments(const SubmitArguments& arguments) {
   if (!IsDatabaseUrl(arguments.db)) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -108,6 +161,9 @@ Expected<VideoRecord> DescribeVideo(const std::string& video, const std::string&
 Status Run(const SubmitArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string targets, IdOfTargets(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> records, ReadTargets(arguments));
+  std::map<std::string, std::string> content_ids;
+  for (const ModelRecord& target : records) content_ids.emplace(target.name, target.content_id);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
   const auto priority = arguments.urgent ? postgres::TaskPriority::kPerson : postgres::TaskPriority::kBatch;
   std::vector<postgres::NewTask> tasks;
@@ -117,6 +173,7 @@ Status Run(const SubmitArguments& arguments) {
     const IndexTask task{.video = AbsolutePath(video),
                          .options = IndexOptionsOf(arguments),
                          .program = program,
+                         .targets = content_ids,
                          .segment_s = arguments.segment_s};
     Expected<VideoRecord> record = DescribeVideo(video, task.video);
     if (!record) {  // the others are submitted all the same
@@ -133,7 +190,11 @@ Status Run(const SubmitArguments& arguments) {
   if (tasks.empty()) return std::unexpected(*std::move(failure));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
   // In the order given, which is that of the results, whichever worker is first.
-  for (const VideoRecord& video : videos) VICTORIOUS_RETURN_IF_ERROR(store->PutVideo(video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const FinishedSearches finished, FinishedSearches::Read(records, *store));
+  for (std::size_t i = 0; i < videos.size(); ++i) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord stored, store->PutVideo(videos[i]));
+    tasks[i].is_undone = !finished.HasAllOf(stored.id);
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
                               postgres::TaskQueue::Open(arguments.db, {.worker = "submit", .program = program}));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::Submission submission, queue->Submit(tasks));

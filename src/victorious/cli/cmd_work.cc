@@ -40,17 +40,18 @@ Status Run(const WorkArguments& arguments) {
                 fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
   }
   const CancelToken& interrupt = Interrupt();
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<SegmentStore> segments,
                               OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate));
   const std::string name = WorkerName();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
+  const std::chrono::seconds lease(arguments.lease_s);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const auto queue,
       postgres::TaskQueue::Open(arguments.db, {.worker = name,
                                                .program = program,
-                                               .lease = std::chrono::seconds(arguments.lease_s),
-                                               .retry_delay = std::chrono::seconds(arguments.retry_delay_s)}));
+                                               .lease = lease,
+                                               .retry_delay = std::chrono::seconds(arguments.retry_delay_s),
+                                               .reply_timeout = std::chrono::milliseconds(lease) / 3}));
   const auto inform = [](const std::string& line) { LogInfo(OneLine(line)); };
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue->HasOpenTasks());
@@ -63,7 +64,7 @@ Status Run(const WorkArguments& arguments) {
   LogInfo("worker {} of {}", name, StoreName(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::int64_t done,
-      Work(*queue, *store, *segments,
+      Work(*queue, *segments,
            RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform),
            {.until_empty = arguments.until_empty, .inform = inform}, interrupt));
   LogInfo("{} done", CountText(done, "task"));

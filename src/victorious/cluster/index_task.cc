@@ -22,6 +22,7 @@ bool IsArgument(const nlohmann::json& value) { return value.is_string() && IsArg
 
 nlohmann::ordered_json PayloadOf(const IndexTask& task) {
   nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
+  if (!task.targets.empty()) payload["targets"] = task.targets;
   if (task.segment_s > 0) payload["segment_s"] = task.segment_s;
   if (task.part) {
     payload["cut"] = task.part->cut;
@@ -46,7 +47,41 @@ std::optional<SegmentPart> PartOf(const nlohmann::json& fields) {
   return SegmentPart{*cut, {*from, *to}};
 }
 
+Expected<std::map<std::string, std::string>> TargetsOf(const nlohmann::json& json) {
+  std::map<std::string, std::string> targets;
+  if (json.is_object()) {
+    for (const auto& [name, content_id] : json.items()) {
+      if (IsArgument(name) && IsArgument(content_id)) targets.emplace(name, content_id.get<std::string>());
+    }
+  }
+  if (json.is_object() && targets.size() == json.size()) return targets;
+  return Fail(ErrorCode::kInvalidArgument, "targets must be content ids by name");
+}
+
+std::unexpected<Error> ChangedTarget(const std::string& name, std::string_view what) {
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("the model or category {} {} after the video was submitted: put back what was there then, the "
+                  "same on all machines, or submit the video again",
+                  OneLine(name), what));
+}
+
 }  // namespace
+
+std::string TargetsText(const std::map<std::string, std::string>& targets) { return DumpJson(nlohmann::json(targets)); }
+
+Status CheckTargets(std::string_view targets_text, std::span<const ModelRecord> present) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const nlohmann::json json, ParseJson(targets_text));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto missing, TargetsOf(json));
+  for (const ModelRecord& target : present) {
+    const auto submitted = missing.find(target.name);
+    if (submitted == missing.end()) return ChangedTarget(target.name, "was added");
+    if (submitted->second != target.content_id) return ChangedTarget(target.name, "was replaced");
+    missing.erase(submitted);
+  }
+  if (!missing.empty()) return ChangedTarget(missing.begin()->first, "was removed");
+  return {};
+}
 
 Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& content,
                                     postgres::TaskPriority priority) {
@@ -56,6 +91,9 @@ Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& co
   if (!IsArgument(task.video)) return invalid(task.video);
   for (const std::string& option : task.options) {
     if (!IsArgument(option)) return invalid(option);
+  }
+  for (const auto& [name, content_id] : task.targets) {
+    if (!IsArgument(name)) return invalid(name);
   }
   return postgres::NewTask{.kind = std::string(kIndexTaskKind),
                            .key = fmt::format("{} {}", content, DumpJson(nlohmann::json(task.options))),
@@ -98,6 +136,11 @@ Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
   for (const nlohmann::json& option : (*fields)["options"]) {
     if (!IsArgument(option)) return invalid(kOptionsRule);
     task.options.push_back(option);
+  }
+  if (fields->contains("targets")) {
+    Expected<std::map<std::string, std::string>> targets = TargetsOf((*fields)["targets"]);
+    if (!targets) return invalid(targets.error().message);
+    task.targets = *std::move(targets);
   }
   if (fields->contains("segment_s")) {
     const nlohmann::json& seconds = (*fields)["segment_s"];

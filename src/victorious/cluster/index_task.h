@@ -1,14 +1,18 @@
 // One video to be indexed, or one segment of it, as a task of the queue.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/store/index_store.h"
 #include "victorious/store/postgres/task_queue.h"
 #include "victorious/store/segment_store.h"
+#include "victorious/store/work_state.h"
 
 namespace victorious {
 
@@ -25,9 +29,21 @@ struct IndexTask {
   std::string video;                 ///< absolute path, the same on all machines
   std::vector<std::string> options;  ///< of `victorious index`, but for --db: "--models", "/data/models", …
   std::string program;               ///< ProgramId() of the program that submitted it: others may find other things
-  double segment_s = 0;              ///< length of the segments into which the video is cut; 0: it is not cut
+  /// The content ids of the models and categories by name (ModelRecord): a worker that finds others fails. Empty: of an
+  /// older version, which did not say.
+  std::map<std::string, std::string> targets = {};
+  double segment_s = 0;  ///< length of the segments into which the video is cut; 0: it is not cut
   std::optional<SegmentPart> part = std::nullopt;  ///< only this segment
+  /// Under which a worker does it; not in the payload.
+  std::optional<TaskAttempt> attempt = std::nullopt;
 };
+
+/// The targets of a task as JSON, as `victorious index --targets` reads them.
+[[nodiscard]] std::string TargetsText(const std::map<std::string, std::string>& targets);
+
+/// Compares what a task is to be searched for with what a worker has. Error: kInvalidArgument if they differ, or for a
+/// text that TargetsText did not write.
+[[nodiscard]] Status CheckTargets(std::string_view targets_text, std::span<const ModelRecord> present);
 
 /// The task for the queue.
 /// @param content  identifies the content of the video, the models and the categories: what was submitted with the same

@@ -53,6 +53,32 @@ TEST(IndexTask, OpenSegmentsAreItsParts) {
   EXPECT_NE(PartsOf(task, queued->key, other)[0].key, parts[0].key);
 }
 
+// A worker whose folder has other models would delete the results of all videos.
+TEST(IndexTask, OtherModelsThanSubmittedAreRefused) {
+  const IndexTask task{.video = "/a.mp4", .options = {}, .program = "1-x", .targets = {{"car", "c1"}, {"truck", "t1"}}};
+  const auto queued = ToQueue(task, "0123", postgres::TaskPriority::kBatch);
+  const auto read = FromQueue(queued->kind, queued->payload);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->targets, task.targets);
+  const VideoCut cut{.id = 1, .video = 7, .plan = "", .segments = {{{0, 600}, SegmentState::kOpen, ""}}};
+  const auto part = PartsOf(task, queued->key, cut).at(0);
+  EXPECT_EQ(FromQueue(part.kind, part.payload)->targets, task.targets);
+  const std::string text = TargetsText(task.targets);
+  const ModelRecord car{.name = "car", .content_id = "c1"};
+  const ModelRecord truck{.name = "truck", .content_id = "t1"};
+  EXPECT_TRUE(CheckTargets(text, std::vector{truck, car}));
+  const auto refusal = [&](const std::vector<ModelRecord>& present) {
+    const Status checked = CheckTargets(text, present);
+    return checked ? "none" : checked.error().message;
+  };
+  EXPECT_THAT(refusal({car, {.name = "truck", .content_id = "t2"}}), HasSubstr("truck was replaced"));
+  EXPECT_THAT(refusal({car}), HasSubstr("truck was removed"));
+  EXPECT_THAT(refusal({car, truck, {.name = "bus", .content_id = "b1"}}), HasSubstr("bus was added"));
+  for (const char* invalid : {"", "[]", R"({"car": 1})", "{\"car\": \"\xFF\"}"}) {
+    EXPECT_EQ(CheckTargets(invalid, {}).error().code, ErrorCode::kInvalidArgument) << invalid;
+  }
+}
+
 TEST(IndexTask, InvalidPayloadsAreErrors) {
   EXPECT_THAT(FromQueue("stitch", "{}").error().message, HasSubstr("stitch"));
   for (const char* payload :

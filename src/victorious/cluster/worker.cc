@@ -1,7 +1,11 @@
 #include "victorious/cluster/worker.h"
 
 #include <algorithm>
+#include <condition_variable>
+#include <csignal>
+#include <mutex>
 #include <optional>
+#include <stop_token>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -21,76 +25,96 @@ using postgres::TaskQueue;
 constexpr std::chrono::milliseconds kCancelPoll{200};
 constexpr std::chrono::minutes kMaxOutage{5};  // of the database, that a worker waits out
 constexpr int kSignalStatus = 128;             // and the number of the signal that killed a process
-constexpr double kShorterSegments = 8;         // to the last attempt of a video
+constexpr double kShorterSegments = 8;         // at the last attempt of a video
+constexpr double kLastSegment_s = 7.5;         // the same of one that was not to be cut
+constexpr std::chrono::milliseconds kRenewPoll{100};
 
-// The positions of the searches of a video, summed over models: a measure of progress.
-Expected<std::int64_t> SumNextFrames(std::int64_t video, IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
-  std::int64_t frames = 0;
-  for (const ModelRecord& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video, model.id));
-    if (search) frames += search->next_frame;
-  }
-  return frames;
-}
-
-// Renews the lease of a task while its process runs.
+// Renews the lease of a task while its process runs, on a thread of its own: the process is told to end when the lease
+// is over, whatever the database does.
 class LeaseKeeper {
  public:
-  LeaseKeeper(TaskQueue& queue, IndexStore& store, const Task& task, std::string video,
-              const std::function<void(const std::string&)>& inform, const CancelToken& cancel)
+  using Clock = LeaseClock::Clock;
+
+  /// @param claimed  before the task was claimed
+  LeaseKeeper(TaskQueue& queue, const Task& task, std::string video,
+              const std::function<void(const std::string&)>& inform, const CancelToken& cancel,
+              Clock::time_point claimed)
       : queue_(queue),
-        store_(store),
         task_(task),
         video_(std::move(video)),
         inform_(inform),
         cancel_(cancel),
-        lease_(queue.lease(), queue.lease() / 4, LeaseClock::Clock::now()) {}
+        lease_(queue.lease(), queue.lease() / 4, claimed),
+        renewer_([this](const std::stop_token& stop) { RenewUntil(stop); }) {}
 
   /// How the process goes on.
   ChildControl Keep() {
-    if (const auto now = LeaseClock::Clock::now(); lease_.IsDue(now)) {
-      const Expected<std::int64_t> frames = Progress();
-      const bool has_progress = frames && frames_ && *frames > *frames_;
-      const Status status = queue_.Renew(task_, has_progress);
-      if (frames) frames_ = *frames;
-      Report(!status ? status : frames ? Status() : std::unexpected(frames.error()));
-      lease_.Enter(status, now);
-    }
-    if (lease_.IsLost(LeaseClock::Clock::now())) return ChildControl::kKill;
+    const std::scoped_lock lock(mutex_);
+    if (!failure_.empty()) inform_(fmt::format("{}: {}", video_, std::exchange(failure_, {})));
+    if (lease_.IsLost(Clock::now())) return ChildControl::kKill;
     return cancel_.IsCancelled() ? ChildControl::kInterrupt : ChildControl::kContinue;
   }
 
+  /// Ends the thread, which may wait for an answer. The queue can then be used again.
+  void Stop() {
+    renewer_.request_stop();
+    if (renewer_.joinable()) renewer_.join();
+  }
+
+  /// After Stop().
   [[nodiscard]] bool is_lost() const { return lease_.was_lost(); }
+  /// Whether the lease was lost because the database did not answer.
+  [[nodiscard]] bool is_cut_off() const { return lease_.was_lost() && is_cut_off_; }
 
  private:
-  // All videos of the index are read only until this one is there.
-  Expected<std::int64_t> Progress() {
-    if (!video_id_) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store_.Videos());
-      const auto stored = std::ranges::find(videos, video_, &VideoRecord::name);
-      if (stored == videos.end()) return 0;
-      video_id_ = stored->id;
+  void RenewUntil(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (!stop.stop_requested() && !lease_.IsLost(Clock::now())) {
+      if (const auto asked = Clock::now(); lease_.IsDue(asked)) {
+        lock.unlock();
+        const Status status = Renew();
+        lock.lock();
+        Enter(status, asked);
+      }
+      wakes_.wait_for(lock, stop, kRenewPoll, [] { return false; });
     }
-    return SumNextFrames(*video_id_, store_);
   }
 
-  // Once for all failures in a row.
-  void Report(const Status& status) {
-    if (!status && !has_failed_) inform_(fmt::format("{}: {}", video_, status.error().message));
+  // The lease first: what the process has stored is looked up for the next time.
+  Status Renew() {
+    VICTORIOUS_RETURN_IF_ERROR(queue_.Renew(task_, has_progress_));
+    has_progress_ = false;
+    const Expected<std::int64_t> frames = queue_.Progress(video_);
+    if (!frames) return {};
+    has_progress_ = frames_ && *frames > *frames_;
+    frames_ = *frames;
+    return {};
+  }
+
+  // Says once for all failures in a row why.
+  void Enter(const Status& status, Clock::time_point asked) {
+    if (!status && !has_failed_) failure_ = status.error().message;
     has_failed_ = !status;
+    const bool is_unanswered = !status && status.error().code == ErrorCode::kUnavailable;
+    // What a late answer says of a lost lease is not why it was lost.
+    if (is_unanswered || !lease_.IsLost(Clock::now())) is_cut_off_ = is_unanswered;
+    lease_.Enter(status, asked);
   }
 
-  TaskQueue& queue_;
-  IndexStore& store_;
+  TaskQueue& queue_;  ///< of the thread, until it has ended
   const Task& task_;
   std::string video_;
-  std::optional<std::int64_t> video_id_;  ///< once it is in the index
   const std::function<void(const std::string&)>& inform_;
   const CancelToken& cancel_;
+  std::optional<std::int64_t> frames_;  ///< of the thread
+  bool has_progress_ = false;           ///< of the thread: since the last renewal
+  std::mutex mutex_;                    ///< of what follows
+  std::condition_variable_any wakes_;
   LeaseClock lease_;
-  std::optional<std::int64_t> frames_;
+  std::string failure_;  ///< that was not said yet
   bool has_failed_ = false;
+  bool is_cut_off_ = false;
+  std::jthread renewer_;  ///< the last member: it uses the others
 };
 
 // For messages: the video, and the frames of a segment.
@@ -100,6 +124,13 @@ std::string NameOf(const IndexTask& work) {
 }
 
 bool IsKilled(const ChildEnd& end) { return end.status > kSignalStatus; }
+
+// Whether a process that ends while its worker does was ended by that: by its own error, by the worker, or by who ends
+// both.
+bool IsEndedWithWorker(const ChildEnd& end) {
+  const int signal = end.status - kSignalStatus;
+  return !IsKilled(end) || end.is_killed || signal == SIGINT || signal == SIGTERM || signal == SIGHUP;
+}
 
 // Lets the task of a video wait for the segments of its cut.
 Status WaitForSegments(const Task& task, const IndexTask& work, std::int64_t cut, TaskQueue& queue,
@@ -145,7 +176,7 @@ Status EndFailed(const Task& task, const IndexTask& work, const ChildEnd& end, T
 // Ends a task in the queue by how its process ended. Returns whether it is done.
 Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
                        SegmentStore& segments, const WorkerOptions& options) {
-  if (is_cancelled && end.child.status != 0) {
+  if (is_cancelled && end.child.status != 0 && IsEndedWithWorker(end.child)) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Release(task));
     return false;
   }
@@ -167,9 +198,16 @@ Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& e
   return true;
 }
 
+// What the queue is to be told once it answers again.
+struct Unsaid {
+  std::optional<Task> lost;          ///< whose lease could not be renewed
+  bool is_claim_unanswered = false;  ///< a task may have been claimed
+};
+
 // Does one task. Returns whether it is done.
-Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, SegmentStore& segments, const RunTask& run,
-                      const WorkerOptions& options, const CancelToken& cancel) {
+// @param claimed  before the task was claimed
+Expected<bool> DoTask(const Task& task, LeaseClock::Clock::time_point claimed, TaskQueue& queue, SegmentStore& segments,
+                      const RunTask& run, const WorkerOptions& options, const CancelToken& cancel, Unsaid& unsaid) {
   Expected<IndexTask> work = FromQueue(task.kind, task.payload);
   if (!work) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Reject(task, work.error().message));
@@ -177,16 +215,23 @@ Expected<bool> DoTask(const Task& task, TaskQueue& queue, IndexStore& store, Seg
   }
   if (!work->part) VICTORIOUS_RETURN_IF_ERROR(GiveUpFatalSegments(task, queue, segments, options));
   // The last attempt must not kill this worker, too: only a short segment can.
-  if (task.failures + 1 == kMaxAttempts) work->segment_s /= kShorterSegments;
+  if (task.failures + 1 == kMaxAttempts && !work->part) {
+    work->segment_s = work->segment_s > 0 ? work->segment_s / kShorterSegments : kLastSegment_s;
+  }
+  work->attempt = TaskAttempt{.task = task.id, .attempt = task.attempt};
   options.inform(fmt::format("{}: begun (attempt {})", NameOf(*work), task.attempt));
-  LeaseKeeper keeper(queue, store, task, work->video, options.inform, cancel);
+  LeaseKeeper keeper(queue, task, work->video, options.inform, cancel, claimed);
   const Expected<TaskEnd> end = run(*work, [&] { return keeper.Keep(); });
+  keeper.Stop();
+  if (keeper.is_cut_off()) unsaid.lost = task;
   if (!end) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Release(task));
     return std::unexpected(end.error());
   }
   Expected<bool> done = false;
   if (!keeper.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, segments, options);
+  // Its end was perhaps not entered: it is given back, and found done.
+  if (!done && done.error().code == ErrorCode::kUnavailable) unsaid.lost = task;
   if (!keeper.is_lost() && (done || done.error().code != ErrorCode::kConflict)) return done;
   options.inform(fmt::format("{}: its lease was lost: left to another worker", NameOf(*work)));
   return false;
@@ -199,11 +244,18 @@ enum class Step {
   kEmpty,  ///< no task is open
 };
 
-Expected<Step> DoNext(TaskQueue& queue, IndexStore& store, SegmentStore& segments, const RunTask& run,
-                      const WorkerOptions& options, const CancelToken& cancel) {
+Expected<Step> DoNext(TaskQueue& queue, SegmentStore& segments, const RunTask& run, const WorkerOptions& options,
+                      const CancelToken& cancel, Unsaid& unsaid) {
+  if (unsaid.lost) {
+    VICTORIOUS_RETURN_IF_ERROR(queue.Excuse(*unsaid.lost));
+    unsaid.lost.reset();
+  }
+  if (std::exchange(unsaid.is_claim_unanswered, true)) VICTORIOUS_RETURN_IF_ERROR(queue.ReleaseOwn());
+  const auto now = LeaseClock::Clock::now();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Task> task, queue.Claim());
+  unsaid.is_claim_unanswered = false;
   if (task) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const bool is_done, DoTask(*task, queue, store, segments, run, options, cancel));
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool is_done, DoTask(*task, now, queue, segments, run, options, cancel, unsaid));
     return is_done ? Step::kDone : Step::kEnded;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue.HasOpenTasks());
@@ -231,6 +283,10 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
       arguments.insert(arguments.end(),
                        {"--frames", fmt::format("{}:{}", task.part->frames.from, task.part->frames.to)});
     }
+    if (!task.targets.empty()) arguments.insert(arguments.end(), {"--targets", TargetsText(task.targets)});
+    if (task.attempt) {
+      arguments.insert(arguments.end(), {"--task", fmt::format("{}:{}", task.attempt->task, task.attempt->attempt)});
+    }
     // "--" ends the options, so that the name of a file may begin with a dash.
     arguments.insert(arguments.end(), {"--", task.video});
     TaskEnd end;
@@ -246,17 +302,20 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
   };
 }
 
-Expected<std::int64_t> Work(TaskQueue& queue, IndexStore& store, SegmentStore& segments, const RunTask& run,
-                            const WorkerOptions& options, const CancelToken& cancel) {
+Expected<std::int64_t> Work(TaskQueue& queue, SegmentStore& segments, const RunTask& run, const WorkerOptions& options,
+                            const CancelToken& cancel) {
   std::int64_t done = 0;
-  auto answered = std::chrono::steady_clock::now();
+  Unsaid unsaid;
+  std::optional<std::chrono::steady_clock::time_point> failing_since;
   while (!cancel.IsCancelled()) {
-    const Expected<Step> step = DoNext(queue, store, segments, run, options, cancel);
+    const Expected<Step> step = DoNext(queue, segments, run, options, cancel, unsaid);
     if (!step) {
-      if (std::chrono::steady_clock::now() - answered > kMaxOutage) return std::unexpected(step.error());
+      const auto now = std::chrono::steady_clock::now();
+      if (!failing_since) failing_since = now;
+      if (now - *failing_since > kMaxOutage) return std::unexpected(step.error());
       options.inform(step.error().message);
     } else {
-      answered = std::chrono::steady_clock::now();
+      failing_since.reset();
       done += *step == Step::kDone ? 1 : 0;
       if (*step == Step::kEmpty && options.until_empty) return done;
       if (*step == Step::kDone) continue;

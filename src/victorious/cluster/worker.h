@@ -17,7 +17,6 @@
 #include "victorious/base/child_task.h"
 #include "victorious/base/error.h"
 #include "victorious/cluster/index_task.h"
-#include "victorious/store/index_store.h"
 #include "victorious/store/postgres/task_queue.h"
 #include "victorious/store/segment_store.h"
 
@@ -44,6 +43,7 @@ struct WorkerOptions {
 
 /// Runs a task's process. Calls `keep_lease`, which renews the task's lease and says how the process goes on, at least
 /// every second. Error: the process cannot be started.
+/// The process writes under IndexTask::attempt.
 using RunTask =
     std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<ChildControl()>& keep_lease)>;
 
@@ -58,13 +58,16 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
 ///   failed, with the reason;
 /// - that runs when `cancel` is set is released, and resumed by the next worker;
 /// - of a whole video that killed its process or its worker twice is cut into short segments at its last attempt.
-/// Renews the lease while a task runs; once it is lost (this worker stood still too long), kills the task's process:
-/// another worker has the task, and two must not write the same results.
-/// Waits up to 5 minutes for a database that does not answer.
-/// @param store     the index of the queue, to be read
-/// @param segments  of the same index
+/// - whose process was killed by a signal has failed an attempt, also when `cancel` is set, unless by this worker.
+/// Renews the lease while a task runs, on a thread of its own; once it is lost (this worker stood still too long, or
+/// the database did not answer), kills the task's process: another worker may have the task, and two must not write the
+/// same results.
+/// Waits up to 5 minutes for a database that does not answer; then says that a lease was lost by that, which is no
+/// failed attempt.
+/// @param queue     with TaskQueueOptions::reply_timeout, below the lease
+/// @param segments  of the index of the queue
 /// Returns the number of tasks done. Errors: those of the database.
-[[nodiscard]] Expected<std::int64_t> Work(postgres::TaskQueue& queue, IndexStore& store, SegmentStore& segments,
-                                          const RunTask& run, const WorkerOptions& options, const CancelToken& cancel);
+[[nodiscard]] Expected<std::int64_t> Work(postgres::TaskQueue& queue, SegmentStore& segments, const RunTask& run,
+                                          const WorkerOptions& options, const CancelToken& cancel);
 
 }  // namespace victorious

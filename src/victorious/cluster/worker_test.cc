@@ -3,7 +3,11 @@
 #include "victorious/cluster/worker.h"
 
 #include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +27,7 @@ class PostgresWorkerTest : public PostgresClusterTest {
   void SubmitCut() { Submit(IndexTask{.video = "/a.mp4", .options = {}, .program = "this", .segment_s = 60}, "c"); }
 
   Expected<std::int64_t> WorkUntilEmpty(const RunTask& run, std::size_t max_segments = 120) {
-    return Work(*queue_, *store_, *segments_, run,
+    return Work(*queue_, *segments_, run,
                 {.until_empty = true,
                  .poll = std::chrono::milliseconds(1),
                  .max_segments = max_segments,
@@ -110,10 +114,101 @@ TEST_F(PostgresWorkerTest, LostLeaseKillsTheProcess) {
   WorkerOptions options;
   options.until_empty = true;
   options.poll = std::chrono::milliseconds(1);
-  const auto done = Work(**queue, *store_, *segments_, run, options, cancel_);
+  const auto done = Work(**queue, *segments_, run, options, cancel_);
   EXPECT_EQ(control, ChildControl::kKill);
   EXPECT_EQ(done.value_or(-1), 0) << "done by the other";
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
+}
+
+// The parent of a process.
+pid_t ParentOf(pid_t process) {
+  std::ifstream stat(fmt::format("/proc/{}/stat", process));
+  std::string id;
+  std::string name;
+  std::string state;
+  pid_t parent = 0;
+  stat >> id >> name >> state >> parent;
+  return parent;
+}
+
+// Stops processes, until it is destroyed.
+class Standstill {
+ public:
+  explicit Standstill(const std::vector<pid_t>& processes) : processes_(processes) {
+    for (const pid_t process : processes_) ::kill(process, SIGSTOP);
+  }
+  ~Standstill() {
+    for (const pid_t process : processes_) ::kill(process, SIGCONT);
+  }
+  Standstill(const Standstill&) = delete;
+  Standstill& operator=(const Standstill&) = delete;
+
+ private:
+  std::vector<pid_t> processes_;
+};
+
+// The server does not answer the queue, nor take new connections, as after a cut of the network. The task's process is
+// killed at the end of the lease, and the loss is no failed attempt.
+TEST_F(PostgresWorkerTest, ServerThatStandsStillDoesNotKeepTheProcess) {
+  auto queue =
+      TaskQueue::Open(url_ + "&connect_timeout=2&application_name=cut_off", {.worker = "cut off",
+                                                                             .program = "this",
+                                                                             .lease = std::chrono::seconds(2),
+                                                                             .retry_delay = {},
+                                                                             .reply_timeout = std::chrono::seconds(1)});
+  ASSERT_TRUE(queue) << queue.error().message;
+  const auto other = TaskQueue::Open(url_, {.worker = "other", .program = "none"});
+  const auto connection = postgres::Connection::Open(url_, false);
+  const auto find = [&]() -> pid_t {
+    auto row = (*connection)->Query("SELECT max(pid)::bigint FROM pg_stat_activity WHERE application_name = 'cut_off'");
+    return row && row->Next() ? static_cast<pid_t>(row->Integer(0)) : 0;
+  };
+  Submit("/a.mp4");
+  int runs = 0;
+  const auto run = [&](const IndexTask& task, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
+    if (++runs > 1) return TaskEnd{};
+    EXPECT_EQ(task.attempt->attempt, 1);
+    const pid_t session = find();
+    if (session == 0) return Fail(ErrorCode::kInternal, "no session");
+    const Standstill standstill({session, ParentOf(session)});
+    while (keep_lease() != ChildControl::kKill) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    // Another worker, which the server answers, ends the lease.
+    EXPECT_TRUE((*connection)->Execute("UPDATE tasks SET leased_until = now() - interval '1 s'"));
+    EXPECT_FALSE((*other)->Claim()->has_value());
+    EXPECT_EQ(queue_->Count()->queued, 1);
+    return TaskEnd{.child = {.status = 128 + SIGKILL, .error = {}, .is_killed = true}};
+  };
+  WorkerOptions options;
+  options.until_empty = true;
+  options.poll = std::chrono::milliseconds(1);
+  options.inform = [&](const std::string& line) { lines_.push_back(line); };
+  const auto done = Work(**queue, *segments_, run, options, cancel_);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(*done, 1);
+  EXPECT_THAT(lines_, Contains(HasSubstr("has not answered")));
+  auto row = (*connection)->Query("SELECT failures FROM tasks");
+  ASSERT_TRUE(row->Next());
+  EXPECT_EQ(row->Integer(0), 0);
+}
+
+// A process that crashes while its worker ends is to blame, one that the worker killed after its grace is not.
+TEST_F(PostgresWorkerTest, CrashDuringTheEndIsAFailedAttempt) {
+  Submit("/a.mp4");
+  const auto failures_after = [&](const ChildEnd& end) {
+    CancelToken cancel;
+    const auto run = [&](const IndexTask&, const std::function<ChildControl()>&) -> Expected<TaskEnd> {
+      cancel.Cancel();
+      return TaskEnd{.child = end};
+    };
+    EXPECT_EQ(Work(*queue_, *segments_, run, {.until_empty = true, .left_delay = {}}, cancel).value_or(-1), 0);
+    const auto task = queue_->Claim();
+    EXPECT_TRUE(queue_->ReleaseOwn());
+    return task && *task ? (*task)->failures : -1;
+  };
+  EXPECT_EQ(failures_after({.status = 128 + SIGSEGV, .error = {}}), 1);
+  EXPECT_EQ(failures_after({.status = 128 + SIGKILL, .error = {}, .is_killed = true}), 1);
+  EXPECT_EQ(failures_after({.status = 128 + SIGTERM, .error = {}}), 1) << "by who ends the worker";
+  EXPECT_EQ(failures_after({.status = 128 + SIGKILL, .error = {}}), 2) << "as because the memory ran out";
 }
 
 TEST_F(PostgresWorkerTest, InterruptedTaskIsReleasedForTheNextWorker) {
@@ -240,6 +335,17 @@ TEST_F(PostgresWorkerTest, LastAttemptOfAVideoCutsItShort) {
   });
   EXPECT_EQ(done.value_or(0), 1);
   EXPECT_EQ(lengths, (std::vector<double>{60, 60, 7.5}));
+}
+
+TEST_F(PostgresWorkerTest, LastAttemptCutsAlsoWhatWasToStayWhole) {
+  Submit("/a.mp4");
+  std::vector<double> lengths;
+  const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<ChildControl()>&) {
+    lengths.push_back(task.segment_s);
+    return lengths.size() < 3 ? TaskEnd{.child = {.status = 128 + 9}} : TaskEnd{};
+  });
+  EXPECT_EQ(done.value_or(0), 1);
+  EXPECT_EQ(lengths, (std::vector<double>{0, 0, 7.5}));
 }
 
 // A segment that cannot be read is no reason to cut it: the video has failed, until it is submitted again.

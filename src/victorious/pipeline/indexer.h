@@ -47,6 +47,9 @@ class Indexer {
                                                 std::optional<CategoryModel> categories = {},
                                                 const WarningSink& warn = {});
 
+  /// What is searched for, models before categories, as the store has it but for the ids.
+  [[nodiscard]] std::span<const ModelRecord> targets() const { return targets_; }
+
   /// Indexes one video. Resumes where an earlier call stopped; in a video indexed before searches for new models only;
   /// stores nothing twice. Commits results and progress together every 2 s, so that a kill loses no more than that. At
   /// the end, finished or cancelled, updates the objects of the whole index (update_objects.h).
