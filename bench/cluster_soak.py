@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Kills workers of a cluster, their processes and PostgreSQL at random, and stops workers past their lease, while they
-index drawn flights; checks that nothing is lost and nothing doubled.
+"""Kills workers of a cluster, their processes and PostgreSQL at random, stops workers past their lease, and cuts the
+network, while they index drawn flights; checks that nothing is lost and nothing doubled.
 
-Usage: cluster_soak.py [--kills N] [--seed SEED] [--seconds LIMIT] [--workers W] [--keep DIR]; VICTORIOUS_PROGRAM and
-VICTORIOUS_DRAW_FLIGHT name the programs, as for tests/e2e. Needs PostgreSQL, and the rights of its user.
+Usage: cluster_soak.py [--kills N] [--seed SEED] [--seconds LIMIT] [--workers W] [--segments] [--keep DIR];
+VICTORIOUS_PROGRAM and VICTORIOUS_DRAW_FLIGHT name the programs, as for tests/e2e. Needs PostgreSQL, and the rights of
+its user.
 
 Rounds, each on a new database, until N kills: the flights are submitted; workers index them, are killed (SIGKILL) or
 stopped (SIGSTOP) at random moments, and replaced; a task that has failed, because its workers were killed three times
@@ -12,20 +13,25 @@ without progress, is submitted again. At the end of a round:
 - the exports are those of one worker that nobody disturbs, byte for byte; objects and sightings are those of one
   process that indexes into a file, but for the ids of objects;
 - `victorious doctor --check` finds no damage.
+With --segments, workers share each video, second by second. A segment whose processes are killed three times is left out;
+of a round with such gaps, the log is checked alone.
 The seed draws what is hit and when; what that meets depends on the machine. Prints JSON: kills by kind, rounds, tasks,
 attempts. Exit status 1 and the folder of the workers' logs at the first difference.
 """
 
 import argparse
 import collections
+import contextlib
 import json
 import os
 import random
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -39,11 +45,14 @@ PAUSE_S = 1.0  # between two hits, on average
 WAIT_S = 240  # for the end of a round, or of the server's recovery, without hits
 # What is hit, and how often. "index": the process that a worker runs; "backend": one process of PostgreSQL, which then
 # ends all its connections; "server": all of PostgreSQL; "stop": a worker and its process, until its lease is over;
-# "stop_worker": the worker alone.
-HITS = {"worker": 10, "index": 4, "backend": 2, "server": 2, "stop": 2, "stop_worker": 1}
+# "stop_worker": the worker alone; "network": between all workers and PostgreSQL, until their leases are over.
+HITS = {"worker": 10, "index": 4, "backend": 2, "server": 2, "stop": 2, "stop_worker": 1, "network": 1}
 NO_CONNECTION = 2  # exit status of psql: there is none, or it was lost
 # SIGSTOP kills nothing.
-STOPS = ("stop", "stop_worker")
+STOPS = ("stop", "stop_worker", "network")
+# Of --segments: tracks restart, and segments end, each second at 10 frames per second.
+SEGMENT_S = 1
+SEGMENT_PARAMS = {"follow": {"restart_interval_frames": 10}}
 
 
 class Difference(Exception):
@@ -89,6 +98,47 @@ class Server:
             self.query(f"CREATE DATABASE {name}")
         base, _, parameters = self.url.partition("?")
         return f"{base.rpartition('/')[0]}/{name}?{parameters}"
+
+
+class Network:
+    """Between workers and the server, on a port of its own: forwards bytes, but while it is cut."""
+
+    def __init__(self, socket_path: Path):
+        self.socket_path = socket_path
+        self.cut_until = 0.0
+        self.listener = socket.create_server(("127.0.0.1", 0), backlog=64)
+        self.port = self.listener.getsockname()[1]
+        threading.Thread(target=self.accept, daemon=True).start()
+
+    def cut(self, seconds: float):
+        self.cut_until = time.monotonic() + seconds
+
+    def wait(self):
+        while (left := self.cut_until - time.monotonic()) > 0:
+            time.sleep(min(left, 0.1))
+
+    def accept(self):
+        while True:
+            client = self.listener.accept()[0]
+            self.wait()
+            server = socket.socket(socket.AF_UNIX)
+            try:
+                server.connect(str(self.socket_path))
+            except OSError:  # the server is being started
+                client.close()
+                continue
+            for source, target in ((client, server), (server, client)):
+                threading.Thread(target=self.forward, args=(source, target), daemon=True).start()
+
+    def forward(self, source: socket.socket, target: socket.socket):
+        with contextlib.suppress(OSError):
+            while data := source.recv(1 << 16):
+                self.wait()
+                target.sendall(data)
+        self.wait()
+        for end in (source, target):
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
 
 
 class Worker:
@@ -162,10 +212,11 @@ class Round:
     def start_worker(self) -> Worker:
         self.started += 1
         flags = ("--lease", LEASE_S, "--retry-delay", 0)
-        return Worker(self.url, self.folder / f"worker{self.started}.log", *flags)
+        return Worker(self.soak.network_url(self.url), self.folder / f"worker{self.started}.log", *flags)
 
     def counts(self) -> dict[str, int]:
-        rows = self.server.query("SELECT state, count(*) FROM victorious.tasks GROUP BY state", self.url)
+        statement = "SELECT state, count(*) FROM victorious.tasks WHERE parent IS NULL GROUP BY state"
+        rows = self.server.query(statement, self.url)
         return collections.defaultdict(int, {state: int(count) for state, count in rows})
 
     def hit(self, kind: str) -> bool:
@@ -182,6 +233,9 @@ class Round:
             )
             pids = [int(row[0]) for row in self.server.query(statement, self.url)]
             return bool(pids) and send(self.random.choice(pids), signal.SIGKILL)
+        if kind == "network":
+            self.soak.network.cut(LEASE_S + self.random.uniform(0.5, 3))
+            return True
         victim = self.random.choice(self.workers)
         children = victim.children()
         if kind == "worker":
@@ -223,6 +277,10 @@ class Round:
                 worker.process.kill()
                 worker.process.wait()
         self.check_log()
+        (gaps,) = self.server.query("SELECT count(*) FROM victorious.gaps", self.url)
+        if gaps != ["0"]:
+            self.soak.figures["rounds_with_gaps"] += 1
+            return
         self.soak.check_results(self.url, self.folder)
 
     def disturb(self):
@@ -232,7 +290,8 @@ class Round:
         while (counts := self.counts())["done"] < len(FRAMES):
             self.wake()
             self.replace_ended()
-            if counts["failed"] and not counts["queued"] and not counts["running"]:
+            is_open = any(counts[state] for state in ("queued", "running", "waiting"))
+            if counts["failed"] and not is_open:
                 self.soak.figures["submitted_again"] += counts["failed"]
                 self.soak.submit(self.url)
             now = time.monotonic()
@@ -255,11 +314,12 @@ class Round:
 
     def check_log(self):
         rows = self.server.query("SELECT task_id, attempt, event FROM victorious.task_log ORDER BY id", self.url)
+        parts = {int(row[0]) for row in self.server.query("SELECT id FROM victorious.tasks WHERE parent > 0", self.url)}
         tasks = collections.defaultdict(list)
         for task, attempt, event in rows:
             tasks[int(task)].append((int(attempt), event))
-        if len(tasks) != len(FRAMES):
-            raise Difference(f"{len(tasks)} of {len(FRAMES)} tasks in the log")
+        if len(set(tasks) - parts) != len(FRAMES):
+            raise Difference(f"{len(set(tasks) - parts)} of {len(FRAMES)} tasks in the log")
         for task, events in tasks.items():
             claims, ends = events[::2], events[1::2]
             attempts = list(range(1, len(events) // 2 + 1))
@@ -267,8 +327,9 @@ class Round:
                 [attempt for attempt, _ in claims] != attempts
                 or [attempt for attempt, _ in ends] != attempts
                 or any(event != "claimed" for _, event in claims)
-                or any(event not in ("released", "failed", "lost") for _, event in ends[:-1])
-                or ends[-1][1] != "done"
+                # A segment is queued again if it was left out, or its cut made anew.
+                or any(event not in ("released", "failed", "lost") for _, event in ends[:-1] if task not in parts)
+                or (ends[-1][1] != "done" and task not in parts)
             ):
                 raise Difference(f"the log of task {task}: {events}")
             self.soak.figures["attempts"] += len(attempts)
@@ -285,6 +346,12 @@ class Soak:
         self.random = random.Random(arguments.seed)
         self.hits = dict.fromkeys(HITS, 0)
         self.figures = collections.defaultdict(int)
+        self.network = Network(server.folder / ".s.PGSQL.5432")
+        self.flags = []
+        if arguments.segments:
+            (folder / "params.json").write_text(json.dumps(SEGMENT_PARAMS), encoding="utf-8")
+            self.flags = ["--params", folder / "params.json"]
+        self.submit_flags = [*self.flags, *(["--segment", SEGMENT_S] if arguments.segments else [])]
         self.videos = []
         for i, frames in enumerate(FRAMES):
             flight = folder / f"flight{i}"
@@ -300,10 +367,13 @@ class Soak:
     def goes_on(self) -> bool:
         return self.kills() < self.kills_wanted and time.monotonic() < self.end
 
+    def network_url(self, url: str) -> str:
+        return f"postgresql://victorious@127.0.0.1:{self.network.port}/{url.partition('?')[0].rpartition('/')[2]}"
+
     def submit(self, url: str):
         """Waits while the server starts again."""
         for _ in range(WAIT_S):
-            done = program.run("submit", *self.videos, "--models", self.models, "--db", url)
+            done = program.run("submit", *self.videos, "--models", self.models, "--db", url, *self.submit_flags)
             if done.status == 0:
                 return
             time.sleep(1)
@@ -317,7 +387,7 @@ class Soak:
         worker.process.wait(timeout=program.TIMEOUT_S)
         worker.check_end()
         db = self.folder / "one.db"
-        succeed("index", *self.videos, "--models", self.models, "--db", db)
+        succeed("index", *self.videos, "--models", self.models, "--db", db, *self.flags)
         rows = {form: numbered(lines) for form, lines in exports(db).items() if form in ("objects", "sightings")}
         return exports(url), rows
 
@@ -346,6 +416,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="of what is hit and when (default: 1)")
     parser.add_argument("--seconds", type=float, default=float("inf"), help="hit nobody after this time")
     parser.add_argument("--workers", type=int, default=3, help="at once (default: 3)")
+    parser.add_argument("--segments", action="store_true", help="workers share each video")
     parser.add_argument("--keep", type=Path, help="folder of the flights, models and logs (default: a temporary one)")
     arguments = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="victorious-soak-", dir=arguments.keep))
