@@ -61,6 +61,8 @@ std::optional<ContradictedMotion> FindContradiction(const ImageMotions& seen, co
   constexpr double kCoarseStep = 1.5;
   // A camera that circles turns by as much as it moves: of the motion that its way alone would cause, so much remains.
   constexpr double kFineStep = 1.02;
+  // Of the whole motion: a yaw that is given once for a flight misses slow turns.
+  constexpr double kMinTurnFraction = 0.2;
   if (seen.motions.size() < kMinPairs || cameras.states().empty()) return std::nullopt;
   const MotionComparison comparison(seen, cameras);
   const MotionComparison::Poses poses = comparison.PosesAt(0);
@@ -87,7 +89,8 @@ std::optional<ContradictedMotion> FindContradiction(const ImageMotions& seen, co
   std::vector<Vector3d> turns;
   for (const Vector3d& residual : best.residuals) turns.emplace_back(0, 0, residual.z());
   const bool turns_otherwise =
-      IsMissing(turns, {0, 0, missing.z()}, std::max(std::abs(moved.z()), std::abs(moved.z() - missing.z())));
+      IsMissing(turns, {0, 0, missing.z()}, std::max(std::abs(moved.z()), std::abs(moved.z() - missing.z()))) &&
+      std::abs(missing.z()) >= kMinTurnFraction * std::max(moved.norm(), (moved - missing).norm());
   if (!differs && !turns_otherwise) return std::nullopt;
   std::vector<double> intervals_s;
   for (const ImageMotion& motion : seen.motions) intervals_s.push_back(motion.to_s - motion.from_s);

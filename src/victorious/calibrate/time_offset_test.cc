@@ -166,6 +166,10 @@ TEST(EstimateTimeOffset, TheFlightsOwnTelemetryIsNotContradicted) {
     return state;
   };
   EXPECT_FALSE(FindContradiction(Film(Straight), Recorded(spoilt, 0)));
+  // A yaw that was given once for the flight, in which the camera turns by 2 degrees a second.
+  const auto turning = [](double time_s) { return Above({8 * time_s, -60, 110}, 2 * time_s, -60, 0, time_s); };
+  const auto with_one_yaw = [](double time_s) { return Above({8 * time_s, -60, 110}, kLength_s, -60, 0, time_s); };
+  EXPECT_FALSE(FindContradiction(Film(turning), Recorded(with_one_yaw, 0)));
   // Positions of one second repeated, as some telemetry has them.
   const auto stepping = [](double time_s) {
     CameraState state = Straight(std::floor(time_s));

@@ -132,6 +132,8 @@ std::string BoxLocator::DescribePlaceFailure(std::size_t box_index, std::span<co
                            "--type WORD";
   }
   if (std::ranges::none_of(videos_.cameras, &CameraStates::HasStates)) {
+    if (std::ranges::any_of(videos_.cameras, &CameraStates::is_forgotten))
+      return "telemetry contradicts the image, and is not used";
     return "no telemetry with camera position, attitude and field of view: give --telemetry FILE; `victorious doctor "
            "VIDEO` reports what is missing";
   }

@@ -119,6 +119,7 @@ void CameraStates::CorrectFocalLength(double log_factor, double sigma) {
 }
 
 void CameraStates::Forget() {
+  is_forgotten_ = true;
   trajectory_.reset();
   first_hfov_rad_.reset();
   start_utc_us_.reset();

@@ -49,6 +49,7 @@ class CameraStates {
 
   /// Forgets the states of the whole video, which are those of another one, with their clock.
   void Forget();
+  [[nodiscard]] bool is_forgotten() const { return is_forgotten_; }
 
   /// The standard deviation of the clock's offset that the states are to have, s; 0: it is exact. At() then gives what
   /// this means for the camera, by its motion over 2 s.
@@ -103,6 +104,7 @@ class CameraStates {
   std::optional<CameraTrajectory> assumed_;
   std::optional<LiveCameraTrack> live_;
   bool is_of_photos_ = false;
+  bool is_forgotten_ = false;
   double max_gap_s_ = 0;  // of trajectory_
   double unknown_clock_sigma_s_ = 0;
   double clock_sigma_s_ = 0;

@@ -79,8 +79,7 @@ std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset, std::s
   return fmt::format(
       "telemetry: the offset of its clock is unknown ({}): each second that it is off shifts all places by {:.1f} m "
       "along the flight; their errors contain {:.1f} s of it (telemetry.clock_sigma_s); telemetry.time_offset_s "
-      "corrects "
-      "it",
+      "corrects it",
       DescribeStatus(offset), speed_m_s, sigma_s);
 }
 
@@ -92,9 +91,8 @@ std::optional<std::string> DescribeContradiction(const TimeOffset& offset) {
                        std::abs(px_s.z()), px_s.z() < 0 ? "anticlockwise" : "clockwise");
   };
   return fmt::format(
-      "telemetry: contradicts the image, as that of another flight does, and is not used: nothing will get a place. "
-      "The "
-      "image moves by {}, by the telemetry by {} at most; telemetry.time_offset_s, if given, keeps it",
+      "telemetry: contradicts the image, as that of another flight or wrong gimbal angles do, and is not used: nothing "
+      "will get a place. The image moves by {}, by the telemetry by {}; telemetry.time_offset_s, if given, keeps it",
       describe(offset.contradicted->seen_px_s), describe(offset.contradicted->predicted_px_s));
 }
 
@@ -115,6 +113,30 @@ std::optional<std::string> DescribeFieldOfView(const FieldOfViewVerdict& verdict
       percent(verdict.log_factor), verdict.log_factor > 0 ? "wide" : "narrow", percent(verdict.sigma), kGiven);
 }
 
+namespace {
+
+void CorrectFieldOfView(const FieldOfViewVerdict& verdict, const WarningSink& warn, CameraStates& cameras) {
+  if (const auto wrong = DescribeFieldOfView(verdict)) warn(*wrong);
+  cameras.CorrectFocalLength(verdict.log_factor, verdict.sigma);
+}
+
+// A field of view that is wrong by a factor of two and more looks as if telemetry were another flight's. False if it is
+// not the cause.
+bool ReconcileFieldOfView(const ImageMotions& motions, const TimeOffsetOptions& options, const WarningSink& warn,
+                          CameraStates& cameras) {
+  const FieldOfViewVerdict verdict = JudgeFieldOfView(MeasureFocalLength(motions, *cameras.trajectory()));
+  if (verdict.log_factor == 0) return false;
+  CameraStates corrected = cameras;
+  corrected.CorrectFocalLength(verdict.log_factor, verdict.sigma);
+  const TimeOffset offset = EstimateTimeOffset(motions, *corrected.trajectory(), options);
+  if (offset.contradicted) return false;
+  CorrectFieldOfView(verdict, warn, cameras);
+  ShiftClockBy(offset, warn, cameras);
+  return true;
+}
+
+}  // namespace
+
 Status CorrectTelemetry(const std::string& video, double impulse_fraction, bool is_given_field_of_view,
                         const CancelToken& cancel, const WarningSink& warn, CameraStates& cameras) {
   if (!cameras.HasStates() || cameras.is_of_photos()) return {};
@@ -128,15 +150,14 @@ Status CorrectTelemetry(const std::string& video, double impulse_fraction, bool 
   }
   const TimeOffset offset = EstimateTimeOffset(*motions, *cameras.trajectory(), options);
   if (const auto contradiction = DescribeContradiction(offset)) {
+    if (!is_given_field_of_view && ReconcileFieldOfView(*motions, options, warn, cameras)) return {};
     cameras.Forget();
     warn(*contradiction);
     return {};
   }
   ShiftClockBy(offset, warn, cameras);
   if (is_given_field_of_view) return {};
-  const FieldOfViewVerdict verdict = JudgeFieldOfView(MeasureFocalLength(*motions, *cameras.trajectory()));
-  if (const auto wrong = DescribeFieldOfView(verdict)) warn(*wrong);
-  cameras.CorrectFocalLength(verdict.log_factor, verdict.sigma);
+  CorrectFieldOfView(JudgeFieldOfView(MeasureFocalLength(*motions, *cameras.trajectory())), warn, cameras);
   return {};
 }
 
