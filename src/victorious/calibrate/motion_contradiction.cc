@@ -62,7 +62,7 @@ std::optional<ContradictedMotion> FindContradiction(const ImageMotions& seen, co
   // A camera that circles turns by as much as it moves: of the motion that its way alone would cause, so much remains.
   constexpr double kFineStep = 1.02;
   // Of the whole motion: a yaw that is given once for a flight misses slow turns.
-  constexpr double kMinTurnFraction = 0.2;
+  constexpr double kMinTurnFraction = 0.1;
   if (seen.motions.size() < kMinPairs || cameras.states().empty()) return std::nullopt;
   const MotionComparison comparison(seen, cameras);
   const MotionComparison::Poses poses = comparison.PosesAt(0);

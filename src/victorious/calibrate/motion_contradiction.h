@@ -12,7 +12,7 @@
 namespace victorious {
 
 /// Compares the mean motions of image and telemetry second by second, without an offset. std::nullopt if they agree, or
-/// if too little is seen: at least half of the motion, or of its turning and a fifth of the motion, and at least 0.5 px
+/// if too little is seen: at least half of the motion, or of its turning and a tenth of the motion, and at least 0.5 px
 /// from one frame to the next, must be missing in four of five seconds, in one direction. The height of the ground is
 /// free, so that a motion may seem slower than it is, but not turn the image. Clocks that are off do not matter to a
 /// steady motion.
