@@ -15,11 +15,12 @@ import { Icon } from "./icons";
 const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories" } as const;
 const FILES = { track: "Save the track", clip: "Save the clip", telemetry: "Save its telemetry", categories: "Save the refined model" } as const;
 
-function Bar({ part }: { part: number | null }) {
+function Bar({ of, part }: { of: string; part: number | null }) {
   return (
     <div
       class={`meter ${part === null ? "unknown" : ""}`}
       role="progressbar"
+      aria-label={of}
       aria-valuemin={0}
       aria-valuemax={100}
       aria-valuenow={part === null ? undefined : Math.round(100 * part)}
@@ -75,7 +76,7 @@ function Row({ job }: { job: Job }) {
           </button>
         )}
       </div>
-      {job.state === "running" && <Bar part={job.total ? job.done / job.total : null} />}
+      {job.state === "running" && <Bar of={job.title} part={job.total ? job.done / job.total : null} />}
       <div class="job-state" role={job.state === "failed" ? "alert" : undefined}>
         {describe(job)}
       </div>
@@ -193,7 +194,7 @@ export function JobsPanel() {
                 Cancel
               </button>
             </div>
-            <Bar part={one.done} />
+            <Bar of={one.name} part={one.done} />
           </li>
         ))}
         {jobs.jobs.value.map((one) => (
