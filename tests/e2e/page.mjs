@@ -966,6 +966,31 @@ async function narrow(page) {
   await checkAccessible(page, "a tablet, with filters");
 }
 
+/** A search that is behind its live source says so in the list of jobs and over the picture; one that keeps up does not. */
+async function checkBehind(page, source) {
+  const { jobs } = await api(page, "/jobs");
+  const second = await page.context().newPage();
+  let behind_s = 12.4;
+  await second.route("**/api/v1/jobs", (route) => route.fulfill({ json: { jobs: jobs.map((one) => ({ ...one, behind_s })) } }));
+  await second.route("**/api/v1/events", (route) => route.fulfill({ contentType: "text/event-stream", body: "" }));
+  // Nor do other tabs tell it.
+  await second.addInitScript(() => (window.BroadcastChannel = class { postMessage() {} }));
+  const show = async () => {
+    await second.goto("/");
+    await second.getByRole("button", { name: "1 job" }).click();
+    await second.waitForSelector(`.job.running:has(strong:text-is("${source}"))`);
+    await second.waitForSelector(".stage [role=alert]");
+  };
+  await show();
+  await second.locator(".job.running .behind", { hasText: /^12 s behind$/ }).waitFor();
+  await second.locator(".stage .corner .behind", { hasText: /^12 s behind$/ }).waitFor();
+  await checkAccessible(second, "a live source that is behind");
+  behind_s = 0.6;
+  await show();
+  await becomes(() => second.locator(".behind").count(), 0, "it keeps up");
+  await second.close();
+}
+
 /** A live source by its address: its finds are on the page while it sends; stopped, they stay. */
 async function live(page, [source]) {
   await page.goto("/");
@@ -979,6 +1004,7 @@ async function live(page, [source]) {
   await becomes(() => page.locator(job("running")).count(), 1, "finds come while the source sends");
   // What is shown of it: its frames are not kept.
   await page.waitForSelector(".stage [role=alert]:has-text('its frames are not kept')");
+  await checkBehind(page, source);
   await page.locator(job("running")).getByRole("button", { name: "Stop" }).click();
   await page.waitForSelector(job("done"), { timeout: 60_000 });
   const { objects } = await api(page, "/objects");

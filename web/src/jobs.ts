@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import { ApiFailure, cancelJob, listJobs, postJob, uploadFile } from "./api/client";
 import type { FoundObject, Job, NewJob } from "./api/types";
 import { onEvent } from "./events";
-import { type Plan, planFiles, withoutUploadFolder } from "./logic/uploads";
+import { type Plan, formatBehind, planFiles, withoutUploadFolder } from "./logic/uploads";
 import { account } from "./session";
 import * as load from "./load";
 import * as notices from "./notices";
@@ -32,6 +32,14 @@ export type ModelSource = { files: readonly File[] } | { video: number; frame: n
 export const askedModel = signal<ModelSource | null>(null);
 /** Jobs of models for which all videos are searched once they are made. */
 const searchAfter = new Set<number>();
+/** How far the search of the live source that is shown is behind it; null: it keeps up, or is none. */
+export const behind = computed(() => {
+  const shown = state.video.value;
+  // A source that is searched anew is another video of the same name, the latest one.
+  if (shown === null || state.videos.value.some((one) => one.name === shown.name && one.id > shown.id)) return null;
+  const job = told.value.find((one) => one.kind === "live" && one.state === "running" && one.title === shown.name);
+  return job ? formatBehind(job) : null;
+});
 export const active = computed(() => jobs.value.filter((one) => one.state === "queued" || one.state === "running"));
 
 let nextUpload = 0;

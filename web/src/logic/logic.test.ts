@@ -12,7 +12,7 @@ import { BINDINGS, actionOf } from "./keys";
 import { formatMgrs, utmOf } from "./mgrs";
 import { boxBetween, boxCentres, fit } from "./overlay";
 import { PagedList } from "./paged_list";
-import { formatLeft, modelNameOf, planFiles, withoutUploadFolder } from "./uploads";
+import { formatBehind, formatLeft, modelNameOf, planFiles, withoutUploadFolder } from "./uploads";
 import { formatUrl, parseUrl } from "./url_state";
 
 const place = (latitude: number, longitude: number): Place => ({
@@ -361,6 +361,12 @@ describe("uploads", () => {
 
   it("say how long yet", () => {
     expect([0.2, 42, 90, 7300].map(formatLeft)).toEqual(["1 s left", "42 s left", "2 min left", "2.0 h left"]);
+  });
+
+  it("say how far a live source is behind, if it is", () => {
+    const of = (behind_s: number | null, change = {}) => formatBehind({ kind: "live", state: "running", behind_s, ...change });
+    expect([null, 0.4, 1, 1.2, 12.4, 150].map((one) => of(one))).toEqual([null, null, null, "1 s behind", "12 s behind", "3 min behind"]);
+    expect(of(12, { state: "done" })).toBeNull();
   });
 });
 

@@ -1,4 +1,5 @@
-// What dropped files are, and what is to be done with them.
+// What dropped files are, what is to be done with them, and how far that is.
+import type { Job } from "../api/types";
 
 const VIDEO = ["mp4", "m4v", "mov", "mkv", "webm", "avi", "ts", "m2ts", "mts", "mpg", "mpeg", "wmv", "flv"];
 const CAD = ["glb", "gltf", "obj", "ac", "dae", "3ds", "ply", "stl"];
@@ -56,9 +57,20 @@ export function withoutUploadFolder(message: string): string {
   return message.replaceAll(/(?:[^\s:]*\/)?[0-9a-f]{16}\//g, "");
 }
 
+function short(seconds: number): string {
+  if (seconds < 60) return `${Math.max(1, Math.round(seconds))} s`;
+  if (seconds < 3600) return `${Math.round(seconds / 60)} min`;
+  return `${(seconds / 3600).toFixed(1)} h`;
+}
+
 /** A time that is left, short. */
-export function formatLeft(seconds: number): string {
-  if (seconds < 60) return `${Math.max(1, Math.round(seconds))} s left`;
-  if (seconds < 3600) return `${Math.round(seconds / 60)} min left`;
-  return `${(seconds / 3600).toFixed(1)} h left`;
+export const formatLeft = (seconds: number) => `${short(seconds)} left`;
+
+/** A search that is less than this behind its source keeps up with it. */
+const KEEPS_UP_S = 1;
+
+/** How far the search of a live source is behind it; null: it keeps up, does not run, or it is not known. */
+export function formatBehind(job: Pick<Job, "kind" | "state" | "behind_s">): string | null {
+  const isRunning = job.kind === "live" && job.state === "running";
+  return isRunning && job.behind_s !== null && job.behind_s > KEEPS_UP_S ? `${short(job.behind_s)} behind` : null;
 }

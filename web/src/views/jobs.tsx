@@ -5,7 +5,7 @@ import { jobFileUrl } from "../api/client";
 import type { Job } from "../api/types";
 import { messageOf } from "../logic/errors";
 import { plural } from "../logic/format";
-import { formatLeft, modelNameOf, withoutUploadFolder } from "../logic/uploads";
+import { formatBehind, formatLeft, modelNameOf, withoutUploadFolder } from "../logic/uploads";
 import * as jobs from "../jobs";
 import { frameCanvas } from "../player";
 import * as state from "../state";
@@ -55,6 +55,7 @@ function TurnModel({ name }: { name: string }) {
 
 function Row({ job }: { job: Job }) {
   const isActive = job.state === "queued" || job.state === "running";
+  const behind = formatBehind(job);
   return (
     <li class={`job ${job.state}`}>
       <div class="job-head">
@@ -79,6 +80,11 @@ function Row({ job }: { job: Job }) {
       {job.state === "running" && <Bar of={job.title} part={job.total ? job.done / job.total : null} />}
       <div class="job-state" role={job.state === "failed" ? "alert" : undefined}>
         {describe(job)}
+        {behind !== null && !job.cancel_asked && (
+          <>
+            , <span class="behind">{behind}</span>
+          </>
+        )}
       </div>
       {job.files.length > 0 && (
         <div class="job-files">

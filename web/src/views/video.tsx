@@ -154,6 +154,7 @@ function Stage() {
   };
   const video = state.video.value;
   const table = state.frameTable.value;
+  const behind = jobs.behind.value;
   const problem = video?.missing ?? (table.state === "failed" ? table.message : null);
   return (
     <div class="stage">
@@ -181,9 +182,14 @@ function Stage() {
         />
       )}
       {isBoxing && !drag && <div class="message">Draw a box around the object. B or Esc leaves.</div>}
-      {video && !problem && (
+      {video && (!problem || behind !== null) && (
         <div class="corner" title={video.name}>
-          {baseName(video.name)}
+          <span>{baseName(video.name)}</span>
+          {behind !== null && (
+            <span class="behind" title="What was filmed since then is not searched yet">
+              {behind}
+            </span>
+          )}
         </div>
       )}
       {problem && (
