@@ -879,6 +879,21 @@ async function thresholds(page) {
   await page.getByRole("button", { name: "Show all of common" }).click();
   for (const tab of [page, second]) await tab.waitForFunction(() => document.querySelector(".list h2")?.textContent === "24 objects");
   await page.getByRole("button", { name: "Only ≥ 0.3" }).waitFor();
+  await checkCost(page, decide);
+}
+
+/** What the slider costs is that of the other filters, and knows what was decided. Of "rare" there are 0.1, 0.2, 0.3 and 0.4. */
+async function checkCost(page, decide) {
+  const becomesCost = (falseAlarms, misses) =>
+    becomes(() => page.locator(".cost").innerText(), `about ${falseAlarms} false alarms shown\nabout ${misses} real objects hidden`);
+  await page.getByRole("group", { name: "Filters" }).getByRole("button", { name: "rare" }).click();
+  await page.locator("#threshold").fill("0.25");
+  await becomesCost("1.3", "0.3");
+  await decide(21, "accepted");
+  await becomesCost("1.3", "1.2");
+  await decide(24, "rejected");
+  await becomesCost("1.7", "1.2");
+  await checkAccessible(page, "a threshold and its cost");
 }
 
 /** The main states, looked at by axe in both themes. */

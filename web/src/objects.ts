@@ -6,6 +6,7 @@ import type { Counts, FoundObject, Review } from "./api/types";
 import { type Reviews, isOwnKnown, ownDecision, reviewsOf, withStored } from "./logic/decisions";
 import { type Filters, filterParams, isFiltered } from "./logic/filters";
 import { PagedList } from "./logic/paged_list";
+import { withVerdict } from "./logic/threshold_cost";
 import { me } from "./me";
 
 export type Sort = "queue" | "rank" | "newest";
@@ -28,6 +29,8 @@ export const counts = signal<Counts | null>(null);
 export const listedAll = signal<number | null>(null);
 /** How many objects match the filters; null: not known yet. */
 export const matching = signal<number | null>(null);
+/** Of the objects that match all filters but that of the score; null: those of all, or not known yet. */
+export const countsOfAnyScore = signal<Counts | null>(null);
 /** The best objects of the video that is shown, best first. */
 export const videoObjects = signal<{ video: number; ids: readonly number[]; total: number } | null>(null);
 /** How many of them the reader has decided about; null: not known yet. */
@@ -103,7 +106,7 @@ export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boo
 
 /** Reads the counts again. */
 export async function refreshCounts() {
-  const [all] = await Promise.all([countObjects(new URLSearchParams()), countOwn()]);
+  const [all] = await Promise.all([countObjects(new URLSearchParams()), countOwn(), countAnyScore()]);
   counts.value = all;
 }
 
@@ -111,6 +114,15 @@ export async function countOwn() {
   const reviewer = me.peek();
   const own = await countObjects(new URLSearchParams({ review: "own", reviewer }));
   if (me.peek() === reviewer) ownCount.value = own.objects;
+}
+
+/** Of the filters without that of the score; empty: there are none. */
+let anyScoreParams = "";
+
+async function countAnyScore() {
+  const params = anyScoreParams;
+  const found = params === "" ? null : await countObjects(new URLSearchParams(params));
+  if (params === anyScoreParams) countsOfAnyScore.value = found;
 }
 
 let followTimer: ReturnType<typeof setTimeout> | undefined;
@@ -121,8 +133,10 @@ export function follow(sort: Sort, filters: Filters, isOnlyMatching: boolean, fa
   followAbort?.abort();
   clearTimeout(followTimer);
   const isOther = paramsOf(sort, isOnlyMatching ? filters : null).toString() !== listKey;
+  const params = filterParams({ ...filters, minScore: 0 }, me.peek()).toString();
+  const isOtherCount = params !== anyScoreParams;
   if (!isFiltered(filters)) matching.value = null;
-  if (!isFiltered(filters) && !isOther) return;
+  if (!isFiltered(filters) && !isOther && !isOtherCount) return;
   const abort = new AbortController();
   followAbort = abort;
   // Not for each letter that is typed.
@@ -131,6 +145,10 @@ export function follow(sort: Sort, filters: Filters, isOnlyMatching: boolean, fa
       countObjects(filterParams(filters, me.peek()), abort.signal)
         .then((found) => (matching.value = found.objects))
         .catch((error: unknown) => !abort.signal.aborted && fail(error));
+    }
+    if (isOtherCount) {
+      anyScoreParams = params;
+      countAnyScore().catch(fail);
     }
     if (isOther) loadList(sort, filters, isOnlyMatching).catch(fail);
   }, 150);
@@ -257,15 +275,7 @@ export function setReviews(id: number, reviews: Reviews) {
     if (ownCount.peek() !== null) ownCount.value = (ownCount.peek() ?? 0) + isOwn(reviews) - isOwn(before);
     const all = counts.peek();
     if (!all) return;
-    const change = (verdict: Review["verdict"] | undefined, by: number) => {
-      if (verdict === "accepted") next.accepted += by;
-      else if (verdict === "rejected") next.rejected += by;
-      else next.unreviewed += by;
-    };
-    const next = { ...all };
-    change(before.review?.verdict, -1);
-    change(review?.verdict, 1);
-    counts.value = next;
+    counts.value = withVerdict(all, before.score, before.review?.verdict ?? null, review?.verdict ?? null);
   });
 }
 

@@ -1,4 +1,4 @@
-// Filters of the list: they grey objects out, and say what a threshold costs.
+// Filters of the list: they grey objects out.
 import type { FoundObject, Verdict, Video } from "../api/types";
 import { type Area, formatArea, isInArea } from "./area";
 import { ownDecision } from "./decisions";
@@ -145,19 +145,4 @@ export function searchedHours(videos: readonly Pick<Video, "duration_s" | "frame
     const part = searched_frames === null ? 1 : Math.min(searched_frames / frame_count, 1);
     return hours + (part * duration_s) / 3600;
   }, 0);
-}
-
-/**
- * What a threshold costs. A score is the probability that an object is real.
- * @param scores how many objects have a score in each part of 0 to 1
- */
-export function thresholdCost(scores: readonly number[], minScore: number) {
-  let falseAlarms = 0;
-  let misses = 0;
-  scores.forEach((count, i) => {
-    const score = (i + 0.5) / scores.length;
-    if (score >= minScore) falseAlarms += count * (1 - score);
-    else misses += count * score;
-  });
-  return { falseAlarms, misses };
 }

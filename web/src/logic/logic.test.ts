@@ -4,7 +4,7 @@ import type { CameraPath, FoundObject, Place, Review } from "../api/types";
 import { rectangle } from "./area";
 import { withDecision } from "./decisions";
 import { toCsv, toGeoJson } from "./export";
-import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery, searchedHours, thresholdCost } from "./filters";
+import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery, searchedHours } from "./filters";
 import { explainScore, formatAngle, formatExpected, formatMetres, formatPosition, formatScore, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
@@ -151,14 +151,6 @@ describe("filters", () => {
   it("measure distances", () => {
     expect(metresBetween({ latitude: 52, longitude: 13 }, { latitude: 52.001, longitude: 13 })).toBeCloseTo(111.2, 0);
     expect(metresBetween({ latitude: 60, longitude: 0 }, { latitude: 60, longitude: 0.001 })).toBeCloseTo(55.6, 0);
-  });
-
-  it("say what a threshold costs", () => {
-    const scores = Array.from({ length: 100 }, (_, i) => ({ 90: 2, 60: 1, 20: 1 })[i] ?? 0);
-    const cost = thresholdCost(scores, 0.5);
-    expect(cost.falseAlarms).toBeCloseTo(2 * 0.095 + 0.395);
-    expect(cost.misses).toBeCloseTo(0.205);
-    expect(thresholdCost(scores, 0).misses).toBe(0);
   });
 
   it("are sent to the server", () => {

@@ -6,9 +6,10 @@ import { useEffect, useLayoutEffect, useReducer, useRef, useState } from "preact
 import { thumbnailUrl } from "../api/client";
 import type { FoundObject } from "../api/types";
 import { describeDecisions, summarise } from "../logic/decisions";
-import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, parseQuery, searchedHours, thresholdCost } from "../logic/filters";
+import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, parseQuery, searchedHours } from "../logic/filters";
 import { baseName, explainScore, formatExpected, formatMetres, formatScore, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
+import { thresholdCost } from "../logic/threshold_cost";
 import { canAdd } from "../jobs";
 import * as load from "../load";
 import { me } from "../me";
@@ -25,8 +26,20 @@ import { Picture } from "./picture";
 
 const ROW_HEIGHT = 80;
 
-const hours = computed(() => searchedHours(state.videos.value));
-const cost = computed(() => thresholdCost(objects.counts.value?.scores ?? [], state.filters.value.minScore));
+const hours = computed(() => {
+  const { video } = state.filters.value;
+  return searchedHours(state.videos.value.filter((one) => video === null || one.id === video));
+});
+const cost = computed(() => {
+  const counts = objects.countsOfAnyScore.value ?? objects.counts.value;
+  return counts === null ? { falseAlarms: 0, misses: 0 } : thresholdCost(counts, state.filters.value.minScore);
+});
+/** What the cost of a threshold counts. */
+const COST = [
+  "Of the objects that match the other filters.",
+  "What nobody has decided counts by its score, the probability that it is real; what is accepted counts as real, what is rejected as a false alarm.",
+  "An hour is one of video that was searched.",
+].join(" ");
 
 function useVirtualizer(count: number) {
   const scroller = useRef<HTMLDivElement>(null);
@@ -193,9 +206,13 @@ function Threshold() {
         onInput={(event) => state.setFilters({ minScore: Number(event.currentTarget.value) })}
       />
       <output for="threshold">≥ {minScore.toFixed(2)}</output>
-      <span class="cost" title="From the scores: each is the probability that its object is real. An hour is one of video that was searched.">
-        expected: {formatExpected(falseAlarms)} false shown{perHour(falseAlarms)}, {formatExpected(misses)} real hidden
-        {perHour(misses)}
+      <span class="cost" title={COST}>
+        <span>
+          about {formatExpected(falseAlarms)} false alarms shown{perHour(falseAlarms)}
+        </span>
+        <span>
+          about {formatExpected(misses)} real objects hidden{perHour(misses)}
+        </span>
       </span>
     </div>
   );
