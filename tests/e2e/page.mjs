@@ -346,16 +346,16 @@ async function triage(page) {
   const second = objects[1];
   await page.click(`#object-${second.id}`);
   await becomes(() => selectedId(page), second.id);
-  const { best } = await api(page, `/objects/${second.id}`);
+  const { best, key } = await api(page, `/objects/${second.id}`);
   await waitForFrame(page, best.frame);
   await becomes(() => page.locator(".inspector h2").innerText(), second.model);
   assert.ok(await page.locator(".crop img").first().evaluate((image) => image.complete || image.decode().then(() => true)));
 
   // The address bar holds the selection and the time; a colleague who opens it sees the same.
-  await page.waitForFunction(([id, time]) => {
+  await page.waitForFunction(([name, time]) => {
     const query = new URLSearchParams(location.search);
-    return query.get("object") === String(id) && Math.abs(Number(query.get("t")) - time) < 0.01;
-  }, [second.id, best.time_s]);
+    return query.get("object") === name && Math.abs(Number(query.get("t")) - time) < 0.01;
+  }, [key, best.time_s]);
   await open(page, page.url());
   await becomes(() => selectedId(page), second.id);
   await waitForFrame(page, best.frame);
@@ -1129,6 +1129,32 @@ async function turning(page) {
   await page.waitForSelector("dialog.turning[open]", { state: "detached" });
 }
 
+/**
+ * Without a link: prints the one of the second object, which an older link by its id becomes. With it, and what it showed: shows
+ * the same object, which has another id now.
+ */
+async function link(page, [sent, shown]) {
+  const { objects } = await api(page, "/objects");
+  if (sent === undefined) {
+    const [, { id, model, first_time_s }] = objects;
+    const { key } = await api(page, `/objects/${id}`);
+    await open(page, `/?object=${id}`);
+    await becomes(() => selectedId(page), id);
+    await page.waitForFunction((name) => new URLSearchParams(location.search).get("object") === name, key);
+    console.log(JSON.stringify({ link: new URL(page.url()).search, id, model, first_time_s, frame: await shownFrame(page) }));
+    return;
+  }
+  const before = JSON.parse(shown);
+  await open(page, `/${sent}`);
+  await page.waitForSelector(SELECTED);
+  const after = objects.find((one) => one.model === before.model && one.first_time_s === before.first_time_s);
+  assert.notEqual(after.id, before.id, "the test needs another id");
+  await becomes(() => selectedId(page), after.id);
+  await waitForFrame(page, before.frame);
+  await page.goto("/?object=0123456789abcdef.1.2.3.4.5.jeep");
+  await page.locator(".notice.error", { hasText: "The object of this link is not in this index" }).waitFor();
+}
+
 async function accounts(page, [password]) {
   const logIn = async (name, word) => {
     await page.fill("#log-in-name", name);
@@ -1218,7 +1244,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow }[scenario](page, inputs);
+  await { triage, link, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

@@ -37,6 +37,7 @@ class PageTest(program.ProgramTest):
             command = ["node", SCRIPT, scenario, server.url, *inputs]
             done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
         self.assertEqual(done.returncode, 0, f"{done.stdout}{done.stderr}{server.err}")
+        return done.stdout
 
     def index(self, video, *flags):
         db = self.scratch / "index.db"
@@ -66,6 +67,13 @@ class PageTest(program.ProgramTest):
         db = self.index(video)
         self.place_objects(db, video)
         self.drive("triage", db, "--models", program.models())
+
+    def test_links(self):
+        """A link finds its object after a new search from nothing, which gives it another id."""
+        db = self.index(program.flight() / "flight.mp4")
+        before = self.drive("link", db)
+        self.index(program.flight() / "flight.mp4", "--redo")
+        self.drive("link", db, inputs=(json.loads(before)["link"], before))
 
     def draw_index(self, objects):
         """An index of drawn rows: of each object the number of its model ("common", "rare") and its score."""

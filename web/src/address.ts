@@ -2,13 +2,20 @@
 import { effect } from "@preact/signals";
 
 import { formatUrl } from "./logic/url_state";
-import { filters, isPlaying, project, selectedId, shownFrame, shownTime, videoId } from "./state";
+import { detail, filters, isPlaying, project, selectedId, shownFrame, shownTime, videoId } from "./state";
 
 let urlTimer: ReturnType<typeof setTimeout> | undefined;
 
+/** The key of the selected object; its id, as long as the key is not known. */
+function selectedName() {
+  const known = detail.value;
+  const isKnown = known?.state === "ready" && known.value.id === selectedId.value;
+  return (isKnown ? known.value.key : null) ?? selectedId.value;
+}
+
 /** @param push  Back returns to what the bar holds now */
 export function writeUrl(push: boolean) {
-  const url = formatUrl({ object: selectedId.value, video: videoId.value, time: shownTime.value, area: filters.value.area });
+  const url = formatUrl({ object: selectedName(), video: videoId.value, time: shownTime.value, area: filters.value.area });
   if (url === location.search) return;
   if (push) history.pushState(null, "", url || location.pathname);
   else history.replaceState(null, "", url || location.pathname);
@@ -18,6 +25,7 @@ effect(() => {
   // Not for each frame that plays.
   void shownFrame.value;
   void selectedId.value;
+  void detail.value;
   void filters.value.area;
   if (project.value.state !== "ready" || isPlaying.value) return;
   clearTimeout(urlTimer);

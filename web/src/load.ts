@@ -104,12 +104,14 @@ function startLive() {
 async function openFromUrl() {
   const wanted = parseUrl(location.search);
   if (formatArea(wanted.area ?? []) !== formatArea(filters.peek().area ?? [])) setFilters({ area: wanted.area });
-  if (wanted.object !== null && !objects.objectOf(wanted.object)) await objects.locate(wanted.object).catch(() => undefined);
-  const target = wanted.object === null ? undefined : objects.objectOf(wanted.object);
+  const id = typeof wanted.object === "string" ? await objects.idOfKey(wanted.object).catch(() => null) : wanted.object;
+  if (id !== null && !objects.objectOf(id)) await objects.locate(id).catch(() => undefined);
+  const target = id === null ? undefined : objects.objectOf(id);
   if (target) {
     select(target.id, { seek: wanted.time === null });
   } else if (wanted.object !== null) {
-    notify(`Object ${wanted.object} is not in this index (a new search may have joined or removed it).`, "error");
+    const name = typeof wanted.object === "string" ? "The object of this link" : `Object ${wanted.object}`;
+    notify(`${name} is not in this index (a new search may have joined or removed it).`, "error");
   }
   const first = wanted.video ?? target?.moments[0]?.video_id ?? videos.value[0]?.id ?? null;
   if (first !== null && wanted.time !== null) return showTime(first, wanted.time);

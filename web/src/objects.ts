@@ -189,6 +189,13 @@ export async function locate(id: number) {
   if (!known.has(id)) await needObjects([id]);
 }
 
+/** The object that a key names now; null: none. */
+export async function idOfKey(key: string): Promise<number | null> {
+  const found = await listObjects(new URLSearchParams({ key }));
+  remember(found.objects);
+  return found.objects[0]?.id ?? null;
+}
+
 /** Loads objects by id, unless they are known. */
 export async function needObjects(ids: readonly number[]) {
   const missing = [...new Set(ids)].filter((id) => !known.has(id));

@@ -375,6 +375,12 @@ describe("address", () => {
     expect(formatUrl({ object: null, video: null, time: null, area: null })).toBe("");
   });
 
+  it("names an object by its key, and takes the id of older links", () => {
+    const key = "2f00c4.4900000.1.25.0.10.20.vehicle/car & van.v2";
+    expect(parseUrl(formatUrl({ object: key, video: 1, time: 4.9, area: null }))).toEqual({ object: key, video: 1, time: 4.9, area: null });
+    expect(parseUrl("?object=12").object).toBe(12);
+  });
+
   it("ignores what is no number", () => {
     expect(parseUrl("?object=x&t=-3&video=1.5")).toEqual({ object: null, video: null, time: null, area: null });
   });

@@ -3,7 +3,8 @@
 import { type Area, formatArea, parseArea } from "./area";
 
 export interface UrlState {
-  object: number | null;
+  /** The object's key, which outlives a new search; its id, as in older links, where it has none. */
+  object: string | number | null;
   video: number | null;
   /** s */
   time: number | null;
@@ -22,7 +23,10 @@ export function parseUrl(search: string): UrlState {
     const value = number(query.get(name));
     return value !== null && Number.isInteger(value) ? value : null;
   };
-  return { object: whole("object"), video: whole("video"), time: number(query.get("t")), area: parseArea(query.get("area") ?? "") };
+  // A key has dots.
+  const key = query.get("object");
+  const object = whole("object") ?? (key !== null && key.includes(".") ? key : null);
+  return { object, video: whole("video"), time: number(query.get("t")), area: parseArea(query.get("area") ?? "") };
 }
 
 export function formatUrl(state: UrlState): string {
