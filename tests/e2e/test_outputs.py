@@ -80,6 +80,17 @@ class OutputsTest(program.ProgramTest):
         for name in self.names(self.video):
             self.keeps_files(["--db", "input"], "index", self.video, "--models", MODELS, "--db", name)
 
+    def test_two_outputs_of_one_name_are_refused(self):
+        new = self.scratch / "new.mp4"
+        link = self.scratch / "link.mp4"
+        link.symlink_to(new.name)
+        track = ("track", self.video, "--box", "1,1,20,20", "--at", "0", "--out", new, "--draw")
+        index = ("index", self.video, "--models", MODELS, "--db", new, "--draw")
+        for arguments in (track, index):
+            for name in (new, self.scratch / "images" / ".." / new.name, link):
+                self.keeps_files(["--draw", name, "same file"], *arguments, name)
+                self.keeps_files(["--draw", name, "same file"], *arguments, name, "--force")
+
     def test_files_of_another_kind_are_kept(self):
         notes = self.write("notes.png", NOTES)
         for arguments, flag, _ in self.commands():

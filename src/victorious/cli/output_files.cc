@@ -198,6 +198,40 @@ std::optional<fs::path> FindSameFile(const InputPath& input, const struct stat& 
   return std::nullopt;
 }
 
+// The absolute path of a file that need not exist: symbolic links are resolved, those to nothing included.
+fs::path ResolvePath(fs::path path) {
+  constexpr int kMaxLinks = 40;
+  std::error_code failed;
+  for (int links = 0; links < kMaxLinks && fs::is_symlink(path, failed); ++links) {
+    path = path.parent_path() / fs::read_symlink(path, failed);
+  }
+  const fs::path resolved = fs::weakly_canonical(fs::absolute(path, failed), failed);
+  return failed ? path.lexically_normal() : resolved;
+}
+
+bool IsWritten(const OutputFile& output) { return !output.path.empty() && output.path != "-"; }
+
+// True if writing one output would replace the other. A device or a pipe may take both.
+bool IsSameOutput(const OutputFile& one, const OutputFile& other) {
+  if (!IsWritten(one) || !IsWritten(other)) return false;
+  struct stat existing{};
+  if (::stat(one.path.c_str(), &existing) == 0) {
+    return !S_ISCHR(existing.st_mode) && !S_ISFIFO(existing.st_mode) && IsSameFile(other.path, existing);
+  }
+  return ResolvePath(one.path) == ResolvePath(other.path);
+}
+
+Status CheckDifferent(const std::vector<OutputFile>& outputs) {
+  for (auto one = outputs.begin(); one != outputs.end(); ++one) {
+    const auto other =
+        std::find_if(outputs.begin(), one, [&](const auto& before) { return IsSameOutput(before, *one); });
+    if (other == one) continue;
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{} {}: is the same file as {} {}: give another name",
+                                                         one->flag, one->path, other->flag, other->path));
+  }
+  return {};
+}
+
 }  // namespace
 
 void AddForce(ArgumentParser& command) {
@@ -218,9 +252,10 @@ Status CheckOutputs(const ArgumentParser& command, const std::vector<OutputFile>
                     const std::vector<std::string>& further_inputs) {
   const CLI::Option* force = command.app().get_option_no_throw("--force");
   const std::vector<InputPath> inputs = ListInputs(command.app(), outputs, further_inputs);
+  VICTORIOUS_RETURN_IF_ERROR(CheckDifferent(outputs));
   for (const OutputFile& output : outputs) {
     struct stat existing{};
-    if (output.path.empty() || output.path == "-" || ::stat(output.path.c_str(), &existing) != 0) continue;
+    if (!IsWritten(output) || ::stat(output.path.c_str(), &existing) != 0) continue;
     if (S_ISCHR(existing.st_mode)) continue;  // /dev/null and the terminal may be both
     for (const InputPath& input : inputs) {
       const std::optional<fs::path> same = FindSameFile(input, existing);

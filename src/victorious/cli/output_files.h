@@ -1,6 +1,6 @@
 // Protects the files of the user: a command checks all paths that it will write before it reads or computes anything.
-// Two rules: no output is an input of the same command, and an existing file is replaced only if it is of the kind that
-// the command writes, or with --force.
+// Three rules: no output is an input of the same command, no two outputs are one file, and an existing file is replaced
+// only if it is of the kind that the command writes, or with --force.
 #pragma once
 
 #include <optional>
@@ -35,7 +35,7 @@ enum class FileKind {
 struct OutputFile {
   std::string flag;              ///< the option that names it: "--out"
   std::string path;              ///< empty or "-": standard output, not checked
-  std::optional<FileKind> kind;  ///< std::nullopt: only the first rule applies, because the writer checks the content
+  std::optional<FileKind> kind;  ///< std::nullopt: the third rule does not apply, because the writer checks the content
 };
 
 /// Adds the flag --force to a command that calls CheckOutputs with kinds.
@@ -46,11 +46,11 @@ void AddForce(ArgumentParser& command);
 [[nodiscard]] std::vector<std::string> ListTelemetryBeside(const std::vector<std::string>& videos,
                                                            const std::optional<std::string>& telemetry);
 
-/// Checks the two rules above. The inputs are the values of all options of `command` that name a path, without the
-/// options of the outputs, and `further_inputs`. A folder stands for the files directly in it (of --models: the
-/// models). Files are the same if they have the same device and inode: symbolic and hard links are resolved. An empty
-/// file, a device and a pipe are of any kind. Errors: kInvalidArgument for a violation; those of reading an existing
-/// output.
+/// Checks the rules above. The inputs are the values of all options of `command` that name a path, without the options
+/// of the outputs, and `further_inputs`. A folder stands for the files directly in it (of --models: the models). Files
+/// are the same if they have the same device and inode, or the same path if they do not exist yet: symbolic and hard
+/// links are resolved. An empty file, a device and a pipe are of any kind. Errors: kInvalidArgument for a violation;
+/// those of reading an existing output.
 [[nodiscard]] Status CheckOutputs(const ArgumentParser& command, const std::vector<OutputFile>& outputs,
                                   const std::vector<std::string>& further_inputs = {});
 

@@ -44,6 +44,8 @@ class OutputFilesTest : public ::testing::Test {
   }
   [[nodiscard]] std::string Path(const std::string& name) const { return (folder_ / name).string(); }
 
+  [[nodiscard]] const ArgumentParser& Parser() const { return parser_; }
+
   // The message of CheckOutputs for these arguments; empty if they are accepted.
   std::string Message(const std::vector<std::string>& arguments, FileKind kind = FileKind::kSightings,
                       const std::vector<std::string>& further_inputs = {}) {
@@ -105,6 +107,30 @@ TEST_F(OutputFilesTest, ReplacesOnlyItsOwnKindWithoutForce) {
   EXPECT_EQ(Message({"n", "v", "--out", "/dev/null"}), "");
   EXPECT_EQ(Message({"n", "/dev/null", "--out", "/dev/null"}), "");
   EXPECT_EQ(Message({"n", "v", "--out", "-"}), "");
+}
+
+TEST_F(OutputFilesTest, TwoOutputsAreTwoFiles) {
+  const auto message = [&](const std::string& out, const std::string& draw) {
+    const Status checked =
+        CheckOutputs(Parser(), {{"--out", out, FileKind::kSightings}, {"--draw", draw, FileKind::kSightings}});
+    return checked ? "" : checked.error().message;
+  };
+  const std::string made = Write("made", kSighting);
+  fs::create_symlink("new", Path("dangling"));
+  fs::create_hard_link(made, Path("hard"));
+  for (const auto& [out, draw] : std::vector<std::pair<std::string, std::string>>{
+           {Path("new"), Path("new")},
+           {Path("new"), Path("none/../new")},
+           {Path("new"), Path("dangling")},
+           {made, Path("hard")},
+       }) {
+    EXPECT_THAT(message(out, draw), AllOf(HasSubstr("--draw " + draw), HasSubstr("same file as --out " + out)));
+  }
+  EXPECT_EQ(message(Path("new"), Path("other")), "");
+  EXPECT_EQ(message(Path("new"), made), "");
+  EXPECT_EQ(message("-", "-"), "");
+  EXPECT_EQ(message("", ""), "");
+  EXPECT_EQ(message("/dev/null", "/dev/null"), "");
 }
 
 TEST_F(OutputFilesTest, KnowsEachKindByItsContent) {
