@@ -113,6 +113,7 @@ class RunsTest(program.ProgramTest):
     def test_interval_of_time(self):
         done = self.index(VIDEO, "--from", "1", "--to", "0:02")
         self.assertIn("4 frames searched", done.err)
+        self.assertIn(": 21 of 21 frames", done.err)  # the progress is that of the interval
         frames = {row["frame"] for row in self.rows()}
         self.assertTrue(frames and min(frames) >= 10 and max(frames) <= 20, frames)
         self.assertIn("0 frames searched", self.index(VIDEO, "--from", "1", "--to", "2").err)

@@ -416,7 +416,10 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
   FrameSelector selector(pass, sink.FirstRequiredFrame());
   VICTORIOUS_ASSIGN_OR_RETURN(TrackingStage tracking, TrackingStage::Create(pass, reader.info().live, sink));
   FrameLoop loop(reader, cancel,
-                 {.label = pass.video.name, .threads = pass.threads, .packets = pass.cameras.packet_receiver()});
+                 {.label = pass.video.name,
+                  .threads = pass.threads,
+                  .packets = pass.cameras.packet_receiver(),
+                  .frame_count = pass.to_s ? CountFramesUntil(reader.info(), *pass.to_s) : std::nullopt});
   const Expected<FrameLoopEnd> end = loop.Run<FrameTask>(
       [&](Frame frame) -> std::optional<FrameTask> {
         if (!IsBeyondEnd(pass, frame)) return selector.Select(std::move(frame));

@@ -1,6 +1,7 @@
 #include "victorious/video/frame_loop.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <limits>
 
@@ -106,13 +107,25 @@ using PassagePtr = std::shared_ptr<Passage>;
 
 }  // namespace
 
+std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_s) {
+  constexpr double kMostFrames = 1e12;
+  constexpr double kRounding = 0.01;  // of time stamps, in frames
+  const double frames = std::floor(std::max(0.0, time_s) * info.frame_rate + kRounding) + 1;
+  if (!(info.frame_rate > 0) || !(frames < kMostFrames)) return info.frame_count;
+  const auto count = static_cast<std::int64_t>(frames);
+  return std::min(count, info.frame_count.value_or(count));
+}
+
 void FrameLoop::Stop() { stopped_ = true; }
 
 Expected<FrameLoopEnd> FrameLoop::RunErased(const std::function<std::shared_ptr<void>(Frame)>& select,
                                             const std::vector<ErasedStage>& stages) {
   namespace tbb = oneapi::tbb;
   std::optional<Progress> progress;
-  if (!options_.label.empty()) progress.emplace(options_.label, reader_.info().frame_count, "frames");
+  if (!options_.label.empty()) {
+    progress.emplace(options_.label, options_.frame_count ? options_.frame_count : reader_.info().frame_count,
+                     "frames");
+  }
   LiveDelay delay;
   HeldFrames frames(reader_, cancel_, stopped_, options_.packets, delay);
   const bool is_live = reader_.info().live;

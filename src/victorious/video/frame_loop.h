@@ -45,7 +45,13 @@ struct FrameLoopOptions {
   int threads = 0;                    ///< 0: one per processor
   std::size_t max_in_flight = 0;      ///< frames between the first and the last stage; 0: two per thread
   PacketReceiver* packets = nullptr;  ///< null: data packets are discarded
+  /// Frames up to the last one wanted, for the progress display (CountFramesUntil); std::nullopt: those of the video.
+  std::optional<std::int64_t> frame_count = {};
 };
+
+/// The expected number of frames up to a time, s: that of the whole video for one after its end, or if the frame rate
+/// is unknown; std::nullopt if that is unknown, too.
+[[nodiscard]] std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_s);
 
 /// How a loop ended without an error.
 enum class FrameLoopEnd {

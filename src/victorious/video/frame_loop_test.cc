@@ -73,6 +73,23 @@ class FrameLoopTest : public ::testing::Test {
   std::vector<std::int64_t> squares_;
 };
 
+TEST(CountFramesUntilTest, KnowsTheFramesOfAPart) {
+  VideoInfo info;
+  info.frame_rate = 10;
+  EXPECT_EQ(CountFramesUntil(info, 1), 11);
+  info.frame_count = 60;
+  EXPECT_EQ(CountFramesUntil(info, 0), 1);
+  EXPECT_EQ(CountFramesUntil(info, 0.999), 11);
+  EXPECT_EQ(CountFramesUntil(info, 1), 11);
+  EXPECT_EQ(CountFramesUntil(info, 1.05), 11);
+  EXPECT_EQ(CountFramesUntil(info, 100), 60);
+  EXPECT_EQ(CountFramesUntil(info, 1e300), 60);
+  info.frame_rate = 0;
+  EXPECT_EQ(CountFramesUntil(info, 1), 60);
+  info.frame_count.reset();
+  EXPECT_EQ(CountFramesUntil(info, 1), std::nullopt);
+}
+
 TEST_F(FrameLoopTest, ResultsDoNotDependOnTheNumberOfThreads) {
   std::set<std::vector<std::int64_t>> results;
   for (const int threads : {1, 2, 8}) {
