@@ -99,6 +99,17 @@ class OutputsTest(program.ProgramTest):
             with self.subTest(" ".join(map(str, arguments))):
                 self.keeps_files([flag, notes, "--force"], *arguments, flag, notes)
 
+    def test_photos_are_kept(self):
+        jpeg = self.scratch / "own.jpg"
+        for _ in range(2):  # its own pictures are replaced
+            self.succeeds("frame", self.video, "--at", "0", "--out", jpeg)
+        tags = b"\xff\xe1\x00\x1aExif\0\0II*\0\x08\0\0\0\0\0\0\0\0\0\0\0"
+        photo = self.write("photo.jpg", jpeg.read_bytes()[:2] + tags + jpeg.read_bytes()[2:])
+        for arguments in (("frame", self.video, "--at", "0"), ("sheet", "--db", self.db)):
+            self.keeps_files(["--out", photo, "EXIF", "--force"], *arguments, "--out", photo)
+        self.succeeds("frame", self.video, "--at", "0", "--out", photo, "--force")
+        self.assertNotIn(b"Exif", photo.read_bytes())
+
     def test_footage_is_kept_by_simulate(self):
         footage = self.scratch / "flight"
         self.keeps_files(["video.mp4", "--force"], "simulate", self.scene, "--out", footage)

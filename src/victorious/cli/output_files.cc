@@ -26,22 +26,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kKindTexts =
-    std::to_array<EnumText<FileKind>>({{FileKind::kImage, "an image"},
-                                       {FileKind::kObjects, "a list of objects (JSON Lines)"},
-                                       {FileKind::kSightings, "a list of sightings (JSON Lines)"},
-                                       {FileKind::kMot, "a MOTChallenge text"},
-                                       {FileKind::kCoco, "a COCO annotation file"},
-                                       {FileKind::kGeoJson, "a GeoJSON FeatureCollection"},
-                                       {FileKind::kKml, "a KML file"},
-                                       {FileKind::kGeoPackage, "a GeoPackage"},
-                                       {FileKind::kCameraTable, "a table of camera states (CSV)"},
-                                       {FileKind::kTelemetryReport, "a telemetry report (JSON)"},
-                                       {FileKind::kFeatures, "a list of features"},
-                                       {FileKind::kCategoryModel, "a category model"},
-                                       {FileKind::kSimulation, "in a folder of a simulation (with its truth.jsonl)"},
-                                       {FileKind::kReport, "a report of an experiment"},
-                                       {FileKind::kVideo, "a video that may be replaced, since it may be footage"}});
+constexpr auto kKindTexts = std::to_array<EnumText<FileKind>>(
+    {{FileKind::kImage, "a PNG, JPEG, BMP or PNM image without EXIF and XMP, as photos have them"},
+     {FileKind::kObjects, "a list of objects (JSON Lines)"},
+     {FileKind::kSightings, "a list of sightings (JSON Lines)"},
+     {FileKind::kMot, "a MOTChallenge text"},
+     {FileKind::kCoco, "a COCO annotation file"},
+     {FileKind::kGeoJson, "a GeoJSON FeatureCollection"},
+     {FileKind::kKml, "a KML file"},
+     {FileKind::kGeoPackage, "a GeoPackage"},
+     {FileKind::kCameraTable, "a table of camera states (CSV)"},
+     {FileKind::kTelemetryReport, "a telemetry report (JSON)"},
+     {FileKind::kFeatures, "a list of features"},
+     {FileKind::kCategoryModel, "a category model"},
+     {FileKind::kSimulation, "in a folder of a simulation (with its truth.jsonl)"},
+     {FileKind::kReport, "a report of an experiment"},
+     {FileKind::kVideo, "a video that may be replaced, since it may be footage"}});
 
 std::string_view FirstLine(std::string_view text) { return text.substr(0, text.find_first_of("\r\n")); }
 
@@ -105,10 +105,26 @@ bool IsSimulationFolder(const fs::path& folder) {
   return !missing && (truth.empty() || IsJsonLine(truth, {"frame", "object", "visible"}));
 }
 
+// True for an image that may be a camera's photo: it has EXIF or XMP, which images of the commands have not, or is a
+// TIFF, in which the camera's tags may be anywhere.
+bool MayBePhoto(ImageFormat format, std::string_view head) {
+  if (format == ImageFormat::kTiff) return true;
+  if (format == ImageFormat::kPng) {
+    const std::string_view chunks = head.substr(0, head.find("IDAT"));
+    return chunks.contains("eXIf") || chunks.contains("XML:com.adobe.xmp");
+  }
+  return head.contains(std::string_view("Exif\0\0", 6)) || head.contains("http://ns.adobe.com/xap/1.0/");
+}
+
+bool IsImage(std::string_view head) {
+  const std::optional<ImageFormat> format = DetectImageFormat(std::as_bytes(std::span(head)));
+  return format && !MayBePhoto(*format, head);
+}
+
 bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
   switch (kind) {
     case FileKind::kImage:
-      return DetectImageFormat(std::as_bytes(std::span(head))).has_value();
+      return IsImage(head);
     case FileKind::kObjects:
       return IsJsonLine(head, {"object_id", "rank", "first_time_s"});
     case FileKind::kSightings:

@@ -14,7 +14,7 @@ namespace victorious::cli {
 
 /// The kinds of file that commands write, as identified by the first 64 KiB of their content.
 enum class FileKind {
-  kImage,            ///< PNG, JPEG, TIFF, BMP or PNM
+  kImage,            ///< PNG, JPEG, BMP or PNM without EXIF or XMP: a camera's photo has them
   kObjects,          ///< JSON Lines of `export --format objects`
   kSightings,        ///< JSON Lines of `export --format sightings` and `track`
   kMot,              ///< MOTChallenge text: ten numbers a line

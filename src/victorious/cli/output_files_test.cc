@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "testing/photo_file.h"
 #include "victorious/cli/argument_parser.h"
 
 namespace victorious::cli {
@@ -153,6 +154,21 @@ TEST_F(OutputFilesTest, KnowsEachKindByItsContent) {
     for (const auto& [kind, unused] : contents) {
       EXPECT_EQ(Message({"n", "v", "--out", out}, kind).empty(), kind == content_kind) << content;
     }
+  }
+}
+
+TEST_F(OutputFilesTest, PhotosAreNotReplaced) {
+  const std::string jpeg = "\xFF\xD8\xFF\xE0....JFIF and the rest";
+  for (const std::string& own : {kPng, jpeg}) {
+    EXPECT_EQ(Message({"n", "v", "--out", Write("own", own)}, FileKind::kImage), "");
+  }
+  for (const std::string& photo :
+       {testing::PhotoHead({}), testing::PhotoHead({.xmp = testing::DjiXmp(0, -60, 500, 60)}),
+        std::string("II*\0....", 8), kPng + "....eXIfII*....IDAT", kPng + "....iTXtXML:com.adobe.xmp...."}) {
+    const std::string path = Write("photo", photo);
+    EXPECT_THAT(Message({"n", "v", "--out", path}, FileKind::kImage),
+                AllOf(HasSubstr("--out " + path), HasSubstr("EXIF"), HasSubstr("--force")));
+    EXPECT_EQ(Message({"n", "v", "--out", path, "--force"}, FileKind::kImage), "");
   }
 }
 
