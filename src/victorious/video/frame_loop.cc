@@ -108,10 +108,10 @@ using PassagePtr = std::shared_ptr<Passage>;
 }  // namespace
 
 std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_s) {
-  constexpr double kMostFrames = 1e12;
+  constexpr double kMaxFrames = 1e12;
   constexpr double kRounding = 0.01;  // of time stamps, in frames
   const double frames = std::floor(std::max(0.0, time_s) * info.frame_rate + kRounding) + 1;
-  if (!(info.frame_rate > 0) || !(frames < kMostFrames)) return info.frame_count;
+  if (!(info.frame_rate > 0) || !(frames < kMaxFrames)) return info.frame_count;
   const auto count = static_cast<std::int64_t>(frames);
   return std::min(count, info.frame_count.value_or(count));
 }
