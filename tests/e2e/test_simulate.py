@@ -50,6 +50,30 @@ class SimulateTest(program.ProgramTest):
         truth = [json.loads(line) for line in (folder / "truth.jsonl").read_text().splitlines()]
         return folder, telemetry, truth
 
+    def test_doctor_says_of_telemetry_what_index_says(self):
+        straight = with_changes(
+            video={"frames": 36, "fps": 5, "width": 160, "height": 120, "hfov_deg": 40},
+            camera={"aim_m": [[-10, 24], [40, 24]], "from_deg": [180, 180], "off_nadir_deg": 35, "range_m": 110},
+            town={"squares": [-1, 0, 2, 1], "tiles": [{"tile": "apron", "column": 1, "row": 1}]},
+        )
+        folder, telemetry, _ = self.simulate("straight", straight)
+        video = folder / "video.mp4"
+        said = self.succeeds("doctor", video).out
+        self.assertNotIn("contradicts", said)
+        self.assertNotIn("field of view is", said)
+        for words, changed in (
+            ("contradicts the image", lambda row: {"yaw_deg": row["yaw_deg"] + 6 * row["time_s"]}),
+            ("its field of view", lambda row: {"hfov_deg": 1.25 * row["hfov_deg"]}),
+        ):
+            with self.subTest(words), open(folder / "video.telemetry.csv", "w", encoding="utf-8", newline="") as file:
+                table = csv.DictWriter(file, [*telemetry[0], "vertical_datum"])
+                table.writeheader()
+                table.writerows(row | changed(row) | {"vertical_datum": "ellipsoid"} for row in telemetry)
+                file.flush()
+                (line,) = [line for line in self.succeeds("doctor", video).out.splitlines() if words in line]
+                db = self.scratch / f"{len(words)}.db"
+                self.assertIn(line.strip(), self.succeeds("index", video, "--models", program.models(), "--db", db).err)
+
     def test_files_agree(self):
         folder, telemetry, truth = self.simulate("flight")
         said = self.succeeds("doctor", folder / "video.mp4").out

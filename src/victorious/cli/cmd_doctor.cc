@@ -18,11 +18,13 @@
 #include "victorious/base/count_text.h"
 #include "victorious/base/json.h"
 #include "victorious/base/version.h"
+#include "victorious/calibrate/field_of_view.h"
 #include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/kernels/nearest.h"
+#include "victorious/pipeline/clock_offset.h"
 #include "victorious/pipeline/photo_telemetry.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/model_file.h"
@@ -116,17 +118,34 @@ std::string Indented(const std::vector<std::string>& lines) {
   return text;
 }
 
-// Describes the time offset between telemetry and video, or the error that prevents its estimation; empty if telemetry
-// has no attitude or the video cannot be read a second time.
-std::string DescribeTimeOffset(const std::string& source, const VideoProbe& probe, const Telemetry& telemetry) {
+// The offset of telemetry's clock, in one line; a standard error beyond any use is no number.
+std::string DescribeClock(const TimeOffset& offset) {
+  if (offset.status == TimeOffsetStatus::kUncertain && !(offset.sigma_s < offset.max_offset_s)) {
+    return "offset of telemetry's clock: unknown: the camera's motion changes too little to tell it";
+  }
+  return Describe(offset);
+}
+
+// What the motion of the image says about telemetry, as `index` does: the time offset, or why there is none; that it is
+// the telemetry of another flight; a wrong field of view. Empty if telemetry has no attitude or the video cannot be
+// read a second time.
+std::vector<std::string> CompareWithImage(const std::string& source, const VideoProbe& probe,
+                                          const Telemetry& telemetry) {
   const TelemetryOptions defaults;
   if (probe.live || !std::ranges::any_of(telemetry.states, &CameraState::IsComplete)) return {};
   TimeOffsetOptions options;
   constexpr double kWatch_s = 20;
   options.max_duration_s = kWatch_s;
-  const auto image_motions = MeasureMotions(source, options, TimedTelemetryOptions().impulse_fraction, Interrupt());
-  if (!image_motions) return "offset of telemetry's clock: unknown: " + image_motions.error().message;
-  return Describe(EstimateTimeOffset(*image_motions, CameraTrajectory(telemetry.states, defaults.max_gap_s), options));
+  const auto motions = MeasureMotions(source, options, TimedTelemetryOptions().impulse_fraction, Interrupt());
+  if (!motions) return {"offset of telemetry's clock: unknown: " + motions.error().message};
+  std::vector<CameraState> states = telemetry.states;
+  const TimeOffset offset = EstimateTimeOffset(*motions, CameraTrajectory(states, defaults.max_gap_s), options);
+  if (const auto contradiction = DescribeContradiction(offset)) return {*contradiction};
+  std::vector<std::string> statements = {DescribeClock(offset)};
+  for (CameraState& state : states) state.time_s += ClockCorrection(offset).value_or(0);
+  const auto measured = MeasureFocalLength(*motions, CameraTrajectory(std::move(states), defaults.max_gap_s));
+  if (const auto wrong = DescribeFieldOfView(JudgeFieldOfView(measured))) statements.push_back(*wrong);
+  return statements;
 }
 
 // Describes the telemetry in the file or beside it; JSON null if there is none.
@@ -134,8 +153,7 @@ Report DescribeTelemetrySource(const std::string& source, const VideoProbe& prob
   const auto inside = TelemetryFromPackets(probe.packets, {});
   if (inside && inside->records > 0) {
     std::vector<std::string> statements = DescribeTelemetry(*inside);
-    if (std::string clock = DescribeTimeOffset(source, probe, *inside); !clock.empty())
-      statements.push_back(std::move(clock));
+    std::ranges::move(CompareWithImage(source, probe, *inside), std::back_inserter(statements));
     return {"telemetry in the file\n" + Indented(statements), {{"source", source}, {"says", statements}}};
   }
   const auto beside = FindTelemetryFile(source);
@@ -157,8 +175,7 @@ Report DescribeTelemetrySource(const std::string& source, const VideoProbe& prob
   std::vector<std::string> statements =
       telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message};
   if (telemetry) {
-    if (std::string clock = DescribeTimeOffset(source, probe, *telemetry); !clock.empty())
-      statements.push_back(std::move(clock));
+    std::ranges::move(CompareWithImage(source, probe, *telemetry), std::back_inserter(statements));
   }
   return {fmt::format("telemetry beside the file, {}\n", OneLine(beside->string())) + Indented(statements),
           {{"source", beside->string()}, {"says", statements}}};
