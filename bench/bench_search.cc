@@ -51,7 +51,7 @@ std::vector<Result> BenchSearch(const Settings& settings) {
   const std::unique_ptr<IndexStore> store = MakeIndex(folder / "index.db", flight, frames);
   const Photo example = MakePhoto(flight.ObjectPhoto(0));
   const auto search = [&] {
-    const std::vector<VideoSegment> moments = SearchByImage(example, {}, {}, *store).value();
+    const std::vector<VideoSegment> moments = SearchByImage(example, {}, {}, *store).value().segments;
     int found = 0;
     for (const VideoSegment& moment : moments) found += moment.frames;
     return static_cast<double>(found);

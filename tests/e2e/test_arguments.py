@@ -65,10 +65,10 @@ class ArgumentsTest(program.ProgramTest):
         db, out = self.scratch / "new.db", self.scratch / "out"
         index = ("index", VIDEO, "--models", MODELS, "--db", db)
         for words, arguments in (
-            ("--every = -1: must be", (*index, "--every", "-1")),
-            ("--every = -3: must be", (*index, "--every", "-3")),
-            ("--every two: give a whole number (", (*index, "--every", "two")),
-            ("--every 2.5: give a whole number (", (*index, "--every", "2.5")),
+            (("--every", "-1", "must be a whole number from 0"), (*index, "--every", "-1")),
+            (("--every", "-3", "must be a whole number from 0"), (*index, "--every", "-3")),
+            (("--every", "two", "whole number from 0"), (*index, "--every", "two")),
+            (("--every", "2.5", "whole number from 0"), (*index, "--every", "2.5")),
             ("--step wide: give a number", ("model", "add", "x", "x.glb", "--models", out, "--step", "wide")),
             ("--every", (*index, "--every", "99999999999")),
             ("--threads", (*index, "--threads", "-1")),
@@ -86,7 +86,7 @@ class ArgumentsTest(program.ProgramTest):
             ("--step = 0", ("model", "add", "x", "x.glb", "--models", out, "--step", "0")),
             ("--max-off-nadir = 200", ("model", "add", "x", "x.glb", "--models", out, "--max-off-nadir", "200")),
             ("--directions = 1", ("model", "show", "crate", "--models", MODELS, "--findable", "--directions", "1")),
-            ("one of objects, sightings", ("export", "--db", INDEX, "--format", "excel")),
+            (("one of objects, sightings", "gpkg, video"), ("export", "--db", INDEX, "--format", "excel")),
             ("one of objects, sightings", ("export", "--db", INDEX, "--format", "")),
             ("params", ("params", "everything")),
         ):
@@ -139,6 +139,17 @@ class ArgumentsTest(program.ProgramTest):
         self.assertEqual(done.out, "nothing found\n")
         self.assertEqual(len(done.messages()), 1, done.err)
         self.assertIn("has a place: index the videos with telemetry", done.err)
+
+    def test_an_image_that_is_nowhere_is_reported_with_what_was_searched(self):
+        params = self.write("params.json", '{"detect.min_side_px": 10000}')
+        done = self.succeeds("search", "--db", INDEX, "--image", CRATE, "--params", params)
+        self.assertEqual(done.out.splitlines()[-1], "nothing found")
+        self.assertRegex(done.err, r"in none of the \d+ kept frames? of 1 video that were searched")
+
+    def test_an_index_without_kept_features_names_the_flag(self):
+        db = self.scratch / "none.db"
+        self.succeeds("index", VIDEO, "--models", MODELS, "--db", db, "--keep-features", "none", "--to", "0")
+        self.refuses(2, ["--keep-features none", "--redo"], "search", "--db", db, "--image", CRATE)
 
     def test_an_object_that_is_not_in_the_index_is_refused(self):
         for command in (
@@ -272,6 +283,10 @@ class ArgumentsTest(program.ProgramTest):
         for command in ("model", "index", "export", "search", "features", "match", "evaluate", "doctor"):
             self.assertIn(command, reported)
         self.assertIn("--models", self.succeeds("index", "--help").out)
+        self.assertEqual(self.succeeds("help").out, reported)
+        self.assertEqual(self.succeeds("help", "index").out, self.succeeds("index", "--help").out)
+        self.assertEqual(self.succeeds("help", "model", "add").out, self.succeeds("model", "add", "--help").out)
+        self.refuses(2, "frobnicate: unknown command", "help", "frobnicate")
 
 
 if __name__ == "__main__":

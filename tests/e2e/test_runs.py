@@ -117,7 +117,7 @@ class RunsTest(program.ProgramTest):
         frames = {row["frame"] for row in self.rows()}
         self.assertTrue(frames and min(frames) >= 10 and max(frames) <= 20, frames)
         self.assertIn("0 frames searched", self.index(VIDEO, "--from", "1", "--to", "2").err)
-        self.refuses(2, ["--from was 1", "is not given", "--redo"], "index", VIDEO, "--models", MODELS, "--db", self.db)
+        self.refuses(2, ["--from was 1", "is not given", "--redo to delete its results"], "index", VIDEO, "--models", MODELS, "--db", self.db)
         self.assertIn("1 frame searched", self.index(VIDEO, "--from", "1", "--to", "1", "--redo").err)
         self.refuses(2, ["--from 2", "--to 1"], "index", VIDEO, "--models", MODELS, "--db", self.db, "--from", "2",
                      "--to", "1")  # fmt: skip

@@ -132,7 +132,11 @@ Action SetUpExport(ArgumentParser& parser) {
     if (arguments->clip.margin_s) {
       return Fail(ErrorCode::kInvalidArgument, "--clip: is for --format video, which writes a video");
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
+    const Expected<ExportFormat> parsed = ParseExportFormat(arguments->format);
+    if (!parsed) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}, {}", parsed.error().message, kVideoFormat));
+    }
+    const ExportFormat format = *parsed;
     VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, TraitsOf(format).kind}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));

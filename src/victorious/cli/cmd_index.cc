@@ -362,7 +362,9 @@ Action SetUpIndex(ArgumentParser& parser) {
       .TypeName("NAME");
   parser
       .Add("--every", arguments->every,
-           "Search every N-th frame completely; in between, only regions around tracked objects; default: by --quality")
+           "Search every N-th frame completely; in between, only regions around tracked objects; 0: by the "
+           "frame rate; default: by --quality")
+      .Range(0, 1'000'000)
       .TypeName("N");
   parser.Add("--from", arguments->from_s, "Search only from this video time on: seconds, or as 1:30 or 1:02:03.5")
       .TypeName("TIME")

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/count_text.h"
 #include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
@@ -107,8 +108,8 @@ Status PrintMoments(const SearchArguments& arguments, const SightingFilter& filt
     VICTORIOUS_ASSIGN_OR_RETURN(box, ParseBox(arguments.box));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Photo example, LoadPhoto(arguments.image, box));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoSegment> moments,
-                              SearchByImage(example, filter, options.recognize, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ImageSearch found, SearchByImage(example, filter, options.recognize, store));
+  const std::vector<VideoSegment>& moments = found.segments;
   std::string text;
   if (!arguments.json)
     text = fmt::format("{:>4}  {:>6} {:>9} {:>9} {:>9}  {:>24}  {}\n", "rank", "score", "best at", "from", "to",
@@ -134,6 +135,10 @@ Status PrintMoments(const SearchArguments& arguments, const SightingFilter& filt
                               fmt::format("{:.0f},{:.0f},{:.0f},{:.0f}", b.x, b.y, b.width, b.height), moment.video);
   }
   if (moments.empty() && !arguments.json) text = "nothing found\n";
+  if (moments.empty()) {
+    LogInfo("the object of {} is in none of the {} of {} that were searched", OneLine(arguments.image),
+            CountText(found.searched_frames, "kept frame"), CountText(found.searched_videos, "video"));
+  }
   return WriteOutput("", text);
 }
 

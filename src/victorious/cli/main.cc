@@ -85,7 +85,12 @@ CommandLine SplitCommandLine(int argc, char** argv) {
     const bool is_followed = std::string_view(*word) == "--events" && word + 1 != end;  // else --events=FD
     word += is_followed ? 2 : 1;
   }
-  return {.events = {argv + 1, word}, .rest = {word, end}};
+  CommandLine line{.events = {argv + 1, word}, .rest = {word, end}};
+  if (!line.rest.empty() && line.rest.front() == "help") {  // "help COMMAND" is "COMMAND --help"
+    line.rest.erase(line.rest.begin());
+    line.rest.emplace_back("--help");
+  }
+  return line;
 }
 
 // Starts the command if it is a program of its own. Returns why it does not start, or that there is no such command;

@@ -87,7 +87,8 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
     return Fail(
         ErrorCode::kInvalidArgument,
         fmt::format(
-            "{}: was indexed with other parameters ({}): give --redo to search it again, or the same parameters",
+            "{}: was indexed with other parameters ({}): give the same parameters, or --redo to delete its results and "
+            "search it again",
             video.name, DescribeDifference(before, wanted)));
   };
   if (!video.features_json.empty() && video.features_json != now.features) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -79,8 +80,8 @@ std::vector<Hit> MergeHits(std::vector<Hit> hits) {
 
 }  // namespace
 
-Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const SightingFilter& filter,
-                                                  const RecognizeOptions& options, IndexStore& store) {
+Expected<ImageSearch> SearchByImage(const Photo& example, const SightingFilter& filter, const RecognizeOptions& options,
+                                    IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<VideoRecord> videos, store.Videos());
   if (filter.video_name) videos = FindVideosByName(videos, *filter.video_name);
   struct SearchedVideo {
@@ -104,6 +105,7 @@ Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const Si
   std::vector<KeptFrame> chunk;
   std::vector<Hit> hits;
   std::int64_t searched = 0;
+  std::set<std::int64_t> searched_videos;
   const auto search_chunk = [&]() -> Status {
     std::vector<Expected<std::optional<Hit>>> found(chunk.size());
     oneapi::tbb::parallel_for(std::size_t{0}, chunk.size(), [&](std::size_t i) {
@@ -120,6 +122,7 @@ Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const Si
   Status searched_chunk;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFrames(filter, [&](KeptFrame&& frame) {
     if (!by_id.contains(frame.video)) return true;  // added by another process in the meantime
+    searched_videos.insert(frame.video);
     chunk.push_back(std::move(frame));
     if (chunk.size() == kChunk) searched_chunk = search_chunk();
     return searched_chunk.has_value();
@@ -128,18 +131,19 @@ Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const Si
   VICTORIOUS_RETURN_IF_ERROR(search_chunk());
   if (searched == 0) {
     return Fail(ErrorCode::kInvalidArgument,
-                "the index has no kept features to search: index a video first, or widen --video, --from, --to");
+                "the index has no kept features to search: index a video first, without --keep-features none (with "
+                "--redo one that was indexed so), or widen --video, --from, --to");
   }
 
-  std::vector<VideoSegment> moments;
+  ImageSearch result{.searched_frames = searched, .searched_videos = static_cast<std::int64_t>(searched_videos.size())};
   for (Hit& hit : MergeHits(std::move(hits))) {
     hit.moment.video = by_id.at(hit.video).name;
-    moments.push_back(std::move(hit.moment));
+    result.segments.push_back(std::move(hit.moment));
   }
-  std::ranges::stable_sort(moments, [](const VideoSegment& a, const VideoSegment& b) {
+  std::ranges::stable_sort(result.segments, [](const VideoSegment& a, const VideoSegment& b) {
     return a.score != b.score ? a.score > b.score : a.matches > b.matches;
   });
-  return moments;
+  return result;
 }
 
 }  // namespace victorious

@@ -28,11 +28,16 @@ struct VideoSegment {
   int frames = 0;  ///< number of kept frames with the object
 };
 
+struct ImageSearch {
+  std::vector<VideoSegment> segments;  ///< best score first
+  std::int64_t searched_frames = 0;    ///< number of kept frames that were searched
+  std::int64_t searched_videos = 0;    ///< number of videos that they are of
+};
+
 /// Searches the kept frames for the object of an example image.
 /// @param example  image of the object
-/// @return intervals, best score first
 /// Errors: those of the store; kInvalidArgument if no features are kept, or the example has too few.
-[[nodiscard]] Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const SightingFilter& filter,
-                                                                const RecognizeOptions& options, IndexStore& store);
+[[nodiscard]] Expected<ImageSearch> SearchByImage(const Photo& example, const SightingFilter& filter,
+                                                  const RecognizeOptions& options, IndexStore& store);
 
 }  // namespace victorious

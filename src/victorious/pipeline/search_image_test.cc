@@ -41,9 +41,12 @@ std::unique_ptr<IndexStore> IndexedWith(const DrawnFlight& flight, double keep_i
 }
 
 std::vector<VideoSegment> Search(const Photo& example, IndexStore& store, const SightingFilter& filter = {}) {
-  Expected<std::vector<VideoSegment>> moments = SearchByImage(example, filter, {}, store);
-  EXPECT_TRUE(moments) << moments.error().message;
-  return std::move(moments).value_or(std::vector<VideoSegment>{});
+  Expected<ImageSearch> found = SearchByImage(example, filter, {}, store);
+  EXPECT_TRUE(found) << found.error().message;
+  if (!found) return {};
+  EXPECT_GT(found->searched_frames, 0);
+  EXPECT_GT(found->searched_videos, 0);
+  return std::move(found->segments);
 }
 
 std::optional<Box> TruthBox(const DrawnFlight& flight, int object, std::int64_t frame) {
