@@ -763,7 +763,7 @@ async function jobs(page, [photos, video]) {
   // A live source that is no address, and one that does not answer.
   await page.fill("#live-url", "http://127.0.0.1/");
   await page.getByRole("button", { name: "Start" }).click();
-  await becomes(() => page.locator(".live .problem").innerText(), /^The address must be .*rtsp:/);
+  await becomes(() => page.locator(".live .problem").innerText(), /^The address must begin with rtsp:/);
   await page.fill("#live-url", "rtsp://ann:secret@127.0.0.1:1/camera");
   await page.keyboard.press("Enter");
   await page.waitForSelector(".job.failed:has(strong:text-is('rtsp://127.0.0.1:1/camera'))");
