@@ -65,6 +65,26 @@ async function measureApi() {
   return { ...Object.fromEntries(Object.entries(times).map(([name, all]) => [name, summary(all)])), all: summary(Object.values(times).flat()) };
 }
 
+/** Returns a function that waits until nothing was loaded for half a second, but for the stream of events. */
+function watch(page) {
+  const open = new Set();
+  let quietSince = performance.now();
+  const isStream = (request) => request.url().endsWith("/api/v1/events");
+  const ended = (request) => {
+    if (open.delete(request)) quietSince = performance.now();
+  };
+  page.on("request", (request) => !isStream(request) && open.add(request));
+  page.on("requestfinished", ended);
+  page.on("requestfailed", ended);
+  return async () => {
+    const begun = performance.now();
+    while (open.size > 0 || performance.now() - quietSince < 500) {
+      if (performance.now() - begun > 60_000) throw new Error(`still loading: ${[...open].map((one) => one.url()).slice(0, 5)}`);
+      await page.waitForTimeout(50);
+    }
+  };
+}
+
 async function measurePage() {
   const browser = await chromium.launch({
     executablePath: "/usr/bin/chromium",
@@ -73,6 +93,7 @@ async function measurePage() {
   try {
     const firstLists = [];
     let page;
+    let settle;
     for (let i = 0; i < 5; i++) {
       await page?.close();
       page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
@@ -85,16 +106,17 @@ async function measurePage() {
           if (window.firstList === undefined && document.querySelector("[role=option]")) window.firstList = performance.now();
         }).observe(document, { childList: true, subtree: true });
       });
+      settle = watch(page);
       await page.goto(url, { waitUntil: "commit" });
       await page.waitForFunction(() => window.firstList !== undefined);
       firstLists.push(await page.evaluate(() => window.firstList));
     }
     await page.waitForSelector(".map .canvas[data-ready=true]");
-    await page.waitForLoadState("networkidle");
+    await settle();
     const startTasks = await page.evaluate(() => window.longTasks.splice(0).map((one) => one.duration));
     const tasksOf = async (act) => {
       await act();
-      await page.waitForLoadState("networkidle");
+      await settle();
       const found = await page.evaluate(() => window.longTasks.splice(0).map((one) => one.duration));
       return { longest: Math.max(0, ...found), over_50: found.length };
     };
