@@ -37,14 +37,18 @@ async function openDemo() {
   await page.waitForSelector("[role=option]");
 }
 
-/** Each object by J, with the frame that shows it best. */
+/** Each object by J: the frame that shows it best, or the present one where that shows it, too. */
 async function findObjects() {
   const { objects } = await api("/objects?sort=queue");
   for (const [i, object] of objects.entries()) {
     if (i > 0) await page.keyboard.press("j");
     await page.waitForSelector(`#object-${object.id}[aria-selected=true]`);
     const { best } = await api(`/objects/${object.id}`);
-    await shownFrame(best.frame);
+    const { times_s: times } = await api(`/videos/${best.video_id}/times`);
+    await page.waitForFunction(([all, moments]) => {
+      const time = all[Number(document.querySelector(".stage canvas")?.dataset.frame)];
+      return moments.some((one) => time >= one.first_time_s - 1e-3 && time <= one.last_time_s + 1e-3);
+    }, [times, object.moments], { timeout: 60_000 });
   }
   return objects.length;
 }
