@@ -179,7 +179,7 @@ export function markRange(from: number, to: number) {
 function decideMarked(verdict: Exclude<Verdict, null>) {
   const ids = [...marked.value].filter((id) => objects.objectOf(id) !== undefined);
   marked.value = new Set();
-  notify(`${plural(ids.length, "object")} ${verdict}. U takes it back.`);
+  notify(`${plural(ids.length, "object")} ${verdict}. U takes it back.`, "info", "review");
   void change(ids, (before) => ({ ...before, verdict })).then((isDone) => {
     if (!isDone) marked.value = new Set([...marked.value, ...ids]);
   });
@@ -203,7 +203,7 @@ export function decide(verdict: Exclude<Verdict, null>) {
   const wanted = { ...filters.value, review: nextReview(filters.value.review) };
   const next = neighbour(1, wanted);
   review(object.id, verdict);
-  notify(`${object.model} ${object.id}: ${verdict}. U takes it back.`);
+  notify(`${object.model} ${object.id}: ${verdict}. U takes it back.`, "info", "review");
   void goOn(object.id, next, wanted).catch(notifyError);
 }
 
