@@ -272,7 +272,7 @@ async function checkNear(page, object) {
   await page.fill("#search", "");
 }
 
-/** A server that hangs is told in some seconds; what was decided is stored once it is back. */
+/** A server that hangs is reported within some seconds; decisions are stored once it is back. */
 async function checkLostServer(page, object) {
   await page.evaluate(() => document.activeElement.blur());
   await page.click(`#object-${object.id}`);

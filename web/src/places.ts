@@ -38,13 +38,13 @@ export async function showPlace(place: Position) {
   if (here !== null && time !== null) return showTime(here, time);
   const others = videos.peek().filter((one) => one.id !== here && one.missing === null);
   const begun = Date.now();
-  const tell = (searched: number) => {
+  const report = (searched: number) => {
     if (search === latest && Date.now() - begun > SILENT_MS) {
       notify(`Looking for this place: ${searched.toLocaleString("en")} of ${plural(others.length, "video")}`, "info", PROGRESS);
     }
     return search === latest;
   };
-  const { found, searched, failed } = await findPlace(others.map((one) => one.id), load, place, tell);
+  const { found, searched, failed } = await findPlace(others.map((one) => one.id), load, place, report);
   if (search !== latest) return;
   if (found) {
     known.set(found.video, await load(found.video));

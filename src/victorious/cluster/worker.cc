@@ -29,7 +29,7 @@ constexpr double kShorterSegments = 8;         // at the last attempt of a video
 constexpr double kLastSegment_s = 7.5;         // the same of one that was not to be cut
 constexpr std::chrono::milliseconds kRenewPoll{100};
 
-// Renews the lease of a task while its process runs, on a thread of its own: the process is told to end when the lease
+// Renews the lease of a task while its process runs, on a thread of its own: the process is asked to end when the lease
 // is over, whatever the database does.
 class LeaseKeeper {
  public:

@@ -16,17 +16,17 @@ export interface PlaceSearch {
 
 /**
  * @param load  the path of a video's camera
- * @param tell  is told how many videos have been looked through; false ends the search
+ * @param report  receives the number of videos that have been searched; false ends the search
  */
 export async function findPlace(
   videos: readonly number[],
   load: (video: number) => Promise<CameraPath>,
   place: Position,
-  tell: (searched: number) => boolean,
+  report: (searched: number) => boolean,
 ): Promise<PlaceSearch> {
   let failed = 0;
   let searched = 0;
-  for (; searched < videos.length && tell(searched); searched += AT_ONCE) {
+  for (; searched < videos.length && report(searched); searched += AT_ONCE) {
     const some = videos.slice(searched, searched + AT_ONCE);
     const times = await Promise.all(
       some.map((video) =>
