@@ -18,8 +18,6 @@ namespace {
 // to milliseconds, but recorders stamp a frame up to some frames late.
 constexpr double kUtcSigma_s = 0.1;
 
-Eigen::Matrix3d Slack() { return 2 * kMergeSlack_m * kMergeSlack_m * Eigen::Matrix3d::Identity(); }
-
 Geolocation PlaceAtUtc(const ObjectInFlight& flight, double utc_s) {
   return PlaceAt(flight.relative, utc_s - *flight.utc_offset_s);
 }
@@ -49,7 +47,7 @@ std::pair<double, double> CommonTime(const ObjectInFlight& a, const ObjectInFlig
 
 PlaceDifference CompareStatic(const ObjectInFlight& a, const ObjectInFlight& b) {
   PlaceDifference difference{.offset = OffsetBetween(*a.relative.place, *b.relative.place)};
-  difference.offset.covariance_m2 += Slack();
+  difference.offset.covariance_m2 += MergeSlackCovariance();
   return difference;
 }
 
@@ -58,11 +56,11 @@ std::optional<PlaceDifference> CompareMoving(const ObjectInFlight& a, const Obje
   if (std::max(a.first_s, b.first_s) - std::min(a.last_s, b.last_s) > kMaxFlightGap_s) return std::nullopt;
   const auto [begin_s, end_s] = CommonTime(a, b);
   PlaceDifference difference{.offset = OffsetAt(a, b, (begin_s + end_s) / 2)};
-  difference.offset.covariance_m2 += Slack();
+  difference.offset.covariance_m2 += MergeSlackCovariance();
   const FlightOffset first = OffsetAt(a, b, begin_s);
   const FlightOffset last = OffsetAt(a, b, end_s);
   difference.change_sigmas =
-      Mahalanobis(last.enu_m - first.enu_m, first.covariance_m2 + last.covariance_m2 + 2 * Slack());
+      Mahalanobis(last.enu_m - first.enu_m, first.covariance_m2 + last.covariance_m2 + 2 * MergeSlackCovariance());
   return difference;
 }
 
@@ -164,10 +162,6 @@ std::optional<PlaceDifference> CompareFlights(const ObjectInFlight& a, const Obj
   std::optional<PlaceDifference> difference = moves ? CompareMoving(a, b) : CompareStatic(a, b);
   if (difference) difference->flights_m2 = a.common_m2 + b.common_m2;
   return difference;
-}
-
-double Mahalanobis(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance) {
-  return std::sqrt(difference.dot(covariance.ldlt().solve(difference)));
 }
 
 ObjectPlace FuseFlights(std::span<const ObjectInFlight* const> flights) {

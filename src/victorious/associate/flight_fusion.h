@@ -74,9 +74,6 @@ inline constexpr double kMaxFlightGap_s = 2;
 /// @param flights  at least one
 [[nodiscard]] Geolocation FuseStatic(std::span<const ObjectInFlight* const> flights);
 
-/// sqrt(difference^T covariance^-1 difference)
-[[nodiscard]] double Mahalanobis(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance);
-
 /// The estimate by all flights, of the time of the last sighting, on the clock of the video that has it. Without path.
 /// Of an object that stands the places are weighted by their information; one that moves has the place of the flight
 /// that sees it last, whose common error the other flights measure, one Kalman update each.

@@ -69,8 +69,7 @@ OffsetConsensus FindOffsetConsensus(std::span<const OffsetCandidate> candidates,
 }
 
 bool AreDifferent(const FlightOffset& a, const FlightOffset& b, double gate) {
-  return Mahalanobis(a.enu_m - b.enu_m, a.covariance_m2 + b.covariance_m2 +
-                                            2 * kMergeSlack_m * kMergeSlack_m * Eigen::Matrix3d::Identity()) > gate;
+  return Mahalanobis(a.enu_m - b.enu_m, a.covariance_m2 + b.covariance_m2 + MergeSlackCovariance()) > gate;
 }
 
 std::optional<FlightOffset> RegisterPair(std::span<const OffsetCandidate> candidates, double gate) {

@@ -8,8 +8,6 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "victorious/associate/agglomerate.h"
 #include "victorious/associate/fits.h"
 
@@ -48,11 +46,9 @@ std::optional<HypothesisDistance> DistanceBetween(const ObjectHypothesis& a, con
   const TangentPlane plane(of_a.place->point);
   const Geolocation at_a = PlaceAt(of_a, between_s);
   const Geolocation at_b = PlaceAt(of_b, between_s);
-  const double slack_m2 = 2 * kMergeSlack_m * kMergeSlack_m;
-  const Eigen::Matrix3d covariance =
-      at_a.covariance_enu_m2 + at_b.covariance_enu_m2 + slack_m2 * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d covariance = at_a.covariance_enu_m2 + at_b.covariance_enu_m2 + MergeSlackCovariance();
   const Eigen::Vector3d apart = plane.EnuFromGeodetic(at_b.point) - plane.EnuFromGeodetic(at_a.point);
-  return HypothesisDistance{apart.norm(), std::sqrt(apart.dot(covariance.ldlt().solve(apart)))};
+  return HypothesisDistance{apart.norm(), Mahalanobis(apart, covariance)};
 }
 
 // Places may be rounded by as much.

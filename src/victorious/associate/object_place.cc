@@ -321,6 +321,12 @@ double MahalanobisDistance(const BearingObservation& observation, const Geolocat
   return std::sqrt(off.dot(covariance.ldlt().solve(off)));
 }
 
+double Mahalanobis(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance) {
+  return std::sqrt(difference.dot(covariance.ldlt().solve(difference)));
+}
+
+Eigen::Matrix3d MergeSlackCovariance() { return 2 * kMergeSlack_m * kMergeSlack_m * Eigen::Matrix3d::Identity(); }
+
 std::optional<double> EstimateHeadingMode(std::span<const double> headings_rad) {
   // Three turns, so that no window wraps around; prefix sums give window means.
   std::vector<double> sorted;

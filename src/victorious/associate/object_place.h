@@ -82,6 +82,12 @@ Geolocation PlaceAt(const ObjectPlace& estimate, double time_s);
 double MahalanobisDistance(const BearingObservation& observation, const Geolocation& place, double slack_m,
                            const LocateOptions& errors, double common_fraction);
 
+/// sqrt(difference^T covariance^-1 difference)
+[[nodiscard]] double Mahalanobis(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance);
+
+/// The covariance of the difference of two places, beside their own: kMergeSlack_m of each.
+[[nodiscard]] Eigen::Matrix3d MergeSlackCovariance();
+
 /// Robust mean heading: the mean of the headings in the densest window of 40 degrees, in [0, 2 pi). std::nullopt
 /// without headings.
 std::optional<double> EstimateHeadingMode(std::span<const double> headings_rad);
