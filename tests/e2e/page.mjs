@@ -1180,7 +1180,15 @@ async function accounts(page, [password]) {
 
   // A session that ends while the page is open: what was decided is stored after the next log-in.
   await becomes(() => selectedId(page), objects[1].id);
-  await page.context().clearCookies();
+  // It ends with the decision: another request that is refused before it opens the form, which takes the key.
+  const reviews = "**/api/v1/objects/*/review";
+  await page.route(reviews, async (route) => {
+    await page.context().clearCookies();
+    const { cookie: _, ...headers } = await route.request().allHeaders();
+    const refused = await route.fetch({ headers });
+    assert.equal(refused.status(), 401);
+    await route.fulfill({ response: refused });
+  }, { times: 1 });
   await page.keyboard.press("x");
   await page.waitForSelector("dialog.log-in[open]");
   await logIn("ann", password);
