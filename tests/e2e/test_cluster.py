@@ -246,6 +246,7 @@ class ClusterTest(program.ProgramTest):
         for frames in ("5", "5:", "5:5", "-1:5", "a:b"):
             self.refuses(2, "FROM:TO", *index, f"--frames={frames}")
         self.refuses(2, "one whole video", *index, "--cut", 60, "--from", 1)
+        self.refuses(2, "--budget-ms", *index, "--cut", 60, "--budget-ms", 33)
         self.refuses(2, "no index in this database", "work", "--db", self.url)
         done = program.run("submit", "none.mkv", self.videos[0], "--models", models, "--db", self.url)
         self.assertEqual(done.status, 2)

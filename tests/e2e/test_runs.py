@@ -146,6 +146,19 @@ class RunsTest(program.ProgramTest):
         self.index(VIDEO, "--quality", "normal", "--redo")
         self.assertIn("0 frames searched", self.index(VIDEO).err)
 
+    def test_budget(self):
+        row = self.index(VIDEO, "--json", "--budget-ms", "1e6", "--keep-features", "none").rows()[0]
+        self.assertEqual((row["frames_searched"], row["frames_left_out"]), (program.SEARCHED_FRAMES, 0))
+        command = ("index", VIDEO, "--models", MODELS, "--db", self.db, "--keep-features", "none")
+        self.refuses(2, "--budget-ms was 1000000.0, is 0.001", *command, "--budget-ms", "0.001")
+        self.refuses(2, "--budget-ms", *command, "--budget-ms", "0")
+        done = self.index(VIDEO, "--json", "--budget-ms", "0.001", "--redo", "--keep-features", "none")
+        (row,) = done.rows()
+        self.assertEqual(row["frames_searched"] + row["frames_left_out"], program.SEARCHED_FRAMES)
+        self.assertLess(row["frames_searched"], 6, "the first, those that began with it, and one each 60 frames")
+        self.assertIn("only tracked, to keep pace", done.err)
+        self.assertTrue(any(sighting["frame"] % 60 for sighting in self.rows()), "objects are tracked in between")
+
     def test_kept_features(self):
         self.index(VIDEO)
         self.assertEqual(self.query("SELECT count(*) FROM kept_frames"), [(program.FRAMES // 10,)])

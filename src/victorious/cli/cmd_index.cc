@@ -1,6 +1,7 @@
 // victorious index VIDEO... --models DIR --categories FILE --db DB
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
@@ -46,6 +47,7 @@ struct IndexArguments {
   std::string keep_features;
   std::optional<double> from_s;
   std::optional<double> to_s;
+  std::optional<double> budget_ms;
   std::optional<double> hfov_deg;
   CameraArguments camera;
   GroundArguments ground;
@@ -156,6 +158,10 @@ Status CheckArguments(const IndexArguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--cut and --frames apply to one whole video: leave out --redo, --from, --to and --draw");
   }
+  if (arguments.budget_ms) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--cut and --frames give the same results on every machine, which --budget-ms does not: leave it out");
+  }
   return {};
 }
 
@@ -176,6 +182,11 @@ std::string SunText(const IndexReport& report) {
 void LogReport(const std::string& video, const IndexReport& report) {
   if (report.stopped_live) LogInfo("{}: live source, indexed up to the interruption", OneLine(video));
   if (report.sun) LogInfo("{}: {}", OneLine(video), SunText(report));
+  if (report.frames_left_out > 0) {
+    LogInfo("{}: {} of the {} due for a full search {} only tracked, to keep pace", OneLine(video),
+            report.frames_left_out, CountText(report.frames_searched + report.frames_left_out, "frame"),
+            report.frames_left_out == 1 ? "was" : "were");
+  }
   const bool is_indexed = report.frames_searched == 0 && !report.stopped_live;
   LogInfo("{}: {} searched, {}{}", OneLine(video), CountText(report.frames_searched, "frame"),
           CountText(report.sightings, "sighting"), is_indexed ? " (already indexed)" : "");
@@ -191,6 +202,7 @@ nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& repor
   }
   return {{"video", video},
           {"frames_searched", report.frames_searched},
+          {"frames_left_out", report.frames_left_out},
           {"sightings", report.sightings},
           {"stopped_live", report.stopped_live},
           {"sun", std::move(sun)}};
@@ -308,6 +320,8 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
                        .threads = arguments.threads,
                        .from_s = arguments.from_s,
                        .to_s = arguments.to_s,
+                       .frame_budget = arguments.budget_ms.transform(
+                           [](double ms) { return std::chrono::duration<double, std::milli>(ms); }),
                        .inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); }};
     const Expected<SegmentedReport> report = IndexVideo(indexer, job, work, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
@@ -372,6 +386,13 @@ Action SetUpIndex(ArgumentParser& parser) {
   parser.Add("--to", arguments->to_s, "Search only up to this video time")
       .TypeName("TIME")
       .Transform(&NormalizeVideoTime);
+  parser
+      .Add(
+          "--budget-ms", arguments->budget_ms,
+          "Time that the search may take a frame, on average: full searches are left out to hold it, and found objects "
+          "tracked in between. What is found then depends on the machine. 33: as fast as 30 frames a second play")
+      .Range(0.001, 1e6)
+      .TypeName("MS");
   parser
       .Add("--keep-features", arguments->keep_features,
            "Seconds between the frames whose features are kept for `search --image` (default 1), or none")

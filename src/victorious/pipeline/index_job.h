@@ -1,6 +1,7 @@
 // Input and output of indexing one video (indexer.h).
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -21,7 +22,10 @@ struct IndexJob {
   int threads = 0;                       ///< 0: one per hardware thread
   std::optional<double> from_s = {};     ///< only frames at this time or later are searched
   std::optional<double> to_s = {};       ///< only frames up to this time
-  WarningSink inform = {};               ///< receives what is no warning: the expected size of the kept features
+  /// Time that the search may take a frame of the video, on average: full-frame searches are left out to hold it, but
+  /// for those where tracks restart. What is found then depends on the machine. std::nullopt: any.
+  std::optional<std::chrono::duration<double, std::milli>> frame_budget = {};
+  WarningSink inform = {};  ///< receives what is no warning: the expected size of the kept features
   /// Relit templates (MakeRelitViews), one entry per model. The caller keeps them, to share them between jobs with the
   /// same models. If empty, they are made for this video and released after it.
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates = {};
@@ -30,6 +34,7 @@ struct IndexJob {
 /// What one call of Indexer::Index did.
 struct IndexReport {
   std::int64_t frames_searched = 0;  ///< number of frames searched as a whole by this call
+  std::int64_t frames_left_out = 0;  ///< number that were due for it, but tracked only: to keep a budget, or live
   std::int64_t sightings = 0;        ///< number found by this call
   bool stopped_live = false;         ///< true if a cancelled live source ends here
   std::optional<Sun> sun;            ///< sun direction, azimuth from north, if relit templates were used

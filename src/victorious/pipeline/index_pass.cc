@@ -18,6 +18,7 @@
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/backward_follower.h"
 #include "victorious/pipeline/follower.h"
+#include "victorious/pipeline/search_pace.h"
 #include "victorious/track/camera_motion.h"
 #include "victorious/video/frame_loop.h"
 
@@ -32,6 +33,7 @@ struct FrameTask {
   bool keep = false;                           // keep its features
   bool already_stored = false;                 // results are stored already: only updates the trackers
   bool motion_only = false;                    // before the restart of tracking: only camera motion is needed
+  bool left_out = false;                       // no full-frame search, to keep the pace, although one was due
   std::optional<Similarity2> now_from_before;  // camera motion from the previous frame
   std::optional<CameraState> camera;
   FeatureSet features;
@@ -73,18 +75,24 @@ bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
 class FrameSelector {
  public:
   /// @param first_required_frame  first frame whose camera motion is needed, if before those to search
-  FrameSelector(const IndexPass& pass, std::optional<std::int64_t> first_required_frame)
-      : kept_frames_(pass.options.keep.interval_s), pass_(pass), next_frame_(pass.searches.front().next_frame) {
+  FrameSelector(const IndexPass& pass, bool is_live, std::optional<std::int64_t> first_required_frame)
+      : kept_frames_(pass.options.keep.interval_s),
+        pace_(pass.frame_budget, is_live),
+        pass_(pass),
+        next_frame_(pass.searches.front().next_frame) {
     follow_from_ = next_frame_;
     if (IsTrackingEnabled(pass)) follow_from_ -= next_frame_ % pass.options.follow.restart_interval_frames;
     first_frame_ = std::min(follow_from_, first_required_frame.value_or(follow_from_));
   }
 
-  std::optional<FrameTask> Select(Frame frame) {
+  /// @param behind_s  of a live source (FrameLoop::BehindOf)
+  std::optional<FrameTask> Select(Frame frame, double behind_s) {
+    pace_.Enter(behind_s);
     if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
     const std::int64_t index = frame.index;
     const bool is_first_wanted = pass_.from_s && !std::exchange(has_started_, true);
-    const bool whole = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.options.follow);
+    const bool is_due = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.options.follow);
+    const bool whole = is_due && (is_first_wanted || IsRestart(index) || pace_.HasTime());
     const bool classify =
         pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.options.follow);
     const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);  // selects by time
@@ -96,13 +104,20 @@ class FrameSelector {
     task.already_stored = index < next_frame_;
     task.motion_only = index < follow_from_;
     task.whole = whole && !task.motion_only;
+    task.left_out = is_due && !whole && !task.already_stored;
     task.classify = classify && !task.motion_only && !task.already_stored;
     task.keep = keep && !task.already_stored;
     return task;
   }
 
  private:
+  // Without a full-frame search nothing is tracked after a restart.
+  [[nodiscard]] bool IsRestart(std::int64_t frame) const {
+    return pass_.options.follow.enabled && frame % pass_.options.follow.restart_interval_frames == 0;
+  }
+
   KeptFrameSelector kept_frames_;
+  SearchPace pace_;
   const IndexPass& pass_;
   std::int64_t next_frame_;
   std::int64_t follow_from_;
@@ -222,6 +237,7 @@ class ResultWriter {
     linker_.Step(work.now.frame.index, work.now_from_before);
     if (work.already_stored) return {};
     report_.frames_searched += work.whole || work.classify ? 1 : 0;
+    report_.frames_left_out += work.left_out ? 1 : 0;
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
     linker_.Link(std::move(work.sightings), batch_);
     if (work.keep) {
@@ -413,7 +429,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
                     const WarningSink& warn, IndexReport& report) {
   ResultWriter sink(pass, reader.info(), store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
-  FrameSelector selector(pass, sink.FirstRequiredFrame());
+  FrameSelector selector(pass, reader.info().live, sink.FirstRequiredFrame());
   VICTORIOUS_ASSIGN_OR_RETURN(TrackingStage tracking, TrackingStage::Create(pass, reader.info().live, sink));
   FrameLoop loop(reader, cancel,
                  {.label = pass.video.name,
@@ -422,7 +438,8 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
                   .frame_count = pass.to_s ? CountFramesUntil(reader.info(), *pass.to_s) : std::nullopt});
   const Expected<FrameLoopEnd> end = loop.Run<FrameTask>(
       [&](Frame frame) -> std::optional<FrameTask> {
-        if (!IsBeyondEnd(pass, frame)) return selector.Select(std::move(frame));
+        const double behind_s = loop.BehindOf(frame.time_s);
+        if (!IsBeyondEnd(pass, frame)) return selector.Select(std::move(frame), behind_s);
         loop.Stop();
         return std::nullopt;
       },

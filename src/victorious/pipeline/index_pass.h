@@ -1,6 +1,7 @@
 // One pass over one video: searches it for a set of models and categories from a given frame on.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -50,7 +51,8 @@ struct IndexPass {
   int threads = 0;                    ///< 0: one per hardware thread
   std::optional<double> from_s = {};  ///< see IndexJob
   std::optional<double> to_s = {};
-  std::optional<double> duration_s = {};  ///< of the video, if it is known before
+  std::optional<double> duration_s = {};                           ///< of the video, if it is known before
+  std::optional<std::chrono::duration<double>> frame_budget = {};  ///< see IndexJob
   WarningSink inform = {};
   /// Of a segment, whose `searches` begin at its first frame; null: all frames. Nothing is written to the store then.
   const SegmentOutput* segment = nullptr;

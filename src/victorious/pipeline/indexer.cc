@@ -42,6 +42,7 @@ bool HasAttitudes(const CameraTrajectory* trajectory) {
 std::string NameOfParameter(const std::string& key) {
   if (key == "/searched/from_s") return "--from";
   if (key == "/searched/to_s") return "--to";
+  if (key == "/searched/budget_ms") return "--budget-ms";
   std::string name = key.substr(1);
   std::ranges::replace(name, '/', '.');
   return name;
@@ -165,10 +166,11 @@ std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& j
   FieldList fields;
   options.ListSearchFields(fields);
   std::string text = ToJsonText(fields.fields());
-  if (!job.from_s && !job.to_s) return text;
+  if (!job.from_s && !job.to_s && !job.frame_budget) return text;
   nlohmann::json json = ParseStrictJson(text).value();
   if (job.from_s) json["searched"]["from_s"] = *job.from_s;
   if (job.to_s) json["searched"]["to_s"] = *job.to_s;
+  if (job.frame_budget) json["searched"]["budget_ms"] = job.frame_budget->count();
   return DumpJson(json);
 }
 
@@ -374,6 +376,7 @@ IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognize
           .threads = job.threads,
           .from_s = job.from_s,
           .to_s = job.to_s,
+          .frame_budget = job.frame_budget,
           .inform = job.inform};
 }
 

@@ -1,9 +1,9 @@
 #include "victorious/video/frame_loop.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <deque>
-#include <limits>
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
@@ -16,21 +16,7 @@
 namespace victorious {
 namespace {
 
-// How far the work on a live source is behind it. The time stamps of frames tell when each was filmed up to a common
-// offset to this machine's clock; the frame that waited least before it was read bounds the offset.
-class LiveDelay {
- public:
-  void EnterRead(double time_s) { offset_s_ = std::min(offset_s_.load(), Now_s() - time_s); }
-  /// Of a frame that has passed all stages, s.
-  [[nodiscard]] double BehindOf(double time_s) const { return std::max(0.0, Now_s() - time_s - offset_s_); }
-
- private:
-  static double Now_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  }
-
-  std::atomic<double> offset_s_ = std::numeric_limits<double>::infinity();  // written by the reading thread only
-};
+double Now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // Reads frames until the end, a cancellation, a stop or an error. Holds them back as the packet receiver wants.
 class HeldFrames {
@@ -116,6 +102,10 @@ std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_
   return std::min(count, info.frame_count.value_or(count));
 }
 
+void LiveDelay::EnterRead(double time_s) { offset_s_ = std::min(offset_s_.load(), Now_s() - time_s); }
+
+double LiveDelay::BehindOf(double time_s) const { return std::max(0.0, Now_s() - time_s - offset_s_); }
+
 void FrameLoop::Stop() { stopped_ = true; }
 
 Expected<FrameLoopEnd> FrameLoop::RunErased(const std::function<std::shared_ptr<void>(Frame)>& select,
@@ -126,11 +116,10 @@ Expected<FrameLoopEnd> FrameLoop::RunErased(const std::function<std::shared_ptr<
     progress.emplace(options_.label, options_.frame_count ? options_.frame_count : reader_.info().frame_count,
                      "frames");
   }
-  LiveDelay delay;
-  HeldFrames frames(reader_, cancel_, stopped_, options_.packets, delay);
+  HeldFrames frames(reader_, cancel_, stopped_, options_.packets, delay_);
   const bool is_live = reader_.info().live;
   const auto report = [&](std::int64_t frame, double time_s) {
-    if (progress) progress->Update(frame + 1, is_live ? std::optional(delay.BehindOf(time_s)) : std::nullopt);
+    if (progress) progress->Update(frame + 1, is_live ? std::optional(delay_.BehindOf(time_s)) : std::nullopt);
   };
   std::atomic<bool> failed = false;
   Status status;  // of the first frame that failed; written by the last filter only

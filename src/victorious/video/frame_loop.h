@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,6 +53,19 @@ struct FrameLoopOptions {
 /// The expected number of frames up to a time, s: that of the whole video for one after its end, or if the frame rate
 /// is unknown; std::nullopt if that is unknown, too.
 [[nodiscard]] std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_s);
+
+/// How far the work on a live source is behind it. The time stamps of frames tell when each was filmed up to a common
+/// offset to this machine's clock; the frame that waited least before it was read bounds the offset.
+class LiveDelay {
+ public:
+  /// Call when a frame is read, from one thread.
+  void EnterRead(double time_s);
+  /// How long ago a frame of this time stamp could have been read, s. Any thread.
+  [[nodiscard]] double BehindOf(double time_s) const;
+
+ private:
+  std::atomic<double> offset_s_ = std::numeric_limits<double>::infinity();
+};
 
 /// How a loop ended without an error.
 enum class FrameLoopEnd {
@@ -116,6 +130,8 @@ class FrameLoop {
 
   /// Number of frames read.
   [[nodiscard]] std::int64_t frames_read() const { return frames_read_; }
+  /// How far the work on a frame is behind a live source, s (LiveDelay). Callable from `select` and from any stage.
+  [[nodiscard]] double BehindOf(double time_s) const { return delay_.BehindOf(time_s); }
   /// Time of the last frame read, s; 0 if there was none.
   [[nodiscard]] double last_time_s() const { return last_time_s_; }
 
@@ -132,6 +148,7 @@ class FrameLoop {
   const CancelToken& cancel_;
   FrameLoopOptions options_;
   std::atomic<bool> stopped_ = false;
+  LiveDelay delay_;
   std::int64_t frames_read_ = 0;
   double last_time_s_ = 0;
 };

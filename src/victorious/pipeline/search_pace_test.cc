@@ -1,0 +1,47 @@
+#include "victorious/pipeline/search_pace.h"
+
+#include <gtest/gtest.h>
+
+namespace victorious {
+namespace {
+
+using std::chrono::milliseconds;
+
+TEST(SearchPace, WithoutLimitAlwaysHasTime) {
+  SearchPace pace(std::nullopt, false);
+  pace.Enter(1e6);
+  EXPECT_TRUE(pace.HasTime());
+}
+
+TEST(SearchPace, LiveSourceThatIsBehindIsNotSearched) {
+  SearchPace pace(std::nullopt, true);
+  pace.Enter(0.1);
+  EXPECT_TRUE(pace.HasTime());
+  pace.Enter(0.3);
+  EXPECT_FALSE(pace.HasTime());
+  pace.Enter(0);
+  EXPECT_TRUE(pace.HasTime());
+}
+
+TEST(SearchPace, HoldsItsBudget) {
+  constexpr milliseconds kBudget{33};
+  constexpr milliseconds kSearch{200};
+  constexpr milliseconds kTracking{5};
+  constexpr int kFrames = 1000;
+  SearchPace::Clock::time_point now{};
+  SearchPace pace(kBudget, false, [&] { return now; });
+  int searched = 0;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    pace.Enter(0);
+    if (pace.HasTime()) {
+      ++searched;
+      now += kSearch;
+    }
+    now += kTracking;
+  }
+  EXPECT_LE(now - SearchPace::Clock::time_point{}, kBudget * kFrames + kSearch + kTracking);
+  EXPECT_NEAR(searched, (kBudget - kTracking) * kFrames / kSearch, 1);
+}
+
+}  // namespace
+}  // namespace victorious
