@@ -4,12 +4,17 @@ import itertools
 import json
 import os
 import re
+import struct
 
 import program
 
 FLIGHT, MODELS, INDEX = program.flight(), program.models(), program.index()
 NOTES = "my notes: do not lose them\n"
 TELEMETRY = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n0,52,13,100,0,-90,0,30\n"
+
+
+def png_size(path):
+    return struct.unpack(">II", path.read_bytes()[16:24])
 
 
 class OutputsTest(program.ProgramTest):
@@ -109,6 +114,15 @@ class OutputsTest(program.ProgramTest):
             self.keeps_files(["--out", photo, "EXIF", "--force"], *arguments, "--out", photo)
         self.succeeds("frame", self.video, "--at", "0", "--out", photo, "--force")
         self.assertNotIn(b"Exif", photo.read_bytes())
+
+    def test_json_says_what_was_written(self):
+        image, copy = self.scratch / "x.png", self.scratch / "copy.mp4"
+        (frame,) = self.succeeds("frame", self.video, "--at", "0.45", "--out", image, "--json").rows()
+        self.assertEqual((frame["image"], frame["frame"], frame["time_s"]), (str(image), 5, 0.5))
+        (copied,) = self.succeeds("copy", self.video, "--out", copy, "--json").rows()
+        self.assertEqual((copied["copy"], copied["frames"]), (str(copy), program.FRAMES))
+        (sheet,) = self.succeeds("sheet", "--db", self.db, "--out", image, "--json").rows()
+        self.assertEqual((sheet["image"], (sheet["width"], sheet["height"])), (str(image), png_size(image)))
 
     def test_footage_is_kept_by_simulate(self):
         footage = self.scratch / "flight"

@@ -1,8 +1,11 @@
-// victorious copy VIDEO --out FILE: writes a copy of a video that browsers play
+// victorious copy VIDEO --out FILE [--json]: writes a copy of a video that browsers play
 #include <memory>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "victorious/base/count_text.h"
+#include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -15,6 +18,7 @@ namespace {
 struct CopyArguments {
   std::string video;
   std::string out;
+  bool json = false;
 };
 
 Status Run(const CopyArguments& arguments, const ArgumentParser& parser) {
@@ -25,7 +29,10 @@ Status Run(const CopyArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_ASSIGN_OR_RETURN(const PlayableCopy copy, WritePlayableCopy(arguments.video, arguments.out, Interrupt()));
   LogInfo("{}, {}", CountText(static_cast<std::size_t>(copy.frames), "frame"),
           copy.is_remuxed ? "copied as they are" : "encoded as H.264");
-  return {};
+  if (!arguments.json) return {};
+  const nlohmann::ordered_json line = {
+      {"video", arguments.video}, {"copy", arguments.out}, {"frames", copy.frames}, {"is_remuxed", copy.is_remuxed}};
+  return WriteOutput("", DumpJson(line) + "\n");
 }
 
 }  // namespace
@@ -34,6 +41,8 @@ Action SetUpCopy(ArgumentParser& parser) {
   const auto arguments = std::make_shared<CopyArguments>();
   parser.Add("VIDEO", arguments->video, "A file or a folder of frames").Required();
   parser.Add("--out", arguments->out, "The copy (.mp4)").Required().TypeName("FILE");
+  parser.AddFlag("--json", arguments->json,
+                 "Print one JSON object: the copy, its frames, whether they are encoded anew");
   AddForce(parser);
   return [=] { return Run(*arguments, parser); };
 }

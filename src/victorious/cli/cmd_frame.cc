@@ -1,11 +1,13 @@
-// victorious frame VIDEO --at TIME --out PNG: writes one frame as an image, to cut an object out
+// victorious frame VIDEO --at TIME --out PNG [--json]: writes one frame as an image, to cut an object out
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -22,7 +24,18 @@ struct FrameArguments {
   std::optional<std::int64_t> number;
   bool grid = false;
   std::string out;
+  bool json = false;
 };
+
+Status WriteFrame(const FrameArguments& arguments, Frame& frame) {
+  if (arguments.grid) DrawPixelGrid(frame.image);
+  VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.out, frame.image));
+  if (!arguments.json) return {};
+  const nlohmann::ordered_json line = {{"video", arguments.video},  {"image", arguments.out},
+                                       {"frame", frame.index},      {"time_s", frame.time_s},
+                                       {"width", frame.image.cols}, {"height", frame.image.rows}};
+  return WriteOutput("", DumpJson(line) + "\n");
+}
 
 Status Run(const FrameArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments.out, FileKind::kImage}}));
@@ -35,10 +48,7 @@ Status Run(const FrameArguments& arguments, const ArgumentParser& parser) {
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
     if (!frame) break;
     const bool reached = arguments.at_s ? frame->time_s >= *arguments.at_s - 1e-6 : frame->index >= *arguments.number;
-    if (reached) {
-      if (arguments.grid) DrawPixelGrid(frame->image);
-      return WriteImage(arguments.out, frame->image);
-    }
+    if (reached) return WriteFrame(arguments, *frame);
     last = std::move(frame);
   }
   const std::string why = reader->warnings().empty() ? "" : fmt::format(" ({})", reader->warnings().back());
@@ -58,6 +68,7 @@ Action SetUpFrame(ArgumentParser& parser) {
   parser.Add("--number", arguments->number, "Frame number, from 0").TypeName("N").AtLeast(0);
   parser.AddFlag("--grid", arguments->grid, "Draw a grid of pixel coordinates, to read off the X,Y,W,H of a box");
   parser.Add("--out", arguments->out, "The output image (.png, .jpg)").Required().TypeName("FILE");
+  parser.AddFlag("--json", arguments->json, "Print one JSON object: the frame written, its number and time");
   AddForce(parser);
   return [=] { return Run(*arguments, parser); };
 }

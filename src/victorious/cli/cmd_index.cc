@@ -24,6 +24,7 @@
 #include "victorious/cluster/index_task.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
+#include "victorious/model/relit_views.h"
 #include "victorious/pipeline/drawn_video.h"
 #include "victorious/pipeline/indexer.h"
 #include "victorious/pipeline/preset.h"
@@ -286,6 +287,11 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadOptions(arguments, models));
+  // Videos of one flight have the same sun.
+  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
+  if (arguments.videos.size() > 1) {
+    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models));
+  }
   std::optional<CategoryModel> categories;
   if (!arguments.categories.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategoryModel(arguments.categories));
@@ -322,7 +328,8 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
                        .to_s = arguments.to_s,
                        .frame_budget = arguments.budget_ms.transform(
                            [](double ms) { return std::chrono::duration<double, std::milli>(ms); }),
-                       .inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); }};
+                       .inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); },
+                       .relit_templates = relit_templates};
     const Expected<SegmentedReport> report = IndexVideo(indexer, job, work, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
       LogInfo("{}; the video is left to it", OneLine(report.error().message));

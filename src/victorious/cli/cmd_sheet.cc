@@ -1,4 +1,4 @@
-// victorious sheet --db DB --out PNG: draws the found objects on a contact sheet
+// victorious sheet --db DB --out PNG [--json]: draws the found objects on a contact sheet
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -9,7 +9,9 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -56,6 +58,7 @@ Action SetUpSheet(ArgumentParser& parser) {
     std::string out;
     ContactSheetOptions options;
     FilterArguments filter;
+    bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
   AddDb(parser, arguments->db, "The index, whose videos must still be at their paths");
@@ -67,6 +70,7 @@ Action SetUpSheet(ArgumentParser& parser) {
       .TypeName("N");
   parser.Add("--columns", arguments->options.columns, "Images per row").TypeName("N");
   arguments->filter.AddTo(parser);
+  parser.AddFlag("--json", arguments->json, "Print one JSON object: the image and its size");
   AddForce(parser);
   return [=]() -> Status {
     VICTORIOUS_RETURN_IF_ERROR(
@@ -83,7 +87,10 @@ Action SetUpSheet(ArgumentParser& parser) {
     if (!no_object_reason.empty()) return Fail(ErrorCode::kInvalidArgument, no_object_reason);
     VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.max_tiles, catalogue, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
-    return WriteImage(arguments->out, sheet);
+    VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments->out, sheet));
+    if (!arguments->json) return {};
+    const nlohmann::ordered_json line = {{"image", arguments->out}, {"width", sheet.cols}, {"height", sheet.rows}};
+    return WriteOutput("", DumpJson(line) + "\n");
   };
 }
 

@@ -106,10 +106,13 @@ void Follower::Confirm(std::uint64_t track, const Detection& detection, const Fe
 }
 
 // The region of a visible, confirmed track is searched only each `search_interval_s`, but for the rounding of times.
-bool Follower::IsSearchDue(const TrackStep& step, const Frame& frame) const {
+bool Follower::IsSearchDue(const TrackStep& step, const Frame& frame, RegionSearches searches) const {
   const TrackRecord& followed = tracks_.at(step.track);
-  return !step.seen() || followed.recognised < options_.min_recognised_frames ||
-         std::abs(frame.time_s - followed.searched_time_s) > options_.search_interval_s - kTimeRounding_s;
+  const bool is_confirmed = followed.recognised >= options_.min_recognised_frames;
+  const bool has_waited =
+      std::abs(frame.time_s - followed.searched_time_s) > options_.search_interval_s - kTimeRounding_s;
+  if (searches == RegionSearches::kUnconfirmedOnly) return !is_confirmed && has_waited;
+  return !step.seen() || !is_confirmed || has_waited;
 }
 
 // Assigns a detection of a full-frame search to an open step of the same model, or starts a track.
@@ -194,7 +197,7 @@ ObservedObject Follower::MakeTrackedObject(const TrackStep& step, const Frame& f
 }
 
 Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const std::optional<FullFrameResult>& whole,
-                                                       const FrameConditions& conditions) {
+                                                       const FrameConditions& conditions, RegionSearches searches) {
   const Frame clean =
       RemoveImpulseNoise(frame, impulse_fraction_);  // over the whole frame: a region has too few pixels for it
   std::vector<TrackStep> open = Step(clean);
@@ -207,12 +210,12 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
   std::vector<Region> regions;
   for (TrackStep& step : open) regions.push_back({.step = std::move(step)});
   oneapi::tbb::parallel_for_each(regions, [&](Region& region) {
-    if (IsSearchDue(region.step, frame)) Search(clean, conditions, region);
+    if (IsSearchDue(region.step, frame, searches)) Search(clean, conditions, region);
   });
   for (Region& region : regions) {
     if (!region.features) return std::unexpected(std::move(region.features).error());
     const std::uint64_t track = region.step.track;
-    if (IsSearchDue(region.step, frame)) tracks_.at(track).searched_time_s = frame.time_s;
+    if (IsSearchDue(region.step, frame, searches)) tracks_.at(track).searched_time_s = frame.time_s;
     ObservedObject next{};
     if (region.found) {
       next = {.detection = *std::move(region.found), .features = WithoutDescriptors(*region.features)};

@@ -63,6 +63,12 @@ struct FullFrameResult {
 /// True if two observations in one frame show one object: the same model, in boxes that overlap.
 [[nodiscard]] bool AreOneObject(const ObservedObject& a, const ObservedObject& b);
 
+/// The tracks whose regions are searched in a frame.
+enum class RegionSearches {
+  kAllDue,           ///< each track of which `search_interval_s` has passed, and in every frame those not visible
+  kUnconfirmedOnly,  ///< of those due, the ones that need more recognitions to count: for frames that have no time
+};
+
 /// The order of the frames that a Follower takes.
 enum class FrameOrder {
   kForward,
@@ -83,7 +89,8 @@ class Follower {
   /// Errors: those of feature extraction.
   [[nodiscard]] Expected<std::vector<ObservedObject>> Follow(const Frame& frame,
                                                              const std::optional<FullFrameResult>& whole,
-                                                             const FrameConditions& conditions);
+                                                             const FrameConditions& conditions,
+                                                             RegionSearches searches = RegionSearches::kAllDue);
 
   /// True if a track is active.
   [[nodiscard]] bool HasTracks() const { return !tracks_.empty(); }
@@ -123,7 +130,7 @@ class Follower {
   void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, double time_s);
   void Search(const Frame& frame, const FrameConditions& conditions, Region& region) const;
   [[nodiscard]] ObservedObject MakeTrackedObject(const TrackStep& step, const Frame& frame) const;
-  [[nodiscard]] bool IsSearchDue(const TrackStep& step, const Frame& frame) const;
+  [[nodiscard]] bool IsSearchDue(const TrackStep& step, const Frame& frame, RegionSearches searches) const;
 
   const Recognizer& recognizer_;
   const FeatureExtractor& extractor_;

@@ -26,7 +26,8 @@ class FollowerTest : public ::testing::Test {
     int found = 0;                                  // of these
   };
 
-  Frames FollowAll(int every, const FollowOptions& options, double frame_rate = 10) {
+  Frames FollowAll(int every, const FollowOptions& options, double frame_rate = 10,
+                   RegionSearches searches = RegionSearches::kAllDue) {
     Frames result;
     Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, options).value();
     for (int i = 0; i < kFrames; ++i) {
@@ -37,7 +38,7 @@ class FollowerTest : public ::testing::Test {
       const std::vector<Detection> detections = recognizer_.Recognize(features).value();
       std::optional<FullFrameResult> whole;
       if (i % every == 0) whole.emplace(features, detections);
-      result.seen.push_back(follower.Follow(frame, whole, {}).value());
+      result.seen.push_back(follower.Follow(frame, whole, {}, searches).value());
       for (const testing::TruthRow& row : flight_.flight().Truth(i)) {
         if (row.visible < 0.8) continue;
         ++result.truths;
@@ -89,6 +90,24 @@ TEST_F(FollowerTest, RegionsAreSearchedByTimeAndNotByFrame) {
   }
   EXPECT_GT(recognised_between, 3);
   EXPECT_GT(tracked, recognised_between);
+  EXPECT_GE(frames.found, 0.8 * frames.truths);
+}
+
+TEST_F(FollowerTest, WithoutTimeOnlyUnconfirmedTracksAreSearched) {
+  const Frames frames = FollowAll(6, {}, 10, RegionSearches::kUnconfirmedOnly);
+  std::map<std::int64_t, int> recognitions;  // by track
+  int tracked = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    for (const ObservedObject& seen : frames.seen[i]) {
+      if (!seen.track) continue;
+      tracked += seen.tracked() ? 1 : 0;
+      int& count = recognitions[*seen.track];
+      if (seen.tracked()) continue;
+      EXPECT_TRUE(i % 6 == 0 || count < FollowOptions().min_recognised_frames);
+      ++count;
+    }
+  }
+  EXPECT_GT(tracked, 10);
   EXPECT_GE(frames.found, 0.8 * frames.truths);
 }
 

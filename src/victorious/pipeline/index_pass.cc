@@ -33,6 +33,7 @@ struct FrameTask {
   bool keep = false;                           // keep its features
   bool already_stored = false;                 // results are stored already: only updates the trackers
   bool motion_only = false;                    // before the restart of tracking: only camera motion is needed
+  bool has_time = true;                        // within the pace of the pass
   bool left_out = false;                       // no full-frame search, to keep the pace, although one was due
   std::optional<Similarity2> now_from_before;  // camera motion from the previous frame
   std::optional<CameraState> camera;
@@ -75,9 +76,9 @@ bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
 class FrameSelector {
  public:
   /// @param first_required_frame  first frame whose camera motion is needed, if before those to search
-  FrameSelector(const IndexPass& pass, bool is_live, std::optional<std::int64_t> first_required_frame)
+  FrameSelector(const IndexPass& pass, SearchPace& pace, std::optional<std::int64_t> first_required_frame)
       : kept_frames_(pass.options.keep.interval_s),
-        pace_(pass.frame_budget, is_live),
+        pace_(pace),
         pass_(pass),
         next_frame_(pass.searches.front().next_frame) {
     follow_from_ = next_frame_;
@@ -85,14 +86,14 @@ class FrameSelector {
     first_frame_ = std::min(follow_from_, first_required_frame.value_or(follow_from_));
   }
 
-  /// @param behind_s  of a live source (FrameLoop::BehindOf)
-  std::optional<FrameTask> Select(Frame frame, double behind_s) {
+  /// @param behind_s  FrameLoop::ReadBehind
+  std::optional<FrameTask> Select(Frame frame, std::optional<double> behind_s) {
     pace_.Enter(behind_s);
     if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
     const std::int64_t index = frame.index;
     const bool is_first_wanted = pass_.from_s && !std::exchange(has_started_, true);
     const bool is_due = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.options.follow);
-    const bool whole = is_due && (is_first_wanted || IsRestart(index) || pace_.HasTime());
+    const bool whole = is_due && (is_first_wanted || IsRestart(index) || pace_.HasTimeForAll());
     const bool classify =
         pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.options.follow);
     const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);  // selects by time
@@ -104,6 +105,8 @@ class FrameSelector {
     task.already_stored = index < next_frame_;
     task.motion_only = index < follow_from_;
     task.whole = whole && !task.motion_only;
+    task.has_time = pace_.HasTime();
+    if (task.whole) pace_.BeginFullSearch();
     task.left_out = is_due && !whole && !task.already_stored;
     task.classify = classify && !task.motion_only && !task.already_stored;
     task.keep = keep && !task.already_stored;
@@ -117,7 +120,7 @@ class FrameSelector {
   }
 
   KeptFrameSelector kept_frames_;
-  SearchPace pace_;
+  SearchPace& pace_;
   const IndexPass& pass_;
   std::int64_t next_frame_;
   std::int64_t follow_from_;
@@ -392,7 +395,8 @@ class TrackingStage {
     }
     std::optional<FullFrameResult> whole;
     if (task.whole) whole.emplace(task.features, task.detections);
-    VICTORIOUS_ASSIGN_OR_RETURN(now.objects, follower_->Follow(now.frame, whole, now.conditions));
+    const auto searches = task.has_time ? RegionSearches::kAllDue : RegionSearches::kUnconfirmedOnly;
+    VICTORIOUS_ASSIGN_OR_RETURN(now.objects, follower_->Follow(now.frame, whole, now.conditions, searches));
     std::vector<FollowedFrame*> before;
     for (FrameTask& held : held_ | std::views::reverse) before.push_back(&held.now);
     return FollowBackward(pass_.recognizer, pass_.extractor, pass_.options.features.impulse_fraction,
@@ -429,7 +433,8 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
                     const WarningSink& warn, IndexReport& report) {
   ResultWriter sink(pass, reader.info(), store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
-  FrameSelector selector(pass, reader.info().live, sink.FirstRequiredFrame());
+  SearchPace pace(pass.frame_budget, reader.info().live);
+  FrameSelector selector(pass, pace, sink.FirstRequiredFrame());
   VICTORIOUS_ASSIGN_OR_RETURN(TrackingStage tracking, TrackingStage::Create(pass, reader.info().live, sink));
   FrameLoop loop(reader, cancel,
                  {.label = pass.video.name,
@@ -438,12 +443,15 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
                   .frame_count = pass.to_s ? CountFramesUntil(reader.info(), *pass.to_s) : std::nullopt});
   const Expected<FrameLoopEnd> end = loop.Run<FrameTask>(
       [&](Frame frame) -> std::optional<FrameTask> {
-        const double behind_s = loop.BehindOf(frame.time_s);
-        if (!IsBeyondEnd(pass, frame)) return selector.Select(std::move(frame), behind_s);
+        if (!IsBeyondEnd(pass, frame)) return selector.Select(std::move(frame), loop.ReadBehind());
         loop.Stop();
         return std::nullopt;
       },
-      {Parallel<FrameTask>([&](FrameTask& task) { return Search(pass, task); }),
+      {Parallel<FrameTask>([&](FrameTask& task) {
+         Status searched = Search(pass, task);
+         if (task.whole) pace.EndFullSearch();
+         return searched;
+       }),
        InOrder<FrameTask>([&](FrameTask& task) { return tracking.Add(task); })});
   if (warn) {
     std::ranges::for_each(reader.warnings(), warn);

@@ -8,6 +8,7 @@ namespace victorious {
 
 Status LiveCameraTrack::Add(std::vector<DataPacket> packets, double now_s) {
   constexpr double kDecodeEvery_s = 0.2;
+  if (!first_s_) first_s_ = now_s;
   for (DataPacket& packet : packets) {
     if (stream_ && packet.stream != *stream_) continue;
     if (!packet.time_s) packet.time_s = now_s;

@@ -22,6 +22,8 @@ namespace victorious {
 
 /// Maximum wait of a frame for telemetry of its time or later: telemetry streams send it at least once a second.
 inline constexpr double kMaxLiveWait_s = 1.0;
+/// A source that has sent no camera state for so long from its first frame on is not waited for until it sends one.
+inline constexpr double kMaxFirstStateWait_s = 3.0;
 
 class LiveCameraTrack final : public PacketReceiver {
  public:
@@ -32,7 +34,8 @@ class LiveCameraTrack final : public PacketReceiver {
 
   /// True if later packets cannot change the frame's camera state, or after kMaxLiveWait_s.
   [[nodiscard]] bool IsReady(double frame_s, double now_s) const override {
-    return Covers(frame_s) || now_s >= frame_s + kMaxLiveWait_s;
+    return Covers(frame_s) || now_s >= frame_s + kMaxLiveWait_s ||
+           (!stream_ && first_s_ && now_s >= *first_s_ + kMaxFirstStateWait_s);
   }
 
   /// True if a state at `time_s` or later has arrived, so that later packets cannot change the state at `time_s`.
@@ -51,6 +54,7 @@ class LiveCameraTrack final : public PacketReceiver {
   TelemetryOptions options_;
   std::map<int, std::vector<DataPacket>> pending_;  // by stream, not yet decoded
   double decoded_s_ = 0;                            // time of the newest frame at the last decoding
+  std::optional<double> first_s_;                   // time of the first frame
   std::optional<int> stream_;                       // the stream with camera states
   std::vector<CameraState> states_;                 // by ascending time
   WarningList warnings_;

@@ -45,6 +45,16 @@ TEST(LiveCameraTrack, StateIsKnownOnceALaterPacketArrived) {
   EXPECT_THAT(cameras.Warnings(), IsEmpty());
 }
 
+TEST(LiveCameraTrack, FramesDoNotWaitForStatesThatNeverCome) {
+  LiveCameraTrack cameras({});
+  ASSERT_TRUE(cameras.Add({}, 10));
+  EXPECT_FALSE(cameras.IsReady(10, 10.5));
+  EXPECT_TRUE(cameras.IsReady(10, 10 + kMaxLiveWait_s));
+  EXPECT_TRUE(cameras.IsReady(10 + kMaxFirstStateWait_s, 10 + kMaxFirstStateWait_s));
+  ASSERT_TRUE(cameras.Add({CameraAt(15)}, 15));
+  EXPECT_FALSE(cameras.IsReady(15.5, 15.5)) << "the source sends states after all";
+}
+
 TEST(LiveCameraTrack, PacketWithoutTimeHasItsArrivalTime) {
   LiveCameraTrack cameras({});
   ASSERT_TRUE(cameras.Add({Packet(CameraPacket(kStart_us), std::nullopt)}, 3));

@@ -6,8 +6,8 @@ namespace victorious {
 namespace {
 
 // A search of a live source's frame takes some tenths of a second, and the results of the frames after it wait for it:
-// none begins while earlier ones are waited for.
-constexpr double kMaxBehind_s = 0.2;
+// none begins while earlier frames wait.
+constexpr double kMaxBehind_s = 0.1;
 
 }  // namespace
 
@@ -15,14 +15,14 @@ SearchPace::SearchPace(std::optional<std::chrono::duration<double>> frame_budget
                        std::function<Clock::time_point()> now)
     : frame_budget_(frame_budget), is_live_(is_live), now_(std::move(now)) {}
 
-void SearchPace::Enter(double behind_s) {
+void SearchPace::Enter(std::optional<double> behind_s) {
   if (!start_) start_ = now_();
   ++frames_;
   behind_s_ = behind_s;
 }
 
 bool SearchPace::HasTime() const {
-  if (is_live_ && behind_s_ > kMaxBehind_s) return false;
+  if (is_live_ && (!behind_s_ || *behind_s_ > kMaxBehind_s)) return false;
   return !frame_budget_ || now_() - *start_ <= *frame_budget_ * static_cast<double>(frames_);
 }
 

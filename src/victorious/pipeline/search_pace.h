@@ -1,7 +1,8 @@
-// Full-frame searches cost most of the time of a pass. A pass that has to keep a pace leaves some of them out, and tracks
-// only what earlier ones found.
+// Searches cost most of the time of a pass, those of full frames above all. A pass that has to keep a pace leaves some
+// of them out, and tracks only what earlier ones found.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -9,7 +10,7 @@
 
 namespace victorious {
 
-/// Decides whether a frame that is due for a full-frame search can be searched in time. Not thread-safe.
+/// Decides whether a frame can be searched in time. Not thread-safe, but for EndFullSearch.
 class SearchPace {
  public:
   using Clock = std::chrono::steady_clock;
@@ -19,11 +20,16 @@ class SearchPace {
   explicit SearchPace(std::optional<std::chrono::duration<double>> frame_budget, bool is_live,
                       std::function<Clock::time_point()> now = Clock::now);
 
-  /// Call for each frame that is read, in order. @param behind_s  FrameLoop::BehindOf; only used of a live source
-  void Enter(double behind_s);
+  /// Call for each frame that is read, in order. @param behind_s  FrameLoop::ReadBehind; only used of a live source
+  void Enter(std::optional<double> behind_s);
 
-  /// True if a full-frame search of the frame entered last keeps the pace.
+  /// True if the regions of tracks in the frame entered last can be searched.
   [[nodiscard]] bool HasTime() const;
+  /// True if the whole of it can be searched. Of a live source one frame at a time is: the later ones wait for it.
+  [[nodiscard]] bool HasTimeForAll() const { return HasTime() && !(is_live_ && full_searches_ > 0); }
+
+  void BeginFullSearch() { ++full_searches_; }
+  void EndFullSearch() { --full_searches_; }
 
  private:
   std::optional<std::chrono::duration<double>> frame_budget_;
@@ -31,7 +37,8 @@ class SearchPace {
   std::function<Clock::time_point()> now_;
   std::optional<Clock::time_point> start_;
   std::int64_t frames_ = 0;
-  double behind_s_ = 0;
+  std::atomic<int> full_searches_ = 0;
+  std::optional<double> behind_s_;
 };
 
 }  // namespace victorious

@@ -15,12 +15,27 @@ TEST(SearchPace, WithoutLimitAlwaysHasTime) {
 
 TEST(SearchPace, LiveSourceThatIsBehindIsNotSearched) {
   SearchPace pace(std::nullopt, true);
-  pace.Enter(0.1);
+  pace.Enter(std::nullopt);
+  EXPECT_FALSE(pace.HasTime()) << "frames that came before may wait";
+  pace.Enter(0.05);
   EXPECT_TRUE(pace.HasTime());
   pace.Enter(0.3);
   EXPECT_FALSE(pace.HasTime());
   pace.Enter(0);
   EXPECT_TRUE(pace.HasTime());
+}
+
+TEST(SearchPace, OneFrameOfALiveSourceIsSearchedAtATime) {
+  for (const bool is_live : {false, true}) {
+    SearchPace pace(std::nullopt, is_live);
+    pace.Enter(0);
+    EXPECT_TRUE(pace.HasTimeForAll());
+    pace.BeginFullSearch();
+    EXPECT_EQ(pace.HasTimeForAll(), !is_live);
+    EXPECT_TRUE(pace.HasTime());
+    pace.EndFullSearch();
+    EXPECT_TRUE(pace.HasTimeForAll());
+  }
 }
 
 TEST(SearchPace, HoldsItsBudget) {

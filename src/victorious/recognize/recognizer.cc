@@ -5,6 +5,8 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include "victorious/base/check.h"
 #include "victorious/base/stage_time.h"
@@ -89,10 +91,15 @@ Status Recognizer::RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& det
 Expected<std::vector<Detection>> Recognizer::Recognize(const FeatureSet& features, const FrameConditions& conditions,
                                                        const cv::Mat& grey) const {
   const PreparedScene scene(features, conditions.vertical);
+  std::vector<Expected<std::vector<Candidate>>> found(searchers_.size());
+  oneapi::tbb::this_task_arena::isolate([&] {  // else a waiting thread could start on another frame
+    oneapi::tbb::parallel_for(std::size_t{0}, searchers_.size(),
+                              [&](std::size_t m) { found[m] = searchers_[m]->Search(scene, conditions); });
+  });
   std::vector<Candidate> candidates;
   for (std::size_t m = 0; m < searchers_.size(); ++m) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Candidate> found, searchers_[m]->Search(scene, conditions));
-    for (Candidate& candidate : found) {
+    if (!found[m]) return std::unexpected(std::move(found[m]).error());
+    for (Candidate& candidate : *found[m]) {
       candidate.model_index = m;
       candidates.push_back(std::move(candidate));
     }

@@ -50,27 +50,52 @@ struct Quantity {
   [[nodiscard]] double Degrees() const { return unit == "S" || unit == "W" ? -std::abs(number) : number; }
 };
 
-// Reads a quantity and removes it from the front.
-std::optional<Quantity> TakeQuantity(std::string_view& text) {
-  const auto number = TakeNumber(text);
-  if (!number) return std::nullopt;
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Reads "-52,509" and removes it from the front; std::nullopt if no digits follow the comma at once, or if a comma or a
+// point follows these, so that the end of the number is ambiguous.
+std::optional<double> TakeNumberWithComma(std::string_view& text) {
+  const auto end_of_digits = [&](std::size_t from) {
+    return std::min(text.find_first_not_of("0123456789", from), text.size());
+  };
+  TrimFront(text);
+  const std::size_t first = text.starts_with('-') ? 1 : 0;
+  const std::size_t comma = end_of_digits(first);
+  if (comma == first || comma == text.size() || text[comma] != ',') return std::nullopt;
+  const std::size_t end = end_of_digits(comma + 1);
+  if (end == comma + 1 || (end < text.size() && (text[end] == ',' || text[end] == '.'))) return std::nullopt;
+  std::string number(text.substr(0, end));
+  number[comma] = '.';
+  text.remove_prefix(end);
+  return ParseNumber(number);
+}
+
+// Reads the unit of a number, and removes it from the front.
+Quantity TakeUnit(double number, std::string_view& text) {
   TrimFront(text);
   const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
   const auto end = std::ranges::find_if_not(text, is_letter);
-  const Quantity quantity{*number, text.substr(0, static_cast<std::size_t>(end - text.begin()))};
+  const Quantity quantity{number, text.substr(0, static_cast<std::size_t>(end - text.begin()))};
   text.remove_prefix(quantity.unit.size());
   return quantity;
 }
 
-// The quantity after "word:" or "word :"; std::nullopt for a number with a decimal comma, whose end is ambiguous.
+// Reads a quantity and removes it from the front.
+std::optional<Quantity> TakeQuantity(std::string_view& text) {
+  const auto number = TakeNumber(text);
+  return number ? std::optional(TakeUnit(*number, text)) : std::nullopt;
+}
+
+// The quantity after "word:" or "word :", also with a decimal comma; std::nullopt for a number whose end is ambiguous.
 std::optional<Quantity> QuantityAfter(std::string_view text, std::string_view word) {
   auto rest = FindAfterWord(text, word);
   if (!rest) return std::nullopt;
   TrimFront(*rest);
   if (!rest->starts_with(':')) return std::nullopt;
   rest->remove_prefix(1);
+  if (const auto number = TakeNumberWithComma(*rest)) return TakeUnit(*number, *rest);
   const auto quantity = TakeQuantity(*rest);
-  const bool goes_on = rest->size() > 1 && rest->starts_with(',') && (*rest)[1] >= '0' && (*rest)[1] <= '9';
+  const bool goes_on = rest->size() > 1 && rest->starts_with(',') && IsDigit((*rest)[1]);
   return goes_on ? std::nullopt : quantity;
 }
 
@@ -182,12 +207,13 @@ double DigitalZoom(std::string_view text, bool focal_has_decimals) {
   return zoom >= 1 ? zoom : 1;
 }
 
-// Whether the number after "word:" has a decimal point.
+// Whether the number after "word:" has a decimal point or comma.
 bool HasDecimals(std::string_view text, std::string_view word) {
   const std::string_view rest = FindAfterWord(text, word).value_or("");
   const std::size_t start = std::min(rest.find_first_of("0123456789"), rest.size());
   const std::size_t end = std::min(rest.find_first_not_of("0123456789", start), rest.size());
-  return rest.substr(end).starts_with('.');
+  const std::string_view fraction = rest.substr(end);
+  return fraction.size() > 1 && (fraction[0] == '.' || fraction[0] == ',') && IsDigit(fraction[1]);
 }
 
 // From the 35 mm equivalent focal length. Some aircraft write whole tenths of millimetres: 280 is 28 mm. A number with

@@ -73,10 +73,18 @@ TEST(DjiSrt, FocalLengthsAboveTwoHundredAreTenthsOnlyIfWhole) {
 TEST(DjiSrt, MissingPlaceIsUnknown) {
   for (const char* text : {"", "GPS(N/A,N/A,3) BAROMETER:0.0", "[latitude: 0.000] [longitude: 0.000] [rel_alt: 0.4]",
                            "[latitude: 91] [longitude: 10]", "GPS(", "GPS(1,2", "[latitude: nan] [longitude: 1]",
-                           "[latitude: 48,123] [longitude: 11,512] [rel_alt: 10,5]",
+                           "[latitude: 48,123,5] [longitude: 11,512] [rel_alt: 10,5]",
                            "[latitude: 48.1 E] [longitude: 11.5 N] [rel_alt: 10]"}) {
     EXPECT_FALSE(CameraFromDjiText(text)) << text;
   }
+}
+
+TEST(DjiSrt, DecimalCommas) {
+  const auto state =
+      CameraFromDjiText("[latitude: -48,125] [longitude: 11,5] [rel_alt: 10,500 abs_alt: 172,250] [focal_len: 240,00]");
+  ExpectPlace(state, -48.125, 11.5, 172.25, VerticalDatum::kEgm96);
+  EXPECT_NEAR(DegreesFromRadians(*state->hfov_rad), 8.6, 0.1) << "millimetres: it has decimals";
+  ExpectPlace(CameraFromDjiText("GPS(11.5,48.1,16) BAROMETER:30,5M"), 48.1, 11.5, 30.5, VerticalDatum::kTakeoff);
 }
 
 TEST(DjiSrt, HemisphereAndUnitLetters) {

@@ -16,6 +16,9 @@
 namespace victorious {
 namespace {
 
+// A shorter read is that of a frame that has come before, and its decoding.
+constexpr double kMinWait_s = 0.015;
+
 double Now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // Reads frames until the end, a cancellation, a stop or an error. Holds them back as the packet receiver wants.
@@ -49,6 +52,7 @@ class HeldFrames {
     if (stopped_) return End(FrameLoopEnd::kStopped);
     if (cancel_.IsCancelled()) return End(FrameLoopEnd::kCancelled);
     const StageScope scope(Stage::kReading);
+    const double before_s = Now_s();
     Expected<std::optional<Frame>> frame = reader_.NextFrame();
     if (!frame) {
       status_ = std::unexpected(std::move(frame).error());
@@ -57,7 +61,7 @@ class HeldFrames {
     if (!*frame) return End(FrameLoopEnd::kEndOfVideo);
     ++frames_read_;
     last_time_s_ = (*frame)->time_s;
-    delay_.EnterRead(last_time_s_);
+    delay_.EnterRead(last_time_s_, Now_s() - before_s);
     std::vector<DataPacket> packets = reader_.TakeDataPackets();
     if (packets_ != nullptr) status_ = packets_->Add(std::move(packets), last_time_s_);
     return *std::move(frame);
@@ -102,7 +106,11 @@ std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_
   return std::min(count, info.frame_count.value_or(count));
 }
 
-void LiveDelay::EnterRead(double time_s) { offset_s_ = std::min(offset_s_.load(), Now_s() - time_s); }
+void LiveDelay::EnterRead(double time_s, double waited_s) {
+  offset_s_ = std::min(offset_s_.load(), Now_s() - time_s);
+  has_waited_ = has_waited_ || waited_s >= kMinWait_s;
+  if (has_waited_) read_behind_s_ = BehindOf(time_s);
+}
 
 double LiveDelay::BehindOf(double time_s) const { return std::max(0.0, Now_s() - time_s - offset_s_); }
 

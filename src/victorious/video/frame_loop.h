@@ -58,13 +58,18 @@ struct FrameLoopOptions {
 /// offset to this machine's clock; the frame that waited least before it was read bounds the offset.
 class LiveDelay {
  public:
-  /// Call when a frame is read, from one thread.
-  void EnterRead(double time_s);
-  /// How long ago a frame of this time stamp could have been read, s. Any thread.
+  /// Call when a frame has been read, from one thread. @param waited_s  that reading it took
+  void EnterRead(double time_s, double waited_s);
+  /// At least how long ago a frame of this time stamp could have been read, s. Any thread.
   [[nodiscard]] double BehindOf(double time_s) const;
+  /// How late the frame read last was read, s; std::nullopt until a frame was waited for: before, those that came while
+  /// the source was opened may still wait. Of the reading thread.
+  [[nodiscard]] std::optional<double> ReadBehind() const { return read_behind_s_; }
 
  private:
   std::atomic<double> offset_s_ = std::numeric_limits<double>::infinity();
+  bool has_waited_ = false;
+  std::optional<double> read_behind_s_;
 };
 
 /// How a loop ended without an error.
@@ -130,8 +135,9 @@ class FrameLoop {
 
   /// Number of frames read.
   [[nodiscard]] std::int64_t frames_read() const { return frames_read_; }
-  /// How far the work on a frame is behind a live source, s (LiveDelay). Callable from `select` and from any stage.
-  [[nodiscard]] double BehindOf(double time_s) const { return delay_.BehindOf(time_s); }
+  /// How far reading is behind a live source, s; std::nullopt as long as it has not caught up with it (LiveDelay).
+  /// Callable from `select`.
+  [[nodiscard]] std::optional<double> ReadBehind() const { return delay_.ReadBehind(); }
   /// Time of the last frame read, s; 0 if there was none.
   [[nodiscard]] double last_time_s() const { return last_time_s_; }
 

@@ -56,6 +56,17 @@ Status Square(Work& work) {
   return {};
 }
 
+TEST(LiveDelayTest, IsUnknownUntilAFrameWasWaitedFor) {
+  LiveDelay delay;
+  delay.EnterRead(0, 0.001);
+  delay.EnterRead(0.1, 0.001);
+  EXPECT_FALSE(delay.ReadBehind());
+  delay.EnterRead(0.2, 0.08);
+  EXPECT_NEAR(delay.ReadBehind().value(), 0, 0.1) << "the frame of the latest time stamp, read as soon as any";
+  delay.EnterRead(-0.8, 0.001);
+  EXPECT_NEAR(delay.ReadBehind().value(), 1.0, 0.1) << "filmed a second before it";
+}
+
 class FrameLoopTest : public ::testing::Test {
  protected:
   // A loop with a parallel stage, and one that stores the squares in order.
