@@ -83,9 +83,9 @@ std::vector<TrackStep> Follower::Step(const Frame& frame) {
   if (order_ == FrameOrder::kForward && frame.index % options_.restart_interval_frames == 0) {
     for (const auto& [id, followed] : tracks_) tracker_.Stop(id);
     tracks_.clear();
-    constexpr std::int64_t kMaxTracks = 1'000'000;  // upper bound of tracks between two restarts
-    last_number_ = frame.index / options_.restart_interval_frames * kMaxTracks;
   }
+  constexpr std::int64_t kMaxTracks = 1'000;  // upper bound of those that start in one frame
+  last_number_ = frame.index * kMaxTracks;
   std::vector<TrackStep> active;
   for (TrackStep& step : tracker_.Step(frame)) {
     if (step.state == TrackState::kActive) {

@@ -104,7 +104,7 @@ class Follower {
     Detection last;  // last recognition
     double max_full_frame_score =
         0;  // highest score of its full-frame detections; the upper bound of a score found in its region
-    std::int64_t number = 0;  // track id; does not depend on where the index was interrupted
+    std::int64_t number = 0;  // track id, by its first frame: does not depend on where the index was interrupted
     int recognised = 0;
     double searched_time_s = 0;  // of the last frame in which its region was searched or it was recognised
   };

@@ -22,8 +22,8 @@ struct IndexJob {
   int threads = 0;                       ///< 0: one per hardware thread
   std::optional<double> from_s = {};     ///< only frames at this time or later are searched
   std::optional<double> to_s = {};       ///< only frames up to this time
-  /// Time that the search may take a frame of the video, on average: full-frame searches are left out to hold it, but
-  /// for those where tracks restart. What is found then depends on the machine. std::nullopt: any.
+  /// Time that the search may take a frame of the video, on average: searches are left out to hold it. What is found
+  /// then depends on the machine. std::nullopt: any.
   std::optional<std::chrono::duration<double, std::milli>> frame_budget = {};
   WarningSink inform = {};  ///< receives what is no warning: the expected size of the kept features
   /// Relit templates (MakeRelitViews), one entry per model. The caller keeps them, to share them between jobs with the

@@ -62,9 +62,7 @@ class KeptFrameSelector {
 };
 
 // True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
-bool IsTrackingEnabled(const IndexPass& pass) {
-  return pass.options.follow.enabled && !pass.recognizer.models().empty();
-}
+bool IsTrackingEnabled(const IndexPass& pass) { return pass.follow.enabled && !pass.recognizer.models().empty(); }
 
 // True if the frame lies beyond the interval of time to search, or the segment.
 bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
@@ -82,7 +80,9 @@ class FrameSelector {
         pass_(pass),
         next_frame_(pass.searches.front().next_frame) {
     follow_from_ = next_frame_;
-    if (IsTrackingEnabled(pass)) follow_from_ -= next_frame_ % pass.options.follow.restart_interval_frames;
+    if (IsTrackingEnabled(pass) && !pace.IsLimited()) {
+      follow_from_ -= next_frame_ % pass.follow.restart_interval_frames;
+    }
     first_frame_ = std::min(follow_from_, first_required_frame.value_or(follow_from_));
   }
 
@@ -91,11 +91,12 @@ class FrameSelector {
     pace_.Enter(behind_s);
     if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
     const std::int64_t index = frame.index;
-    const bool is_first_wanted = pass_.from_s && !std::exchange(has_started_, true);
-    const bool is_due = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.options.follow);
-    const bool whole = is_due && (is_first_wanted || IsRestart(index) || pace_.HasTimeForAll());
+    const bool is_first_wanted =
+        (pass_.from_s && !std::exchange(has_started_, true)) || (pace_.IsLimited() && index == next_frame_);
+    const bool is_due = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.follow);
+    const bool whole = is_due && (is_first_wanted || pace_.HasTimeForAll());
     const bool classify =
-        pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.options.follow);
+        pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.follow);
     const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);  // selects by time
     if (index < first_frame_ || (!whole && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
@@ -114,11 +115,6 @@ class FrameSelector {
   }
 
  private:
-  // Without a full-frame search nothing is tracked after a restart.
-  [[nodiscard]] bool IsRestart(std::int64_t frame) const {
-    return pass_.options.follow.enabled && frame % pass_.options.follow.restart_interval_frames == 0;
-  }
-
   KeptFrameSelector kept_frames_;
   SearchPace& pace_;
   const IndexPass& pass_;
@@ -197,8 +193,8 @@ Status Search(const IndexPass& pass, FrameTask& work) {
 TrackletOptions MakeTrackletOptions(const IndexPass& pass, double frame_rate) {
   constexpr double kFrames = 2.5;
   TrackletOptions tracklets = pass.options.tracklets;
-  const double frames = std::max(kFrames * pass.intervals.models,
-                                 IsTrackingEnabled(pass) ? pass.options.follow.track.missed_frames + 1.5 : 0.0);
+  const double frames =
+      std::max(kFrames * pass.intervals.models, IsTrackingEnabled(pass) ? pass.follow.track.missed_frames + 1.5 : 0.0);
   if (frame_rate > 0) tracklets.gap_s = std::max(tracklets.gap_s, frames / frame_rate);
   return tracklets;
 }
@@ -351,8 +347,8 @@ class TrackingStage {
     TrackingStage stage(pass, is_live, writer);
     if (IsTrackingEnabled(pass)) {
       VICTORIOUS_ASSIGN_OR_RETURN(
-          Follower follower, Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_fraction,
-                                              pass.options.follow));
+          Follower follower,
+          Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_fraction, pass.follow));
       stage.follower_.emplace(std::move(follower));
     }
     return stage;
@@ -360,7 +356,7 @@ class TrackingStage {
 
   Status Add(FrameTask& task) {
     FollowedFrame& now = task.now;
-    if (now.frame.index % pass_.options.follow.restart_interval_frames == 0) VICTORIOUS_RETURN_IF_ERROR(Finish());
+    if (now.frame.index % pass_.follow.restart_interval_frames == 0) VICTORIOUS_RETURN_IF_ERROR(Finish());
     {
       const StageScope scope(Stage::kTracking);
       task.now_from_before = motion_.Step(now.frame.image);
@@ -368,7 +364,7 @@ class TrackingStage {
       task.features = {};
     }
     const std::size_t image_bytes = now.frame.image.total() * now.frame.image.elemSize();
-    const std::size_t max_held = follower_ && !is_live_ ? HeldFrameCount(pass_.options.follow, image_bytes) : 0;
+    const std::size_t max_held = follower_ && !is_live_ ? HeldFrameCount(pass_.follow, image_bytes) : 0;
     held_.push_back(std::move(task));
     while (held_.size() > max_held) VICTORIOUS_RETURN_IF_ERROR(PassOn());
     return {};
@@ -399,8 +395,8 @@ class TrackingStage {
     VICTORIOUS_ASSIGN_OR_RETURN(now.objects, follower_->Follow(now.frame, whole, now.conditions, searches));
     std::vector<FollowedFrame*> before;
     for (FrameTask& held : held_ | std::views::reverse) before.push_back(&held.now);
-    return FollowBackward(pass_.recognizer, pass_.extractor, pass_.options.features.impulse_fraction,
-                          pass_.options.follow, now, task.features, before);
+    return FollowBackward(pass_.recognizer, pass_.extractor, pass_.options.features.impulse_fraction, pass_.follow, now,
+                          task.features, before);
   }
 
   // Makes the sightings of the oldest held frame.

@@ -14,6 +14,7 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/sun.h"
 #include "victorious/pipeline/camera_states.h"
+#include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/frame_results.h"
 #include "victorious/pipeline/index_job.h"
 #include "victorious/pipeline/index_options.h"
@@ -45,6 +46,7 @@ struct IndexPass {
   const FeatureExtractor& extractor;
   const FeatureExtractor& kept_extractor;  ///< of the features that are kept
   const IndexOptions& options;
+  FollowOptions follow;  ///< options.follow, or that of a pass that keeps a pace
   SearchIntervals intervals;
   CameraStates& cameras;
   std::optional<Sun> sun;             ///< sun direction, if known (sun_direction.h)

@@ -358,6 +358,18 @@ std::vector<std::optional<std::int64_t>> Indexer::CategoryIds(const PlannedPass&
   return ids;
 }
 
+// A pass that keeps a pace is not repeatable anyway: its tracks need not restart for a resumed one to equal it. Its
+// searches of full frames lie seconds apart.
+FollowOptions Indexer::MakeFollowOptions(const IndexJob& job, const OpenedVideo& video) const {
+  constexpr int kNoRestart = 1'000'000;
+  constexpr int kBackwardFrames = 90;
+  FollowOptions follow = options_.follow;
+  if (!job.frame_budget && !(video.reader && video.reader->info().live)) return follow;
+  follow.restart_interval_frames = kNoRestart;
+  follow.backward_frames = std::max(follow.backward_frames, kBackwardFrames);
+  return follow;
+}
+
 IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognizer,
                             std::span<const std::optional<std::int64_t>> category_ids, const IndexJob& job,
                             OpenedVideo& video) const {
@@ -370,6 +382,7 @@ IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognize
           .extractor = *extractor_,
           .kept_extractor = *kept_extractor_,
           .options = options_,
+          .follow = MakeFollowOptions(job, video),
           .intervals = video.intervals,
           .cameras = video.cameras,
           .sun = {},

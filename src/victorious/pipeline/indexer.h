@@ -100,6 +100,7 @@ class Indexer {
   // Database ids of the categories of the finder, for those that the plan searches for.
   [[nodiscard]] std::vector<std::optional<std::int64_t>> CategoryIds(const PlannedPass& plan) const;
   // The references outlive the pass.
+  [[nodiscard]] FollowOptions MakeFollowOptions(const IndexJob& job, const OpenedVideo& video) const;
   [[nodiscard]] IndexPass MakePass(const PlannedPass& plan, const Recognizer& recognizer,
                                    std::span<const std::optional<std::int64_t>> category_ids, const IndexJob& job,
                                    OpenedVideo& video) const;

@@ -20,6 +20,9 @@ class SearchPace {
   explicit SearchPace(std::optional<std::chrono::duration<double>> frame_budget, bool is_live,
                       std::function<Clock::time_point()> now = Clock::now);
 
+  /// True if there is a pace to keep.
+  [[nodiscard]] bool IsLimited() const { return is_live_ || frame_budget_; }
+
   /// Call for each frame that is read, in order. @param behind_s  FrameLoop::ReadBehind; only used of a live source
   void Enter(std::optional<double> behind_s);
 
