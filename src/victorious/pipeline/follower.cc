@@ -18,7 +18,7 @@ void FollowOptions::ListFields(FieldList& fields) {
                         "searched independently"});
   fields.Add("restart_interval_frames", restart_interval_frames,
              {.min = 1,
-              .max = 1e6,
+              .max = kNoRestart,
               .unit = "frames",
               .reason = "all tracks restart at this interval: the maximum number of frames that are tracked again when "
                         "an index resumes"});

@@ -25,6 +25,9 @@
 
 namespace victorious {
 
+/// An interval at which tracks do not restart: that of a pass that is not resumed, or need not equal an uninterrupted one.
+inline constexpr int kNoRestart = 1'000'000;
+
 /// Tracking between full-frame searches.
 struct FollowOptions {
   bool enabled = true;               ///< false: every full frame is searched independently

@@ -361,7 +361,6 @@ std::vector<std::optional<std::int64_t>> Indexer::CategoryIds(const PlannedPass&
 // A pass that keeps a pace is not repeatable anyway: its tracks need not restart for a resumed one to equal it. Its
 // searches of full frames lie seconds apart.
 FollowOptions Indexer::MakeFollowOptions(const IndexJob& job, const OpenedVideo& video) const {
-  constexpr int kNoRestart = 1'000'000;
   constexpr int kBackwardFrames = 90;
   FollowOptions follow = options_.follow;
   if (!job.frame_budget && !(video.reader && video.reader->info().live)) return follow;

@@ -24,7 +24,7 @@
 namespace victorious {
 
 NavigateVideoOptions::NavigateVideoOptions() {
-  follow.restart_interval_frames = 1000000;  // never restarted: a navigation run is not resumed
+  follow.restart_interval_frames = kNoRestart;
   follow.search_interval_s = 0.5;
 }
 
