@@ -1,11 +1,9 @@
 // Live sources over the loopback interface: reading works, and no call blocks beyond the timeout.
 #include <algorithm>
 #include <chrono>
-#include <future>
 #include <string>
 #include <thread>
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -13,85 +11,21 @@
 #include <unistd.h>
 
 #include "testing/data.h"
+#include "testing/loopback_server.h"
 #include "testing/video_tools.h"
-#include "victorious/base/check.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
 namespace {
 
 using ::testing::Contains;
+using testing::FreeUdpPort;
 using ::testing::HasSubstr;
+using testing::Loopback;
+using testing::LoopbackServer;
 using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-sockaddr_in Loopback(int port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return address;
-}
-
-int BindToFreePort(int socket) {
-  sockaddr_in address = Loopback(0);
-  auto* generic = reinterpret_cast<sockaddr*>(&address);
-  socklen_t size = sizeof(address);
-  VICTORIOUS_CHECK(::bind(socket, generic, size) == 0);
-  VICTORIOUS_CHECK(::getsockname(socket, generic, &size) == 0);
-  return ntohs(address.sin_port);
-}
-
-int FreeUdpPort() {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-  const int port = BindToFreePort(socket);
-  ::close(socket);
-  return port;
-}
-
-// A TCP server for one connection, on a free port of 127.0.0.1.
-class Server {
- public:
-  Server() : socket_(::socket(AF_INET, SOCK_STREAM, 0)), port_(BindToFreePort(socket_)) {
-    VICTORIOUS_CHECK(::listen(socket_, 1) == 0);
-  }
-  ~Server() {
-    stop_.set_value();
-    ::shutdown(socket_, SHUT_RDWR);
-    if (thread_.joinable()) thread_.join();
-    ::close(socket_);
-  }
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
-
-  /// Accepts in the background, sends `bytes`, then keeps the connection open without sending for `silent_s`.
-  void Serve(std::string bytes, double silent_s) {
-    if (thread_.joinable()) thread_.join();
-    stop_ = {};
-    thread_ = std::thread([this, bytes = std::move(bytes), silent_s] {
-      const int peer = ::accept(socket_, nullptr, nullptr);
-      if (peer < 0) return;
-      for (std::size_t sent = 0; sent < bytes.size();) {
-        const ssize_t count = ::send(peer, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-        if (count <= 0) break;
-        sent += static_cast<std::size_t>(count);
-      }
-      stop_.get_future().wait_for(std::chrono::duration<double>(silent_s));
-      ::close(peer);
-    });
-  }
-
-  [[nodiscard]] std::string Url(const std::string& scheme) const {
-    return scheme + "://127.0.0.1:" + std::to_string(port_) + (scheme == "http" ? "/live.ts" : "");
-  }
-
- private:
-  int socket_;
-  int port_;
-  std::promise<void> stop_;
-  std::thread thread_;
-};
 
 std::string TransportStream(int frames, const char* encoder = "mpeg1video") {
   const testing::ScratchFolder folder;
@@ -114,7 +48,7 @@ int CountFrames(VideoReader& reader) {
 }
 
 TEST(LiveVideo, ReadsTcpToItsEnd) {
-  Server server;
+  LoopbackServer server;
   server.Serve(TransportStream(60), 0);
   const auto reader = VideoReader::Open(server.Url("tcp"), {.open_timeout_s = 5});
   ASSERT_TRUE(reader) << reader.error().message;
@@ -125,7 +59,7 @@ TEST(LiveVideo, ReadsTcpToItsEnd) {
 }
 
 TEST(LiveVideo, ReadsHttp) {
-  Server server;
+  LoopbackServer server;
   server.Serve("HTTP/1.0 200 OK\r\nContent-Type: video/mp2t\r\n\r\n" + TransportStream(60), 0);
   const auto reader = VideoReader::Open(server.Url("http"), {.open_timeout_s = 5});
   ASSERT_TRUE(reader) << reader.error().message;
@@ -140,7 +74,7 @@ struct Identity {
 
 Identity IdentityOf(const std::string& head, const std::string& bytes) {
   Identity identity;
-  Server server;
+  LoopbackServer server;
   for (std::string* id : {&identity.first, &identity.second}) {
     server.Serve("HTTP/1.0 200 OK\r\nContent-Type: video/mp2t\r\n" + head + "\r\n" + bytes, 0);
     const auto reader = VideoReader::Open(server.Url("http"), {.open_timeout_s = 5});
@@ -220,7 +154,7 @@ TEST(LiveVideo, SourceThatSendsSlowlyIsRead) {
 }
 
 TEST(LiveVideo, SilentSourceEndsWithAWarning) {
-  Server server;
+  LoopbackServer server;
   constexpr double kSilent_s = 60;  // the connection stays open longer than the busiest machine needs
   server.Serve(TransportStream(250), kSilent_s);
   const auto reader = VideoReader::Open(server.Url("tcp"), {.open_timeout_s = 1});
@@ -234,7 +168,7 @@ TEST(LiveVideo, SilentSourceEndsWithAWarning) {
 
 TEST(LiveVideo, UnresponsiveSourceTimesOut) {
   constexpr double kSilent_s = 60;  // the connection stays open longer than the busiest machine needs
-  Server silent;
+  LoopbackServer silent;
   silent.Serve("", kSilent_s);
   for (const std::string& url :
        {silent.Url("tcp"), "udp://127.0.0.1:" + std::to_string(FreeUdpPort()), silent.Url("rtsp")}) {
@@ -251,7 +185,7 @@ TEST(LiveVideo, UnresponsiveSourceTimesOut) {
 TEST(LiveVideo, RefusedConnectionFailsImmediately) {
   std::string url;
   {
-    const Server closed;
+    const LoopbackServer closed;
     url = closed.Url("tcp");
   }
   const auto reader = VideoReader::Open(url, {.open_timeout_s = 5});
