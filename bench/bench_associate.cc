@@ -23,12 +23,16 @@ namespace victorious::bench {
 namespace {
 
 constexpr int kModels = 20;
-constexpr int kVideosOfTown = 10;
 constexpr int kObjectsOfTown = 24;
 constexpr int kObjectsOfVideo = 20;  // on average
-constexpr int kSightings = 50;       // of an object in a video
 constexpr int kFrames = 3000;        // of a video
 constexpr double kFrameRate = 10;
+
+struct Archive {
+  int videos = 0;
+  int videos_of_town = 10;
+  int sightings = 50;  // of an object in a video
+};
 
 struct Object {
   std::size_t model = 0;
@@ -65,7 +69,7 @@ BearingObservation Observe(const Object& object, const TangentPlane& town, doubl
   return observation;
 }
 
-Status AddVideo(int number, int town, const std::vector<std::int64_t>& models, IndexStore& store) {
+Status AddVideo(int number, int town, int sightings, const std::vector<std::int64_t>& models, IndexStore& store) {
   const std::string name = fmt::format("/videos/{:05}.mp4", number);
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord video,
                               store.PutVideo({.content_id = name, .name = name, .width = 1920, .height = 1080}));
@@ -76,15 +80,15 @@ Status AddVideo(int number, int town, const std::vector<std::int64_t>& models, I
   IndexBatch batch;
   for (const Object& object : MakeTown(town)) {
     if (random.Uniform() > static_cast<double>(kObjectsOfVideo) / kObjectsOfTown) continue;
-    const auto first = static_cast<std::int64_t>(random.Below(kFrames - kSightings));
+    const auto first = static_cast<std::int64_t>(random.Below(kFrames - sightings));
     batch.tracklets.push_back({std::nullopt,
                                {.video = video.id,
                                 .model = models[object.model],
                                 .score = 0.95,
-                                .frames = kSightings,
+                                .frames = sightings,
                                 .first_time_s = static_cast<double>(first) / kFrameRate,
-                                .last_time_s = static_cast<double>(first + kSightings - 1) / kFrameRate}});
-    for (std::int64_t frame = first; frame < first + kSightings; ++frame) {
+                                .last_time_s = static_cast<double>(first + sightings - 1) / kFrameRate}});
+    for (std::int64_t frame = first; frame < first + sightings; ++frame) {
       const double time_s = static_cast<double>(frame) / kFrameRate;
       SightingRecord sighting{.frame = frame,
                               .time_s = time_s,
@@ -117,7 +121,7 @@ Expected<double> TimeUpdate(IndexStore& store) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-Expected<Result> TimeIndexOf(int videos) {
+Expected<Result> TimeIndexOf(const Archive& archive) {
   const testing::ScratchFolder folder;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenSqliteStore(folder.path() / "index.db", StoreMode::kCreate));
   std::vector<std::int64_t> models;
@@ -127,31 +131,35 @@ Expected<Result> TimeIndexOf(int videos) {
                                 store->PutModel({.name = name, .content_id = name, .kind = ModelKind::kCad}));
     models.push_back(model.id);
   }
-  for (int video = 0; video < videos; ++video)
-    VICTORIOUS_RETURN_IF_ERROR(AddVideo(video, video / kVideosOfTown, models, *store));
+  const auto add = [&](int video, int town) { return AddVideo(video, town, archive.sightings, models, *store); };
+  for (int video = 0; video < archive.videos; ++video)
+    VICTORIOUS_RETURN_IF_ERROR(add(video, video / archive.videos_of_town));
   VICTORIOUS_ASSIGN_OR_RETURN(const double anew_ms, TimeUpdate(*store));
   VICTORIOUS_ASSIGN_OR_RETURN(const double unchanged_ms, TimeUpdate(*store));
   // Over the first town.
-  VICTORIOUS_RETURN_IF_ERROR(AddVideo(videos, 0, models, *store));
+  VICTORIOUS_RETURN_IF_ERROR(add(archive.videos, 0));
   VICTORIOUS_ASSIGN_OR_RETURN(const double one_more_ms, TimeUpdate(*store));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> tracklets, store->Tracklets());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store->Objects({.include_rejected = true}));
   const auto count = static_cast<double>(tracklets.size());
-  return Result{.name = fmt::format("associate_{}", videos),
+  return Result{.name = fmt::format("associate_{}", archive.videos),
                 .median_ms = one_more_ms,
                 .peer_median_ms = {{"anew", anew_ms}},
                 .figures = {{"unchanged_ms", unchanged_ms},
                             {"objects", static_cast<double>(objects.size())},
                             {"tracklets", count},
-                            {"sightings", count * kSightings}}};
+                            {"sightings", count * archive.sightings}}};
 }
 
 }  // namespace
 
 Expected<std::vector<Result>> BenchAssociate(const Settings& settings) {
+  std::vector<Archive> archives = {{.videos = 10}, {.videos = 40}, {.videos = 160}};
+  if (settings.quick) archives = {{.videos = 2}};
+  if (settings.large) archives = {{.videos = 2500, .videos_of_town = 1, .sightings = 100}};
   std::vector<Result> results;
-  for (const int videos : settings.quick ? std::vector{2} : std::vector{10, 40, 160}) {
-    VICTORIOUS_ASSIGN_OR_RETURN(results.emplace_back(), TimeIndexOf(videos));
+  for (const Archive& archive : archives) {
+    VICTORIOUS_ASSIGN_OR_RETURN(results.emplace_back(), TimeIndexOf(archive));
   }
   return results;
 }

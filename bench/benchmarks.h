@@ -12,6 +12,7 @@ namespace victorious::bench {
 
 struct Settings {
   bool quick = false;           ///< small input, timed once: a smoke test
+  bool large = false;           ///< input that takes long to make
   std::filesystem::path cache;  ///< folder of the models and flights that `index` makes; created if it does not exist
 
   [[nodiscard]] Effort effort() const { return quick ? Effort::Quick() : Effort{}; }
@@ -58,8 +59,9 @@ std::vector<Result> BenchSearch(const Settings& settings);
 /// 1000 random trials in which the place is within 3 sigma and 95 % of the inliers are kept.
 std::vector<Result> BenchLocate(const Settings& settings);
 
-/// Data association after one more video, in indexes of 10, 40 and 160 videos of 1000 sightings, on all cores. Peer:
-/// the first data association of the index, which makes all fits. Errors: those of the store.
+/// Data association after one more video, in indexes of 10, 40 and 160 videos of 1000 sightings, on all cores. With
+/// `settings.large`, in one of 2500 videos, each of another town: 50,000 objects, 5 million sightings. Peer: the first
+/// data association of the index, which makes all fits. Errors: those of the store.
 [[nodiscard]] Expected<std::vector<Result>> BenchAssociate(const Settings& settings);
 
 /// Tracking through 15 frames of 640 x 480 px: four regions of 50 points by Lucas-Kanade, and a user box; peers of the

@@ -1,5 +1,5 @@
-// victorious-bench [NAME] [--json] [--quick] [--cache DIR]: measures the speed of each stage and of whole frames
-// against peers. `victorious bench` starts it. Stages run on one core (sift also on two), the search by image,
+// victorious-bench [NAME] [--json] [--quick] [--large] [--cache DIR]: measures the speed of each stage and of whole
+// frames against peers. `victorious bench` starts it. Stages run on one core (sift also on two), the search by image,
 // data association and the queue on all.
 #include <array>
 #include <cstdio>
@@ -84,6 +84,7 @@ Expected<int> Main(int argc, char** argv) {
   parser.Add("NAME", arguments.name, "The benchmark (default: all)").OneOf(names);
   parser.AddFlag("--json", arguments.json, "Print JSON");
   parser.AddFlag("--quick", arguments.settings.quick, "Few repetitions, to check that it runs");
+  parser.AddFlag("--large", arguments.settings.large, "Of associate: 50,000 objects, whose first fits take an hour");
   parser
       .Add("--cache", cache,
            "Folder of the models and flights that index makes (default: victorious-bench in the folder of temporary "
