@@ -1,12 +1,16 @@
 """Videos shared out to workers: what N workers write is what one process writes, whoever dies meanwhile."""
 
 import contextlib
+import http.server
 import json
 import os
 import shutil
 import signal
+import ssl
 import subprocess
+import threading
 import time
+import unittest
 from pathlib import Path
 
 import program
@@ -223,6 +227,94 @@ class ClusterTest(program.ProgramTest):
         self.assertIn("truck was replaced after the video was submitted", status["tasks"][0]["reason"])
         self.assertEqual(self.rows(), found)
 
+    def move_away(self, *folders) -> None:
+        """As on a machine that does not have them."""
+        for folder in folders:
+            folder.rename(folder.with_name(f"{folder.name}-of-another-machine"))
+
+    def submit_published(self, *flags) -> Path:
+        """Submits copies of the videos and models, and takes them away. Returns where they are published."""
+        content, videos, models = (self.scratch / name for name in ("content", "videos", "models"))
+        videos.mkdir()
+        shutil.copytree(program.models(), models)
+        for number, video in enumerate(self.videos):
+            shutil.copy(video, videos / f"{number}.mkv")
+        params = Path(self.write("videos/params.json", '{"follow": {"restart_interval_frames": 5}}'))
+        names = [videos / f"{number}.mkv" for number in range(len(self.videos))]
+        submit = ("submit", *names, "--models", models, "--params", params, "--db", self.url, "--publish", content)
+        self.succeeds(*submit, *flags)
+        self.succeeds("index", *names, "--models", models, "--params", params, "--db", self.scratch / "one.db")
+        self.move_away(videos, models)
+        return content
+
+    @contextlib.contextmanager
+    def web_server(self, folder, tls=None):
+        class Handler(http.server.SimpleHTTPRequestHandler):
+            def __init__(self, *arguments):
+                super().__init__(*arguments, directory=folder)
+
+            def log_message(self, *_):
+                pass
+
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+            if tls:
+                server.socket = tls.wrap_socket(server.socket, server_side=True)
+            thread = threading.Thread(target=server.serve_forever)
+            thread.start()
+            try:
+                yield f"{'https' if tls else 'http'}://127.0.0.1:{server.server_port}"
+            finally:
+                server.shutdown()
+                thread.join()
+
+    def test_workers_fetch_what_they_do_not_have(self):
+        content = self.submit_published("--segment", 1)
+        cache = self.scratch / "cache"
+        with self.web_server(content) as url:
+            flags = ("--until-empty", "--content", url, "--cache", cache)
+            self.finish(*(self.start_worker(*flags) for _ in range(2)))
+        self.assertEqual(self.status()["done"], 3)
+        for form in ("objects", "sightings"):
+            of_workers, of_one = (self.numbered(self.exported(db, form)) for db in (self.url, self.scratch / "one.db"))
+            self.assertEqual(of_workers, of_one, form)
+        self.assertEqual(list((cache / "tasks").iterdir()), [])
+        self.assertEqual(len(list((cache / "files").iterdir())), 6, "three videos, two models, the parameters")
+
+    def test_content_that_is_wrong_is_listed_with_its_reason(self):
+        self.videos = self.videos[:1]
+        content = self.submit_published()
+        video = next(file for file in content.glob("*/*") if file.read_bytes() == self.videos[0].read_bytes())
+        video.write_bytes(video.read_bytes()[:-1] + b"x")
+        flags = ("--until-empty", "--retry-delay", "0", "--content", content, "--cache", self.scratch / "cache")
+        self.finish(self.start_worker(*flags))
+        (task,) = self.status()["tasks"]
+        self.assertIn(f"{video}: not the content that was submitted", task["reason"])
+        self.assertEqual(self.sql("SELECT count(*) FROM victorious.models"), ["0"])
+
+    @unittest.skipIf(shutil.which("openssl") is None, "openssl is not installed")
+    def test_server_whose_certificate_is_not_valid_is_refused(self):
+        self.videos = self.videos[:1]
+        content = self.submit_published()
+        files = [self.scratch / name for name in ("key.pem", "certificate.pem")]
+        new = ("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-noenc", "-subj", "/CN=a")
+        subprocess.run(["openssl", *new, "-keyout", files[0], "-out", files[1]], check=True, capture_output=True)
+        tls = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        tls.load_cert_chain(files[1], files[0])
+        with self.web_server(content, tls) as url:
+            worker = self.start_worker("--content", url, "--cache", self.scratch / "cache")
+            self.wait_until(lambda: self.events_of(worker).count("released") == 1)
+            worker.send_signal(signal.SIGINT)
+            said = worker.communicate(timeout=program.TIMEOUT_S)[1]
+        self.assertIn(f"waits again: {self.scratch}/videos/0.mkv: {url}/", said)
+
+    def test_video_that_was_replaced_is_refused(self):
+        video = Path(self.write("a.mkv", self.videos[0].read_bytes()))
+        self.submit(video)
+        video.write_bytes(self.videos[1].read_bytes())
+        self.finish(self.start_worker("--until-empty", "--retry-delay", "0"))
+        (task,) = self.status()["tasks"]
+        self.assertIn(f"{video}: not the video that was submitted", task["reason"])
+
     def test_process_of_a_lost_attempt_writes_nothing(self):
         self.submit(self.videos[0])
         index = ("index", self.videos[0], "--models", program.models(), "--db", self.url)
@@ -248,6 +340,9 @@ class ClusterTest(program.ProgramTest):
         self.refuses(2, "one whole video", *index, "--cut", 60, "--from", 1)
         self.refuses(2, "--budget-ms", *index, "--cut", 60, "--budget-ms", 33)
         self.refuses(2, "no index in this database", "work", "--db", self.url)
+        self.refuses(2, "belong together", "work", "--db", self.url, "--content", self.scratch)
+        content = ("--content", self.scratch / "none", "--cache", self.scratch / "cache")
+        self.refuses(2, ["none", "--publish"], "work", "--db", self.url, *content)
         done = program.run("submit", "none.mkv", self.videos[0], "--models", models, "--db", self.url)
         self.assertEqual(done.status, 2)
         self.assertIn("none.mkv", done.messages()[-1])

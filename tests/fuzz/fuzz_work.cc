@@ -32,7 +32,8 @@ void CheckTask(std::string_view kind, std::string_view payload) {
   VICTORIOUS_CHECK(queued.has_value());
   const auto again = victorious::FromQueue(queued->kind, queued->payload);
   VICTORIOUS_CHECK(again.has_value() && again->video == task->video && again->options == task->options &&
-                   again->program == task->program);
+                   again->program == task->program && again->files == task->files &&
+                   again->content_id == task->content_id);
 }
 
 void CheckJob(JobKind kind, std::string_view input) {

@@ -60,6 +60,8 @@ struct IndexArguments {
   std::string frames;
   std::string task;
   std::string targets;
+  std::string stored_as;
+  std::string content_id;
 };
 
 // What is done with one video.
@@ -147,6 +149,9 @@ Status CheckArguments(const IndexArguments& arguments) {
   if (arguments.from_s && arguments.to_s && *arguments.from_s > *arguments.to_s) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--from {:g} is after --to {:g}: --to must be the later time",
                                                          *arguments.from_s, *arguments.to_s));
+  }
+  if (arguments.videos.size() > 1 && (!arguments.stored_as.empty() || !arguments.content_id.empty())) {
+    return Fail(ErrorCode::kInvalidArgument, "--stored-as and --content-id apply to one video");
   }
   if (!arguments.cut_s && arguments.frames.empty() && arguments.task.empty()) return {};
   if (!IsDatabaseUrl(arguments.db)) {
@@ -321,6 +326,8 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     if (!can_be_searched(video)) continue;
     const auto warn = [&](const std::string& warning) { LogWarning("{}: {}", video, warning); };
     const IndexJob job{.video = video,
+                       .name = arguments.stored_as,
+                       .content_id = arguments.content_id,
                        .telemetry = arguments.telemetry,
                        .redo = arguments.redo,
                        .threads = arguments.threads,
@@ -416,6 +423,12 @@ Action SetUpIndex(ArgumentParser& parser) {
   parser
       .Add("--targets", arguments->targets, "For workers: the content ids by name of what --models must have, as JSON")
       .TypeName("JSON");
+  parser.Add("--stored-as", arguments->stored_as, "For workers: the name under which the index has the video")
+      .TypeName("PATH");
+  parser
+      .Add("--content-id", arguments->content_id,
+           "For workers: refuse a video with another content than the one submitted")
+      .TypeName("HASH");
   AddFieldOfView(parser, arguments->hfov_deg);
   AddCamera(parser, arguments->camera);
   AddGround(parser, arguments->ground);

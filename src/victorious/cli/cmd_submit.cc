@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/base/count_text.h"
 #include "victorious/base/file.h"
@@ -20,12 +21,15 @@
 #include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cluster/content_file.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/indexer.h"
 #include "victorious/pipeline/preset.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/open_store.h"
+#include "victorious/video/image_folder.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -41,6 +45,7 @@ struct SubmitArguments {
   std::string params;
   std::string quality;
   std::optional<int> every;
+  std::string publish;
   double segment_s = 60;
   bool urgent = false;
 };
@@ -66,8 +71,8 @@ std::vector<std::string> IndexOptionsOf(const SubmitArguments& arguments) {
   return options;
 }
 
-// Identifies what is searched for and how: the files of the models, categories and parameters.
-Expected<std::string> IdOfTargets(const SubmitArguments& arguments) {
+// What is searched for and how: the files of the models, categories and parameters.
+Expected<std::vector<fs::path>> FilesOfTargets(const SubmitArguments& arguments) {
   std::vector<fs::path> files;
   if (!arguments.models.empty()) {
     const ModelLibrary library(arguments.models);
@@ -80,7 +85,7 @@ Expected<std::string> IdOfTargets(const SubmitArguments& arguments) {
   }
   if (!arguments.categories.empty()) files.emplace_back(arguments.categories);
   if (IsParamsFile(arguments)) files.emplace_back(arguments.params);
-  return ContentIdOfFiles(files, Interrupt());
+  return files;
 }
 
 // Their names and content ids, as a worker will find them.
@@ -147,7 +152,33 @@ Status CheckArguments(const SubmitArguments& arguments) {
   return CheckFlags(CollectFields(options), {{"every", "--every"}});
 }
 
-Expected<VideoRecord> DescribeVideo(const std::string& video, const std::string& path) {
+struct DescribedVideo {
+  VideoRecord record;
+  std::vector<ContentFile> files;  // empty if they are not published
+};
+
+Expected<std::vector<ContentFile>> Publish(std::span<const fs::path> files, const std::string& place) {
+  std::vector<ContentFile> published;
+  for (const fs::path& file : files) {
+    VICTORIOUS_ASSIGN_OR_RETURN(ContentFile described, DescribeFile(file, Interrupt()));
+    VICTORIOUS_RETURN_IF_ERROR(PublishFile(described, place, Interrupt()));
+    published.push_back(std::move(described));
+  }
+  return published;
+}
+
+// The video itself, or the images of a folder, and its telemetry if that is a file of its own.
+Expected<std::vector<fs::path>> FilesOfVideo(const std::string& video) {
+  std::vector<fs::path> files = {video};
+  if (std::error_code error; fs::is_directory(video, error)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(files, ListImages(video));
+  }
+  if (auto telemetry = FindTelemetryFile(video)) files.push_back(*std::move(telemetry));
+  return files;
+}
+
+// Publishes it, too, if there is a place.
+Expected<DescribedVideo> DescribeVideo(const std::string& video, const std::string& place) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video, {}));
   const VideoInfo& info = reader->info();
   if (info.live) {
@@ -155,37 +186,59 @@ Expected<VideoRecord> DescribeVideo(const std::string& video, const std::string&
                 fmt::format("{}: a live source cannot wait for a worker: give it to `victorious index`", video));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, reader->ContentId(Interrupt(), {}));
-  return VideoRecord{.content_id = content, .name = path, .width = info.width, .height = info.height};
+  DescribedVideo described{
+      .record = {.content_id = content, .name = AbsolutePath(video), .width = info.width, .height = info.height},
+      .files = {}};
+  if (place.empty()) return described;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, FilesOfVideo(described.record.name));
+  VICTORIOUS_ASSIGN_OR_RETURN(described.files, Publish(files, place));
+  return described;
+}
+
+// In the order of the videos. Reads one a processor at a time: a single one does not use a network or an array of disks
+// fully.
+std::vector<Expected<DescribedVideo>> DescribeVideos(std::span<const std::string> videos, const std::string& place) {
+  std::vector<Expected<DescribedVideo>> described(videos.size());
+  tbb::parallel_for(std::size_t{0}, videos.size(),
+                    [&](std::size_t i) { described[i] = DescribeVideo(videos[i], place); });
+  return described;
 }
 
 Status Run(const SubmitArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string targets, IdOfTargets(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> target_paths, FilesOfTargets(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string targets, ContentIdOfFiles(target_paths, Interrupt()));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> records, ReadTargets(arguments));
   std::map<std::string, std::string> content_ids;
   for (const ModelRecord& target : records) content_ids.emplace(target.name, target.content_id);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
+  std::vector<ContentFile> target_files;
+  if (!arguments.publish.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(target_files, Publish(target_paths, arguments.publish));
+  }
   const auto priority = arguments.urgent ? postgres::TaskPriority::kPerson : postgres::TaskPriority::kBatch;
   std::vector<postgres::NewTask> tasks;
   std::vector<VideoRecord> videos;
   std::optional<Error> failure;
-  for (const std::string& video : arguments.videos) {
-    const IndexTask task{.video = AbsolutePath(video),
-                         .options = IndexOptionsOf(arguments),
-                         .program = program,
-                         .targets = content_ids,
-                         .segment_s = arguments.segment_s};
-    Expected<VideoRecord> record = DescribeVideo(video, task.video);
-    if (!record) {  // the others are submitted all the same
-      if (record.error().code == ErrorCode::kCancelled) return std::unexpected(record.error());
+  for (Expected<DescribedVideo>& described : DescribeVideos(arguments.videos, arguments.publish)) {
+    if (!described) {  // the others are submitted all the same
+      if (described.error().code == ErrorCode::kCancelled) return std::unexpected(described.error());
       if (failure) LogWarning("left out: {}", OneLine(failure->message));
-      failure = std::move(record).error();
+      failure = std::move(described).error();
       continue;
     }
+    IndexTask task{.video = described->record.name,
+                   .options = IndexOptionsOf(arguments),
+                   .program = program,
+                   .targets = content_ids,
+                   .content_id = described->record.content_id,
+                   .files = std::move(described->files),
+                   .segment_s = arguments.segment_s};
+    if (!task.files.empty()) task.files.insert(task.files.end(), target_files.begin(), target_files.end());
     VICTORIOUS_ASSIGN_OR_RETURN(postgres::NewTask queued,
-                                ToQueue(task, fmt::format("{} {}", record->content_id, targets), priority));
+                                ToQueue(task, fmt::format("{} {}", task.content_id, targets), priority));
     tasks.push_back(std::move(queued));
-    videos.push_back(*std::move(record));
+    videos.push_back(std::move(described->record));
   }
   if (tasks.empty()) return std::unexpected(*std::move(failure));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
@@ -212,13 +265,20 @@ Status Run(const SubmitArguments& arguments) {
 
 Action SetUpSubmit(ArgumentParser& parser) {
   const auto arguments = std::make_shared<SubmitArguments>();
-  parser.Add("VIDEO", arguments->videos, "Files or folders of frames, at the same path on all machines").Required();
+  parser
+      .Add("VIDEO", arguments->videos, "Files or folders of frames, at the same path on all machines unless --publish")
+      .Required();
   parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
   parser.Add("--categories", arguments->categories, "A category model, searched for as well").TypeName("FILE");
   parser.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
   AddParams(parser, arguments->params, "index");
   parser.Add("--quality", arguments->quality, "fast, normal or thorough, as of `victorious index`").TypeName("NAME");
   parser.Add("--every", arguments->every, "Search every N-th frame completely").TypeName("N");
+  parser
+      .Add("--publish", arguments->publish,
+           "Put the videos, models and categories also here, by their content: workers fetch what they do not have "
+           "from it (`victorious work --content`)")
+      .TypeName("DIR");
   parser
       .Add("--segment", arguments->segment_s,
            "Seconds of video that a worker takes at a time, so that several index one video; 0: whole videos")

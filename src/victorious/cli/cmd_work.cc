@@ -1,6 +1,7 @@
 // victorious work --db postgresql://…: a worker
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "victorious/base/program_id.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cluster/content_cache.h"
 #include "victorious/cluster/worker.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/postgres_segment_store.h"
@@ -25,6 +27,9 @@ struct WorkArguments {
   int lease_s = static_cast<int>(postgres::TaskQueueOptions{}.lease.count());
   int retry_delay_s = static_cast<int>(postgres::TaskQueueOptions{}.retry_delay.count());
   bool until_empty = false;
+  std::string content;
+  std::string cache;
+  double cache_size_gb = 100;
 };
 
 std::string WorkerName() {
@@ -34,11 +39,25 @@ std::string WorkerName() {
   return fmt::format("{}:{}", host, ::getpid());
 }
 
+// std::nullopt without --content.
+Expected<std::optional<ContentCache>> OpenCache(const WorkArguments& arguments) {
+  if (arguments.content.empty() && arguments.cache.empty()) return std::nullopt;
+  if (arguments.content.empty() || arguments.cache.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--content and --cache belong together: give where files are fetched from, and a folder of this "
+                "machine where they are kept");
+  }
+  return ContentCache::Open({.place = arguments.content,
+                             .folder = arguments.cache,
+                             .max_bytes = static_cast<std::int64_t>(arguments.cache_size_gb * 1e9)});
+}
+
 Status Run(const WorkArguments& arguments) {
   if (!IsDatabaseUrl(arguments.db)) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ContentCache> cache, OpenCache(arguments));
   const CancelToken& interrupt = Interrupt();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<SegmentStore> segments,
                               OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate));
@@ -62,11 +81,11 @@ Status Run(const WorkArguments& arguments) {
         CountText(counts.queued, "video"), program);
   }
   LogInfo("worker {} of {}", name, StoreName(arguments.db));
+  RunTask run = RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform);
+  if (cache) run = RunWithContent(std::move(run), *cache);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::int64_t done,
-      Work(*queue, *segments,
-           RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform),
-           {.until_empty = arguments.until_empty, .inform = inform}, interrupt));
+      Work(*queue, *segments, run, {.until_empty = arguments.until_empty, .inform = inform}, interrupt));
   LogInfo("{} done", CountText(done, "task"));
   return {};
 }
@@ -89,6 +108,19 @@ Action SetUpWork(ArgumentParser& parser) {
       .ShowDefault()
       .Range(0, 86'400)
       .TypeName("SECONDS");
+  parser
+      .Add("--content", arguments->content,
+           "What `victorious submit --publish` wrote, as a folder or by its address: files that this machine does not "
+           "have are fetched from it")
+      .TypeName("DIR|URL");
+  parser.Add("--cache", arguments->cache, "Folder of this machine for fetched files; workers may share it")
+      .TypeName("DIR");
+  parser
+      .Add("--cache-size", arguments->cache_size_gb,
+           "What they may take, in GB; those not used for the longest time are removed first")
+      .ShowDefault()
+      .Range(0.001, 1e6)
+      .TypeName("GB");
   parser.AddFlag("--until-empty", arguments->until_empty, "End once no video is queued or being indexed");
   return [=] { return Run(*arguments); };
 }

@@ -23,6 +23,10 @@ bool IsArgument(const nlohmann::json& value) { return value.is_string() && IsArg
 nlohmann::ordered_json PayloadOf(const IndexTask& task) {
   nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
   if (!task.targets.empty()) payload["targets"] = task.targets;
+  if (!task.content_id.empty()) payload["content_id"] = task.content_id;
+  for (const ContentFile& file : task.files) {
+    payload["files"].push_back({{"path", file.path}, {"content_id", file.content_id}, {"bytes", file.bytes}});
+  }
   if (task.segment_s > 0) payload["segment_s"] = task.segment_s;
   if (task.part) {
     payload["cut"] = task.part->cut;
@@ -45,6 +49,26 @@ std::optional<SegmentPart> PartOf(const nlohmann::json& fields) {
   const auto to = CountOf(fields, "to");
   if (!cut || !from || !to || *from >= *to) return std::nullopt;
   return SegmentPart{*cut, {*from, *to}};
+}
+
+std::optional<ContentFile> FileOf(const nlohmann::json& fields) {
+  const auto has_text = [&](const char* name) { return fields.contains(name) && IsArgument(fields[name]); };
+  if (!fields.is_object() || !has_text("path") || !has_text("content_id")) return std::nullopt;
+  ContentFile file{
+      .path = fields["path"], .content_id = fields["content_id"], .bytes = CountOf(fields, "bytes").value_or(-1)};
+  return IsValid(file) ? std::optional(std::move(file)) : std::nullopt;
+}
+
+Expected<std::vector<ContentFile>> FilesOf(const nlohmann::json& json) {
+  std::vector<ContentFile> files;
+  if (json.is_array()) {
+    for (const nlohmann::json& fields : json) {
+      if (std::optional<ContentFile> file = FileOf(fields)) files.push_back(*std::move(file));
+    }
+  }
+  if (json.is_array() && files.size() == json.size()) return files;
+  return Fail(ErrorCode::kInvalidArgument,
+              "files must be a list of absolute paths, each with the hash and the size of its content");
 }
 
 Expected<std::map<std::string, std::string>> TargetsOf(const nlohmann::json& json) {
@@ -95,6 +119,9 @@ Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& co
   for (const auto& [name, content_id] : task.targets) {
     if (!IsArgument(name)) return invalid(name);
   }
+  for (const ContentFile& file : task.files) {
+    if (!IsArgument(file.path)) return invalid(file.path);
+  }
   return postgres::NewTask{.kind = std::string(kIndexTaskKind),
                            .key = fmt::format("{} {}", content, DumpJson(nlohmann::json(task.options))),
                            .priority = priority,
@@ -141,6 +168,15 @@ Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
     Expected<std::map<std::string, std::string>> targets = TargetsOf((*fields)["targets"]);
     if (!targets) return invalid(targets.error().message);
     task.targets = *std::move(targets);
+  }
+  if (fields->contains("content_id")) {
+    if (!is_argument("content_id")) return invalid("content_id must be a text");
+    task.content_id = (*fields)["content_id"];
+  }
+  if (fields->contains("files")) {
+    Expected<std::vector<ContentFile>> files = FilesOf((*fields)["files"]);
+    if (!files) return invalid(files.error().message);
+    task.files = *std::move(files);
   }
   if (fields->contains("segment_s")) {
     const nlohmann::json& seconds = (*fields)["segment_s"];

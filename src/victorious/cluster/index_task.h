@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/cluster/content_file.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/postgres/task_queue.h"
 #include "victorious/store/segment_store.h"
@@ -32,10 +33,17 @@ struct IndexTask {
   /// The content ids of the models and categories by name (ModelRecord): a worker that finds others fails. Empty: of an
   /// older version, which did not say.
   std::map<std::string, std::string> targets = {};
+  /// Identifies the content of the video (VideoReader::ContentId): a worker that finds another fails. Empty: likewise.
+  std::string content_id = {};
+  /// Those of the video, with its telemetry, and of the options, where they were published (content_file.h): a worker
+  /// that does not have them can fetch them.
+  std::vector<ContentFile> files = {};
   double segment_s = 0;  ///< length of the segments into which the video is cut; 0: it is not cut
   std::optional<SegmentPart> part = std::nullopt;  ///< only this segment
-  /// Under which a worker does it; not in the payload.
+  /// Under which a worker does it; not in the payload, nor is what follows.
   std::optional<TaskAttempt> attempt = std::nullopt;
+  /// The worker has the files below this folder, at their paths (TaskFiles::root); empty: at their paths.
+  std::string root = {};
 };
 
 /// The targets of a task as JSON, as `victorious index --targets` reads them.

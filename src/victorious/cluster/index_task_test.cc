@@ -79,6 +79,28 @@ TEST(IndexTask, OtherModelsThanSubmittedAreRefused) {
   }
 }
 
+TEST(IndexTask, NamesTheContentOfItsFiles) {
+  const IndexTask task{.video = "/a.mp4",
+                       .options = {},
+                       .program = "1-x",
+                       .content_id = "c1",
+                       .files = {{"/a.mp4", std::string(32, '1'), 7}, {"/m/car.vmodel", std::string(32, 'f'), 0}}};
+  const auto queued = ToQueue(task, "0123", postgres::TaskPriority::kBatch);
+  const auto read = FromQueue(queued->kind, queued->payload);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->content_id, "c1");
+  EXPECT_EQ(read->files, task.files);
+  const VideoCut cut{.id = 1, .video = 7, .plan = "", .segments = {{{0, 600}, SegmentState::kOpen, ""}}};
+  const auto part = PartsOf(task, queued->key, cut).at(0);
+  EXPECT_EQ(FromQueue(part.kind, part.payload)->files, task.files);
+  for (const char* files : {"1", "[1]", R"([{"path": "/a"}])", R"([{"path": "/a", "content_id": "b", "bytes": 1}])"}) {
+    const auto invalid =
+        FromQueue("index", std::string(R"({"video": "v", "program": "1", "options": [], "files": )") + files + "}");
+    ASSERT_FALSE(invalid) << files;
+    EXPECT_THAT(invalid.error().message, HasSubstr("files must be"));
+  }
+}
+
 TEST(IndexTask, InvalidPayloadsAreErrors) {
   EXPECT_THAT(FromQueue("stitch", "{}").error().message, HasSubstr("stitch"));
   for (const char* payload :

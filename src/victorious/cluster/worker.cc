@@ -276,7 +276,10 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
   return [more = std::move(more), inform = std::move(inform)](
              const IndexTask& task, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
     std::vector<std::string> arguments = {"index"};
-    arguments.insert(arguments.end(), task.options.begin(), task.options.end());
+    // Of the options, those that are absolute paths are the files of the task (cli/cmd_submit.cc).
+    for (const std::string& option : task.options) {
+      arguments.push_back(option.starts_with('/') ? task.root + option : option);
+    }
     arguments.insert(arguments.end(), more.begin(), more.end());
     if (task.segment_s > 0) arguments.insert(arguments.end(), {"--cut", fmt::format("{}", task.segment_s)});
     if (task.part) {
@@ -287,8 +290,10 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
     if (task.attempt) {
       arguments.insert(arguments.end(), {"--task", fmt::format("{}:{}", task.attempt->task, task.attempt->attempt)});
     }
+    if (!task.content_id.empty()) arguments.insert(arguments.end(), {"--content-id", task.content_id});
+    if (!task.root.empty()) arguments.insert(arguments.end(), {"--stored-as", task.video});
     // "--" ends the options, so that the name of a file may begin with a dash.
-    arguments.insert(arguments.end(), {"--", task.video});
+    arguments.insert(arguments.end(), {"--", task.root + task.video});
     TaskEnd end;
     const auto read = [&](const ProgramEvent& event) {
       if (const auto* const warning = std::get_if<WarningEvent>(&event)) inform("warning: " + warning->message);
@@ -299,6 +304,18 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
     VICTORIOUS_ASSIGN_OR_RETURN(end.child,
                                 RunChild({.command = OwnProgram(arguments), .on_event = read, .control = keep_lease}));
     return end;
+  };
+}
+
+RunTask RunWithContent(RunTask run, const ContentCache& cache) {
+  return [run = std::move(run), &cache](const IndexTask& task,
+                                        const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
+    const auto is_stopped = [&] { return keep_lease() != ChildControl::kContinue; };
+    const Expected<TaskFiles> files = cache.Provide(task.files, is_stopped);
+    if (!files) return TaskEnd{.child = {.status = ExitStatus(files.error().code), .error = files.error()}};
+    IndexTask here = task;
+    here.root = files->root();
+    return run(here, keep_lease);
   };
 }
 

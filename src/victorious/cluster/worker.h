@@ -16,6 +16,7 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/child_task.h"
 #include "victorious/base/error.h"
+#include "victorious/cluster/content_cache.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/store/postgres/task_queue.h"
 #include "victorious/store/segment_store.h"
@@ -49,6 +50,10 @@ using RunTask =
 
 /// Runs `victorious index` of this executable with `more` after the task's options. Its warnings go to `inform`.
 RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform);
+
+/// Runs a task by `run` where its files are (ContentCache::Provide), and ends it with the error if they cannot be had.
+/// The cache outlives it.
+RunTask RunWithContent(RunTask run, const ContentCache& cache);
 
 /// Does tasks until `cancel` is set, or until there are none left. A task
 /// - whose process ends well is done, unless another process indexes the same video: then it is released; or the video

@@ -16,7 +16,9 @@ namespace victorious {
 
 /// One video to index, and how.
 struct IndexJob {
-  std::string video;                     ///< path or URL; also the name under which it is stored
+  std::string video;                     ///< path or URL
+  std::string name = {};                 ///< under which it is stored; empty: `video`
+  std::string content_id = {};           ///< that it must have (VideoReader::ContentId); empty: any
   std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
   bool redo = false;                     ///< drop the stored results of these models in this video, and search again
   int threads = 0;                       ///< 0: one per hardware thread
@@ -29,6 +31,8 @@ struct IndexJob {
   /// Relit templates (MakeRelitViews), one entry per model. The caller keeps them, to share them between jobs with the
   /// same models. If empty, they are made for this video and released after it.
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates = {};
+
+  [[nodiscard]] const std::string& StoredName() const { return name.empty() ? video : name; }
 };
 
 /// What one call of Indexer::Index did.

@@ -221,7 +221,7 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
 Status Indexer::UpdateObjectsOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                 const WarningSink& warn) const {
   const auto warn_of_own = [&](const VideoRecord& video, const std::string& warning) {
-    if (video.name == job.video) warn(warning);
+    if (video.name == job.StoredName()) warn(warning);
   };
   return UpdateObjects(options_.objects, store, cancel, warn_of_own);
 }
@@ -276,6 +276,10 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   const VideoInfo& info = video.reader->info();
   video.intervals = MakeSearchIntervals(options_, info);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*video.reader, job.video, cancel));
+  if (!job.content_id.empty() && content_id != job.content_id) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: not the video that was submitted: put that one back, or submit this one", job.video));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, job.telemetry, options_.telemetry,
                                                                 "nothing will get a place", warn));
   if (options_.objects.ground && video.cameras.HasStates()) {
@@ -285,12 +289,12 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   video.cameras.SetFallbackFieldOfView(GivenFieldOfView(options_.telemetry));
   if (!info.live) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten,
-                                store.DeleteOtherContent(job.video, FolderOf(job.video), content_id));
+                                store.DeleteOtherContent(job.StoredName(), FolderOf(job.StoredName()), content_id));
     if (forgotten > 0) warn("the video has changed since it was indexed: its earlier results are replaced");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(video.record, store.PutVideo({.content_id = content_id,
-                                                            .name = job.video,
-                                                            .folder = FolderOf(job.video),
+                                                            .name = job.StoredName(),
+                                                            .folder = FolderOf(job.StoredName()),
                                                             .width = info.width,
                                                             .height = info.height,
                                                             .frame_count = {},

@@ -210,7 +210,7 @@ Expected<std::optional<Indexer::PlannedCut>> Indexer::ReadCutPlan(const VideoRec
 
 Expected<std::optional<Indexer::PlannedCut>> Indexer::FindCut(const IndexJob& job, std::optional<FrameInterval> frames,
                                                               IndexStore& store, SegmentStore& segments) const {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.VideosNamed(job.video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.VideosNamed(job.StoredName()));
   for (const VideoRecord& video : videos) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoCut> cuts, segments.CutsOf(video.id));
     for (const VideoCut& cut : cuts) {
