@@ -56,6 +56,7 @@ class FaultInjectingStore : public IndexStore {
                                      const CancelToken& cancel) override {
     return store_.UpdateObjects(make, cancel);
   }
+  [[nodiscard]] Status PutFits(std::span<const KeptFit> fits) override { return store_.PutFits(fits); }
   [[nodiscard]] Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) override {
     return store_.VisitKeptFits(visit);
   }

@@ -61,11 +61,13 @@ ObjectPlace WithoutPath(ObjectPlace place) {
 
 }  // namespace
 
-KeptFits::KeptFits(const ObjectOptions& options, IndexStore& store, std::optional<std::string> context)
-    : Fits(options), store_(store), context_(std::move(context)) {}
+KeptFits::KeptFits(const ObjectOptions& options, IndexStore& store, const Interim& interim,
+                   std::optional<std::string> context)
+    : Fits(options), store_(store), interim_(interim), context_(std::move(context)) {}
 
-Expected<std::unique_ptr<KeptFits>> KeptFits::Load(const ObjectOptions& options, IndexStore& store) {
-  std::unique_ptr<KeptFits> fits(new KeptFits(options, store, ContextOf(options)));
+Expected<std::unique_ptr<KeptFits>> KeptFits::Load(const ObjectOptions& options, IndexStore& store,
+                                                   const Interim& interim) {
+  std::unique_ptr<KeptFits> fits(new KeptFits(options, store, interim, ContextOf(options)));
   if (!fits->context_) return fits;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFits([&](KeptFit&& kept) {
     Entry& entry = fits->entries_[kept.key];
@@ -146,6 +148,32 @@ bool KeptFits::EnsureContent(const ObjectHypothesis& hypothesis) {
   return status_.has_value();
 }
 
+void KeptFits::Note(const FitKey& key, Entry& entry) {
+  entry.is_changed = true;
+  noted_.push_back(key);
+}
+
+void KeptFits::StoreIfDue() {
+  if (status_ && Clock::now() - stored_ >= interim_.interval) status_ = StoreNoted();
+}
+
+Status KeptFits::StoreNoted() {
+  std::vector<KeptFit> fits;
+  for (const FitKey& key : noted_) {
+    Entry& entry = entries_.at(key);
+    if (!std::exchange(entry.is_changed, false)) continue;  // noted twice
+    fits.push_back({.key = key, .fit = entry.fits ? Pack(*entry.fits) : entry.bytes, .path = entry.path});
+    entry.is_stored = true;
+  }
+  noted_.clear();
+  if (context_ && !fits.empty()) VICTORIOUS_RETURN_IF_ERROR(store_.PutFits(fits));
+  stored_ = Clock::now();
+  if (!interim_.cancel.IsCancelled()) return {};
+  return Fail(ErrorCode::kCancelled,
+              "the sightings are stored, the objects not updated: stopped before all of them were placed; run this "
+              "again");
+}
+
 void KeptFits::MakeSingle(const ObservedTracklet& tracklet, const RangeComparison& comparison, Entry& entry) const {
   const ObjectHypothesis alone{.tracklets = {&tracklet}, .estimate = {}, .absolute = {}};
   // The comparison is one of an object that may move.
@@ -155,7 +183,6 @@ void KeptFits::MakeSingle(const ObservedTracklet& tracklet, const RangeCompariso
   entry.fits->relative = WithoutPath(std::move(relative));
   entry.fits->absolute = WithoutPath(EstimatePlace(alone, options(), 1));
   entry.fits->tracklet = {.summary = Summarise(tracklet), .frames = tracklet.frames};
-  entry.is_changed = true;
 }
 
 Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
@@ -169,7 +196,8 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
     flight_text += TextOf(tracklet);
   }
   // What the sightings of the flight as a whole say.
-  Entry& flight_entry = entries_[{tracklets.front().record.id, ChecksumOf(flight_text)}];
+  const FitKey flight_key{tracklets.front().record.id, ChecksumOf(flight_text)};
+  Entry& flight_entry = entries_[flight_key];
   flight_entry.is_used = true;
   std::vector<RangeComparison> comparisons;
   std::optional<FlightFits> flight = UnpackFlightFits(flight_entry.bytes);
@@ -184,7 +212,7 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
     comparisons = std::move(estimate.comparisons);
     flight = FlightFits{.errors = estimate.errors, .overlaps = FindOverlaps(pointers)};
     flight_entry.bytes = Pack(*flight);
-    flight_entry.is_changed = true;
+    Note(flight_key, flight_entry);
   }
   errors_[video] = flight->errors;
   overlaps_.insert(overlaps_.end(), flight->overlaps.begin(), flight->overlaps.end());
@@ -211,39 +239,50 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
   } else {
     oneapi::tbb::parallel_for(std::size_t{0}, missing.size(), make);
   }
+  for (const Missing& made : missing) {
+    const std::int64_t id = made.tracklet->record.id;
+    Note({id, known_.at(id).key}, *made.entry);
+  }
+  if (!noted_.empty()) StoreIfDue();
   for (ObservedTracklet& tracklet : tracklets) {
     const FitKey key{tracklet.record.id, known_.at(tracklet.record.id).key};
     tracklet.summary = entries_.at(key).fits->tracklet->summary;
   }
-  return {};
+  return status_;
 }
 
 ObjectPlace KeptFits::Relative(const ObjectHypothesis& hypothesis) {
-  Entry& entry = EntryOf(KeyOf(hypothesis));
+  const FitKey key = KeyOf(hypothesis);
+  Entry& entry = EntryOf(key);
   if (entry.fits->relative) return *entry.fits->relative;
   if (!EnsureContent(hypothesis)) return {};
   ObjectPlace place = Fits::Relative(hypothesis);
   if (place.HasPath()) entry.path = Pack(place.path);
   entry.fits->relative = WithoutPath(place);
-  entry.is_changed = true;
+  Note(key, entry);
+  StoreIfDue();
   return place;
 }
 
 ObjectPlace KeptFits::Absolute(const ObjectHypothesis& hypothesis) {
-  Entry& entry = EntryOf(KeyOf(hypothesis));
+  const FitKey key = KeyOf(hypothesis);
+  Entry& entry = EntryOf(key);
   if (entry.fits->absolute) return *entry.fits->absolute;
   if (!EnsureContent(hypothesis)) return {};
   entry.fits->absolute = WithoutPath(Fits::Absolute(hypothesis));
-  entry.is_changed = true;
+  Note(key, entry);
+  StoreIfDue();
   return *entry.fits->absolute;
 }
 
 ObjectPlace KeptFits::OnLevel(const ObjectHypothesis& hypothesis, const Level& level) {
-  Entry& entry = EntryOf(KeyOf(hypothesis));
+  const FitKey key = KeyOf(hypothesis);
+  Entry& entry = EntryOf(key);
   if (entry.fits->on_level && entry.fits->on_level->level == level) return entry.fits->on_level->place;
   if (!EnsureContent(hypothesis)) return {};
   entry.fits->on_level = {.level = level, .place = WithoutPath(Fits::OnLevel(hypothesis, level))};
-  entry.is_changed = true;
+  Note(key, entry);
+  StoreIfDue();
   return entry.fits->on_level->place;
 }
 

@@ -9,6 +9,7 @@
 // without kept fits, and of those that take part in a new fit, are read. docs/adr/0023-kept-fits.md says more.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -23,6 +24,7 @@
 #include "victorious/associate/flight_errors.h"
 #include "victorious/associate/object_rejection.h"
 #include "victorious/associate/packed_fit.h"
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/store/index_store.h"
 
@@ -30,8 +32,15 @@ namespace victorious {
 
 class KeptFits final : public Fits {
  public:
-  /// Reads the kept fits of the store, which must outlive it. Errors: those of the store.
-  [[nodiscard]] static Expected<std::unique_ptr<KeptFits>> Load(const ObjectOptions& options, IndexStore& store);
+  /// When new fits are stored before the run ends.
+  struct Interim {
+    std::chrono::milliseconds interval{10'000};  ///< so much of the work is lost at most if the process is killed
+    const CancelToken& cancel;                   ///< stops the run, with kCancelled, when it has just stored them
+  };
+
+  /// Reads the kept fits of the store, which must outlive it, as must the token. Errors: those of the store.
+  [[nodiscard]] static Expected<std::unique_ptr<KeptFits>> Load(const ObjectOptions& options, IndexStore& store,
+                                                                const Interim& interim);
 
   /// Adds the tracklets of one video. Sets their summaries; estimates what is not kept, in parallel.
   /// @param tracklets  by id, without content; must outlive it, at their place
@@ -49,10 +58,10 @@ class KeptFits final : public Fits {
   [[nodiscard]] std::vector<Geolocation> Path(const ObjectHypothesis& hypothesis) override;
   [[nodiscard]] const std::vector<std::int64_t>& Frames(const ObservedTracklet& tracklet) override;
 
-  /// The first error of reading sightings or paths.
+  /// The first error of reading sightings or paths, and of storing fits.
   [[nodiscard]] const Status& status() const { return status_; }
 
-  /// Adds the fits that were made, and the keys of the kept ones that nobody asked for.
+  /// Adds the fits that were made since they were stored last, and the keys of the kept ones that nobody asked for.
   void AddChanges(ObjectUpdate& update) const;
 
  private:
@@ -73,7 +82,7 @@ class KeptFits final : public Fits {
     bool has_content = false;
   };
 
-  KeptFits(const ObjectOptions& options, IndexStore& store, std::optional<std::string> context);
+  KeptFits(const ObjectOptions& options, IndexStore& store, const Interim& interim, std::optional<std::string> context);
 
   [[nodiscard]] FitKey KeyOf(const ObjectHypothesis& hypothesis) const;
   [[nodiscard]] Entry& EntryOf(const FitKey& key);
@@ -83,10 +92,20 @@ class KeptFits final : public Fits {
   [[nodiscard]] Status ReadTracklet(Known& known);
   /// False after a failure.
   bool EnsureContent(const ObjectHypothesis& hypothesis);
+  /// Notes a fit that was made.
+  void Note(const FitKey& key, Entry& entry);
+  /// Stores those noted if the interval is over. The error is that of status().
+  void StoreIfDue();
+  [[nodiscard]] Status StoreNoted();
   void MakeSingle(const ObservedTracklet& tracklet, const RangeComparison& comparison, Entry& entry) const;
 
+  using Clock = std::chrono::steady_clock;
+
   IndexStore& store_;
-  std::optional<std::string> context_;  ///< the program and the parameters; std::nullopt: fits are not kept
+  Interim interim_;
+  Clock::time_point stored_ = Clock::now();  ///< when fits were stored last
+  std::vector<FitKey> noted_;                ///< made since then
+  std::optional<std::string> context_;       ///< the program and the parameters; std::nullopt: fits are not kept
   std::unordered_map<FitKey, Entry, KeyHash> entries_;
   std::unordered_map<std::int64_t, Known> known_;  ///< by tracklet
   std::map<std::int64_t, FlightErrors> errors_;    ///< by video

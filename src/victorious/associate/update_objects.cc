@@ -117,12 +117,13 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
 
 using WarnOfVideo = std::function<void(const VideoRecord&, const std::string&)>;
 
-Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& store, const WarnOfVideo& warn) {
+Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& store, const KeptFits::Interim& interim,
+                                   const WarnOfVideo& warn) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   // Revisions are read before the sightings that they stand for: a later change gives them another key.
   VICTORIOUS_ASSIGN_OR_RETURN(auto flights, ReadTracklets(models, videos, store));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto fits, KeptFits::Load(options, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto fits, KeptFits::Load(options, store, interim));
   std::vector<const ObservedTracklet*> tracklets;
   for (auto& [video, of_one] : flights) {
     VICTORIOUS_RETURN_IF_ERROR(fits->AddFlight(of_one));
@@ -145,13 +146,14 @@ Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& sto
 }  // namespace
 
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store, const CancelToken& cancel,
-                     const WarnOfVideo& warn) {
+                     const WarnOfVideo& warn, std::chrono::milliseconds interval) {
   std::vector<std::pair<VideoRecord, std::string>> warnings;
   const auto make = [&] {
     warnings.clear();
-    return MakeObjects(options, store, [&](const VideoRecord& video, const std::string& warning) {
+    const auto keep = [&](const VideoRecord& video, const std::string& warning) {
       warnings.emplace_back(video, warning);
-    });
+    };
+    return MakeObjects(options, store, {.interval = interval, .cancel = cancel}, keep);
   };
   VICTORIOUS_RETURN_IF_ERROR(store.UpdateObjects(make, cancel));
   for (const auto& [video, warning] : warnings) warn(video, warning);

@@ -2,6 +2,7 @@
 // (kept_fits.h): the cost of one more video is that of its own fits, and of reading the rows of tracklets and objects.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 
@@ -14,10 +15,13 @@ namespace victorious {
 
 /// Computes the objects of the whole index and stores them; corrects the yaw and the ranges of each flight by the
 /// errors on which its objects agree (flight_errors.h). The objects do not depend on what is kept.
-/// @param cancel  as of IndexStore::UpdateObjects
+/// Fits are stored each `interval` while it runs, so that a process that is killed, or cancelled, leaves them to the
+/// next.
+/// @param cancel  stops it at such a moment, with kCancelled, and long waiting for another process
 /// @param warn    receives each line of Describe(), with its video
 /// Errors: those of IndexStore; kDataLoss for a search whose stored options cannot be read.
 [[nodiscard]] Status UpdateObjects(const ObjectOptions& options, IndexStore& store, const CancelToken& cancel,
-                                   const std::function<void(const VideoRecord&, const std::string&)>& warn);
+                                   const std::function<void(const VideoRecord&, const std::string&)>& warn,
+                                   std::chrono::milliseconds interval = std::chrono::seconds(10));
 
 }  // namespace victorious

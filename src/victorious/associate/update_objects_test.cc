@@ -263,6 +263,34 @@ TEST_F(UpdateObjectsTest, SightingsOfKeptFitsAreNotRead) {
   EXPECT_EQ(ObjectsOf(*store), before);
 }
 
+// A new version of the program makes all fits again, which takes hours in a large index.
+TEST_F(UpdateObjectsTest, RunThatIsStoppedLeavesItsFitsToTheNext) {
+  const World world(6);
+  const auto stopped = MakeStore("stopped.db");
+  const auto whole = MakeStore("whole.db");
+  for (int i = 1; i <= 4; ++i) {
+    world.AddVideo(i, *stopped);
+    world.AddVideo(i, *whole);
+  }
+  ASSERT_TRUE(Update(*whole));
+  CancelToken cancel;
+  cancel.Cancel();
+  const auto update = [&](std::chrono::milliseconds interval) {
+    return UpdateObjects({}, *stopped, cancel, [](const VideoRecord&, const std::string&) {}, interval);
+  };
+  int stops = 0;
+  Status status;
+  while (!(status = update(std::chrono::milliseconds(0))) && stops < 10'000) {
+    ASSERT_EQ(status.error().code, ErrorCode::kCancelled) << status.error().message;
+    ++stops;
+  }
+  ASSERT_TRUE(status) << "each run makes some of the fits";
+  EXPECT_GT(stops, 4) << "within flights, too";
+  EXPECT_EQ(ObjectsOf(*stopped), ObjectsOf(*whole));
+  world.AddVideo(5, *stopped);
+  EXPECT_TRUE(update(std::chrono::hours(1))) << "one that is short ends";
+}
+
 // A store as after an older version of the program, which does not count revisions.
 class UncountedStore final : public testing::FaultInjectingStore {
  public:

@@ -299,10 +299,13 @@ class IndexStore {
   /// Stores the objects that `make` computes from the content of the store, as PutObjects does, and the fits that it
   /// keeps, in one transaction; ignores fits of tracklets that were deleted. Of processes that do so at once, the last
   /// one to store has seen what the others had stored before: `make` may be called again. Errors: those of `make`;
-  /// kCancelled, or kInternal that names who holds it, if another process does not let go of the objects.
+  /// kCancelled, or kUnavailable that names who holds it, if another process does not let go of the objects.
   /// @param cancel  does not stop `make` or the storing, only long waiting for another process
   [[nodiscard]] virtual Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
                                              const CancelToken& cancel) = 0;
+  /// Stores fits alone, while `make` of UpdateObjects goes on: one that is killed leaves them to the next. As
+  /// ObjectUpdate::put_fits.
+  [[nodiscard]] virtual Status PutFits(std::span<const KeptFit> fits) = 0;
   /// Visits the kept fits without their paths, in no order; `visit` returns false to stop.
   [[nodiscard]] virtual Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) = 0;
   /// Returns the path of a kept fit; empty if there is none.

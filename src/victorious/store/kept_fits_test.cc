@@ -109,6 +109,19 @@ TEST_P(KeptFitsTest, AreStoredReplacedAndDeleted) {
   EXPECT_EQ(store_->FindKeptPath(first).value(), Bytes("way")) << "a fit without a path leaves it";
 }
 
+TEST_P(KeptFitsTest, AreStoredWhileObjectsAreMade) {
+  const std::int64_t a = Commit(0, 2);
+  const std::vector<KeptFit> fits = {{{a, 1}, Bytes("x"), Bytes("y")}, {{a + 1000, 1}, Bytes("of none"), {}}};
+  const auto make = [&]() -> Expected<ObjectUpdate> {
+    EXPECT_TRUE(store_->PutFits(fits));
+    return Fail(ErrorCode::kCancelled, "stopped");
+  };
+  EXPECT_EQ(store_->UpdateObjects(make, CancelToken()).error().code, ErrorCode::kCancelled);
+  Reopen();
+  EXPECT_THAT(KeptFits(), ElementsAre(std::pair(FitKey{a, 1}, Bytes("x"))));
+  EXPECT_EQ(store_->FindKeptPath({a, 1}).value(), Bytes("y"));
+}
+
 TEST_P(KeptFitsTest, GoWithTheirTracklet) {
   const std::int64_t a = Commit(0, 2);
   Put({.objects = {{.id = a, .model = model_, .tracklets = {a}}},

@@ -263,7 +263,14 @@ Status PostgresStore::PutObjects(std::span<const ObjectRecord> objects) {
 Status PostgresStore::Write(const ObjectUpdate& update) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
   VICTORIOUS_RETURN_IF_ERROR(WriteObjects(update.objects));
-  VICTORIOUS_RETURN_IF_ERROR(WriteFits(update));
+  VICTORIOUS_RETURN_IF_ERROR(DeleteFits(update.deleted_fits));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFits(update.put_fits));
+  return transaction.Commit();
+}
+
+Status PostgresStore::PutFits(std::span<const KeptFit> fits) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFits(fits));
   return transaction.Commit();
 }
 
@@ -306,20 +313,22 @@ Status PostgresStore::WriteObjects(std::span<const ObjectRecord> objects) {
   return object_rows.IsEmpty() && member_rows.IsEmpty() ? Status() : AssignAllReviews();
 }
 
-Status PostgresStore::WriteFits(const ObjectUpdate& update) {
-  if (!update.deleted_fits.empty()) {
-    CopyRows rows;
-    for (const auto& [tracklet, key] : update.deleted_fits) rows.AddRow(tracklet, key);
-    VICTORIOUS_RETURN_IF_ERROR(
-        connection_->Execute("CREATE TEMPORARY TABLE old_fits (tracklet_id bigint, key bigint) ON COMMIT DROP"));
-    VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("old_fits (tracklet_id, key)", rows));
-    VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
-        "ANALYZE old_fits; DELETE FROM kept_fits k USING old_fits o WHERE k.tracklet_id = o.tracklet_id AND k.key = "
-        "o.key"));
-  }
-  if (update.put_fits.empty()) return {};
+Status PostgresStore::DeleteFits(std::span<const FitKey> fits) {
+  if (fits.empty()) return {};
   CopyRows rows;
-  for (const KeptFit& kept : update.put_fits) {
+  for (const auto& [tracklet, key] : fits) rows.AddRow(tracklet, key);
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Execute("CREATE TEMPORARY TABLE old_fits (tracklet_id bigint, key bigint) ON COMMIT DROP"));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("old_fits (tracklet_id, key)", rows));
+  return connection_->Execute(
+      "ANALYZE old_fits; DELETE FROM kept_fits k USING old_fits o WHERE k.tracklet_id = o.tracklet_id AND k.key = "
+      "o.key");
+}
+
+Status PostgresStore::WriteFits(std::span<const KeptFit> fits) {
+  if (fits.empty()) return {};
+  CopyRows rows;
+  for (const KeptFit& kept : fits) {
     BoundValues row;
     sql::BindKeptFit(kept, row);
     rows.Add(row);
@@ -393,7 +402,7 @@ Expected<std::int64_t> PostgresStore::LockObjects(const CancelToken& cancel) {
     if (waited >= (is_cancelled ? patience_.cancelled : patience_.others)) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::string holder, DescribeHolder());
       return Fail(
-          is_cancelled ? ErrorCode::kCancelled : ErrorCode::kInternal,
+          is_cancelled ? ErrorCode::kCancelled : ErrorCode::kUnavailable,
           fmt::format("{}: the sightings are stored, the objects not updated: another process updates them ({}); "
                       "run this again",
                       connection_->name(), holder));

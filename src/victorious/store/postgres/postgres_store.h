@@ -53,6 +53,7 @@ class PostgresStore final : public IndexStore {
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
   [[nodiscard]] Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
                                      const CancelToken& cancel) override;
+  [[nodiscard]] Status PutFits(std::span<const KeptFit> fits) override;
   [[nodiscard]] Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) override;
   [[nodiscard]] Expected<std::vector<std::byte>> FindKeptPath(const FitKey& key) override;
 
@@ -88,7 +89,8 @@ class PostgresStore final : public IndexStore {
   /// PutObjects inside a transaction.
   [[nodiscard]] Status WriteObjects(std::span<const ObjectRecord> objects);
   /// Inside a transaction.
-  [[nodiscard]] Status WriteFits(const ObjectUpdate& update);
+  [[nodiscard]] Status WriteFits(std::span<const KeptFit> fits);
+  [[nodiscard]] Status DeleteFits(std::span<const FitKey> fits);
   /// Stores an update in one transaction.
   [[nodiscard]] Status Write(const ObjectUpdate& update);
   /// The number of the server's process for this connection.

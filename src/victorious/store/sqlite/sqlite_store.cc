@@ -332,7 +332,8 @@ Status SqliteStore::UpdateObjects(const std::function<Expected<ObjectUpdate>()>&
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t now, ChangeNumber());
     if (now != before && tries < kMaxTries) continue;
     VICTORIOUS_RETURN_IF_ERROR(WriteObjects(update.objects));
-    VICTORIOUS_RETURN_IF_ERROR(WriteFits(update));
+    VICTORIOUS_RETURN_IF_ERROR(DeleteFits(update.deleted_fits));
+    VICTORIOUS_RETURN_IF_ERROR(WriteFits(update.put_fits));
     return transaction.Commit();
   }
 }
@@ -364,17 +365,27 @@ Status SqliteStore::WriteObjects(std::span<const ObjectRecord> objects) {
   return AssignAllReviews();
 }
 
-Status SqliteStore::WriteFits(const ObjectUpdate& update) {
+Status SqliteStore::PutFits(std::span<const KeptFit> fits) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFits(fits));
+  return transaction.Commit();
+}
+
+Status SqliteStore::DeleteFits(std::span<const FitKey> fits) {
   VICTORIOUS_ASSIGN_OR_RETURN(Statement forget,
                               connection_->Prepare("DELETE FROM kept_fits WHERE tracklet_id = ? AND key = ?"));
-  for (const auto& [tracklet, key] : update.deleted_fits) VICTORIOUS_RETURN_IF_ERROR(forget.Bind(tracklet, key).Run());
+  for (const auto& [tracklet, key] : fits) VICTORIOUS_RETURN_IF_ERROR(forget.Bind(tracklet, key).Run());
+  return {};
+}
+
+Status SqliteStore::WriteFits(std::span<const KeptFit> fits) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement put,
       connection_->Prepare(fmt::format("INSERT INTO kept_fits ({}) SELECT ?1, ?2, ?3, ?4 WHERE EXISTS (SELECT 1 FROM "
                                        "tracklets WHERE id = ?1) ON CONFLICT (tracklet_id, key) DO UPDATE SET fit = "
                                        "excluded.fit, path = coalesce(excluded.path, path)",
                                        sql::kKeptFitColumns.Names())));
-  for (const KeptFit& kept : update.put_fits) {
+  for (const KeptFit& kept : fits) {
     sql::BindKeptFit(kept, put);
     VICTORIOUS_RETURN_IF_ERROR(put.Run());
   }

@@ -36,6 +36,7 @@ class SqliteStore final : public IndexStore {
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
   [[nodiscard]] Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
                                      const CancelToken& cancel) override;
+  [[nodiscard]] Status PutFits(std::span<const KeptFit> fits) override;
   [[nodiscard]] Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) override;
   [[nodiscard]] Expected<std::vector<std::byte>> FindKeptPath(const FitKey& key) override;
 
@@ -59,7 +60,8 @@ class SqliteStore final : public IndexStore {
   /// PutObjects inside a transaction.
   [[nodiscard]] Status WriteObjects(std::span<const ObjectRecord> objects);
   /// Inside a transaction.
-  [[nodiscard]] Status WriteFits(const ObjectUpdate& update);
+  [[nodiscard]] Status WriteFits(std::span<const KeptFit> fits);
+  [[nodiscard]] Status DeleteFits(std::span<const FitKey> fits);
   /// Writes the decision of a person, and what it makes of the object's review. Inside a transaction.
   [[nodiscard]] Status PutDecision(std::int64_t object, const Review& review);
   /// Writes to each object its decisions and its review. Inside a transaction.
