@@ -84,7 +84,8 @@ Expected<int> Main(int argc, char** argv) {
   parser.Add("NAME", arguments.name, "The benchmark (default: all)").OneOf(names);
   parser.AddFlag("--json", arguments.json, "Print JSON");
   parser.AddFlag("--quick", arguments.settings.quick, "Few repetitions, to check that it runs");
-  parser.AddFlag("--large", arguments.settings.large, "Of associate: 50,000 objects, whose first fits take an hour");
+  parser.AddFlag("--large", arguments.settings.large,
+                 "Of associate: 50,000 objects, whose first fits take half an hour");
   parser
       .Add("--cache", cache,
            "Folder of the models and flights that index makes (default: victorious-bench in the folder of temporary "
