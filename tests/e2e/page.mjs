@@ -775,12 +775,25 @@ async function jobs(page, [photos, video]) {
   await becomes(() => page.locator(".job.failed .job-state").first().innerText(), /broken\.mp4/);
   await becomes(() => page.locator(".notice.error:has-text('broken')").count(), 0, "it is said once");
   const broken = page.locator(".job.failed:has(strong:text-is('broken.mp4'))");
+  // Every page tries it again, not only the one that started it, and its list tells.
+  const other = await page.context().newPage();
+  await open(other, page.url());
+  await other.locator(".jobs-button").click();
   const { jobs: told } = await api(page, "/jobs");
-  await broken.getByRole("button", { name: "Retry" }).click();
-  await until(page, "/jobs", ({ jobs: now }) => now.length > told.length && now.every((one) => one.ended_utc_us !== null));
+  const [failed] = told.filter((one) => one.title === "broken.mp4");
+  await other.locator(".job.failed:has(strong:text-is('broken.mp4'))").getByRole("button", { name: "Retry" }).click();
+  await until(page, "/jobs", ({ jobs: now }) =>
+    now.length === told.length && now.some((one) => one.id === failed.id && one.ended_utc_us > failed.ended_utc_us));
   await becomes(() => broken.count(), 1);
-  await broken.getByRole("button", { name: "Dismiss" }).click();
+  await other.locator(".job.failed:has(strong:text-is('broken.mp4'))").getByRole("button", { name: "Remove" }).click();
   await broken.waitFor({ state: "detached" });
+  await other.close();
+  // So is a job that is done.
+  const made = page.locator(".job.done").first();
+  const title = await made.locator("strong").innerText();
+  const before = await page.locator(".job.done").count();
+  await made.getByRole("button", { name: "Remove" }).click();
+  await becomes(() => page.locator(".job.done").count(), before - 1, title);
   await page.setInputFiles("input[type=file]", { name: "notes.txt", mimeType: "text/plain", buffer: Buffer.from("x") });
   await page.waitForSelector(".notice.error:has-text('notes.txt')");
 }

@@ -687,6 +687,53 @@ class ServeTest(ServerCase):
             self.wait_for_job(server, numbers[0], "cancelled", "done")
             self.assertEqual(self.ask(server, "/api/v1/jobs/999/cancel", "POST", "{}")[0], 404)
 
+    def test_failed_jobs_are_tried_again_and_removed(self):
+        with self.serve("--models", program.models()) as server:
+            upload = self.upload(server, self.write("broken.mp4", "no video"))
+            number = self.post_job(server, kind="index", upload=upload)
+            self.wait_for_job(server, number, "failed")
+            upload_path = next(self.scratch.glob(f"*.uploads/{upload}/broken.mp4"))
+            shutil.copy(program.flight() / "flight.mkv", upload_path)
+            status, _, body = self.ask(server, f"/api/v1/jobs/{number}/retry", "POST", "{}")
+            self.assertEqual(status, 200, body)
+            self.assertEqual(self.described(body, "Job")["id"], number)
+            self.wait_for_job(server, number, "done")
+            status, _, body = self.ask(server, f"/api/v1/jobs/{number}/retry", "POST", "{}")
+            self.assertEqual(status, 409)
+            self.assertRegex(self.described(body, "Error")["message"], r"^Job \d+ is done: only a job that has failed")
+            status, _, body = self.ask(server, f"/api/v1/jobs/{number}", "DELETE")
+            self.assertEqual((status, body.strip()), (200, b"{}"))
+            self.assertEqual(self.ask(server, f"/api/v1/jobs/{number}", "DELETE")[0], 404)
+            self.assertEqual(self.ask(server, "/api/v1/jobs/999/retry", "POST", "{}")[0], 404)
+            status, headers, _ = self.ask(server, f"/api/v1/jobs/{number}")
+            self.assertEqual((status, headers["Allow"]), (405, "DELETE"))
+            self.assertEqual(json.loads(self.ask(server, "/api/v1/jobs")[2])["jobs"], [])
+
+    def test_a_clip_of_what_has_changed_is_not_tried_again(self):
+        db = self.scratch / "changed.db"
+        shutil.copy(self.db, db)
+        with program.Server(db, "--models", program.models()) as server:
+            (video,) = json.loads(self.ask(server, "/api/v1/videos")[2])["videos"]
+            (found, *_) = json.loads(self.ask(server, "/api/v1/objects")[2])["objects"]
+            # The object is not seen so late.
+            number = self.post_job(server, kind="clip", video_id=video["id"], object_id=found["id"], from_s=1e6)
+            self.wait_for_job(server, number, "failed")
+            status, _, body = self.ask(server, f"/api/v1/jobs/{number}/retry", "POST", "{}")
+            self.assertEqual(status, 200, body)
+            self.wait_for_job(server, number, "failed")
+            with contextlib.closing(sqlite3.connect(db)) as connection, connection:
+                connection.execute("UPDATE tracklets SET frames = frames + 1")
+            self.eventually_conflicts(server, number)
+
+    def eventually_conflicts(self, server, number):
+        """Within the time after which the server shows what others have changed."""
+        for _ in range(100):
+            status, _, body = self.ask(server, f"/api/v1/jobs/{number}/retry", "POST", "{}")
+            if status == 409:
+                break
+            time.sleep(0.1)
+        self.assertIn("ask for the clip anew", self.described(body, "Error")["message"])
+
     def test_events_tell_of_jobs_and_finds(self):
         db = self.scratch / "events.db"
         db.touch()

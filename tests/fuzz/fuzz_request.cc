@@ -97,10 +97,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::getline(input, request.cookie);
   std::getline(input, request.authorization);
   request.body.assign(std::istreambuf_iterator<char>(input), {});
-  request.method = method == "PUT"    ? HttpMethod::kPut
-                   : method == "POST" ? HttpMethod::kPost
-                   : method == "GET"  ? HttpMethod::kGet
-                                      : HttpMethod::kOther;
+  request.method = method == "PUT"      ? HttpMethod::kPut
+                   : method == "POST"   ? HttpMethod::kPost
+                   : method == "DELETE" ? HttpMethod::kDelete
+                   : method == "GET"    ? HttpMethod::kGet
+                                        : HttpMethod::kOther;
   CheckRange(request.range);
   CheckResponse(server.api->Handle(request, 80));
   const victorious::HttpResponse guarded_response = guarded.api->Handle(request, 80);

@@ -1,7 +1,7 @@
 // What the server works on: uploads of this page, and the jobs of all users.
 import { computed, signal } from "@preact/signals";
 
-import { ApiFailure, cancelJob, listJobs, postJob, uploadFile } from "./api/client";
+import { ApiFailure, cancelJob, listJobs, postJob, removeJob, retryJob, uploadFile } from "./api/client";
 import type { FoundObject, Job, NewJob } from "./api/types";
 import { onEvent } from "./events";
 import { type Plan, formatBehind, planFiles, withoutUploadFolder } from "./logic/uploads";
@@ -18,12 +18,7 @@ export interface Upload {
   abort: () => void;
 }
 
-/** What the server tells, and of it what this browser has dismissed. */
-const told = signal<readonly Job[]>([]);
-const dismissed = signal<ReadonlySet<string>>(new Set(readDismissed()));
-export const jobs = computed(() => told.value.filter((one) => !dismissed.value.has(keyOf(one))));
-/** What was posted, as long as this page is open: an address may hold a password, and is kept nowhere. */
-const posted = new Map<number, NewJob>();
+export const jobs = signal<readonly Job[]>([]);
 export const uploads = signal<readonly Upload[]>([]);
 export const isOpen = signal(false);
 /** What a model is made from: files, or an object that was boxed in a frame (x, y, width, height in the video's pixels). */
@@ -37,50 +32,21 @@ export const behind = computed(() => {
   const shown = state.video.value;
   // A source that is searched anew is another video of the same name, the latest one.
   if (shown === null || state.videos.value.some((one) => one.name === shown.name && one.id > shown.id)) return null;
-  const job = told.value.find((one) => one.kind === "live" && one.state === "running" && one.title === shown.name);
+  const job = jobs.value.find((one) => one.kind === "live" && one.state === "running" && one.title === shown.name);
   return job ? formatBehind(job) : null;
 });
 export const active = computed(() => jobs.value.filter((one) => one.state === "queued" || one.state === "running"));
 
 let nextUpload = 0;
 
-/** Ids alone begin anew in another index. */
-const keyOf = (job: Job) => `${job.id} ${job.created_utc_us}`;
-const MAX_DISMISSED = 200;
-
-function readDismissed(): string[] {
-  try {
-    const kept: unknown = JSON.parse(localStorage.getItem("dismissed-jobs") ?? "[]");
-    return Array.isArray(kept) ? kept.filter((one): one is string => typeof one === "string") : [];
-  } catch {
-    return [];
-  }
+/** Queues a job that has failed or was cancelled again. */
+export function retry(job: Job) {
+  retryJob(job.id).catch(notices.notifyError);
 }
 
-/** Leaves an ended job out of the list, in this browser. */
-export function dismiss(job: Job) {
-  const kept = [...dismissed.value, keyOf(job)].slice(-MAX_DISMISSED);
-  dismissed.value = new Set(kept);
-  localStorage.setItem("dismissed-jobs", JSON.stringify(kept));
-}
-
-async function post(job: NewJob): Promise<Job> {
-  const made = await postJob(job);
-  posted.set(made.id, job);
-  return made;
-}
-
-export const canRetry = (job: Job) => posted.has(job.id) || job.kind === "refine";
-
-/** Posts the same job again. */
-export async function retry(job: Job) {
-  try {
-    const again = await post(posted.get(job.id) ?? { kind: "refine" });
-    if (searchAfter.delete(job.id)) searchAfter.add(again.id);
-    dismiss(job);
-  } catch (error) {
-    notices.notifyError(error);
-  }
+/** Removes an ended job from the list, for everybody. */
+export function remove(job: Job) {
+  removeJob(job.id).catch(notices.notifyError);
 }
 
 export const canAdd = computed(() => state.project.value.state === "ready" && state.project.value.value.has_jobs);
@@ -101,7 +67,7 @@ const READY = {
 };
 
 function take(list: readonly Job[]) {
-  const before = new Map(told.value.map((one) => [one.id, one.state]));
+  const before = new Map(jobs.value.map((one) => [one.id, one.state]));
   for (const job of list) {
     const was = before.get(job.id);
     if (was === undefined || was === job.state) continue;
@@ -111,7 +77,7 @@ function take(list: readonly Job[]) {
     if (job.state === "failed" && !isOpen.value) notices.notify(withoutUploadFolder(job.message), "error");
     if (job.state === "done") void load.refresh();
   }
-  told.value = list;
+  jobs.value = list;
 }
 
 export function startJobs() {
@@ -138,7 +104,7 @@ async function addVideo({ file, telemetry }: Plan<File>["videos"][number]) {
   const upload = await send(file);
   const job: NewJob = { kind: "index", upload };
   if (telemetry) job.telemetry = await send(telemetry);
-  await post(job);
+  await postJob(job);
 }
 
 /** Follows an object that was boxed in a frame through its video. */
@@ -147,7 +113,7 @@ export async function follow(source: Extract<ModelSource, { video: number }>, ty
   try {
     const job: NewJob = { kind: "track", video_id: source.video, frame: source.frame, box: source.box };
     if (type.trim() !== "") job.type = type.trim();
-    await post(job);
+    await postJob(job);
   } catch (error) {
     notices.notifyError(error);
   }
@@ -155,7 +121,7 @@ export async function follow(source: Extract<ModelSource, { video: number }>, ty
 
 /** Searches a live source until it ends or is stopped. Throws ApiFailure with a message for the user. */
 export async function watch(url: string) {
-  await post({ kind: "live", url: url.trim() });
+  await postJob({ kind: "live", url: url.trim() });
 }
 
 /** @param isSearched  all videos are searched for it then, as long as this page is open */
@@ -171,7 +137,7 @@ export async function addModel(name: string, source: ModelSource, length: number
       model.frame = source.frame;
       model.box = source.box;
     }
-    const job = await post(model);
+    const job = await postJob(model);
     if (isSearched) searchAfter.add(job.id);
   } catch (error) {
     if (!(error instanceof DOMException && error.name === "AbortError")) notices.notifyError(error);
@@ -199,7 +165,7 @@ export function addFiles(files: readonly File[]) {
 export async function askForCopy(video: number): Promise<boolean> {
   if (!canAdd.value) return false;
   try {
-    await post({ kind: "copy", video_id: video });
+    await postJob({ kind: "copy", video_id: video });
     return true;
   } catch (error) {
     // Made meanwhile, by another viewer.
@@ -223,7 +189,7 @@ export async function askForClip(object: FoundObject) {
   }
   isOpen.value = true;
   try {
-    await post(clip);
+    await postJob(clip);
   } catch (error) {
     notices.notifyError(error);
   }
@@ -232,7 +198,7 @@ export async function askForClip(object: FoundObject) {
 /** Searches all videos again, for models that are new. */
 export async function searchAll() {
   try {
-    for (const video of state.videos.value) if (video.missing === null) await post({ kind: "index", video_id: video.id });
+    for (const video of state.videos.value) if (video.missing === null) await postJob({ kind: "index", video_id: video.id });
   } catch (error) {
     notices.notifyError(error);
   }
@@ -242,7 +208,7 @@ export async function searchAll() {
 export async function refineCategories() {
   isOpen.value = true;
   try {
-    await post({ kind: "refine" });
+    await postJob({ kind: "refine" });
   } catch (error) {
     notices.notifyError(error);
   }

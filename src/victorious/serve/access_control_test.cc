@@ -27,7 +27,9 @@ constexpr std::int64_t kHour = 3'600'000'000;
 const std::string kPassword = "correct horse battery";
 
 std::string_view NameOf(HttpMethod method) {
-  return method == HttpMethod::kPut ? "PUT" : method == HttpMethod::kPost ? "POST" : "GET";
+  if (method == HttpMethod::kPut) return "PUT";
+  if (method == HttpMethod::kPost) return "POST";
+  return method == HttpMethod::kDelete ? "DELETE" : "GET";
 }
 
 // A secret of the right form.
@@ -118,6 +120,7 @@ TEST_F(AccessTest, TheTableHasEveryDescribedRoute) {
       if (method == "get") described.insert("GET " + path);
       if (method == "put") described.insert("PUT " + path);
       if (method == "post") described.insert("POST " + path);
+      if (method == "delete") described.insert("DELETE " + path);
     }
   }
   std::set<std::string> routes;

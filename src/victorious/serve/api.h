@@ -148,6 +148,8 @@ class Api {
   ApiExpected<HttpResponse> Jobs(const Call& call);
   ApiExpected<HttpResponse> SubmitJob(const Call& call);
   ApiExpected<HttpResponse> CancelJob(const Call& call);
+  ApiExpected<HttpResponse> RetryJob(const Call& call);
+  ApiExpected<HttpResponse> RemoveJob(const Call& call);
   ApiExpected<HttpResponse> JobFile(const Call& call);
   ApiExpected<HttpResponse> Events(const Call& call);
   // In api_objects.cc.
@@ -178,6 +180,10 @@ class Api {
   ApiExpected<Json> CopyInput(const nlohmann::json& body);
   ApiExpected<Json> ClipInput(const nlohmann::json& body);
   ApiExpected<Json> RefineInput(const nlohmann::json& body);
+  /// The job of an id in the address. Errors: kNotFound; those of LiveService::Find.
+  ApiExpected<JobRecord> FindJob(const std::string& id);
+  /// Fails with kConflict if a job that reads the index would not do what was asked for: it names what has changed.
+  ApiStatus CheckStillValid(const JobRecord& job);
   /// A listed job that has made what is asked for; std::nullopt: none, or its file was removed.
   ApiExpected<std::optional<JobRecord>> FindMade(const NewJob& asked);
   // In api_follow.cc.

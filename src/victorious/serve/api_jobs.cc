@@ -268,16 +268,22 @@ ApiExpected<std::optional<JobRecord>> Api::FindMade(const NewJob& asked) {
 ApiExpected<HttpResponse> Api::JobFile(const Call& call) {
   const std::string& number = call.parameters[0];
   const std::string& name = call.parameters[1];
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(number, "job"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> job, live_->Find(id));
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, FindJob(number));
   const auto has_file = [&]() {
-    if (!job || job->state != WorkState::kDone || !MadeFileOf(*job)) return false;
-    if (job->kind == JobKind::kTrack) return name == "track";
-    if (job->kind == JobKind::kRefine) return name == "categories";
-    return job->kind == JobKind::kClip && (name == "telemetry" || name == "clip");
+    if (job.state != WorkState::kDone || !MadeFileOf(job)) return false;
+    if (job.kind == JobKind::kTrack) return name == "track";
+    if (job.kind == JobKind::kRefine) return name == "categories";
+    return job.kind == JobKind::kClip && (name == "telemetry" || name == "clip");
   };
   if (!has_file()) return NotFound(fmt::format("job {} has no file {}", number, name));
-  return SendJobFile(call.request, *job, name);
+  return SendJobFile(call.request, job, name);
+}
+
+ApiExpected<JobRecord> Api::FindJob(const std::string& id) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(id, "job"));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<JobRecord> job, live_->Find(number));
+  if (!job) return NotFound(fmt::format("there is no job {}", number));
+  return *std::move(job);
 }
 
 ApiExpected<HttpResponse> Api::SendJobFile(const HttpRequest& request, const JobRecord& job, const std::string& name) {
@@ -344,9 +350,44 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
 }
 
 ApiExpected<HttpResponse> Api::CancelJob(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(call.parameters[0], "job"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, live_->Cancel(id, call.caller.name()));
-  return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, FindJob(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord cancelled, live_->Cancel(job.id, call.caller.name()));
+  return JsonResponse(JobToJson(cancelled, NowUtcMicroseconds()));
+}
+
+ApiStatus Api::CheckStillValid(const JobRecord& job) {
+  if (job.kind != JobKind::kClip && job.kind != JobKind::kRefine) return {};
+  // The name of the file holds all that it is made from (ClipInput, RefineInput).
+  VICTORIOUS_ASSIGN_OR_RETURN(const Json input, ParseJson(job.input_json));
+  Body body = {{"kind", ToText(job.kind)}};
+  if (job.kind == JobKind::kClip) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+    const auto video = std::ranges::find(lists->videos, input.value("video", ""), &VideoRecord::name);
+    body["video_id"] = video == lists->videos.end() ? -1 : video->id;
+    body["object_id"] = input.value("object", std::int64_t{-1});
+    for (const char* name : {"from_s", "to_s"}) {
+      if (input.contains(name)) body[name] = input[name];
+    }
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Json now, JobInput(job.kind, body));
+  if (DumpJson(now) == job.input_json) return {};
+  return std::unexpected(
+      ApiError(Error{ErrorCode::kConflict, job.kind == JobKind::kClip
+                                               ? "Another search has changed the object since: ask for the clip anew"
+                                               : "Other decisions were made since: refine the categories anew"}));
+}
+
+ApiExpected<HttpResponse> Api::RetryJob(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, FindJob(call.parameters[0]));
+  VICTORIOUS_RETURN_IF_ERROR(CheckStillValid(job));
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord again, live_->Retry(job.id, call.caller.name()));
+  return JsonResponse(JobToJson(again, NowUtcMicroseconds()));
+}
+
+ApiExpected<HttpResponse> Api::RemoveJob(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, FindJob(call.parameters[0]));
+  VICTORIOUS_RETURN_IF_ERROR(live_->Remove(job.id, call.caller.name()));
+  return JsonResponse(Json::object());
 }
 
 ApiExpected<HttpResponse> Api::Events(const Call& /*call*/) {

@@ -57,6 +57,8 @@ std::span<const Api::Route> Api::Routes() {
       {HttpMethod::kGet, "/api/v1/jobs", Role::kViewer, &Api::Jobs},
       {HttpMethod::kPost, "/api/v1/jobs", Role::kAnalyst, &Api::SubmitJob},
       {HttpMethod::kPost, "/api/v1/jobs/{id}/cancel", Role::kAnalyst, &Api::CancelJob},
+      {HttpMethod::kPost, "/api/v1/jobs/{id}/retry", Role::kAnalyst, &Api::RetryJob},
+      {HttpMethod::kDelete, "/api/v1/jobs/{id}", Role::kAnalyst, &Api::RemoveJob},
       {HttpMethod::kGet, "/api/v1/jobs/{id}/files/{name}", Role::kViewer, &Api::JobFile},
       {HttpMethod::kGet, "/api/v1/events", Role::kViewer, &Api::Events},
       {HttpMethod::kGet, "/api/v1/thresholds", Role::kViewer, &Api::Thresholds},
@@ -87,6 +89,7 @@ std::string Api::AllowedMethods(Segments segments) {
   add(HttpMethod::kGet, "GET, HEAD");
   add(HttpMethod::kPut, "PUT");
   add(HttpMethod::kPost, "POST");
+  add(HttpMethod::kDelete, "DELETE");
   return methods;
 }
 

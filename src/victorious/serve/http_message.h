@@ -12,7 +12,7 @@
 
 namespace victorious {
 
-enum class HttpMethod { kGet, kHead, kPut, kPost, kOther };
+enum class HttpMethod { kGet, kHead, kPut, kPost, kDelete, kOther };
 
 /// A received request. A header that was not sent is empty.
 struct HttpRequest {

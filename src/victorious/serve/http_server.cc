@@ -71,6 +71,9 @@ HttpRequest FromBeast(const http::request_header<>& request) {
     case http::verb::post:
       plain.method = HttpMethod::kPost;
       break;
+    case http::verb::delete_:
+      plain.method = HttpMethod::kDelete;
+      break;
     default:
       plain.method = HttpMethod::kOther;
   }

@@ -263,6 +263,8 @@ class UnreachableQueue final : public JobQueue {
   Status EndCancelled(std::int64_t, const std::string&, std::int64_t) override { return Away(); }
   Status Release(std::int64_t, const std::string&) override { return Away(); }
   Expected<JobRecord> Cancel(std::int64_t, std::int64_t, const std::string&) override { return Away(); }
+  Expected<JobRecord> Retry(std::int64_t, std::int64_t, const std::string&) override { return Away(); }
+  Status Remove(std::int64_t, std::int64_t, const std::string&) override { return Away(); }
   Expected<std::optional<JobRecord>> Find(std::int64_t) override { return Away(); }
   Expected<std::vector<JobRecord>> List(std::int64_t) override { return Away(); }
   Expected<std::int64_t> CountOpen() override { return Away(); }

@@ -89,6 +89,23 @@ Expected<JobRecord> LiveService::Cancel(std::int64_t job, const std::string& act
   return record;
 }
 
+Expected<JobRecord> LiveService::Retry(std::int64_t job, const std::string& actor) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
+  const std::scoped_lock lock(queue_mutex_);
+  VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, queue_->Retry(job, NowUtcMicroseconds(), actor));
+  jobs_changed_ = true;
+  WakeRunners();
+  return record;
+}
+
+Status LiveService::Remove(std::int64_t job, const std::string& actor) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
+  const std::scoped_lock lock(queue_mutex_);
+  VICTORIOUS_RETURN_IF_ERROR(queue_->Remove(job, NowUtcMicroseconds(), actor));
+  jobs_changed_ = true;
+  return {};
+}
+
 Expected<std::vector<JobRecord>> LiveService::Jobs() {
   VICTORIOUS_RETURN_IF_ERROR(CheckHasJobs());
   const std::scoped_lock lock(queue_mutex_);

@@ -37,6 +37,8 @@ class LiveService {
   [[nodiscard]] Expected<JobRecord> Submit(const NewJob& job);
   [[nodiscard]] Expected<JobRecord> SubmitOnce(const NewJob& job);
   [[nodiscard]] Expected<JobRecord> Cancel(std::int64_t job, const std::string& actor);
+  [[nodiscard]] Expected<JobRecord> Retry(std::int64_t job, const std::string& actor);
+  [[nodiscard]] Status Remove(std::int64_t job, const std::string& actor);
   [[nodiscard]] Expected<std::vector<JobRecord>> Jobs();
   [[nodiscard]] Expected<std::optional<JobRecord>> Find(std::int64_t job);
 

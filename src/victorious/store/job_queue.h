@@ -86,7 +86,7 @@ struct SubmittedJob {
 
 /// Not thread-safe: use from one thread at a time. Any number of processes may use the same queue. What a user asks for
 /// is in the log of who did what (audit_record.h). A job of a kind that this program does
-/// not know is not listed and not claimed; Find and Cancel fail with kUnsupported.
+/// not know is not listed and not claimed; what names it fails with kUnsupported.
 class JobQueue {
  public:
   virtual ~JobQueue() = default;
@@ -117,6 +117,11 @@ class JobQueue {
   [[nodiscard]] virtual Status Release(std::int64_t job, const std::string& worker) = 0;
   /// Cancels a queued job, asks the worker of a running one, leaves one that has ended. Returns it. Error: kNotFound.
   [[nodiscard]] virtual Expected<JobRecord> Cancel(std::int64_t job, std::int64_t now_us, const std::string& actor) = 0;
+  /// Queues a job again that has failed or was cancelled, as if it were new. Returns it. Errors: kNotFound; kConflict
+  /// for one that is open or done, and if another job of this kind and input is open.
+  [[nodiscard]] virtual Expected<JobRecord> Retry(std::int64_t job, std::int64_t now_us, const std::string& actor) = 0;
+  /// Removes a job that has ended; what it has made stays. Errors: kNotFound; kConflict for one that is open.
+  [[nodiscard]] virtual Status Remove(std::int64_t job, std::int64_t now_us, const std::string& actor) = 0;
 
   [[nodiscard]] virtual Expected<std::optional<JobRecord>> Find(std::int64_t job) = 0;
   /// Returns the open jobs, oldest first, then the `limit` latest that have ended, latest first.

@@ -183,6 +183,67 @@ TEST_P(JobQueueTest, CancelEndsWhatWaitsAndAsksWhatRuns) {
   EXPECT_EQ((*queue_->Find(orphan->id))->state, WorkState::kCancelled);
 }
 
+TEST_P(JobQueueTest, AFailedJobIsTriedAgainAsIfItWereNew) {
+  const auto job = queue_->Submit({JobKind::kLive, R"({"video":"rtsp://a:b@c"})", 1, "ann"});
+  EXPECT_EQ(other_->Retry(job->id, 2, "bob").error().code, ErrorCode::kConflict) << "it waits";
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
+  EXPECT_EQ(other_->Retry(job->id, 11, "bob").error().code, ErrorCode::kConflict) << "it runs";
+  ASSERT_TRUE(*queue_->Renew(job->id, "A", 12, kLease, {.done = 5, .total = 9, .unit = "frames", .behind_s = 2.5}));
+  ASSERT_TRUE(queue_->Fail(job->id, "A", "no route to host", 20));
+  const auto again = other_->Retry(job->id, 30, "bob");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->id, job->id);
+  EXPECT_EQ(again->input_json, job->input_json);
+  EXPECT_EQ(again->state, WorkState::kQueued);
+  EXPECT_EQ(again->attempts, 0);
+  EXPECT_EQ(again->progress.message, "");
+  EXPECT_EQ(again->progress.done, 0);
+  EXPECT_FALSE(again->ended_utc_us);
+  EXPECT_FALSE(again->started_utc_us);
+  EXPECT_FALSE(again->progress.behind_s);
+  for (int attempt = 0; attempt < kMaxJobAttempts; ++attempt) {
+    ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 1000 * (attempt + 1), kLease)) << "all attempts anew: " << attempt;
+  }
+  ASSERT_TRUE(queue_->Complete(job->id, "A", "", 99'000));
+  EXPECT_EQ(other_->Retry(job->id, 99'001, "bob").error().code, ErrorCode::kConflict) << "it is done";
+  EXPECT_EQ(other_->Retry(99, 1, "bob").error().code, ErrorCode::kNotFound);
+  const auto accounts = OpenAccountStore(name_, StoreMode::kRead);
+  const auto log = (*accounts)->Audit(10, std::nullopt);
+  ASSERT_THAT(*log, SizeIs(2)) << "what was refused is no change";
+  EXPECT_EQ((*log)[0].action, "retry_job");
+  EXPECT_EQ((*log)[0].actor, "bob");
+  EXPECT_EQ((*log)[0].subject, "job " + std::to_string(job->id));
+}
+
+TEST_P(JobQueueTest, ACancelledJobIsTriedAgainUnlessAnotherDoesTheSame) {
+  const NewJob asked{.kind = JobKind::kCopy, .input_json = R"({"video": "a"})", .now_us = 1, .actor = "ann"};
+  const auto first = queue_->Submit(asked);
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
+  ASSERT_TRUE(queue_->Cancel(first->id, 11, "ann"));
+  ASSERT_TRUE(queue_->EndCancelled(first->id, "A", 12));
+  const auto second = queue_->Submit(asked);
+  EXPECT_EQ(queue_->Retry(first->id, 13, "ann").error().code, ErrorCode::kConflict);
+  ASSERT_TRUE(queue_->Cancel(second->id, 14, "ann"));
+  EXPECT_EQ(queue_->Retry(first->id, 15, "ann")->cancel_asked, false);
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 16, kLease));
+  EXPECT_TRUE(*queue_->Renew(first->id, "A", 17, kLease, {})) << "it is not to be cancelled any more";
+}
+
+TEST_P(JobQueueTest, AJobThatHasEndedIsRemoved) {
+  const auto job = queue_->Submit({JobKind::kIndex, "{}", 1});
+  EXPECT_EQ(other_->Remove(job->id, 2, "ann").error().code, ErrorCode::kConflict) << "it waits";
+  ASSERT_TRUE(*queue_->Claim("A", kAllKinds, 10, kLease));
+  EXPECT_EQ(other_->Remove(job->id, 11, "ann").error().code, ErrorCode::kConflict) << "it runs";
+  ASSERT_TRUE(queue_->Complete(job->id, "A", "", 12));
+  ASSERT_TRUE(other_->Remove(job->id, 13, "ann"));
+  EXPECT_THAT(*queue_->List(10), SizeIs(0));
+  EXPECT_FALSE(*queue_->Find(job->id));
+  EXPECT_EQ(queue_->Remove(job->id, 14, "ann").error().code, ErrorCode::kNotFound);
+  EXPECT_NE(queue_->Submit({JobKind::kIndex, "{}", 20})->id, job->id) << "an id names one job";
+  const auto accounts = OpenAccountStore(name_, StoreMode::kRead);
+  EXPECT_EQ((*(*accounts)->Audit(10, std::nullopt))[1].action, "remove_job");
+}
+
 TEST_P(JobQueueTest, ClaimsOnlyTheWantedKinds) {
   const auto live =
       queue_->Submit({JobKind::kLive, R"({"video":"rtsp://a:b@c"})", 1, "ann", R"({"title":"rtsp://c"})"});

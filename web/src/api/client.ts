@@ -159,6 +159,8 @@ export const postJob = (job: NewJob) => send<Job>("/jobs", "POST", job);
 export const jobFileUrl = (job: number, name: string) => `${ROOT}/jobs/${job}/files/${name}`;
 export const getTrack = async (job: number) => readTrack(await requestText(`/jobs/${job}/files/track`));
 export const cancelJob = (job: number) => send<Job>(`/jobs/${job}/cancel`, "POST", {});
+export const retryJob = (job: number) => send<Job>(`/jobs/${job}/retry`, "POST", {});
+export const removeJob = (job: number) => request<unknown>(`/jobs/${job}`, { method: "DELETE" });
 
 /** Sends a file. Not by fetch, which does not say how far it is. */
 export function uploadFile(file: File, progress: (done: number) => void, signal: AbortSignal) {

@@ -66,14 +66,14 @@ function Row({ job }: { job: Job }) {
             {job.kind === "live" ? "Stop" : "Cancel"}
           </button>
         )}
-        {job.state === "failed" && jobs.canRetry(job) && (
-          <button class="link" onClick={() => void jobs.retry(job)}>
+        {(job.state === "failed" || job.state === "cancelled") && (
+          <button class="link" onClick={() => jobs.retry(job)}>
             Retry
           </button>
         )}
-        {job.state === "failed" && (
-          <button class="link" title="Leave it out of this list" onClick={() => jobs.dismiss(job)}>
-            Dismiss
+        {!isActive && (
+          <button class="link" title="Remove it from this list, for everybody" onClick={() => jobs.remove(job)}>
+            Remove
           </button>
         )}
       </div>

@@ -56,10 +56,7 @@ class SqlJobQueue final : public JobQueue {
 
   Expected<SubmittedJob> SubmitOnce(const NewJob& job) override {
     VICTORIOUS_ASSIGN_OR_RETURN(Change change, Change::Begin(*database_));
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        std::optional<JobRecord> open,
-        FindOne("WHERE state IN ('queued', 'running') AND kind = ? AND input = ? ORDER BY id LIMIT 1",
-                ValueList(ToText(job.kind), job.input_json)));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<JobRecord> open, FindOpen(job.kind, job.input_json));
     if (open) return SubmittedJob{.job = *std::move(open), .is_new = false};
     VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, Insert(job));
     VICTORIOUS_RETURN_IF_ERROR(change.Commit());
@@ -139,6 +136,35 @@ class SqlJobQueue final : public JobQueue {
     return record;
   }
 
+  Expected<JobRecord> Retry(std::int64_t job, std::int64_t now_us, const std::string& actor) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Change change, Change::Begin(*database_));
+    VICTORIOUS_ASSIGN_OR_RETURN(JobRecord record, Get(job));
+    if (record.state != WorkState::kFailed && record.state != WorkState::kCancelled) {
+      return Refuse(record, "only a job that has failed or was cancelled can be tried again");
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> open, FindOpen(record.kind, record.input_json));
+    if (open) return Refuse(record, fmt::format("job {} does the same already", open->id));
+    VICTORIOUS_RETURN_IF_ERROR(database_->Write(
+        "UPDATE jobs SET state = 'queued', started_utc_us = NULL, ended_utc_us = NULL, attempts = 0, furthest = 0, "
+        "cancel_asked = 0, done = 0, total = NULL, unit = '', message = '', behind_s = NULL WHERE id = ?",
+        ValueList(job)));
+    VICTORIOUS_RETURN_IF_ERROR(Log("retry_job", job, "", now_us, actor));
+    VICTORIOUS_ASSIGN_OR_RETURN(record, Get(job));
+    VICTORIOUS_RETURN_IF_ERROR(change.Commit());
+    return record;
+  }
+
+  Status Remove(std::int64_t job, std::int64_t now_us, const std::string& actor) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Change change, Change::Begin(*database_));
+    VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord record, Get(job));
+    if (record.state == WorkState::kQueued || record.state == WorkState::kRunning) {
+      return Refuse(record, "only a job that has ended can be removed; cancel it first");
+    }
+    VICTORIOUS_RETURN_IF_ERROR(database_->Write("DELETE FROM jobs WHERE id = ?", ValueList(job)));
+    VICTORIOUS_RETURN_IF_ERROR(Log("remove_job", job, "", now_us, actor));
+    return change.Commit();
+  }
+
   Expected<std::optional<JobRecord>> Find(std::int64_t job) override { return FindOne("WHERE id = ?", ValueList(job)); }
 
   Expected<std::vector<JobRecord>> List(std::int64_t limit) override {
@@ -184,6 +210,17 @@ class SqlJobQueue final : public JobQueue {
   Expected<std::optional<JobRecord>> FindOne(std::string_view where, const ValueList& values) {
     return database_->ReadOne(fmt::format("{}{}", kSelectJobs, where), values,
                               [&](const Row& row) { return ReadJob(row, database_->name()); });
+  }
+
+  // The open job of this kind and input.
+  Expected<std::optional<JobRecord>> FindOpen(JobKind kind, const std::string& input_json) {
+    return FindOne("WHERE state IN ('queued', 'running') AND kind = ? AND input = ? ORDER BY id LIMIT 1",
+                   ValueList(ToText(kind), input_json));
+  }
+
+  // Without the name of the index: users of the server see it.
+  static std::unexpected<Error> Refuse(const JobRecord& job, std::string_view why) {
+    return victorious::Fail(ErrorCode::kConflict, fmt::format("Job {} is {}: {}", job.id, ToText(job.state), why));
   }
 
   Expected<JobRecord> Get(std::int64_t job) {
