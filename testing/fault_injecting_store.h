@@ -33,6 +33,9 @@ class FaultInjectingStore : public IndexStore {
     return store_.SetVideoFeatures(video, json);
   }
   [[nodiscard]] Expected<std::vector<VideoRecord>> Videos() override { return store_.Videos(); }
+  [[nodiscard]] Expected<std::optional<VideoRecord>> VideoOfContent(const std::string& content_id) override {
+    return store_.VideoOfContent(content_id);
+  }
   [[nodiscard]] Expected<std::vector<VideoRecord>> VideosNamed(const std::string& name) override {
     return store_.VideosNamed(name);
   }

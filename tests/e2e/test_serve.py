@@ -687,6 +687,33 @@ class ServeTest(ServerCase):
             self.wait_for_job(server, numbers[0], "cancelled", "done")
             self.assertEqual(self.ask(server, "/api/v1/jobs/999/cancel", "POST", "{}")[0], 404)
 
+    def test_telemetry_of_an_upload_belongs_to_its_video(self):
+        """In whatever folder it lies: to the map, and to each later search."""
+        db = self.scratch / "given.db"
+        db.touch()
+        rows = [f"{time},52.5,13.407,140,0,-80,0,60" for time in range(10)]
+        given = self.write("given.csv", "\n".join([HEADER, *rows]) + "\n")
+        with program.Server(db, "--models", program.models()) as server:
+            video = self.upload(server, program.flight() / "flight.mp4")
+            telemetry = self.upload(server, given)
+            self.wait_for_job(server, self.post_job(server, kind="index", upload=video, telemetry=telemetry), "done")
+            path = self.get(server, "/api/v1/videos/1/camera")
+            self.assertEqual((path["source"], len(path["points"])), ("telemetry", 10))
+            stored = next(self.scratch.glob("given.db.uploads/*/given.csv"))
+            again = self.post_job(server, kind="index", video_id=1)
+            self.wait_for_job(server, again, "done")
+            with contextlib.closing(sqlite3.connect(db)) as index:
+                self.assertEqual(index.execute("SELECT telemetry FROM videos").fetchall(), [(str(stored),)])
+        video = next(self.scratch.glob("given.db.uploads/*/flight.mp4"))
+        said = self.succeeds("index", video, "--models", program.models(), "--db", db).err
+        self.assertIn(f"telemetry: {stored}, as it was given for the video before", said)
+        stored.unlink()
+        said = self.succeeds("index", video, "--models", program.models(), "--db", db).err
+        self.assertIn(f"the telemetry file {stored} that was given for the video is gone: what is in the video", said)
+        with program.Server(db, "--models", program.models()) as server:
+            path = self.get(server, "/api/v1/videos/1/camera")
+            self.assertIn(f"the telemetry file {stored} that was given for the video is gone", path["reason"])
+
     def test_failed_jobs_are_tried_again_and_removed(self):
         with self.serve("--models", program.models()) as server:
             upload = self.upload(server, self.write("broken.mp4", "no video"))

@@ -12,6 +12,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
 #include "victorious/pipeline/drawn_video.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/export.h"
 #include "victorious/store/open_store.h"
 #include "victorious/video/video_reader.h"
@@ -55,10 +56,10 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
   options.track_frames = kTrackFrames;
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoSpan span,
                               DrawVideo(drawing.video, drawing.sightings, options, out, Interrupt()));
-  const auto file = clip.telemetry.empty() ? std::nullopt : std::optional(clip.telemetry);
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const std::size_t states,
-      WriteClipTelemetry(drawing.video, file, span, out, [](const std::string& line) { LogWarning(OneLine(line)); }));
+  const auto warn = [](const std::string& line) { LogWarning(OneLine(line)); };
+  const auto file =
+      clip.telemetry.empty() ? RememberedTelemetry(drawing.telemetry, warn) : std::optional(clip.telemetry);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t states, WriteClipTelemetry(drawing.video, file, span, out, warn));
   LogInfo("{:.2f} s to {:.2f} s, {}", span.from_s, span.to_s,
           states > 0 ? "with telemetry beside it" : "without telemetry");
   return {};
@@ -116,9 +117,7 @@ Action SetUpExport(ArgumentParser& parser) {
                "tracks, and its telemetry in a table beside it")
           .Range(0.0, 3600.0)
           .TypeName("SECONDS");
-  parser
-      .Add("--telemetry", arguments->clip.telemetry,
-           "With --clip: telemetry of the video (default: in the video or beside it)")
+  parser.Add("--telemetry", arguments->clip.telemetry, "With --clip: telemetry of the video (default: as for index)")
       .Needs(clip)
       .TypeName("FILE");
   AddForce(parser);

@@ -380,7 +380,8 @@ Action SetUpIndex(ArgumentParser& parser) {
   AddDb(parser, arguments->db, "The index; created if it does not exist");
   parser
       .Add("--telemetry", arguments->telemetry,
-           "Camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
+           "Camera states (default: the file given for the video before, else its own KLV, or NAME.SRT or "
+           "NAME.telemetry.csv beside it)")
       .TypeName("FILE");
   AddParams(parser, arguments->params, "index");
   parser

@@ -218,7 +218,8 @@ Expected<IndexedDrawing> ListIndexedDrawing(const SightingFilter& filter, IndexS
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
   std::map<std::int64_t, const ObjectRecord*> by_id;
   for (const ObjectRecord& object : objects) by_id[object.id] = &object;
-  IndexedDrawing drawing{.video = FindVideoFile(catalogue.videos().front()), .sightings = {}};
+  const VideoRecord& video = catalogue.videos().front();
+  IndexedDrawing drawing{.video = FindVideoFile(video), .telemetry = video.telemetry, .sightings = {}};
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
     const ModelRecord* model = catalogue.Model(sighting.model);
     const auto object = by_id.find(sighting.object);

@@ -66,7 +66,8 @@ struct DrawOptions {
 
 /// The sightings of an index that match the filter, all of one video.
 struct IndexedDrawing {
-  std::string video;  ///< path
+  std::string video;      ///< path
+  std::string telemetry;  ///< the file that was given when it was indexed; empty: none
   std::vector<DrawnSighting> sightings;
 };
 

@@ -114,6 +114,28 @@ std::string FolderOf(const std::string& name) {
   return std::filesystem::current_path(unknown).string();
 }
 
+// The path of a file that is found from any folder; empty for no file.
+std::string AbsolutePath(const std::string& file) {
+  if (file.empty()) return "";
+  std::error_code unknown;
+  const std::filesystem::path path = std::filesystem::absolute(file, unknown);
+  return unknown ? file : path.lexically_normal().string();
+}
+
+// The telemetry file of the job, else the one that was given for the video before.
+Expected<std::optional<std::string>> GivenTelemetry(const IndexJob& job, const std::string& content_id,
+                                                    IndexStore& store, const WarningSink& warn) {
+  if (job.telemetry) return job.telemetry;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoRecord> before, store.VideoOfContent(content_id));
+  if (!before) return std::nullopt;
+  const auto warn_of_loss = [&](const std::string& loss) {
+    warn(loss + ": what is in the video or beside it is used, if there is any; --telemetry FILE names another file");
+  };
+  const std::optional<std::string> file = RememberedTelemetry(before->telemetry, warn_of_loss);
+  if (file && job.inform) job.inform(fmt::format("telemetry: {}, as it was given for the video before", *file));
+  return file;
+}
+
 // The index identifies models and categories by name, so one would overwrite the other.
 Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others) {
   for (const ModelRecord& one : sought) {
@@ -280,7 +302,8 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{}: not the video that was submitted: put that one back, or submit this one", job.video));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, job.telemetry, options_.telemetry,
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::string> telemetry, GivenTelemetry(job, content_id, store, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, telemetry, options_.telemetry,
                                                                 "nothing will get a place", warn));
   if (options_.objects.ground && video.cameras.HasStates()) {
     const auto underground = DescribeUnderground(video.cameras.trajectory()->states(), *options_.objects.ground);
@@ -301,6 +324,7 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
                                                             .duration_s = {},
                                                             .start_utc_us = video.cameras.start_utc_us(),
                                                             .is_of_photos = video.cameras.is_of_photos(),
+                                                            .telemetry = AbsolutePath(job.telemetry.value_or("")),
                                                             .features_json = {}}));
   return video;
 }

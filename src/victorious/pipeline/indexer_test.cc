@@ -484,6 +484,26 @@ TEST(Indexer, TrackedSightingsHaveALineOfSight) {
   EXPECT_GT(followed, 5);
 }
 
+TEST(Indexer, TelemetryThatWasGivenIsUsedAgain) {
+  const DrawnFlight flight(ShortFlight());
+  const std::filesystem::path table = flight / "given.csv";
+  std::string text = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n";
+  for (const int s : {0, 1, 2}) text += std::to_string(s) + ",48,11.000" + std::to_string(s) + ",600,0,-60,0,30\n";
+  ASSERT_TRUE(WriteFileAtomically(table, text));
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), {flight.Model(0)}, *store, {.telemetry = table.string()});
+  EXPECT_EQ(VideosOf(*store).front().telemetry, table.string());
+  Index(flight.video(), {flight.Model(1)}, *store);
+  EXPECT_THAT(SightingsOf(*store, {.model_name = flight.flight().ObjectName(1)}), Not(IsEmpty()));
+  for (const SightingRecord& sighting : SightingsOf(*store, {.include_rejected = true})) {
+    EXPECT_TRUE(sighting.observation) << sighting.model << ' ' << sighting.frame;
+  }
+  std::filesystem::remove(table);
+  std::string warnings;
+  Index(flight.video(), {flight.Model(0, 0.5)}, *store, {.redo = true}, [&](const auto& said) { warnings += said; });
+  EXPECT_THAT(warnings, HasSubstr(table.string() + " that was given for the video is gone"));
+}
+
 TEST(Indexer, UnreadableVideoIsAnErrorAndNotStored) {
   const DrawnFlight flight(ShortFlight(12));
   const auto store = flight.Store("index.db");

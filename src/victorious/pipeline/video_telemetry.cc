@@ -122,6 +122,14 @@ Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const
   return telemetry;
 }
 
+std::optional<std::string> RememberedTelemetry(const std::string& file, const WarningSink& warn) {
+  std::error_code error;
+  if (file.empty()) return std::nullopt;
+  if (fs::exists(file, error)) return file;
+  if (warn) warn(fmt::format("the telemetry file {} that was given for the video is gone", file));
+  return std::nullopt;
+}
+
 std::optional<std::string> DescribeMismatch(std::span<const CameraState> states, std::optional<double> duration_s) {
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -first_s;

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "victorious/base/error.h"
+#include "victorious/base/warning_sink.h"
 #include "victorious/geometry/ground.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/types/camera_state.h"
@@ -42,6 +43,10 @@ namespace victorious {
                                                                const TelemetryOptions& options,
                                                                std::string_view consequence,
                                                                const std::function<void(const std::string&)>& warn);
+
+/// The telemetry file that was given when a video was indexed (VideoRecord::telemetry). std::nullopt: none was given,
+/// or it is gone, which one line to `warn` says; `warn` may be empty.
+[[nodiscard]] std::optional<std::string> RememberedTelemetry(const std::string& file, const WarningSink& warn);
 
 /// Explains why no camera state is usable for any frame of a video; std::nullopt if one may be.
 /// @param duration_s  of the video, if known

@@ -283,7 +283,8 @@ ApiExpected<HttpResponse> Api::VideoCamera(const Call& call) {
     if (!heights_m.empty()) ground_m = Median(heights_m);
   }
   // The ground's height, and with it the footprints, follows the objects.
-  const std::string key = fmt::format("{} {} {}", video.content_id, ground_m.value_or(NAN), video.id);
+  const std::string key =
+      fmt::format("{} {} {} {}", video.content_id, ground_m.value_or(NAN), video.id, video.telemetry);
   VICTORIOUS_ASSIGN_OR_RETURN(const auto body, camera_paths_.Get(key, [&]() -> Expected<std::string> {
     VICTORIOUS_ASSIGN_OR_RETURN(const CameraPath path, ReadCameraPath(video, ground_m));
     return DumpJson(CameraPathToJson(path)) + "\n";

@@ -206,8 +206,10 @@ class Api {
   /// The objects that a key names: at most one. Error: kInvalidArgument for a text that is no key.
   ApiExpected<std::vector<TriageObject>> ObjectsOfKey(std::string_view key, const IndexLists& lists,
                                                       const IndexReader& reader);
-  /// The telemetry file that was given for a video; std::nullopt: that of a video is in it or beside it.
-  [[nodiscard]] std::optional<std::string> TelemetryOf(const VideoRecord& video) const;
+  /// The telemetry file that was given for a video, to the server or when it was indexed; std::nullopt: that of a video
+  /// is in it or beside it.
+  /// @param warn  receives a line if the file is gone; may be empty
+  [[nodiscard]] std::optional<std::string> TelemetryOf(const VideoRecord& video, const WarningSink& warn = {}) const;
   [[nodiscard]] Expected<CameraStates> LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
                                                    const TelemetryOptions& options, const WarningSink& warn);
   /// The body of an answer, at most one at a time.

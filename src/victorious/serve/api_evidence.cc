@@ -12,6 +12,7 @@
 #include "victorious/model/model_library.h"
 #include "victorious/model/view_surface.h"
 #include "victorious/pipeline/sighting_evidence.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
@@ -135,15 +136,15 @@ ApiExpected<SightingRecord> Api::ReadSighting(std::int64_t object, QueryReader& 
 }
 
 // Videos that are added while the server runs have their own.
-std::optional<std::string> Api::TelemetryOf(const VideoRecord& video) const {
-  return video.id == telemetry_video_ ? options_.telemetry : std::nullopt;
+std::optional<std::string> Api::TelemetryOf(const VideoRecord& video, const WarningSink& warn) const {
+  return video.id == telemetry_video_ ? options_.telemetry : RememberedTelemetry(video.telemetry, warn);
 }
 
 Expected<CameraStates> Api::LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
                                         const TelemetryOptions& options, const WarningSink& warn) {
   VideoInfo info;
   info.duration_s = video.duration_s;
-  return CameraStates::Load(path.string(), info, TelemetryOf(video), options, "the map has no camera path", warn);
+  return CameraStates::Load(path.string(), info, TelemetryOf(video, warn), options, "the map has no camera path", warn);
 }
 
 Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
@@ -151,8 +152,9 @@ Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const Vi
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const TelemetryOptions telemetry, TelemetryOptionsOf(options_json));
   const auto load = [&] { return LoadCameras(video, path, telemetry, [](const std::string& /*warning*/) {}); };
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto cameras,
-                              cameras_.Get(fmt::format("{} {}", video.content_id, OptionsToJsonText(telemetry)), load));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const auto cameras,
+      cameras_.Get(fmt::format("{} {} {}", video.content_id, video.telemetry, OptionsToJsonText(telemetry)), load));
   const SearchSlot slot(evidence_slots_);
   if (!slot.is_taken()) return Fail(ErrorCode::kConflict, "others ask for evidence, too: ask again in a moment");
   VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat grey, videos_.GreyFrame(video, sighting.time_s));

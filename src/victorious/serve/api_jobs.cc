@@ -117,6 +117,8 @@ ApiExpected<Json> Api::IndexInput(const Body& body) {
     VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, ReadVideo(body));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video.record));
     input["video"] = path.string();
+    // What was given when it was indexed is in the index, where the search finds it and says so.
+    if (video.record->id == telemetry_video_) input["telemetry"] = *options_.telemetry;
   } else {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string upload, ReadText(body, "upload"));
     const auto path = uploads_.Find(upload);

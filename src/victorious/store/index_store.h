@@ -40,6 +40,7 @@ struct VideoRecord {
   std::optional<double> duration_s;          ///< presentation time of the last frame; set together with frame_count
   std::optional<std::int64_t> start_utc_us;  ///< UTC of the first frame, microseconds since 1970, if telemetry gives it
   bool is_of_photos = false;                 ///< its telemetry is that of photos: the times of its frames are invented
+  std::string telemetry;                     ///< path of the telemetry file given last for it; empty: none was given
   std::string features_json;                 ///< the feature options of the kept features; empty: none are kept yet
 };
 
@@ -258,7 +259,8 @@ class IndexStore {
  public:
   virtual ~IndexStore() = default;
 
-  /// Adds the video. If its content is known, updates the name, and the start if given. Returns the stored record.
+  /// Adds the video. If its content is known, updates the name, and start and telemetry if given. Returns the stored
+  /// record.
   [[nodiscard]] virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
   /// Deletes the videos of this name and folder with other content (the file was changed). An unknown folder equals
   /// any. Returns their number.
@@ -267,6 +269,7 @@ class IndexStore {
   [[nodiscard]] virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
   [[nodiscard]] virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
   [[nodiscard]] virtual Expected<std::vector<VideoRecord>> Videos() = 0;
+  [[nodiscard]] virtual Expected<std::optional<VideoRecord>> VideoOfContent(const std::string& content_id) = 0;
   /// Those whose name equals `name`, by id.
   [[nodiscard]] virtual Expected<std::vector<VideoRecord>> VideosNamed(const std::string& name) = 0;
 

@@ -96,6 +96,21 @@ TEST_P(VideosTest, TextsRoundTripByteForByte) {
   EXPECT_EQ(*store_->DeleteOtherContent(name, name, "c3"), 1);
 }
 
+// The telemetry file that was given last is that of the next search.
+TEST_P(VideosTest, RemembersTheTelemetryThatWasGiven) {
+  const VideoRecord video{.content_id = "c1", .name = "a.mp4", .telemetry = "/data/Übung.csv"};
+  EXPECT_FALSE(*store_->VideoOfContent("c1"));
+  EXPECT_EQ(store_->PutVideo(video)->telemetry, "/data/Übung.csv");
+  EXPECT_EQ(PutVideo("c2", "b.mp4").telemetry, "");
+  EXPECT_EQ(PutVideo("c1", "c.mp4").telemetry, "/data/Übung.csv") << "none was given";
+  Reopen();
+  EXPECT_EQ((*store_->VideoOfContent("c1"))->telemetry, "/data/Übung.csv");
+  EXPECT_EQ((*store_->VideoOfContent("c2"))->telemetry, "");
+  EXPECT_EQ(store_->PutVideo({.content_id = "c1", .name = "c.mp4", .telemetry = "/data/b.csv"})->telemetry,
+            "/data/b.csv");
+  EXPECT_EQ(store_->Videos()->front().telemetry, "/data/b.csv");
+}
+
 TEST_P(VideosTest, LongOptionsRoundTrip) {
   std::string json(100'000, ' ');
   for (std::size_t i = 0; i < json.size(); ++i) json[i] = static_cast<char>('a' + i * i % 23);

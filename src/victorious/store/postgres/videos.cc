@@ -17,25 +17,32 @@ Expected<VideoRecord> PostgresStore::PutVideo(const VideoRecord& video) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result updated,
       connection_->Query("UPDATE videos SET name = ?, folder = ?, start_utc_us = CASE WHEN ?::bigint <> 0 THEN NULL "
-                         "ELSE coalesce(?, start_utc_us) END, is_of_photos = ? WHERE content_id = ?",
+                         "ELSE coalesce(?, start_utc_us) END, is_of_photos = ?, "
+                         "telemetry = coalesce(nullif(?, ''), telemetry) WHERE content_id = ?",
                          video.name, video.folder, video.is_of_photos ? 1 : 0, video.start_utc_us,
-                         video.is_of_photos ? 1 : 0, video.content_id));
+                         video.is_of_photos ? 1 : 0, video.telemetry, video.content_id));
   if (updated.Changes() == 0) {
     VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
         "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
-        "features_options_id, start_utc_us, is_of_photos) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+        "features_options_id, start_utc_us, is_of_photos, telemetry) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
         "ON CONFLICT (content_id) DO UPDATE SET "
         "name = excluded.name, folder = excluded.folder, "
-        "start_utc_us = coalesce(excluded.start_utc_us, videos.start_utc_us), is_of_photos = excluded.is_of_photos",
+        "start_utc_us = coalesce(excluded.start_utc_us, videos.start_utc_us), is_of_photos = excluded.is_of_photos, "
+        "telemetry = coalesce(nullif(excluded.telemetry, ''), videos.telemetry)",
         video.content_id, video.name, video.folder, video.width, video.height, video.frame_count, video.duration_s,
-        features_options, video.start_utc_us, video.is_of_photos ? 1 : 0));
+        features_options, video.start_utc_us, video.is_of_photos ? 1 : 0, video.telemetry));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(Result found,
-                              connection_->Query(sql::SelectVideos() + "WHERE v.content_id = ?", video.content_id));
-  VICTORIOUS_CHECK(found.Next());
-  VideoRecord stored = sql::ReadVideo(found);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<VideoRecord> stored, VideoOfContent(video.content_id));
+  VICTORIOUS_CHECK(stored.has_value());
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
-  return stored;
+  return *std::move(stored);
+}
+
+Expected<std::optional<VideoRecord>> PostgresStore::VideoOfContent(const std::string& content_id) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result found,
+                              connection_->Query(sql::SelectVideos() + "WHERE v.content_id = ?", content_id));
+  if (!found.Next()) return std::nullopt;
+  return sql::ReadVideo(found);
 }
 
 Expected<std::int64_t> PostgresStore::DeleteOtherContent(const std::string& name, const std::string& folder,

@@ -176,7 +176,8 @@ Status CheckSchemaVersion(std::string_view name, std::int64_t version, std::int6
 
 std::string SelectVideos() {
   return "SELECT v.id, v.content_id, v.name, v.width_px, v.height_px, v.frame_count, v.duration_s, "
-         "coalesce(o.json, ''), v.start_utc_us, v.folder, v.is_of_photos FROM videos v LEFT JOIN options o ON o.id = "
+         "coalesce(o.json, ''), v.start_utc_us, v.folder, v.is_of_photos, v.telemetry FROM videos v LEFT JOIN options "
+         "o ON o.id = "
          "v.features_options_id ";
 }
 
@@ -265,6 +266,7 @@ VideoRecord ReadVideo(const Row& row) {
           .duration_s = row.OptionalReal(6),
           .start_utc_us = row.OptionalInteger(8),
           .is_of_photos = row.Integer(10) != 0,
+          .telemetry = row.Text(11),
           .features_json = row.Text(7)};
 }
 

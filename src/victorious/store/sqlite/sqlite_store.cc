@@ -111,22 +111,30 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
     VICTORIOUS_ASSIGN_OR_RETURN(features_options, PutOptions(video.features_json));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement put, connection_->Prepare(
-                         "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
-                         "features_options_id, start_utc_us, is_of_photos) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
-                         "ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, folder = excluded.folder, "
-                         "start_utc_us = CASE WHEN excluded.is_of_photos THEN NULL ELSE "
-                         "coalesce(excluded.start_utc_us, start_utc_us) END, "
-                         "is_of_photos = excluded.is_of_photos"));
+      Statement put,
+      connection_->Prepare(
+          "INSERT INTO videos (content_id, name, folder, width_px, height_px, frame_count, duration_s, "
+          "features_options_id, start_utc_us, is_of_photos, telemetry) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+          "ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, folder = excluded.folder, "
+          "start_utc_us = CASE WHEN excluded.is_of_photos THEN NULL ELSE "
+          "coalesce(excluded.start_utc_us, start_utc_us) END, "
+          "is_of_photos = excluded.is_of_photos, "
+          "telemetry = coalesce(nullif(excluded.telemetry, ''), telemetry)"));
   VICTORIOUS_RETURN_IF_ERROR(put.Bind(video.content_id, video.name, video.folder, video.width, video.height,
                                       video.frame_count, video.duration_s, features_options, video.start_utc_us,
-                                      video.is_of_photos ? 1 : 0)
+                                      video.is_of_photos ? 1 : 0, video.telemetry)
                                  .Run());
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(sql::SelectVideos() + "WHERE v.content_id = ?"));
-  VICTORIOUS_RETURN_IF_ERROR(find.Bind(video.content_id).Step());
-  VideoRecord stored = sql::ReadVideo(find);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<VideoRecord> stored, VideoOfContent(video.content_id));
+  VICTORIOUS_CHECK(stored.has_value());
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
-  return stored;
+  return *std::move(stored);
+}
+
+Expected<std::optional<VideoRecord>> SqliteStore::VideoOfContent(const std::string& content_id) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(sql::SelectVideos() + "WHERE v.content_id = ?"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool found, find.Bind(content_id).Step());
+  if (!found) return std::nullopt;
+  return sql::ReadVideo(find);
 }
 
 Expected<std::int64_t> SqliteStore::DeleteOtherContent(const std::string& name, const std::string& folder,

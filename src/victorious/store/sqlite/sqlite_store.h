@@ -20,6 +20,7 @@ class SqliteStore final : public IndexStore {
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
   [[nodiscard]] Status SetVideoFeatures(std::int64_t video, const std::string& features_json) override;
   [[nodiscard]] Expected<std::vector<VideoRecord>> Videos() override;
+  [[nodiscard]] Expected<std::optional<VideoRecord>> VideoOfContent(const std::string& content_id) override;
   [[nodiscard]] Expected<std::vector<VideoRecord>> VideosNamed(const std::string& name) override;
 
   [[nodiscard]] Expected<ModelRecord> PutModel(const ModelRecord& model) override;

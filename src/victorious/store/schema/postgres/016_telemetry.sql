@@ -1,0 +1,3 @@
+-- The telemetry file that was given for a video.
+
+ALTER TABLE videos ADD COLUMN telemetry text NOT NULL DEFAULT '';
