@@ -1268,6 +1268,32 @@ async function workers(page, [program, db]) {
   await panel.waitFor({ state: "detached" });
 }
 
+/** More tabs than a browser has connections to one server: one of them listens to its events, for all. */
+async function tabs(page) {
+  const streams = [];
+  page.context().on("request", (request) => request.url().endsWith("/api/v1/events") && streams.push(request));
+  const others = [];
+  for (let i = 0; i < 6; i++) others.push(await page.context().newPage());
+  const all = [...others, page];
+  for (const one of all) {
+    await one.goto("/");
+    await one.waitForSelector("[role=option]");
+  }
+  assert.equal(streams.length, 1);
+  const { objects } = await api(page, "/objects");
+  /** Decides in one tab, and waits until each has heard of it. */
+  const decide = async (one, key, object, verdict) => {
+    await one.click(`#object-${object.id}`);
+    await one.keyboard.press(key);
+    for (const open of all) await open.waitForSelector(`#object-${object.id} .verdict.${verdict}:not(.pending)`);
+  };
+  await decide(all[3], "a", objects[0], "accepted");
+  // The one that listens is closed.
+  await all.shift().close();
+  await decide(page, "x", objects[1], "rejected");
+  assert.equal(streams.length, 2);
+}
+
 const [scenario, url, ...inputs] = process.argv.slice(2);
 if (!existsSync(BROWSER)) {
   console.log(`SKIPPED: ${BROWSER} is not installed`);
@@ -1290,7 +1316,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, link, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow }[scenario](page, inputs);
+  await { triage, link, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow, tabs }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

@@ -220,6 +220,9 @@ class PageTest(program.ProgramTest):
             videos[1].unlink()
             self.drive("workers", server.url, "--models", program.models(), inputs=(program.PROGRAM, server.url))
 
+    def test_tabs(self):
+        self.drive("tabs", self.index(program.flight() / "flight.mp4"))
+
     def test_accounts(self):
         db = self.index(program.flight() / "flight.mp4")
         password = "correct horse battery"
