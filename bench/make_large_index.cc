@@ -25,6 +25,7 @@ struct Sizes {
 
 Status Fill(IndexStore& store, const Sizes& sizes) {
   constexpr int kModels = 20;
+  constexpr int kShownBoxes = 64;
   constexpr double kFrameRate = 10;
   Random random(20);
   std::vector<std::int64_t> models;
@@ -46,6 +47,14 @@ Status Fill(IndexStore& store, const Sizes& sizes) {
     const int town = v % 20;
     const double latitude = 47 + 0.35 * (town / 5);
     const double longitude = 6 + 1.3 * (town % 5);
+    // Its camera goes over the town in rows.
+    std::vector<GeoBox> shown;
+    for (int i = 0; i < kShownBoxes; ++i) {
+      const double south = RadiansFromDegrees(latitude - 0.05 + 0.0125 * (i / 8));
+      const double west = RadiansFromDegrees(longitude - 0.06 + 0.015 * (i % 8));
+      shown.push_back({south, west, south + RadiansFromDegrees(0.01), west + RadiansFromDegrees(0.01)});
+    }
+    VICTORIOUS_RETURN_IF_ERROR(store.PutShownGround(video.id, shown));
     IndexBatch batch;
     std::vector<ObjectRecord> found;
     for (int i = 0; i < sizes.objects; ++i) {

@@ -36,6 +36,10 @@ async function measureApi() {
   const queries = {
     project: () => "/project",
     videos: () => "/videos",
+    videos_showing: () => {
+      const { latitude_deg, longitude_deg } = some(objects.filter((one) => one.place)).place;
+      return `/videos?shows=${latitude_deg},${longitude_deg}`;
+    },
     thresholds: () => "/thresholds",
     first_page: () => "/objects?sort=queue&limit=100&offset=0",
     deep_page: () => `/objects?sort=queue&limit=100&offset=${100 * Math.floor(random() * 490)}`,

@@ -29,6 +29,9 @@ class FaultInjectingStore : public IndexStore {
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frames, double duration_s) override {
     return store_.SetVideoLength(video, frames, duration_s);
   }
+  [[nodiscard]] Status PutShownGround(std::int64_t video, std::span<const GeoBox> boxes) override {
+    return store_.PutShownGround(video, boxes);
+  }
   [[nodiscard]] Status SetVideoFeatures(std::int64_t video, const std::string& json) override {
     return store_.SetVideoFeatures(video, json);
   }

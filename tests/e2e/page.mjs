@@ -500,7 +500,10 @@ async function videos(page) {
     return (await seen.count()) > 0 ? seen.innerText() : "";
   };
   await becomes(() => hover(map.x + map.width / 2, map.y + map.height / 2), /^shown at 0:0\d\.\d\d by one\.mp4$/);
-  // Ground that only the second video shows, north of it: found by a click, and named from then on.
+  // Ground that only the second video shows, north of it: found by a click, and named from then on. The third one shows
+  // no ground, and is not looked through.
+  const asked = [];
+  page.on("request", (request) => asked.push(new URL(request.url()).pathname));
   for (let i = 0; i < 2; i++) await page.locator(".maplibregl-ctrl-zoom-out").click();
   await page.waitForTimeout(1000);
   const x = map.x + map.width / 2 - 25; // beside the objects
@@ -511,10 +514,11 @@ async function videos(page) {
     const told = page.locator(".notice", { hasText: /Seen in two\.mp4|No video showed this place/ });
     await told.waitFor();
     if (/Seen in/.test(await told.innerText())) other = y;
-    else assert.match(await told.innerText(), /this one and 2 others were looked through/);
-    await page.getByRole("button", { name: "Dismiss" }).first().click();
+    // On a busy machine it goes by itself meanwhile.
+    await page.getByRole("button", { name: "Dismiss" }).first().click({ timeout: 4000 }).catch(() => told.waitFor({ state: "detached" }));
   }
   assert.ok(other, "the second video is not found by its ground");
+  assert.ok(!asked.includes("/api/v1/videos/3/camera"));
   await becomes(() => page.locator(".stage .corner").innerText(), "two.mp4");
   await page.selectOption("#video", "3");
   await page.locator(".map .reason", { hasText: "no telemetry" }).waitFor();

@@ -133,8 +133,9 @@ class PageTest(program.ProgramTest):
             video.write_bytes((program.flight() / "flight.mp4").read_bytes() + bytes(number))
         for video in videos:
             db = self.index(video)
-        self.place_objects(db, videos[0])
         self.write_telemetry(videos[1], 52.501)
+        self.index(videos[1])  # what its camera shows is known from then on
+        self.place_objects(db, videos[0])
         self.drive("videos", db, "--models", program.models())
 
     def test_live_sources(self):

@@ -699,6 +699,11 @@ class ServeTest(ServerCase):
             self.wait_for_job(server, self.post_job(server, kind="index", upload=video, telemetry=telemetry), "done")
             path = self.get(server, "/api/v1/videos/1/camera")
             self.assertEqual((path["source"], len(path["points"])), ("telemetry", 10))
+            for place, showing in (("52.5,13.407", [1]), ("52.6,13.407", []), ("-10,13.407", [])):
+                videos = self.get(server, f"/api/v1/videos?shows={place}")["videos"]
+                self.assertEqual([one["id"] for one in videos], showing, place)
+            for wrong in ("", "52.5", "52.5,x", "91,0", "1,2,3"):
+                self.get(server, f"/api/v1/videos?shows={wrong}", 400)
             stored = next(self.scratch.glob("given.db.uploads/*/given.csv"))
             again = self.post_job(server, kind="index", video_id=1)
             self.wait_for_job(server, again, "done")

@@ -1,10 +1,11 @@
-// A click on the map: when was this place seen? In the video that is shown first, then in the others.
-import { getCameraPath } from "./api/client";
+// A click on the map: when was this place seen? In the video that is shown first, then in those of the others whose camera
+// may have shown it.
+import { getCameraPath, listVideosShowing } from "./api/client";
 import type { CameraPath } from "./api/types";
 import { type Position, whenSeen } from "./logic/geo";
 import { baseName, plural } from "./logic/format";
 import { findPlace } from "./logic/place_search";
-import { notify } from "./notices";
+import { notify, notifyError } from "./notices";
 import { showTime } from "./selection";
 import { cameraPath, indexVersion, videoId, videos } from "./state";
 
@@ -36,7 +37,11 @@ export async function showPlace(place: Position) {
   const path = cameraPath.peek();
   const time = path && whenSeen(path, place);
   if (here !== null && time !== null) return showTime(here, time);
-  const others = videos.peek().filter((one) => one.id !== here && one.missing === null);
+  const others = await listVideosShowing(place[1], place[0]).then(
+    (all) => all.filter((one) => one.id !== here && one.missing === null),
+    (error: unknown) => notifyError(error),
+  );
+  if (!others || search !== latest) return;
   const begun = Date.now();
   const report = (searched: number) => {
     if (search === latest && Date.now() - begun > SILENT_MS) {
@@ -44,7 +49,7 @@ export async function showPlace(place: Position) {
     }
     return search === latest;
   };
-  const { found, searched, failed } = await findPlace(others.map((one) => one.id), load, place, report);
+  const { found, failed } = await findPlace(others.map((one) => one.id), load, place, report);
   if (search !== latest) return;
   if (found) {
     known.set(found.video, await load(found.video));
@@ -52,9 +57,7 @@ export async function showPlace(place: Position) {
     return notify(`Seen in ${baseName(others.find((one) => one.id === found.video)?.name ?? "")}.`, "info", PROGRESS);
   }
   const unread = failed > 0 ? ` ${plural(failed, "path")} could not be read.` : "";
-  if (others.length > 0) {
-    return notify(`No video showed this place: this one and ${plural(searched, "other")} were looked through.${unread}`, "info", PROGRESS);
-  }
+  if (videos.peek().length > 1) return notify(`No video showed this place.${unread}`, "info", PROGRESS);
   if (path?.points.some((point) => point.footprint)) notify("The camera did not show this place.", "info", PROGRESS);
 }
 

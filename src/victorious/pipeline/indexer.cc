@@ -25,6 +25,7 @@
 #include "victorious/pipeline/clock_offset.h"
 #include "victorious/pipeline/indexer_parts.h"
 #include "victorious/pipeline/model_engine.h"
+#include "victorious/pipeline/shown_ground.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/terrain/terrain.h"
 #include "victorious/video/video_reader.h"
@@ -326,6 +327,9 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
                                                             .is_of_photos = video.cameras.is_of_photos(),
                                                             .telemetry = AbsolutePath(job.telemetry.value_or("")),
                                                             .features_json = {}}));
+  const CameraTrajectory* const path = video.cameras.trajectory();
+  VICTORIOUS_RETURN_IF_ERROR(store.PutShownGround(
+      video.record.id, path == nullptr ? std::vector<GeoBox>() : ShownGround(path->states(), info.width, info.height)));
   return video;
 }
 

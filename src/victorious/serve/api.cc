@@ -175,10 +175,18 @@ ApiExpected<HttpResponse> Api::Audit(const Call& call) {
   return JsonResponse(AuditToJson(records));
 }
 
-ApiExpected<HttpResponse> Api::Videos(const Call& /*call*/) {
+ApiExpected<HttpResponse> Api::Videos(const Call& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto place, call.query.Place("shows"));
+  VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  std::vector<std::int64_t> showing;
+  if (place) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(showing, reader->objects->VideosShowing(place->latitude_rad, place->longitude_rad));
+  }
   Json rows = Json::array();
   for (const VideoRecord& video : lists->videos) {
+    if (place && !std::ranges::binary_search(showing, video.id)) continue;
     const auto path = videos_.Find(video);
     rows.push_back(VideoToJson(video, *lists, path ? "" : path.error().message, copies_.Has(CopyName(video)),
                                /*with_searches=*/false));

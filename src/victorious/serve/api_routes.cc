@@ -35,7 +35,7 @@ std::span<const Api::Route> Api::Routes() {
       {HttpMethod::kPost, "/api/v1/session/end", std::nullopt, &Api::LogOut},
       {HttpMethod::kGet, "/api/v1/project", Role::kViewer, &Api::Project},
       {HttpMethod::kGet, "/api/v1/base_map", Role::kViewer, &Api::BaseMapFile},
-      {HttpMethod::kGet, "/api/v1/videos", Role::kViewer, &Api::Videos},
+      {HttpMethod::kGet, "/api/v1/videos", Role::kViewer, &Api::Videos, kHasQuery},
       {HttpMethod::kGet, "/api/v1/videos/{id}", Role::kViewer, &Api::Video},
       {HttpMethod::kGet, "/api/v1/videos/{id}/times", Role::kViewer, &Api::VideoTimes},
       {HttpMethod::kGet, "/api/v1/videos/{id}/sightings", Role::kViewer, &Api::VideoSightings, kHasQuery},

@@ -54,6 +54,25 @@ std::optional<Number> ParseNumber(std::string_view text) {
   return value;
 }
 
+// As many finite numbers between commas.
+template <std::size_t kCount>
+std::optional<std::array<double, kCount>> ReadNumbers(std::string_view text) {
+  std::array<double, kCount> numbers{};
+  if (std::ranges::count(text, ',') != kCount - 1) return std::nullopt;
+  for (double& number : numbers) {
+    const std::string_view part = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(part.size() + 1, text.size()));
+    const auto value = ParseNumber<double>(part);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    number = *value;
+  }
+  return numbers;
+}
+
+bool IsPlace(double latitude_deg, double longitude_deg) {
+  return std::abs(latitude_deg) <= 90 && std::abs(longitude_deg) <= 360;
+}
+
 }  // namespace
 
 ApiExpected<RequestTarget> ParseRequestTarget(std::string_view target) {
@@ -122,21 +141,23 @@ ApiExpected<std::optional<std::int64_t>> QueryReader::Integer(std::string_view n
                    fmt::format("{} \"{}\": must be an integer from {} to {}", name, *text, min, max));
 }
 
+ApiExpected<std::optional<GeodeticPoint>> QueryReader::Place(std::string_view name) {
+  const auto text = Text(name);
+  if (!text) return std::nullopt;
+  const auto numbers = ReadNumbers<2>(*text);
+  if (numbers && IsPlace((*numbers)[0], (*numbers)[1])) {
+    return GeodeticPoint{RadiansFromDegrees((*numbers)[0]), RadiansFromDegrees((*numbers)[1]), 0};
+  }
+  return FailField(std::string(name),
+                   fmt::format("{} \"{}\": must be latitude and longitude in degrees, as in 52.52,13.40", name, *text));
+}
+
 ApiExpected<std::optional<GeoCircle>> QueryReader::Circle(std::string_view name) {
   const auto text = Text(name);
   if (!text) return std::nullopt;
-  std::array<double, 3> numbers{};
-  std::string_view rest = *text;
-  bool is_valid = std::ranges::count(rest, ',') == 2;
-  for (double& number : numbers) {
-    const std::string_view part = rest.substr(0, rest.find(','));
-    rest.remove_prefix(std::min(part.size() + 1, rest.size()));
-    const auto value = ParseNumber<double>(part);
-    is_valid = is_valid && value && std::isfinite(*value);
-    if (is_valid) number = *value;
-  }
-  if (is_valid && std::abs(numbers[0]) <= 90 && std::abs(numbers[1]) <= 360 && numbers[2] >= 0) {
-    return GeoCircle{{RadiansFromDegrees(numbers[0]), RadiansFromDegrees(numbers[1]), 0}, numbers[2]};
+  const auto numbers = ReadNumbers<3>(*text);
+  if (numbers && IsPlace((*numbers)[0], (*numbers)[1]) && (*numbers)[2] >= 0) {
+    return GeoCircle{{RadiansFromDegrees((*numbers)[0]), RadiansFromDegrees((*numbers)[1]), 0}, (*numbers)[2]};
   }
   return FailField(std::string(name),
                    fmt::format("{} \"{}\": must be latitude and longitude in degrees and a distance in metres, as in "

@@ -37,6 +37,8 @@ class QueryReader {
   ApiExpected<std::optional<double>> Number(std::string_view name, double min, double max);
   /// An integer in [min, max].
   ApiExpected<std::optional<std::int64_t>> Integer(std::string_view name, std::int64_t min, std::int64_t max);
+  /// "latitude,longitude", degrees; without a height.
+  ApiExpected<std::optional<GeodeticPoint>> Place(std::string_view name);
   /// "latitude,longitude,metres", angles in degrees.
   ApiExpected<std::optional<GeoCircle>> Circle(std::string_view name);
   /// "latitude,longitude,latitude,longitude,…", degrees: 3 to 100 corners, of one half of the globe.

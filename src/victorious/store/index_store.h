@@ -195,6 +195,14 @@ struct GeoCircle {
   double radius_m = 0;
 };
 
+/// A region between parallels and meridians, radians; it does not cross the antimeridian.
+struct GeoBox {
+  double south_rad = 0;
+  double west_rad = 0;
+  double north_rad = 0;
+  double east_rad = 0;
+};
+
 /// Whether the thresholds of models (threshold_store.h) leave out objects that nobody has decided and that score less.
 enum class ThresholdUse { kIgnored, kApplied };
 
@@ -267,6 +275,8 @@ class IndexStore {
   [[nodiscard]] virtual Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                                   const std::string& content_id) = 0;
   [[nodiscard]] virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
+  /// Replaces what is known of the ground that the video's camera may have shown: the union of the boxes.
+  [[nodiscard]] virtual Status PutShownGround(std::int64_t video, std::span<const GeoBox> boxes) = 0;
   [[nodiscard]] virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
   [[nodiscard]] virtual Expected<std::vector<VideoRecord>> Videos() = 0;
   [[nodiscard]] virtual Expected<std::optional<VideoRecord>> VideoOfContent(const std::string& content_id) = 0;

@@ -97,14 +97,6 @@ struct ObjectCounts {
   std::array<std::int64_t, kBins> rejected_scores{};  ///< the rejected ones of them
 };
 
-/// A region between parallels and meridians, radians; it does not cross the antimeridian.
-struct GeoBox {
-  double south_rad = 0;
-  double west_rad = 0;
-  double north_rad = 0;
-  double east_rad = 0;
-};
-
 /// An object on a map.
 struct PlacedObject {
   std::int64_t id = 0;
@@ -176,6 +168,10 @@ class TriageStore {
   [[nodiscard]] virtual Expected<std::vector<PlacedShape>> PlaceShapes(std::span<const std::int64_t> ids) = 0;
   /// The smallest region that holds all objects of known place; std::nullopt if there is none.
   [[nodiscard]] virtual Expected<std::optional<GeoBox>> PlaceBounds() = 0;
+  /// The videos whose camera may have shown a place of the ground (IndexStore::PutShownGround), and those of which
+  /// that is not known; by id. Cost: the boxes of half of the videos are compared, in an index.
+  [[nodiscard]] virtual Expected<std::vector<std::int64_t>> VideosShowing(double latitude_rad,
+                                                                          double longitude_rad) = 0;
   /// Heights above the ellipsoid of at most 1000 objects of known place that a video shows, metres.
   [[nodiscard]] virtual Expected<std::vector<double>> PlaceHeights(std::int64_t video) = 0;
 

@@ -408,6 +408,31 @@ TEST_P(TriageStoreTest, NumbersOfVideosAndModels) {
   EXPECT_THAT(*store_->Searches(), IsEmpty());
 }
 
+TEST_P(TriageStoreTest, SaysWhichVideosMayShowAPlace) {
+  const auto put = [&](const std::string& name) {
+    return writer_->PutVideo({.content_id = name, .name = name, .width = 640, .height = 480})->id;
+  };
+  const std::int64_t unknown = put("shown-unknown");
+  const std::int64_t twice = put("shown-twice");
+  const std::int64_t nothing = put("shown-nothing");
+  const std::vector<GeoBox> boxes = {{0.9, 0.2, 0.91, 0.21}, {0.905, 0.205, 0.92, 0.22}};
+  ASSERT_TRUE(writer_->PutShownGround(twice, boxes));
+  ASSERT_TRUE(writer_->PutShownGround(nothing, {}));
+  const auto showing = [&](double latitude_rad, double longitude_rad) {
+    std::vector<std::int64_t> ids = store_->VideosShowing(latitude_rad, longitude_rad).value();
+    std::erase_if(ids, [&](std::int64_t id) { return id < unknown; });
+    return ids;
+  };
+  EXPECT_THAT(showing(0.907, 0.207), ElementsAre(unknown, twice)) << "both boxes hold it";
+  EXPECT_THAT(showing(0.919, 0.219), ElementsAre(unknown, twice));
+  EXPECT_THAT(showing(0.901, 0.219), ElementsAre(unknown));
+  ASSERT_TRUE(writer_->PutShownGround(twice, std::span(boxes).last(1)));
+  EXPECT_THAT(showing(0.901, 0.201), ElementsAre(unknown)) << "replaced";
+  EXPECT_FALSE(writer_->PutShownGround(99, boxes));
+  ASSERT_EQ(*writer_->DeleteOtherContent("shown-twice", "", "other"), 1);
+  EXPECT_THAT(showing(0.919, 0.219), ElementsAre(unknown)) << "deleted with its video";
+}
+
 VICTORIOUS_TEST_ON_ALL_STORES(TriageStoreTest);
 
 }  // namespace

@@ -101,6 +101,10 @@ export const getProject = () => request<Project>("/project");
 export const listVideos = async () =>
   (await request<components["schemas"]["VideoList"]>("/videos")).videos;
 
+/** Those whose camera may have shown a place. */
+export const listVideosShowing = async (latitude: number, longitude: number) =>
+  (await request<components["schemas"]["VideoList"]>(`/videos?shows=${latitude},${longitude}`)).videos;
+
 export const listObjects = (params: URLSearchParams, signal?: AbortSignal) =>
   request<components["schemas"]["ObjectList"]>(`/objects?${params}`, signal ? { signal } : undefined);
 

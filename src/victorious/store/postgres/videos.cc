@@ -66,6 +66,21 @@ Status PostgresStore::SetVideoLength(std::int64_t video, std::int64_t frame_coun
   return transaction.Commit();
 }
 
+Status PostgresStore::PutShownGround(std::int64_t video, std::span<const GeoBox> boxes) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Result updated,
+                              connection_->Query("UPDATE videos SET has_shown_ground = 1 WHERE id = ?", video));
+  if (updated.Changes() != 1) return std::unexpected(Missing("video", video));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query("DELETE FROM shown_ground WHERE video_id = ?", video));
+  for (const GeoBox& box : boxes) {
+    VICTORIOUS_RETURN_IF_ERROR(
+        connection_->Query("INSERT INTO shown_ground (video_id, south_rad, west_rad, north_rad, east_rad) VALUES "
+                           "(?, ?, ?, ?, ?)",
+                           video, box.south_rad, box.west_rad, box.north_rad, box.east_rad));
+  }
+  return transaction.Commit();
+}
+
 Status PostgresStore::SetVideoFeatures(std::int64_t video, const std::string& features_json) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
   std::optional<std::int64_t> options;

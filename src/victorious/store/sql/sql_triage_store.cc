@@ -219,6 +219,15 @@ class SqlTriageStore final : public TriageStore {
     return bounds.value_or(std::nullopt);
   }
 
+  Expected<std::vector<std::int64_t>> VideosShowing(double latitude_rad, double longitude_rad) override {
+    return database_->ReadAll(
+        fmt::format("SELECT video_id FROM shown_ground{} WHERE south_rad <= ? AND north_rad >= ? AND west_rad <= ? AND "
+                    "east_rad >= ? UNION SELECT id FROM videos WHERE has_shown_ground = 0 ORDER BY 1",
+                    IndexedBy(dialect_, "shown_ground_by_place")),
+        ValueList(latitude_rad, latitude_rad, longitude_rad, longitude_rad),
+        [](const Row& row) -> Expected<std::int64_t> { return row.Integer(0); });
+  }
+
   Expected<std::vector<double>> PlaceHeights(std::int64_t video) override {
     return database_->ReadAll(
         "SELECT altitude_m FROM objects WHERE id IN (SELECT object_id FROM tracklets WHERE video_id = ?) AND "

@@ -154,6 +154,24 @@ Status SqliteStore::SetVideoLength(std::int64_t video, std::int64_t frame_count,
   return ExecuteOnRow(update, "video", video);
 }
 
+Status SqliteStore::PutShownGround(std::int64_t video, std::span<const GeoBox> boxes) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement update,
+                                connection_->Prepare("UPDATE videos SET has_shown_ground = 1 WHERE id = ?"));
+    VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(update.Bind(video), "video", video));
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement forget, connection_->Prepare("DELETE FROM shown_ground WHERE video_id = ?"));
+    VICTORIOUS_RETURN_IF_ERROR(forget.Bind(video).Run());
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement insert, connection_->Prepare("INSERT INTO shown_ground (video_id, south_rad, west_rad, north_rad, "
+                                               "east_rad) VALUES (?, ?, ?, ?, ?)"));
+    for (const GeoBox& box : boxes) {
+      VICTORIOUS_RETURN_IF_ERROR(insert.Bind(video, box.south_rad, box.west_rad, box.north_rad, box.east_rad).Run());
+    }
+  }
+  return transaction.Commit();
+}
+
 Status SqliteStore::SetVideoFeatures(std::int64_t video, const std::string& features_json) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   std::optional<std::int64_t> options;

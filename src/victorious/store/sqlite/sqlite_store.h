@@ -18,6 +18,7 @@ class SqliteStore final : public IndexStore {
   [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                           const std::string& content_id) override;
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
+  [[nodiscard]] Status PutShownGround(std::int64_t video, std::span<const GeoBox> boxes) override;
   [[nodiscard]] Status SetVideoFeatures(std::int64_t video, const std::string& features_json) override;
   [[nodiscard]] Expected<std::vector<VideoRecord>> Videos() override;
   [[nodiscard]] Expected<std::optional<VideoRecord>> VideoOfContent(const std::string& content_id) override;
