@@ -25,7 +25,7 @@
 
 namespace victorious {
 
-/// An interval at which tracks do not restart: that of a pass that is not resumed, or need not equal an uninterrupted one.
+/// An interval at which tracks do not restart: of a pass that is not resumed, or need not equal an uninterrupted one.
 inline constexpr int kNoRestart = 1'000'000;
 
 /// Tracking between full-frame searches.
