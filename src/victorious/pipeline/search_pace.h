@@ -28,9 +28,8 @@ class SearchPace {
 
   /// True if the regions of tracks in the frame entered last can be searched.
   [[nodiscard]] bool HasTime() const;
-  /// True if the whole of it can be searched. One frame at a time is, if there is a pace to keep: the later frames of a
-  /// live source wait for it, and what a search takes is known at its end.
-  [[nodiscard]] bool HasTimeForAll() const { return HasTime() && !(IsLimited() && full_searches_ > 0); }
+  /// True if the whole of it can be searched. Of a live source one frame at a time is: the later ones wait for it.
+  [[nodiscard]] bool HasTimeForAll() const { return HasTime() && !(is_live_ && full_searches_ > 0); }
 
   void BeginFullSearch() { ++full_searches_; }
   void EndFullSearch() { --full_searches_; }

@@ -25,13 +25,13 @@ TEST(SearchPace, LiveSourceThatIsBehindIsNotSearched) {
   EXPECT_TRUE(pace.HasTime());
 }
 
-TEST(SearchPace, OneFrameIsSearchedAtATime) {
-  for (const bool is_limited : {false, true}) {
-    SearchPace pace(is_limited ? std::optional(milliseconds(1000)) : std::nullopt, false);
+TEST(SearchPace, OneFrameOfALiveSourceIsSearchedAtATime) {
+  for (const bool is_live : {false, true}) {
+    SearchPace pace(std::nullopt, is_live);
     pace.Enter(0);
     EXPECT_TRUE(pace.HasTimeForAll());
     pace.BeginFullSearch();
-    EXPECT_EQ(pace.HasTimeForAll(), !is_limited);
+    EXPECT_EQ(pace.HasTimeForAll(), !is_live);
     EXPECT_TRUE(pace.HasTime());
     pace.EndFullSearch();
     EXPECT_TRUE(pace.HasTimeForAll());
