@@ -525,29 +525,6 @@ async function videos(page) {
 }
 
 /** A list of thousands: any part of it, the neighbour that is not loaded, clusters on the map. */
-// Without a GPU, as here, the map is coarse while it is moved, and sharp once it rests.
-async function checkMotion(page) {
-  const canvas = page.locator(".maplibregl-canvas");
-  const width = () => canvas.evaluate((one) => one.width);
-  await page.waitForSelector(".map .canvas[data-ready=true]");
-  const sharp = await width();
-  const box = await canvas.boundingBox();
-  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  for (let i = 1; i <= 10; i++) await page.mouse.move(x + 3 * i, y);
-  assert.equal(await width(), Math.floor(sharp / 2));
-  await page.waitForTimeout(300);
-  assert.equal(await width(), Math.floor(sharp / 2), "as long as it is held");
-  await page.mouse.up();
-  await becomes(width, sharp);
-  for (const turn of [-240, 240]) {
-    await page.mouse.wheel(0, turn);
-    await becomes(width, Math.floor(sharp / 2));
-    await becomes(width, sharp);
-  }
-}
-
 async function many(page) {
   await page.goto("/");
   await page.waitForSelector("[role=option]");
@@ -583,8 +560,6 @@ async function many(page) {
   await page.keyboard.press("a");
   await page.waitForFunction(() => /^1 of/.test(document.querySelector(".progress")?.textContent ?? ""));
   await until(page, "/objects/counts", ({ accepted }) => accepted === 1);
-
-  await checkMotion(page);
 
   // A cluster on the map opens where it is clicked.
   await page.getByText("Clear filters").click();

@@ -26,7 +26,6 @@ import { type BaseMap, loadBaseMap } from "./base_map";
 import { Icon } from "./icons";
 import { AreaPanel, connectArea, toggleDrawing } from "./map_area";
 import { type LineMoment, lineAt, nowFeatures, trackFeatures } from "./map_lines";
-import { coarsenMotion } from "./map_motion";
 import { EMPTY, OBJECT_LAYERS, addImages, collection, countImage, feature, makeStyle, nameImage, polygon } from "./map_style";
 
 const isDraped = signal(true);
@@ -177,7 +176,7 @@ function useMap() {
       // Before the first tile, whose symbols ask for them.
       shown.on("style.load", () => addImages(shown));
       shown.on("load", () => {
-        stops.push(...connect(shown), coarsenMotion(shown));
+        stops.push(...connect(shown));
         isReady.value = true;
         addLand(shown).catch(() => notices.notify("The base map could not be loaded.", "error"));
       });
