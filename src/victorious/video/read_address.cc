@@ -26,9 +26,9 @@ struct AddressCloser {
 };
 
 // Says for each call of FFmpeg when it is to give up.
-class Patience {
+class ReadDeadline {
  public:
-  explicit Patience(const AddressOptions& options) : options_(options) { Start(); }
+  explicit ReadDeadline(const AddressOptions& options) : options_(options) { Start(); }
 
   void Start() {
     deadline_ =
@@ -43,8 +43,8 @@ class Patience {
 
   [[nodiscard]] AVIOInterruptCB callback() {
     return {[](void* self) {
-              auto& patience = *static_cast<Patience*>(self);
-              return patience.IsTimedOut() || patience.IsStopped() ? 1 : 0;
+              auto& deadline = *static_cast<ReadDeadline*>(self);
+              return deadline.IsTimedOut() || deadline.IsStopped() ? 1 : 0;
             },
             this};
   }
@@ -60,11 +60,11 @@ bool IsRefusalOfServer(int result) {
          result == AVERROR_HTTP_FORBIDDEN || result == AVERROR_HTTP_NOT_FOUND || result == AVERROR_HTTP_OTHER_4XX;
 }
 
-Error AddressError(const std::string& address, int result, bool is_opened, Patience& patience,
+Error AddressError(const std::string& address, int result, bool is_opened, ReadDeadline& deadline,
                    const AddressOptions& options) {
-  if (patience.IsStopped()) return {ErrorCode::kCancelled, fmt::format("{}: stopped while it was read", address)};
+  if (deadline.IsStopped()) return {ErrorCode::kCancelled, fmt::format("{}: stopped while it was read", address)};
   if (!IsWebAddress(address)) return ErrorFromErrno(AVUNERROR(result), address);
-  if (patience.IsTimedOut()) {
+  if (deadline.IsTimedOut()) {
     return {ErrorCode::kUnavailable, fmt::format("{}: nothing came for {:g} s", address, options.timeout_s)};
   }
   const ErrorCode code = is_opened                   ? ErrorCode::kDataLoss
@@ -87,24 +87,24 @@ Status ReadAddress(const std::string& address, const AddressOptions& options,
   AVDictionary* settings = nullptr;
   av_dict_set(&settings, "protocol_whitelist", is_of_web ? "http,https,httpproxy,crypto,tcp,tls" : "file", 0);
   if (is_of_web) av_dict_set(&settings, "tls_verify", "1", 0);
-  Patience patience(options);
-  const AVIOInterruptCB interrupt = patience.callback();
+  ReadDeadline deadline(options);
+  const AVIOInterruptCB interrupt = deadline.callback();
   AVIOContext* opened = nullptr;
   const std::string url = is_of_web ? address : "file:" + address;
   int result = avio_open2(&opened, url.c_str(), AVIO_FLAG_READ, &interrupt, &settings);
   av_dict_free(&settings);
-  if (result < 0) return std::unexpected(AddressError(address, result, false, patience, options));
+  if (result < 0) return std::unexpected(AddressError(address, result, false, deadline, options));
   const std::unique_ptr<AVIOContext, AddressCloser> context(opened);
   const std::int64_t announced = avio_size(context.get());  // negative: not known
   std::int64_t done = 0;
   std::vector<std::byte> buffer(kReadBytes);
   while (announced <= 0 || done < announced) {
-    patience.Start();
-    if (patience.IsStopped()) return std::unexpected(AddressError(address, AVERROR_EXIT, true, patience, options));
+    deadline.Start();
+    if (deadline.IsStopped()) return std::unexpected(AddressError(address, AVERROR_EXIT, true, deadline, options));
     result = avio_read_partial(context.get(), reinterpret_cast<unsigned char*>(buffer.data()),
                                static_cast<int>(buffer.size()));
     if (result == AVERROR_EOF && announced <= 0) return {};
-    if (result < 0) return std::unexpected(AddressError(address, result, true, patience, options));
+    if (result < 0) return std::unexpected(AddressError(address, result, true, deadline, options));
     done += result;
     VICTORIOUS_RETURN_IF_ERROR(sink(std::span(buffer).first(static_cast<std::size_t>(result))));
   }

@@ -13,7 +13,7 @@ namespace victorious {
 
 struct AddressOptions {
   double timeout_s = 30;             ///< limit of each wait for the next bytes
-  std::function<bool()> is_stopped;  ///< asked often, also while waiting
+  std::function<bool()> is_stopped;  ///< called often, also while waiting
 };
 
 /// Whether this is an address that ReadAddress reads over HTTP: "http://…" or "https://…".
