@@ -1014,8 +1014,8 @@ async function checkBehind(page, source) {
     await second.waitForSelector(".stage [role=alert]");
   };
   await show();
-  await second.locator(".job.running .behind", { hasText: /^12 s behind$/ }).waitFor();
-  await second.locator(".stage .corner .behind", { hasText: /^12 s behind$/ }).waitFor();
+  await second.locator(".job.running .behind", { hasText: /^up to 13 s behind$/ }).waitFor();
+  await second.locator(".stage .corner .behind", { hasText: /^up to 13 s behind$/ }).waitFor();
   await checkAccessible(second, "a live source that is behind");
   behind_s = 0.6;
   await show();

@@ -63,7 +63,7 @@ void Progress::Draw(bool last) {
     left = TimeLeftText(static_cast<double>(*total_ - done_) / rate);
     if (!left.empty()) left = ", " + left;
   }
-  if (behind_s_) left = fmt::format(", {:.1f} s behind", *behind_s_);
+  if (behind_s_) left = fmt::format(", up to {:.1f} s behind", *behind_s_);
   std::string line;
   if (on_terminal_) {
     std::string bar;

@@ -163,6 +163,7 @@ Status Demuxer::OpenContainer() {
   int result = avformat_open_input(&context_, url.c_str(), nullptr, options.address());  // frees context_ on failure
   if (result < 0) return std::unexpected(OpenError(result));
   StartTimer();
+  analysed_since_ = Clock::now();
   result = avformat_find_stream_info(context_, nullptr);
   if (result < 0) return std::unexpected(OpenError(result));
   if (IsTimedOut() && context_->pb != nullptr) {  // what came until then suffices; the source goes on

@@ -43,6 +43,9 @@ class Demuxer {
   /// Returns true for a remote source of unknown length, which cannot be read a second time.
   [[nodiscard]] bool IsLive() const;
 
+  /// When the first packets may have come, which are analysed before the source is open.
+  [[nodiscard]] std::chrono::steady_clock::time_point analysed_since() const { return analysed_since_; }
+
   /// Size of the source in bytes as reported by the protocol; 0 if unknown.
   [[nodiscard]] std::int64_t size_bytes() const;
 
@@ -72,6 +75,7 @@ class Demuxer {
   MediaSource source_;
   AVFormatContext* context_ = nullptr;
   std::optional<Clock::time_point> deadline_;
+  Clock::time_point analysed_since_;
   int video_index_ = -1;
 };
 

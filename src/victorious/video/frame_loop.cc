@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <utility>
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
@@ -19,7 +20,11 @@ namespace {
 // A shorter read is that of a frame that has come before, and its decoding.
 constexpr double kMinWait_s = 0.015;
 
-double Now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double Seconds(std::chrono::steady_clock::time_point time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
+double Now_s() { return Seconds(std::chrono::steady_clock::now()); }
 
 // Reads frames until the end, a cancellation, a stop or an error. Holds them back as the packet receiver wants.
 class HeldFrames {
@@ -107,9 +112,26 @@ std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_
 }
 
 void LiveDelay::EnterRead(double time_s, double waited_s) {
-  offset_s_ = std::min(offset_s_.load(), Now_s() - time_s);
+  const bool is_first = !std::isfinite(min_offset_s_);
+  min_offset_s_ = std::min(min_offset_s_, Now_s() - time_s);
   has_waited_ = has_waited_ || waited_s >= kMinWait_s;
+  if (has_waited_ || !since_) {
+    offset_s_ = min_offset_s_;
+  } else if (is_first) {
+    offset_s_ = Seconds(*since_) - time_s;
+  }
   if (has_waited_) read_behind_s_ = BehindOf(time_s);
+}
+
+double LiveDelay::EnterDone(double time_s) {
+  constexpr double kInterval_s = 5;
+  const double now_s = Now_s();
+  if (now_s - interval_begin_s_.value_or(now_s - kInterval_s) >= kInterval_s) {
+    max_behind_before_s_ = std::exchange(max_behind_s_, 0);
+    interval_begin_s_ = now_s;
+  }
+  max_behind_s_ = std::max(max_behind_s_, BehindOf(time_s));
+  return std::max(max_behind_s_, max_behind_before_s_);
 }
 
 double LiveDelay::BehindOf(double time_s) const { return std::max(0.0, Now_s() - time_s - offset_s_); }
@@ -127,7 +149,7 @@ Expected<FrameLoopEnd> FrameLoop::RunErased(const std::function<std::shared_ptr<
   HeldFrames frames(reader_, cancel_, stopped_, options_.packets, delay_);
   const bool is_live = reader_.info().live;
   const auto report = [&](std::int64_t frame, double time_s) {
-    if (progress) progress->Update(frame + 1, is_live ? std::optional(delay_.BehindOf(time_s)) : std::nullopt);
+    if (progress) progress->Update(frame + 1, is_live ? std::optional(delay_.EnterDone(time_s)) : std::nullopt);
   };
   std::atomic<bool> failed = false;
   Status status;  // of the first frame that failed; written by the last filter only

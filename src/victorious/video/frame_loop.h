@@ -10,6 +10,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -55,21 +56,35 @@ struct FrameLoopOptions {
 [[nodiscard]] std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_s);
 
 /// How far the work on a live source is behind it. The time stamps of frames tell when each was filmed up to a common
-/// offset to this machine's clock; the frame that waited least before it was read bounds the offset.
+/// offset to this machine's clock; the frame that waited least before it was read bounds the offset. Before a frame was
+/// waited for, the first one counts as filmed when the source was opened.
 class LiveDelay {
  public:
+  /// @param since  VideoInfo::live_since; std::nullopt: the first frame counts as filmed when it is read
+  explicit LiveDelay(std::optional<std::chrono::steady_clock::time_point> since = {}) : since_(since) {}
+
   /// Call when a frame has been read, from one thread. @param waited_s  that reading it took
   void EnterRead(double time_s, double waited_s);
-  /// At least how long ago a frame of this time stamp could have been read, s. Any thread.
+  /// How long ago a frame of this time stamp could have been read, s: at most so long until a frame was waited for,
+  /// then at least. Any thread.
   [[nodiscard]] double BehindOf(double time_s) const;
+  /// Call when the work on a frame is done, from one thread. @return the most that a frame of the last 5 to 10 s was
+  /// behind when its work was done, s
+  double EnterDone(double time_s);
   /// How late the frame read last was read, s; std::nullopt until a frame was waited for: before, those that came while
   /// the source was opened may still wait. Of the reading thread.
   [[nodiscard]] std::optional<double> ReadBehind() const { return read_behind_s_; }
 
  private:
+  std::optional<std::chrono::steady_clock::time_point> since_;
   std::atomic<double> offset_s_ = std::numeric_limits<double>::infinity();
+  double min_offset_s_ = std::numeric_limits<double>::infinity();  // of the frames read
   bool has_waited_ = false;
   std::optional<double> read_behind_s_;
+  // Of EnterDone: the maximum of the current interval and of the one before it, and when the current one began.
+  double max_behind_s_ = 0;
+  double max_behind_before_s_ = 0;
+  std::optional<double> interval_begin_s_;
 };
 
 /// How a loop ended without an error.
@@ -103,7 +118,7 @@ class FrameLoop {
  public:
   /// The references outlive it.
   FrameLoop(VideoReader& reader, const CancelToken& cancel, FrameLoopOptions options)
-      : reader_(reader), cancel_(cancel), options_(std::move(options)) {}
+      : reader_(reader), cancel_(cancel), options_(std::move(options)), delay_(reader.info().live_since) {}
 
   /// Passes the frames through stages until the video ends, a stage fails, Stop() is called, or `cancel` is set.
   /// @param select  makes the work of a frame; std::nullopt skips the frame. Called in frame order, while earlier

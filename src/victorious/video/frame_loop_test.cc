@@ -67,6 +67,21 @@ TEST(LiveDelayTest, IsUnknownUntilAFrameWasWaitedFor) {
   EXPECT_NEAR(delay.ReadBehind().value(), 1.0, 0.1) << "filmed a second before it";
 }
 
+TEST(LiveDelayTest, CountsTheTimeOfOpeningUntilAFrameWasWaitedFor) {
+  LiveDelay delay(std::chrono::steady_clock::now() - std::chrono::seconds(2));
+  delay.EnterRead(0, 0.001);
+  EXPECT_NEAR(delay.BehindOf(0), 2.0, 0.1);
+  delay.EnterRead(0.1, 0.08);
+  EXPECT_NEAR(delay.BehindOf(0.1), 0, 0.1);
+}
+
+TEST(LiveDelayTest, RemembersTheLatestOfTheLastSeconds) {
+  LiveDelay delay;
+  delay.EnterRead(10, 0.08);
+  EXPECT_NEAR(delay.EnterDone(8), 2.0, 0.1);
+  EXPECT_NEAR(delay.EnterDone(10), 2.0, 0.1) << "the frame before it was late";
+}
+
 class FrameLoopTest : public ::testing::Test {
  protected:
   // A loop with a parallel stage, and one that stores the squares in order.

@@ -376,6 +376,7 @@ void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   info_.rotation_deg = ClockwiseRotationDeg(orientation);
   info_.frame_rate = FrameRate(video);
   info_.live = demuxer_->IsLive();
+  if (info_.live) info_.live_since = demuxer_->analysed_since();
   info_.duration_s = VideoDuration();
   if (video.nb_frames > 0) {
     info_.frame_count = video.nb_frames;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -61,7 +62,9 @@ struct VideoInfo {
   std::optional<double> duration_s;         ///< as given by the container
   std::optional<std::int64_t> frame_count;  ///< as given by the container, or an estimate; for progress display only
   bool live = false;                        ///< true for a URL of unknown length, which cannot be read twice
-  bool of_images = false;                   ///< a folder of images or one image: they may be far apart in time
+  /// Of a live source: when its first frames may have come, which wait while it is opened.
+  std::optional<std::chrono::steady_clock::time_point> live_since;
+  bool of_images = false;  ///< a folder of images or one image: they may be far apart in time
   std::vector<StreamInfo> streams;
 };
 

@@ -357,7 +357,7 @@ describe("uploads", () => {
 
   it("say how far a live source is behind, if it is", () => {
     const of = (behind_s: number | null, change = {}) => formatBehind({ kind: "live", state: "running", behind_s, ...change });
-    expect([null, 0.4, 1, 1.2, 12.4, 150].map((one) => of(one))).toEqual([null, null, null, "1 s behind", "12 s behind", "3 min behind"]);
+    expect([null, 0.4, 1, 1.2, 12.4, 150].map((one) => of(one))).toEqual([null, null, null, "up to 2 s behind", "up to 13 s behind", "up to 3 min behind"]);
     expect(of(12, { state: "done" })).toBeNull();
   });
 });

@@ -69,8 +69,8 @@ export const formatLeft = (seconds: number) => `${short(seconds)} left`;
 /** A search that is less than this behind its source keeps up with it. */
 const KEEPS_UP_S = 1;
 
-/** How far the search of a live source is behind it; null: it keeps up, does not run, or it is not known. */
+/** How far the search of a live source is behind it at most; null: it keeps up, does not run, or it is not known. */
 export function formatBehind(job: Pick<Job, "kind" | "state" | "behind_s">): string | null {
   const isRunning = job.kind === "live" && job.state === "running";
-  return isRunning && job.behind_s !== null && job.behind_s > KEEPS_UP_S ? `${short(job.behind_s)} behind` : null;
+  return isRunning && job.behind_s !== null && job.behind_s > KEEPS_UP_S ? `up to ${short(Math.ceil(job.behind_s))} behind` : null;
 }
