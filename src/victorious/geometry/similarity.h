@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "victorious/geometry/angles.h"
+
 namespace victorious {
 
 /// target = scale * R(rotation) * source + translation. Rotation turns +x towards +y (down in an image: clockwise).
@@ -25,6 +27,11 @@ struct Similarity2 {
     Similarity2 inverse{1.0 / scale, -rotation_rad, Eigen::Vector2d::Zero()};
     inverse.translation = -(inverse.Linear() * translation);
     return inverse;
+  }
+
+  /// The transformation by `other`, then by this one.
+  [[nodiscard]] Similarity2 operator*(const Similarity2& other) const {
+    return {scale * other.scale, WrapAngle(rotation_rad + other.rotation_rad), Apply(other.translation)};
   }
 
   [[nodiscard]] Eigen::Matrix3d Matrix() const {

@@ -18,6 +18,7 @@
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/backward_follower.h"
 #include "victorious/pipeline/follower.h"
+#include "victorious/pipeline/full_search_schedule.h"
 #include "victorious/pipeline/search_pace.h"
 #include "victorious/track/camera_motion.h"
 #include "victorious/video/frame_loop.h"
@@ -74,8 +75,10 @@ bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
 class FrameSelector {
  public:
   /// @param first_required_frame  first frame whose camera motion is needed, if before those to search
-  FrameSelector(const IndexPass& pass, SearchPace& pace, std::optional<std::int64_t> first_required_frame)
+  FrameSelector(const IndexPass& pass, const VideoInfo& info, SearchPace& pace,
+                std::optional<std::int64_t> first_required_frame)
       : kept_frames_(pass.options.keep.interval_s),
+        schedule_(pass.intervals.models, pass.follow, SelectsByMotion(pass, info)),
         pace_(pace),
         pass_(pass),
         next_frame_(pass.searches.front().next_frame) {
@@ -93,13 +96,20 @@ class FrameSelector {
     const std::int64_t index = frame.index;
     const bool is_first_wanted =
         (pass_.from_s && !std::exchange(has_started_, true)) || (pace_.IsLimited() && index == next_frame_);
-    const bool is_due = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.follow);
-    const bool whole = is_due && (is_first_wanted || pace_.HasTimeForAll());
     const bool classify =
         pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.follow);
-    const bool keep = (whole || classify) && kept_frames_.IsSelected(frame.time_s);  // selects by time
-    if (index < first_frame_ || (!whole && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
+    const bool may_be_searched = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.follow);
+    // Selects by time, whatever the motion of the image.
+    const bool keep = (may_be_searched || classify) && kept_frames_.IsSelected(frame.time_s);
+    if (index < first_frame_ || (!may_be_searched && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
     FrameTask task;
+    {
+      const StageScope scope(Stage::kTracking);
+      task.now_from_before = motion_.Step(frame.image);
+    }
+    const bool is_due = schedule_.Enter(frame, task.now_from_before) || is_first_wanted;
+    const bool whole = is_due && (is_first_wanted || pace_.HasTimeForAll());
+    if (whole) schedule_.SetSearched(frame);
     task.camera = pass_.cameras.At(frame.time_s);
     task.now.conditions = MakeFrameConditions(pass_.cameras.ForSearch(frame.time_s), frame.image.size(), pass_.sun);
     task.now.frame = std::move(frame);
@@ -115,7 +125,14 @@ class FrameSelector {
   }
 
  private:
+  // True if the interval of searches is not given, and the frames follow each other closely.
+  static bool SelectsByMotion(const IndexPass& pass, const VideoInfo& info) {
+    return pass.options.every == 0 && IsTrackingEnabled(pass) && !info.of_images && info.frame_rate > 0;
+  }
+
   KeptFrameSelector kept_frames_;
+  ImageMotionEstimator motion_;
+  FullSearchSchedule schedule_;
   SearchPace& pace_;
   const IndexPass& pass_;
   std::int64_t next_frame_;
@@ -359,7 +376,6 @@ class TrackingStage {
     if (now.frame.index % pass_.follow.restart_interval_frames == 0) VICTORIOUS_RETURN_IF_ERROR(Finish());
     {
       const StageScope scope(Stage::kTracking);
-      task.now_from_before = motion_.Step(now.frame.image);
       if (!task.motion_only) VICTORIOUS_RETURN_IF_ERROR(Track(task));
       task.features = {};
     }
@@ -418,7 +434,6 @@ class TrackingStage {
   const IndexPass& pass_;
   bool is_live_;
   ResultWriter& writer_;
-  ImageMotionEstimator motion_;
   std::optional<Follower> follower_;
   std::deque<FrameTask> held_;  // oldest first
 };
@@ -430,7 +445,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
   ResultWriter sink(pass, reader.info(), store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
   SearchPace pace(pass.frame_budget, reader.info().live);
-  FrameSelector selector(pass, pace, sink.FirstRequiredFrame());
+  FrameSelector selector(pass, reader.info(), pace, sink.FirstRequiredFrame());
   VICTORIOUS_ASSIGN_OR_RETURN(TrackingStage tracking, TrackingStage::Create(pass, reader.info().live, sink));
   FrameLoop loop(reader, cancel,
                  {.label = pass.video.name,

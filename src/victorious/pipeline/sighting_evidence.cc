@@ -36,8 +36,9 @@ Expected<IndexOptions> ParseSearchOptions(const std::string& options_json) {
               "evidence");
 }
 
-// True if a search with these options searches the whole of the frame; without tracking it searches no other frames.
-bool IsWholeFrame(std::int64_t frame, const IndexOptions& options) {
+// True if a search with these options may search the whole of the frame, which depends on the motion of the image, too;
+// without tracking it searches no other frames.
+bool MayBeWholeFrame(std::int64_t frame, const IndexOptions& options) {
   return !options.follow.enabled || IsFullSearchFrame(frame, std::max(1, options.every), options.follow);
 }
 
@@ -45,7 +46,7 @@ bool IsWholeFrame(std::int64_t frame, const IndexOptions& options) {
 Expected<FeatureSet> SearchedFeatures(const SightingRecord& sighting, const cv::Mat& grey,
                                       const IndexOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
-  if (IsWholeFrame(sighting.frame, options)) return extractor->Extract(grey);
+  if (MayBeWholeFrame(sighting.frame, options)) return extractor->Extract(grey);
   const double margin = (options.follow.track.dilation_factor - 1) / 2;  // of the box, on each side
   const Box& box = sighting.box;
   const Box region{box.x - margin * box.width, box.y - margin * box.height, (1 + 2 * margin) * box.width,

@@ -1,0 +1,47 @@
+#include "victorious/pipeline/full_search_schedule.h"
+
+#include <algorithm>
+#include <array>
+
+#include <Eigen/Core>
+
+namespace victorious {
+namespace {
+
+constexpr double kMinMotion = 0.03;  // fraction of the frame's diagonal
+constexpr double kMaxInterval_s = 1;
+constexpr double kTimeRounding_s = 1e-3;
+
+// The farthest that a corner of the frame, or its centre, has moved, as a fraction of the diagonal.
+double MotionOf(const Similarity2& now_from_searched, const cv::Size& size) {
+  const Eigen::Vector2d diagonal(size.width, size.height);
+  const std::array<Eigen::Vector2d, 5> points = {Eigen::Vector2d::Zero(), Eigen::Vector2d(size.width, 0),
+                                                 Eigen::Vector2d(0, size.height), diagonal, diagonal / 2};
+  double farthest_px = 0;
+  for (const Eigen::Vector2d& point : points) {
+    farthest_px = std::max(farthest_px, (now_from_searched.Apply(point) - point).norm());
+  }
+  return farthest_px / diagonal.norm();
+}
+
+}  // namespace
+
+bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarity2>& now_from_before) {
+  const bool restarts = follow_.enabled && frame.index % follow_.restart_interval_frames == 0;
+  if (restarts || !now_from_before || !now_from_searched_) {
+    now_from_searched_.reset();
+  } else {
+    now_from_searched_ = *now_from_before * *now_from_searched_;
+  }
+  if (!IsFullSearchFrame(frame.index, interval_, follow_)) return false;
+  if (!by_motion_ || !now_from_searched_) return true;
+  return frame.time_s - searched_time_s_ > kMaxInterval_s - kTimeRounding_s ||
+         MotionOf(*now_from_searched_, frame.image.size()) >= kMinMotion;
+}
+
+void FullSearchSchedule::SetSearched(const Frame& frame) {
+  searched_time_s_ = frame.time_s;
+  now_from_searched_.emplace();
+}
+
+}  // namespace victorious
