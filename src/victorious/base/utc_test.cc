@@ -19,5 +19,15 @@ TEST(UtcTest, TruncatesToTheGivenDecimals) {
   EXPECT_EQ(FormatUtc(-1, 3), "1969-12-31T23:59:59.999Z");
 }
 
+TEST(UtcTest, ParsesWhatItFormats) {
+  for (const std::int64_t time_us : {std::int64_t{0}, std::int64_t{1'779'887'662'911'042}, std::int64_t{-1}}) {
+    EXPECT_EQ(ParseUtc(FormatUtc(time_us)), time_us);
+  }
+  EXPECT_EQ(ParseUtc("1970-01-01 02:00:01.5+02:00"), 1'500'000);
+  for (const char* text : {"", "1970-01-01", "1970-02-30T00:00:00Z", "1970-01-01T24:00:00Z", "1970-01-01T00:00:00Zx"}) {
+    EXPECT_EQ(ParseUtc(text), std::nullopt) << text;
+  }
+}
+
 }  // namespace
 }  // namespace victorious

@@ -16,7 +16,6 @@
 #include "victorious/base/utc.h"
 #include "victorious/base/warning_list.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/telemetry/utc_text.h"
 #include "victorious/types/vertical_datum.h"
 
 namespace victorious {

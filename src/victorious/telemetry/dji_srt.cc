@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "victorious/base/text.h"
+#include "victorious/base/utc.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_models.h"
-#include "victorious/telemetry/utc_text.h"
 
 namespace victorious {
 namespace {

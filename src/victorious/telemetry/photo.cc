@@ -10,10 +10,10 @@
 #include <libexif/exif-data.h>
 
 #include "victorious/base/text.h"
+#include "victorious/base/utc.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_header.h"
 #include "victorious/telemetry/camera_models.h"
-#include "victorious/telemetry/utc_text.h"
 
 namespace victorious {
 namespace {
