@@ -13,6 +13,7 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/base/stage_time.h"
+#include "victorious/base/utc.h"
 
 namespace victorious {
 namespace {
@@ -20,11 +21,9 @@ namespace {
 // A shorter read is that of a frame that has come before, and its decoding.
 constexpr double kMinWait_s = 0.015;
 
-double Seconds(std::chrono::steady_clock::time_point time) {
+double Seconds(LiveDelay::Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
-
-double Now_s() { return Seconds(std::chrono::steady_clock::now()); }
 
 // Reads frames until the end, a cancellation, a stop or an error. Holds them back as the packet receiver wants.
 class HeldFrames {
@@ -57,7 +56,7 @@ class HeldFrames {
     if (stopped_) return End(FrameLoopEnd::kStopped);
     if (cancel_.IsCancelled()) return End(FrameLoopEnd::kCancelled);
     const StageScope scope(Stage::kReading);
-    const double before_s = Now_s();
+    const auto before = std::chrono::steady_clock::now();
     Expected<std::optional<Frame>> frame = reader_.NextFrame();
     if (!frame) {
       status_ = std::unexpected(std::move(frame).error());
@@ -66,7 +65,7 @@ class HeldFrames {
     if (!*frame) return End(FrameLoopEnd::kEndOfVideo);
     ++frames_read_;
     last_time_s_ = (*frame)->time_s;
-    delay_.EnterRead(last_time_s_, Now_s() - before_s);
+    delay_.EnterRead(last_time_s_, std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
     std::vector<DataPacket> packets = reader_.TakeDataPackets();
     if (packets_ != nullptr) status_ = packets_->Add(std::move(packets), last_time_s_);
     return *std::move(frame);
@@ -111,9 +110,13 @@ std::optional<std::int64_t> CountFramesUntil(const VideoInfo& info, double time_
   return std::min(count, info.frame_count.value_or(count));
 }
 
+double LiveDelay::Now_s() const { return Seconds(now_()); }
+
 void LiveDelay::EnterRead(double time_s, double waited_s) {
   const bool is_first = !std::isfinite(min_offset_s_);
-  min_offset_s_ = std::min(min_offset_s_, Now_s() - time_s);
+  const double drift_s = is_first ? 0 : kMaxDrift * std::max(0.0, time_s - last_time_s_);
+  last_time_s_ = time_s;
+  min_offset_s_ = std::min(min_offset_s_ + drift_s, Now_s() - time_s);
   has_waited_ = has_waited_ || waited_s >= kMinWait_s;
   if (has_waited_ || !since_) {
     offset_s_ = min_offset_s_;
@@ -135,6 +138,10 @@ double LiveDelay::EnterDone(double time_s) {
 }
 
 double LiveDelay::BehindOf(double time_s) const { return std::max(0.0, Now_s() - time_s - offset_s_); }
+
+std::int64_t LiveDelay::ArrivalUtc(double time_s) const {
+  return NowUtcMicroseconds() - static_cast<std::int64_t>(1e6 * BehindOf(time_s));
+}
 
 void FrameLoop::Stop() { stopped_ = true; }
 

@@ -57,11 +57,16 @@ struct FrameLoopOptions {
 
 /// How far the work on a live source is behind it. The time stamps of frames tell when each was filmed up to a common
 /// offset to this machine's clock; the frame that waited least before it was read bounds the offset. Before a frame was
-/// waited for, the first one counts as filmed when the source was opened.
+/// waited for, the first one counts as filmed when the source was opened. The clock of the source may be slower than this
+/// machine's by kMaxDrift.
 class LiveDelay {
  public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kMaxDrift = 1e-4;  ///< of common oscillators, both together: 0.36 s an hour
+
   /// @param since  VideoInfo::live_since; std::nullopt: the first frame counts as filmed when it is read
-  explicit LiveDelay(std::optional<std::chrono::steady_clock::time_point> since = {}) : since_(since) {}
+  explicit LiveDelay(std::optional<Clock::time_point> since = {}, std::function<Clock::time_point()> now = Clock::now)
+      : since_(since), now_(std::move(now)) {}
 
   /// Call when a frame has been read, from one thread. @param waited_s  that reading it took
   void EnterRead(double time_s, double waited_s);
@@ -71,12 +76,18 @@ class LiveDelay {
   /// Call when the work on a frame is done, from one thread. @return the most that a frame of the last 5 to 10 s was
   /// behind when its work was done, s
   double EnterDone(double time_s);
+  /// UTC at which it could have been read, microseconds since 1970. Any thread.
+  [[nodiscard]] std::int64_t ArrivalUtc(double time_s) const;
   /// How late the frame read last was read, s; std::nullopt until a frame was waited for: before, those that came while
   /// the source was opened may still wait. Of the reading thread.
   [[nodiscard]] std::optional<double> ReadBehind() const { return read_behind_s_; }
 
  private:
-  std::optional<std::chrono::steady_clock::time_point> since_;
+  [[nodiscard]] double Now_s() const;
+
+  std::optional<Clock::time_point> since_;
+  std::function<Clock::time_point()> now_;
+  double last_time_s_ = 0;
   std::atomic<double> offset_s_ = std::numeric_limits<double>::infinity();
   double min_offset_s_ = std::numeric_limits<double>::infinity();  // of the frames read
   bool has_waited_ = false;
@@ -153,6 +164,8 @@ class FrameLoop {
   /// How far reading is behind a live source, s; std::nullopt as long as it has not caught up with it (LiveDelay).
   /// Callable from `select`.
   [[nodiscard]] std::optional<double> ReadBehind() const { return delay_.ReadBehind(); }
+  /// UTC at which a frame of this time came to this machine, if it was not late, microseconds since 1970. Any thread.
+  [[nodiscard]] std::int64_t ArrivalUtc(double time_s) const { return delay_.ArrivalUtc(time_s); }
   /// Time of the last frame read, s; 0 if there was none.
   [[nodiscard]] double last_time_s() const { return last_time_s_; }
 

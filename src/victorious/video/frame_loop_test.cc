@@ -1,6 +1,8 @@
 #include "victorious/video/frame_loop.h"
 
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <functional>
 #include <set>
 
@@ -80,6 +82,20 @@ TEST(LiveDelayTest, RemembersTheLatestOfTheLastSeconds) {
   delay.EnterRead(10, 0.08);
   EXPECT_NEAR(delay.EnterDone(8), 2.0, 0.1);
   EXPECT_NEAR(delay.EnterDone(10), 2.0, 0.1) << "the frame before it was late";
+}
+
+// By a clock that loses 50 microseconds a second, a source seemed to be 0.1 s behind after half an hour.
+TEST(LiveDelayTest, SourceWithASlowClockIsNotBehind) {
+  double now_s = 0;
+  LiveDelay delay({},
+                  [&] { return LiveDelay::Clock::time_point(std::chrono::nanoseconds(std::llround(1e9 * now_s))); });
+  for (double time_s = 0; time_s < 86'400; time_s += 10) {
+    now_s = time_s * (1 + 0.5 * LiveDelay::kMaxDrift);
+    delay.EnterRead(time_s, 0.04);
+  }
+  EXPECT_NEAR(delay.ReadBehind().value(), 0, 0.01);
+  now_s += 2;
+  EXPECT_NEAR(delay.BehindOf(86'390), 2, 0.01);
 }
 
 class FrameLoopTest : public ::testing::Test {
