@@ -141,3 +141,31 @@ class Srt(Source):
             if self.srt.srt_send(viewer, packet, len(packet)) < 0:
                 break  # the viewer has gone
         self.srt.srt_close(viewer)
+
+
+class Broadcast(Source):
+    """A TCP server that sends to whoever is connected, from where the stream is at that moment."""
+
+    def __init__(self, stream: Path, seconds: float):
+        super().__init__(stream, seconds)
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.listener.setblocking(False)
+        self.url = f"tcp://127.0.0.1:{self.listener.getsockname()[1]}"
+
+    def __exit__(self, *_):
+        super().__exit__()
+        self.listener.close()
+
+    def run(self):
+        viewers = []
+        for _, packet in self.in_time():
+            with contextlib.suppress(BlockingIOError):
+                viewers.append(self.listener.accept()[0])
+            for viewer in list(viewers):
+                try:
+                    viewer.sendall(packet)
+                except OSError:  # it has gone
+                    viewers.remove(viewer)
+                    viewer.close()
+        for viewer in viewers:
+            viewer.close()

@@ -36,6 +36,7 @@ Action SetUpMatch(ArgumentParser& parser);
 Action SetUpModel(ArgumentParser& parser);
 Action SetUpNavigate(ArgumentParser& parser);
 Action SetUpParams(ArgumentParser& parser);
+Action SetUpRecord(ArgumentParser& parser);
 Action SetUpSearch(ArgumentParser& parser);
 Action SetUpServe(ArgumentParser& parser);
 Action SetUpSheet(ArgumentParser& parser);

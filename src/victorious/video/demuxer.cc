@@ -12,6 +12,7 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/text.h"
+#include "victorious/video/video_reader.h"
 
 extern "C" {
 #include <libavutil/dict.h>
@@ -97,13 +98,23 @@ std::optional<std::string> UrlScheme(const std::string& source) {
   return LowerCase(scheme);
 }
 
+Status CheckUrlScheme(const std::string& url) {
+  const auto scheme = UrlScheme(url);
+  if (scheme && std::ranges::find(kUrlSchemes, *scheme) != kUrlSchemes.end()) return {};
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a kind of address that can be read; use one of {}", url,
+                                                       fmt::join(kUrlSchemes, ", ")));
+}
+
+Expected<std::optional<bool>> IsLiveAddress(const std::string& source) {
+  const auto scheme = UrlScheme(source);
+  if (!scheme) return false;
+  VICTORIOUS_RETURN_IF_ERROR(CheckUrlScheme(source));
+  return *scheme == "http" || *scheme == "https" ? std::optional<bool>() : true;
+}
+
 Expected<std::unique_ptr<Demuxer>> Demuxer::Open(const MediaSource& source) {
   PrepareFfmpeg();
-  if (const auto scheme = UrlScheme(source.name);
-      source.remote && (!scheme || std::ranges::find(kUrlSchemes, *scheme) == kUrlSchemes.end())) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a kind of address that can be read; use one of {}",
-                                                         source.name, fmt::join(kUrlSchemes, ", ")));
-  }
+  if (source.remote) VICTORIOUS_RETURN_IF_ERROR(CheckUrlScheme(source.name));
   std::unique_ptr<Demuxer> demuxer(new Demuxer(source));
   VICTORIOUS_RETURN_IF_ERROR(demuxer->OpenContainer());
   VICTORIOUS_RETURN_IF_ERROR(demuxer->SelectVideoStream());
@@ -207,6 +218,8 @@ Error Demuxer::OpenError(int result) const {
   return {ErrorCode::kDataLoss, fmt::format("{}: not a video that can be read, or a damaged header", source_.name)};
 }
 
-bool Demuxer::IsTimedOut() const { return deadline_ && Clock::now() > *deadline_; }
+bool Demuxer::IsTimedOut() const {
+  return deadline_ && (Clock::now() > *deadline_ || (source_.cancel != nullptr && source_.cancel->IsCancelled()));
+}
 
 }  // namespace victorious

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/video/ffmpeg_handles.h"
 
@@ -15,13 +16,17 @@ namespace victorious {
 
 /// The source as given by the user.
 struct MediaSource {
-  std::string name;       ///< path or URL
-  bool remote = false;    ///< true for a URL
-  double timeout_s = 10;  ///< limit of each open and read call; remote sources only
+  std::string name;                     ///< path or URL
+  bool remote = false;                  ///< true for a URL
+  double timeout_s = 10;                ///< limit of each open and read call; remote sources only
+  const CancelToken* cancel = nullptr;  ///< ends each open and read call as the limit does; remote sources only
 };
 
 /// Returns the scheme of a URL such as "rtsp://…", in lower case; std::nullopt if `source` is a path.
 [[nodiscard]] std::optional<std::string> UrlScheme(const std::string& source);
+
+/// Error: kInvalidArgument for a URL of a kind that cannot be read, or a path.
+[[nodiscard]] Status CheckUrlScheme(const std::string& url);
 
 class Demuxer {
  public:

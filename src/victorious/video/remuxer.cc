@@ -1,19 +1,19 @@
 #include "victorious/video/remuxer.h"
 
 #include <algorithm>
-#include <cerrno>
+#include <array>
 #include <cstdint>
 #include <iterator>
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "victorious/base/progress.h"
 #include "victorious/video/demuxer.h"
 #include "victorious/video/ffmpeg_handles.h"
+#include "victorious/video/packet_file.h"
 
 namespace victorious {
 namespace {
@@ -107,69 +107,6 @@ std::int64_t DurationAt(const PacketSurvey& survey, std::int64_t pts) {
   return next == survey.stamps.end() ? survey.step : *next - pts;
 }
 
-// An MP4 file of one stream, which gets its name once it is complete.
-class Mp4File {
- public:
-  explicit Mp4File(const fs::path& path)
-      : path_(path), temporary_(fmt::format("{}.tmp-{}", path.string(), ::getpid())) {}
-  ~Mp4File() {
-    if (container_ == nullptr) return;
-    if (container_->pb != nullptr) avio_closep(&container_->pb);
-    avformat_free_context(container_);
-    std::error_code ignored;
-    fs::remove(temporary_, ignored);
-  }
-  Mp4File(const Mp4File&) = delete;
-  Mp4File& operator=(const Mp4File&) = delete;
-
-  Status Open(const AVStream& source) {
-    VICTORIOUS_RETURN_IF_ERROR(Check(avformat_alloc_output_context2(&container_, nullptr, "mp4", nullptr), "create"));
-    AVStream* stream = avformat_new_stream(container_, nullptr);
-    if (stream == nullptr) return Fail(ErrorCode::kInternal, "no memory for a video stream");
-    VICTORIOUS_RETURN_IF_ERROR(Check(avcodec_parameters_copy(stream->codecpar, source.codecpar), "create"));
-    stream->codecpar->codec_tag = 0;  // of the source's container
-    stream->time_base = source.time_base;
-    stream->avg_frame_rate = source.avg_frame_rate;
-    const std::string url = "file:" + temporary_.string();
-    VICTORIOUS_RETURN_IF_ERROR(Check(avio_open(&container_->pb, url.c_str(), AVIO_FLAG_WRITE), "create"));
-    return Check(avformat_write_header(container_, nullptr), "write");
-  }
-
-  /// @param time_base  of the packet's stamps
-  Status Write(AVPacket& packet, AVRational time_base) {
-    packet.stream_index = 0;
-    packet.pos = -1;
-    av_packet_rescale_ts(&packet, time_base, container_->streams[0]->time_base);
-    return Check(av_interleaved_write_frame(container_, &packet), "write");
-  }
-
-  Status Finish() {
-    VICTORIOUS_RETURN_IF_ERROR(Check(av_write_trailer(container_), "write"));
-    VICTORIOUS_RETURN_IF_ERROR(Check(avio_closep(&container_->pb), "write"));
-    // Before the rename, so that a crash leaves no partial file under the final name.
-    const int fd = ::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
-    const int result = fd < 0 ? -1 : ::fsync(fd);
-    const int failure = errno;
-    if (fd >= 0) ::close(fd);
-    VICTORIOUS_RETURN_IF_ERROR(Check(result < 0 ? AVERROR(failure) : 0, "write"));
-    std::error_code error;
-    fs::rename(temporary_, path_, error);
-    return Check(error ? AVERROR(error.value()) : 0, "rename to");
-  }
-
- private:
-  [[nodiscard]] Status Check(int result, std::string_view verb) const {
-    if (result >= 0) return {};
-    const std::string what = fmt::format("{} {}", verb, path_.string());
-    if (result > -1000) return std::unexpected(ErrorFromErrno(AVUNERROR(result), what));  // an errno, not a tag
-    return Fail(ErrorCode::kInternal, fmt::format("{}: {}", what, FfmpegErrorText(result)));
-  }
-
-  fs::path path_;
-  fs::path temporary_;
-  AVFormatContext* container_ = nullptr;
-};
-
 }  // namespace
 
 Expected<std::optional<std::int64_t>> Remux(const std::string& source, const fs::path& path,
@@ -189,8 +126,8 @@ Expected<std::optional<std::int64_t>> Remux(const std::string& source, const fs:
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto demuxer, Demuxer::Open({.name = source}));
   KeepVideo(*demuxer);
-  Mp4File file(path);
-  VICTORIOUS_RETURN_IF_ERROR(file.Open(demuxer->video()));
+  PacketFile file(path, fmt::format("{}.tmp-{}", path.string(), ::getpid()));
+  VICTORIOUS_RETURN_IF_ERROR(file.Open("mp4", std::array{&std::as_const(demuxer->video())}, PacketFlush::kBuffered));
   Progress progress(source, std::ssize(survey.stamps), "frames");
   const PacketHandle packet(av_packet_alloc());
   const std::int64_t first = survey.stamps.front();
@@ -203,7 +140,7 @@ Expected<std::optional<std::int64_t>> Remux(const std::string& source, const fs:
       packet->duration = DurationAt(survey, packet->pts);
       packet->pts -= first;
       packet->dts = survey.stamps[frames] - survey.delay - first;
-      VICTORIOUS_RETURN_IF_ERROR(file.Write(*packet, demuxer->video().time_base));
+      VICTORIOUS_RETURN_IF_ERROR(file.Write(*packet, 0, demuxer->video().time_base));
       progress.Update(static_cast<std::int64_t>(++frames));
     }
     av_packet_unref(packet.get());

@@ -68,6 +68,10 @@ struct VideoInfo {
   std::vector<StreamInfo> streams;
 };
 
+/// Whether an address is that of a live source; std::nullopt: only opening it tells (http). False for a path. Error:
+/// kInvalidArgument for an address of a kind that cannot be read.
+[[nodiscard]] Expected<std::optional<bool>> IsLiveAddress(const std::string& source);
+
 /// Reads one source from its beginning to its end. Not thread-safe; not copyable.
 class VideoReader {
  public:
