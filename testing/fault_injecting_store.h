@@ -56,6 +56,9 @@ class FaultInjectingStore : public IndexStore {
     VICTORIOUS_RETURN_IF_ERROR(before_commit_());
     return store_.Commit(batch);
   }
+  [[nodiscard]] Expected<std::vector<CoveredTime>> CoveredTimes(const std::string& source) override {
+    return store_.CoveredTimes(source);
+  }
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override { return store_.Tracklets(); }
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override { return store_.PutObjects(objects); }
   [[nodiscard]] Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,

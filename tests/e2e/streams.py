@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes
+import select
 import socket
 import struct
 import threading
@@ -144,7 +145,7 @@ class Srt(Source):
 
 
 class Broadcast(Source):
-    """A TCP server that sends to whoever is connected, from where the stream is at that moment."""
+    """A TCP server that sends to whoever is connected, from where the stream is at that moment; it begins with the first."""
 
     def __init__(self, stream: Path, seconds: float):
         super().__init__(stream, seconds)
@@ -157,6 +158,9 @@ class Broadcast(Source):
         self.listener.close()
 
     def run(self):
+        while not select.select([self.listener], [], [], 0.05)[0]:
+            if self.is_ending.is_set():
+                return
         viewers = []
         for _, packet in self.in_time():
             with contextlib.suppress(BlockingIOError):

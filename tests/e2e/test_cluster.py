@@ -14,6 +14,7 @@ import unittest
 from pathlib import Path
 
 import program
+import streams
 from test_postgres import Postgres
 
 FRAMES = (40, 20, 30)  # of the videos, so that their contents differ
@@ -173,8 +174,8 @@ class ClusterTest(program.ProgramTest):
 
     def wait_until(self, is_so):
         for _ in range(int(program.TIMEOUT_S / 0.05)):
-            if is_so():
-                return
+            if so := is_so():
+                return so
             time.sleep(0.05)
         self.fail("did not come")
 
@@ -323,6 +324,73 @@ class ClusterTest(program.ProgramTest):
         self.refuses(2, "TASK:ATTEMPT", *index, "--task", "1")
         self.refuses(2, "not JSON", *index, "--targets", "x")
 
+    def source(self) -> dict:
+        (source,) = self.status()["sources"]
+        return source
+
+    def wait_for_owner(self, workers, part=1) -> subprocess.Popen:
+        """That of a source, once some seconds of its part are searched."""
+        owners = {worker.pid: worker for worker in workers}
+
+        def is_searched():
+            source = self.source()
+            pid = int(source["worker"].rpartition(":")[2] or 0)
+            return pid in owners and self.covered_s(source["source"], part) > 2 and pid
+
+        pid = self.wait_until(is_searched)
+        return owners[pid]
+
+    def covered_s(self, source, part) -> float:
+        """How much is searched of the part that an owner has."""
+        (seconds,) = self.sql(
+            "SELECT coalesce(sum(to_utc_us - from_utc_us), 0) / 1e6 FROM victorious.covered_times WHERE video_id = "
+            f"(SELECT id FROM victorious.videos WHERE name = '{source}' ORDER BY id OFFSET {part - 1} LIMIT 1)"
+        )
+        return float(seconds)
+
+    def test_live_source_goes_on_with_another_worker(self):
+        for sent in (signal.SIGKILL, signal.SIGSTOP):
+            with self.subTest(sent), streams.Broadcast(program.flight(600) / "flight.ts", seconds=60) as source:
+                self.url = self.make_database()
+                self.assertIn("1 video submitted, with 1 live source", self.submit(source).err)
+                workers = [self.start_worker("--live", "--lease", 6) for _ in range(2)]
+                owner = self.wait_for_owner(workers)
+                owner.send_signal(sent)
+                lost_s = time.monotonic()
+                (other,) = (worker for worker in workers if worker is not owner)
+                self.wait_until(lambda: self.source()["worker"].endswith(f":{other.pid}"))
+                self.assertLess(time.monotonic() - lost_s, 6 + 8, "the lease, and a few seconds")
+                self.wait_for_owner([other], part=2)
+                self.assertEqual(self.events_of(owner), ["claimed", "lost"])
+                self.assertLess(self.source()["behind_s"], 8)
+                if sent == signal.SIGSTOP:  # its process went on until the other worker began
+                    owner.send_signal(signal.SIGCONT)
+                else:
+                    self.assertEqual(len(self.source()["gaps"]), 1)
+                    self.assertIn("was not indexed", self.succeeds("cluster", "status", "--db", self.url).out)
+                self.assert_covered_once()
+                self.succeeds("cluster", "end", source, "--db", self.url)
+                self.wait_until(lambda: not self.status()["sources"])
+                self.wait_until(lambda: self.events_of(other)[-1] == "done")
+                for worker in workers:
+                    worker.send_signal(signal.SIGINT)
+                self.finish(*(worker for worker in workers if sent != signal.SIGKILL or worker is not owner))
+                if sent == signal.SIGKILL:
+                    owner.communicate()
+                videos = self.sql("SELECT name FROM victorious.videos")
+                self.assertEqual(videos, [source, source], "one for each owner")
+                self.assertGreater(len(self.rows()), 3)
+                self.refuses(2, "no such live source", "cluster", "end", source, "--db", self.url)
+
+    def assert_covered_once(self):
+        """No time of the source was searched by two."""
+        overlaps = self.sql(
+            "SELECT count(*) FROM victorious.covered_times a JOIN victorious.covered_times b ON a.source = b.source AND "
+            "(a.video_id, a.from_frame) < (b.video_id, b.from_frame) AND a.from_utc_us < b.to_utc_us - 50000 AND "
+            "b.from_utc_us < a.to_utc_us - 50000"
+        )
+        self.assertEqual(overlaps, ["0"])
+
     def test_bad_arguments(self):
         models = program.models()
         self.refuses(2, ["--db", "postgresql://"], "submit", self.videos[0], "--models", models, "--db", "x.db")
@@ -343,6 +411,9 @@ class ClusterTest(program.ProgramTest):
         self.refuses(2, "belong together", "work", "--db", self.url, "--content", self.scratch)
         content = ("--content", self.scratch / "none", "--cache", self.scratch / "cache")
         self.refuses(2, ["none", "--publish"], "work", "--db", self.url, *content)
+        self.refuses(2, "not a kind of address", "submit", "gopher://h/", "--models", models, "--db", self.url)
+        self.refuses(2, "--live and --until-empty", "work", "--db", self.url, "--live", "--until-empty")
+        self.refuses(2, ["--db", "postgresql://"], "cluster", "end", "udp://a:1", "--db", "x.db")
         done = program.run("submit", "none.mkv", self.videos[0], "--models", models, "--db", self.url)
         self.assertEqual(done.status, 2)
         self.assertIn("none.mkv", done.messages()[-1])

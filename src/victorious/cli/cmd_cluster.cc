@@ -1,6 +1,8 @@
-// victorious cluster status --db postgresql://…: what workers do
+// victorious cluster status|end --db postgresql://…: what workers do, and the end of a live source
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <vector>
 
@@ -9,9 +11,11 @@
 
 #include "victorious/base/count_text.h"
 #include "victorious/base/json.h"
+#include "victorious/base/utc.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cluster/cluster_status.h"
+#include "victorious/cluster/index_task.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/open_store.h"
 
@@ -21,7 +25,14 @@ namespace {
 struct ClusterArguments {
   std::string db;
   bool json = false;
+  std::string source;
 };
+
+Status CheckDatabase(const std::string& db) {
+  if (IsDatabaseUrl(db)) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", db));
+}
 
 nlohmann::ordered_json ToJson(const ListedTask& task) {
   const postgres::TaskRecord& record = task.record;
@@ -78,6 +89,27 @@ std::string ToText(const ListedQuarantine& listed) {
                      segment.frames.to - 1, OneLine(segment.reason));
 }
 
+nlohmann::ordered_json ToJson(const UtcInterval& time) {
+  return {{"from_utc", FormatUtc(time.from_us, 3)}, {"to_utc", FormatUtc(time.to_us, 3)}};
+}
+
+nlohmann::ordered_json ToJson(const ListedSource& listed) {
+  const postgres::TaskRecord& record = listed.record;
+  nlohmann::ordered_json gaps = nlohmann::ordered_json::array();
+  for (const UtcInterval& gap : listed.gaps) gaps.push_back(ToJson(gap));
+  return {{"source", listed.source},
+          {"state", ToText(record.state)},
+          {"worker", record.worker},
+          {"attempt", record.attempt},
+          {"program", record.program},
+          {"lease_left_s", OrNull(record.lease_left_s)},
+          {"silent_s", OrNull(record.silent_s)},
+          {"covered", listed.covered ? ToJson(*listed.covered) : nlohmann::ordered_json()},
+          {"behind_s", OrNull(listed.behind_s)},
+          {"gaps", std::move(gaps)},
+          {"reason", record.reason}};
+}
+
 template <typename Listed>
 nlohmann::ordered_json ToJson(const std::vector<Listed>& all) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
@@ -85,11 +117,45 @@ nlohmann::ordered_json ToJson(const std::vector<Listed>& all) {
   return rows;
 }
 
-Status Run(const ClusterArguments& arguments) {
-  if (!IsDatabaseUrl(arguments.db)) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
+std::string ToText(const ListedSource& listed) {
+  constexpr std::size_t kMaxGaps = 20;  // the newest
+  const postgres::TaskRecord& record = listed.record;
+  const std::string source = OneLine(listed.source);
+  const std::string owner = record.state == WorkState::kRunning
+                                ? fmt::format("{}, attempt {}", OneLine(record.worker), record.attempt)
+                                : fmt::format("no worker ({})", ToText(record.state));
+  std::string text = fmt::format("live     {}  {}, {}{}\n", source, owner,
+                                 listed.behind_s ? fmt::format("{:.0f} s behind", *listed.behind_s) : "nothing yet",
+                                 record.reason.empty() ? "" : "; last: " + OneLine(record.reason));
+  const std::size_t hidden = std::max(listed.gaps.size(), kMaxGaps) - kMaxGaps;
+  if (hidden > 0) text += fmt::format("gap      {}  {} earlier ones; --json lists all\n", source, hidden);
+  for (const UtcInterval& gap : listed.gaps | std::views::drop(hidden)) {
+    text += fmt::format("gap      {}  {} to {}, {:.1f} s, was not indexed\n", source, FormatUtc(gap.from_us, 1),
+                        FormatUtc(gap.to_us, 1), static_cast<double>(gap.to_us - gap.from_us) / 1e6);
   }
+  return text;
+}
+
+Status EndSource(const ClusterArguments& arguments) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckDatabase(arguments.db));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
+                              postgres::TaskQueue::Open(arguments.db, {.worker = "end", .program = {}}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<postgres::TaskRecord> records, queue->ListLasting());
+  int ended = 0;
+  for (const postgres::TaskRecord& record : records) {
+    const Expected<IndexTask> work = FromQueue(record.kind, record.payload);
+    if (!work || work->video != arguments.source) continue;
+    VICTORIOUS_RETURN_IF_ERROR(queue->End(record.id));
+    ++ended;
+  }
+  if (ended > 0) return {};
+  return Fail(
+      ErrorCode::kNotFound,
+      fmt::format("{}: no such live source is indexed; `victorious cluster status` lists them", arguments.source));
+}
+
+Status Run(const ClusterArguments& arguments) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckDatabase(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, ClusterReader::Open(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(const ClusterStatus status, reader->Read());
   const postgres::TaskCounts& counts = status.videos;
@@ -112,7 +178,8 @@ Status Run(const ClusterArguments& arguments) {
                                          {"hours_left", OrNull(hours_left)},
                                          {"tasks", ToJson(status.tasks)},
                                          {"gaps", ToJson(status.gaps)},
-                                         {"quarantined", ToJson(status.quarantined)}};
+                                         {"quarantined", ToJson(status.quarantined)},
+                                         {"sources", ToJson(status.sources)}};
     return WriteOutput("", DumpJson(json, 2) + "\n");
   }
   std::string text = fmt::format("{} queued, {} running, {} done, {} failed", counts.queued,
@@ -125,6 +192,7 @@ Status Run(const ClusterArguments& arguments) {
   }
   if (hours_left) text += fmt::format(", about {:.1f} hours left", *hours_left);
   text += "\n";
+  for (const ListedSource& source : status.sources) text += ToText(source);
   for (const ListedTask& task : status.tasks) text += ToText(task);
   for (const ListedGap& gap : status.gaps) text += ToText(gap);
   for (const ListedQuarantine& one : status.quarantined) text += ToText(one);
@@ -140,7 +208,10 @@ Action SetUpCluster(ArgumentParser& parser) {
       "status", "Videos that are queued, run, are done or have failed; rate, time left, and frames that were left out");
   status.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
   status.AddFlag("--json", arguments->json, "Print one JSON object");
-  return [=] { return Run(*arguments); };
+  ArgumentParser end = parser.AddCommand("end", "End the indexing of a live source");
+  end.Add("URL", arguments->source, "Its address, as it was submitted").Required();
+  end.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
+  return [=] { return end.IsGiven() ? EndSource(*arguments) : Run(*arguments); };
 }
 
 }  // namespace victorious::cli

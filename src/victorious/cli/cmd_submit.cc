@@ -1,4 +1,4 @@
-// victorious submit VIDEO... --models DIR --db postgresql://…: videos to be indexed by workers
+// victorious submit VIDEO... --models DIR --db postgresql://…: videos and live sources to be indexed by workers
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -154,6 +154,7 @@ Status CheckArguments(const SubmitArguments& arguments) {
 
 struct DescribedVideo {
   VideoRecord record;
+  bool is_live = false;
   std::vector<ContentFile> files;  // empty if they are not published
 };
 
@@ -177,17 +178,17 @@ Expected<std::vector<fs::path>> FilesOfVideo(const std::string& video) {
   return files;
 }
 
-// Publishes it, too, if there is a place.
+// A live source is not opened: it may send to another machine. Publishes a video, too, if there is a place.
 Expected<DescribedVideo> DescribeVideo(const std::string& video, const std::string& place) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<bool> is_live, IsLiveAddress(video));
+  if (is_live.value_or(false)) return DescribedVideo{.record = {.name = video}, .is_live = true, .files = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video, {}));
   const VideoInfo& info = reader->info();
-  if (info.live) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: a live source cannot wait for a worker: give it to `victorious index`", video));
-  }
+  if (info.live) return DescribedVideo{.record = {.name = video}, .is_live = true, .files = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, reader->ContentId(Interrupt(), {}));
   DescribedVideo described{
       .record = {.content_id = content, .name = AbsolutePath(video), .width = info.width, .height = info.height},
+      .is_live = false,
       .files = {}};
   if (place.empty()) return described;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, FilesOfVideo(described.record.name));
@@ -204,6 +205,24 @@ std::vector<Expected<DescribedVideo>> DescribeVideos(std::span<const std::string
   return described;
 }
 
+postgres::TaskPriority PriorityOf(const DescribedVideo& video, bool is_urgent) {
+  if (video.is_live) return postgres::TaskPriority::kLive;
+  return is_urgent ? postgres::TaskPriority::kPerson : postgres::TaskPriority::kBatch;
+}
+
+// The times that are covered of a live source are those of one search.
+Status CheckLiveSource(const postgres::NewTask& task, const std::string& source, postgres::TaskQueue& queue) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<postgres::TaskRecord> records, queue.ListLasting());
+  for (const postgres::TaskRecord& record : records) {
+    const Expected<IndexTask> work = FromQueue(record.kind, record.payload);
+    if (!work || work->video != source || record.key == task.key) continue;
+    return Fail(ErrorCode::kConflict,
+                fmt::format("{}: is indexed with other models or options: end that first by `victorious cluster end`",
+                            OneLine(source)));
+  }
+  return {};
+}
+
 Status Run(const SubmitArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> target_paths, FilesOfTargets(arguments));
@@ -216,9 +235,8 @@ Status Run(const SubmitArguments& arguments) {
   if (!arguments.publish.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(target_files, Publish(target_paths, arguments.publish));
   }
-  const auto priority = arguments.urgent ? postgres::TaskPriority::kPerson : postgres::TaskPriority::kBatch;
   std::vector<postgres::NewTask> tasks;
-  std::vector<VideoRecord> videos;
+  std::vector<DescribedVideo> videos;
   std::optional<Error> failure;
   for (Expected<DescribedVideo>& described : DescribeVideos(arguments.videos, arguments.publish)) {
     if (!described) {  // the others are submitted all the same
@@ -232,29 +250,38 @@ Status Run(const SubmitArguments& arguments) {
                    .program = program,
                    .targets = content_ids,
                    .content_id = described->record.content_id,
-                   .files = std::move(described->files),
-                   .segment_s = arguments.segment_s};
-    if (!task.files.empty()) task.files.insert(task.files.end(), target_files.begin(), target_files.end());
-    VICTORIOUS_ASSIGN_OR_RETURN(postgres::NewTask queued,
-                                ToQueue(task, fmt::format("{} {}", task.content_id, targets), priority));
+                   .files = described->files,
+                   .segment_s = described->is_live ? 0 : arguments.segment_s,
+                   .is_live = described->is_live};
+    task.files.insert(task.files.end(), target_files.begin(), target_files.end());
+    const std::string content = described->is_live ? task.video : task.content_id;
+    VICTORIOUS_ASSIGN_OR_RETURN(postgres::NewTask queued, ToQueue(task, fmt::format("{} {}", content, targets),
+                                                                  PriorityOf(*described, arguments.urgent)));
     tasks.push_back(std::move(queued));
-    videos.push_back(std::move(described->record));
+    videos.push_back(*std::move(described));
   }
   if (tasks.empty()) return std::unexpected(*std::move(failure));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
   // In the order given, which is that of the results, whichever worker is first.
   VICTORIOUS_ASSIGN_OR_RETURN(const FinishedSearches finished, FinishedSearches::Read(records, *store));
   for (std::size_t i = 0; i < videos.size(); ++i) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord stored, store->PutVideo(videos[i]));
+    tasks[i].is_undone = true;
+    if (videos[i].is_live) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord stored, store->PutVideo(videos[i].record));
     tasks[i].is_undone = !finished.HasAllOf(stored.id);
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
                               postgres::TaskQueue::Open(arguments.db, {.worker = "submit", .program = program}));
+  for (std::size_t i = 0; i < videos.size(); ++i) {
+    if (videos[i].is_live) VICTORIOUS_RETURN_IF_ERROR(CheckLiveSource(tasks[i], videos[i].record.name, *queue));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::Submission submission, queue->Submit(tasks));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   // The same video given twice is one task.
   const std::int64_t open = std::max<std::int64_t>(0, std::ssize(tasks) - submission.added - submission.done);
-  LogInfo("{} submitted{}{}; {} queued, {} running", CountText(submission.added, "video"),
+  const auto live = std::ranges::count_if(videos, &DescribedVideo::is_live);
+  LogInfo("{} submitted{}{}{}; {} queued, {} running", CountText(submission.added, "video"),
+          live > 0 ? fmt::format(", with {}", CountText(live, "live source")) : "",
           open > 0 ? fmt::format(", {} submitted before", open) : "",
           submission.done > 0 ? fmt::format(", {} done already", submission.done) : "", counts.queued, counts.running);
   if (failure) return std::unexpected(*std::move(failure));
@@ -266,7 +293,10 @@ Status Run(const SubmitArguments& arguments) {
 Action SetUpSubmit(ArgumentParser& parser) {
   const auto arguments = std::make_shared<SubmitArguments>();
   parser
-      .Add("VIDEO", arguments->videos, "Files or folders of frames, at the same path on all machines unless --publish")
+      .Add("VIDEO", arguments->videos,
+           "Files or folders of frames, at the same path on all machines unless --publish; or URLs of live sources, "
+           "which "
+           "are indexed until `victorious cluster end`")
       .Required();
   parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
   parser.Add("--categories", arguments->categories, "A category model, searched for as well").TypeName("FILE");

@@ -27,6 +27,7 @@ struct WorkArguments {
   int lease_s = static_cast<int>(postgres::TaskQueueOptions{}.lease.count());
   int retry_delay_s = static_cast<int>(postgres::TaskQueueOptions{}.retry_delay.count());
   bool until_empty = false;
+  bool live = false;
   std::string content;
   std::string cache;
   double cache_size_gb = 100;
@@ -52,10 +53,18 @@ Expected<std::optional<ContentCache>> OpenCache(const WorkArguments& arguments) 
                              .max_bytes = static_cast<std::int64_t>(arguments.cache_size_gb * 1e9)});
 }
 
+postgres::TaskChoice ChoiceOf(const WorkArguments& arguments) {
+  if (arguments.live) return postgres::TaskChoice::kLasting;
+  return arguments.until_empty ? postgres::TaskChoice::kFinite : postgres::TaskChoice::kAll;
+}
+
 Status Run(const WorkArguments& arguments) {
   if (!IsDatabaseUrl(arguments.db)) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
+  }
+  if (arguments.live && arguments.until_empty) {
+    return Fail(ErrorCode::kInvalidArgument, "--live and --until-empty: live sources have no end: leave one out");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ContentCache> cache, OpenCache(arguments));
   const CancelToken& interrupt = Interrupt();
@@ -68,6 +77,7 @@ Status Run(const WorkArguments& arguments) {
       const auto queue,
       postgres::TaskQueue::Open(arguments.db, {.worker = name,
                                                .program = program,
+                                               .choice = ChoiceOf(arguments),
                                                .lease = lease,
                                                .retry_delay = std::chrono::seconds(arguments.retry_delay_s),
                                                .reply_timeout = std::chrono::milliseconds(lease) / 3}));
@@ -121,7 +131,10 @@ Action SetUpWork(ArgumentParser& parser) {
       .ShowDefault()
       .Range(0.001, 1e6)
       .TypeName("GB");
-  parser.AddFlag("--until-empty", arguments->until_empty, "End once no video is queued or being indexed");
+  parser.AddFlag("--live", arguments->live,
+                 "Index live sources only: this worker is free when the one of another source is lost");
+  parser.AddFlag("--until-empty", arguments->until_empty,
+                 "Index no live sources, and end once no video is queued or being indexed");
   return [=] { return Run(*arguments); };
 }
 

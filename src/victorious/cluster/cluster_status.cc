@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "victorious/base/utc.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/store/postgres/migrations.h"
 #include "victorious/store/postgres/postgres_database.h"
@@ -56,12 +57,41 @@ Expected<std::unique_ptr<ClusterReader>> ClusterReader::Open(const std::string& 
   return std::unique_ptr<ClusterReader>(new ClusterReader(std::move(connection)));
 }
 
+std::vector<UtcInterval> GapsBetween(std::span<const CoveredTime> covered) {
+  std::vector<UtcInterval> gaps;
+  std::optional<std::int64_t> end_us;
+  for (const CoveredTime& one : covered) {
+    if (end_us && one.from_utc_us - *end_us >= kMinGap_us) gaps.push_back({*end_us, one.from_utc_us});
+    end_us = std::max(one.to_utc_us, end_us.value_or(one.to_utc_us));
+  }
+  return gaps;
+}
+
+Expected<std::vector<ListedSource>> ClusterReader::ReadSources() {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<postgres::TaskRecord> records, queue_->ListLasting());
+  std::vector<ListedSource> sources;
+  for (postgres::TaskRecord& record : records) {
+    const Expected<IndexTask> work = FromQueue(record.kind, record.payload);
+    ListedSource listed{.record = std::move(record), .source = work ? work->video : ""};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CoveredTime> covered, store_->CoveredTimes(listed.source));
+    if (!covered.empty()) {
+      const std::int64_t end_us = std::ranges::max(covered, {}, &CoveredTime::to_utc_us).to_utc_us;
+      listed.covered = {covered.front().from_utc_us, end_us};
+      listed.behind_s = std::max(0.0, static_cast<double>(NowUtcMicroseconds() - end_us) / 1e6);
+      listed.gaps = GapsBetween(covered);
+    }
+    sources.push_back(std::move(listed));
+  }
+  return sources;
+}
+
 Expected<ClusterStatus> ClusterReader::Read() {
   ClusterStatus status;
   VICTORIOUS_ASSIGN_OR_RETURN(status.videos, queue_->Count());
   VICTORIOUS_ASSIGN_OR_RETURN(status.segments, queue_->CountParts());
   VICTORIOUS_ASSIGN_OR_RETURN(status.video_s, queue_->MeanSeconds());
   VICTORIOUS_ASSIGN_OR_RETURN(status.segment_s, queue_->MeanPartSeconds());
+  VICTORIOUS_ASSIGN_OR_RETURN(status.sources, ReadSources());
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<postgres::TaskRecord> records, queue_->List(ClusterStatus::kMaxListed));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CoverageGap> gaps, segments_->Gaps());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<QuarantinedSegment> quarantined, segments_->Quarantined());

@@ -1,10 +1,12 @@
-// What workers do: numbers of tasks, rate, time left, what runs and what failed, and frames that were left out. Input:
+// What workers do: numbers of tasks, rate, time left, what runs and what failed, frames that were left out, and which
+// times of live sources were searched. Input:
 // an index in a database. Output: a value for `victorious cluster status` and for the page.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,29 @@ struct ListedQuarantine {
   QuarantinedSegment segment;
 };
 
+/// A time between two others, microseconds since 1970, UTC.
+struct UtcInterval {
+  std::int64_t from_us = 0;
+  std::int64_t to_us = 0;
+
+  bool operator==(const UtcInterval&) const = default;
+};
+
+/// A live source that is to be indexed.
+struct ListedSource {
+  postgres::TaskRecord record;
+  std::string source;                  ///< its address; empty: not a valid task
+  std::optional<UtcInterval> covered;  ///< from the first frame that was searched to the last one
+  std::optional<double> behind_s;      ///< since the last one; std::nullopt: none was
+  std::vector<UtcInterval> gaps;       ///< times in between that were not searched, in order
+};
+
+/// Longer times without a frame are gaps in the coverage of a live source.
+inline constexpr std::int64_t kMinGap_us = 1'500'000;
+
+/// The times of at least kMinGap_us between covered ones, which may overlap. @param covered  by their beginning
+[[nodiscard]] std::vector<UtcInterval> GapsBetween(std::span<const CoveredTime> covered);
+
 struct ClusterStatus {
   postgres::TaskCounts videos;
   postgres::TaskCounts segments;
@@ -45,6 +70,7 @@ struct ClusterStatus {
   std::vector<ListedTask> tasks;  ///< those that run, then those that have failed; kMaxListed of each at most
   std::vector<ListedGap> gaps;    ///< by video and frame
   std::vector<ListedQuarantine> quarantined;  ///< by video and frame
+  std::vector<ListedSource> sources;          ///< in the order in which they were submitted; not counted above
 
   static constexpr std::int64_t kMaxListed = 1000;
 };
@@ -58,6 +84,8 @@ class ClusterReader {
   [[nodiscard]] Expected<ClusterStatus> Read();
 
  private:
+  [[nodiscard]] Expected<std::vector<ListedSource>> ReadSources();
+
   explicit ClusterReader(std::shared_ptr<postgres::Connection> connection);
 
   std::unique_ptr<IndexStore> store_;

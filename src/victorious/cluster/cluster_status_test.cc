@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "victorious/base/utc.h"
 #include "victorious/cluster/cluster_test.h"
 
 namespace victorious {
@@ -54,6 +55,42 @@ TEST_F(PostgresClusterStatusTest, SaysWhatRunsAndWhatFailed) {
   EXPECT_EQ(status.tasks[1].video, "/b.mp4");
   EXPECT_EQ(status.tasks[1].record.reason, "cannot be read");
   EXPECT_FALSE(status.tasks[1].record.silent_s);
+}
+
+TEST(GapsBetweenTest, AreTimesThatNoneCovers) {
+  constexpr std::int64_t kSecond = 1'000'000;
+  const auto covered = [](std::int64_t from_s, std::int64_t to_s) {
+    return CoveredTime{.source = "udp://a", .from_utc_us = from_s * kSecond, .to_utc_us = to_s * kSecond};
+  };
+  const std::vector<CoveredTime> times = {covered(0, 10), covered(2, 4), covered(11, 12), covered(20, 30)};
+  EXPECT_EQ(GapsBetween(times), (std::vector<UtcInterval>{{12 * kSecond, 20 * kSecond}})) << "one second is none";
+  EXPECT_THAT(GapsBetween({}), IsEmpty());
+}
+
+TEST_F(PostgresClusterStatusTest, SaysWhatIsKnownOfALiveSource) {
+  const auto reader = ClusterReader::Open(url_).value();
+  SubmitLive("udp://a:1");
+  ClusterStatus status = reader->Read().value();
+  EXPECT_EQ(status.videos, TaskCounts());
+  ASSERT_THAT(status.sources, SizeIs(1));
+  EXPECT_EQ(status.sources[0].source, "udp://a:1");
+  EXPECT_EQ(status.sources[0].record.state, WorkState::kQueued);
+  EXPECT_FALSE(status.sources[0].behind_s);
+
+  ASSERT_TRUE(queue_->Claim().value());
+  const VideoRecord video = store_->PutVideo({.content_id = "live", .name = "udp://a:1"}).value();
+  const std::int64_t now_us = NowUtcMicroseconds();
+  IndexBatch batch;
+  batch.covered = {{video.id, 0, "udp://a:1", now_us - 60'000'000, now_us - 50'000'000},
+                   {video.id, 99, "udp://a:1", now_us - 20'000'000, now_us - 3'000'000}};
+  ASSERT_TRUE(store_->Commit(batch));
+  status = reader->Read().value();
+  ASSERT_THAT(status.sources, SizeIs(1));
+  EXPECT_EQ(status.sources[0].record.worker, kWorker);
+  EXPECT_EQ(status.sources[0].covered, (UtcInterval{now_us - 60'000'000, now_us - 3'000'000}));
+  EXPECT_NEAR(status.sources[0].behind_s.value_or(0), 3, 1);
+  EXPECT_EQ(status.sources[0].gaps, (std::vector<UtcInterval>{{now_us - 50'000'000, now_us - 20'000'000}}));
+  EXPECT_THAT(status.tasks, IsEmpty());
 }
 
 TEST_F(PostgresClusterStatusTest, NamesTheVideosOfGaps) {

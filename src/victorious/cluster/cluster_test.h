@@ -35,8 +35,13 @@ class PostgresClusterTest : public ::testing::Test {
     Submit(IndexTask{.video = video, .options = {}, .program = program}, video);
   }
 
+  void SubmitLive(const std::string& url) {
+    Submit(IndexTask{.video = url, .options = {}, .program = "this", .is_live = true}, url);
+  }
+
   void Submit(const IndexTask& task, const std::string& content_id) {
-    const postgres::NewTask queued = ToQueue(task, content_id, postgres::TaskPriority::kBatch).value();
+    const auto priority = task.is_live ? postgres::TaskPriority::kLive : postgres::TaskPriority::kBatch;
+    const postgres::NewTask queued = ToQueue(task, content_id, priority).value();
     ASSERT_EQ(queue_->Submit(std::span(&queued, 1))->added, 1);
   }
 

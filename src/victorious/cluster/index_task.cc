@@ -122,11 +122,12 @@ Expected<postgres::NewTask> ToQueue(const IndexTask& task, const std::string& co
   for (const ContentFile& file : task.files) {
     if (!IsArgument(file.path)) return invalid(file.path);
   }
-  return postgres::NewTask{.kind = std::string(kIndexTaskKind),
+  return postgres::NewTask{.kind = std::string(task.is_live ? kLiveTaskKind : kIndexTaskKind),
                            .key = fmt::format("{} {}", content, DumpJson(nlohmann::json(task.options))),
                            .priority = priority,
                            .payload = DumpJson(PayloadOf(task)),
-                           .program = task.program};
+                           .program = task.program,
+                           .is_lasting = task.is_live};
 }
 
 std::vector<postgres::NewTask> PartsOf(const IndexTask& video, const std::string& key, const VideoCut& cut) {
@@ -145,7 +146,7 @@ std::vector<postgres::NewTask> PartsOf(const IndexTask& video, const std::string
 }
 
 Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
-  if (kind != kIndexTaskKind && kind != kSegmentTaskKind) {
+  if (kind != kIndexTaskKind && kind != kSegmentTaskKind && kind != kLiveTaskKind) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("a task of the kind \"{}\", which this program cannot do", OneLine(std::string(kind))));
   }
@@ -183,6 +184,7 @@ Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
     if (!seconds.is_number() || !(seconds.get<double>() > 0)) return invalid("segment_s must be a number above 0");
     task.segment_s = seconds;
   }
+  task.is_live = kind == kLiveTaskKind;
   if (kind == kSegmentTaskKind) {
     task.part = PartOf(*fields);
     if (!task.part) return invalid("cut, from and to must be the frames of a segment");

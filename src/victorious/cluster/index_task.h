@@ -1,4 +1,4 @@
-// One video to be indexed, or one segment of it, as a task of the queue.
+// One video to be indexed, one segment of it, or a live source, as a task of the queue.
 #pragma once
 
 #include <map>
@@ -19,6 +19,7 @@ namespace victorious {
 
 inline constexpr std::string_view kIndexTaskKind = "index";
 inline constexpr std::string_view kSegmentTaskKind = "segment";
+inline constexpr std::string_view kLiveTaskKind = "live";
 
 /// A part of a video that is cut (store/segment_store.h).
 struct SegmentPart {
@@ -27,7 +28,7 @@ struct SegmentPart {
 };
 
 struct IndexTask {
-  std::string video;                 ///< absolute path, the same on all machines
+  std::string video;                 ///< absolute path, the same on all machines; or the address of a live source
   std::vector<std::string> options;  ///< of `victorious index`, but for --db: "--models", "/data/models", …
   std::string program;               ///< ProgramId() of the program that submitted it: others may find other things
   /// The content ids of the models and categories by name (ModelRecord): a worker that finds others fails. Empty: of an
@@ -40,6 +41,7 @@ struct IndexTask {
   std::vector<ContentFile> files = {};
   double segment_s = 0;  ///< length of the segments into which the video is cut; 0: it is not cut
   std::optional<SegmentPart> part = std::nullopt;  ///< only this segment
+  bool is_live = false;                            ///< a live source: it has no end, no content and no segments
   /// Under which a worker does it; not in the payload, nor is what follows.
   std::optional<TaskAttempt> attempt = std::nullopt;
   /// The worker has the files below this folder, at their paths (TaskFiles::root); empty: at their paths.

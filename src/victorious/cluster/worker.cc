@@ -1,6 +1,7 @@
 #include "victorious/cluster/worker.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <csignal>
 #include <mutex>
@@ -52,7 +53,7 @@ class LeaseKeeper {
     const std::scoped_lock lock(mutex_);
     if (!failure_.empty()) inform_(fmt::format("{}: {}", video_, std::exchange(failure_, {})));
     if (lease_.IsLost(Clock::now())) return ChildControl::kKill;
-    return cancel_.IsCancelled() ? ChildControl::kInterrupt : ChildControl::kContinue;
+    return cancel_.IsCancelled() || is_ending_ ? ChildControl::kInterrupt : ChildControl::kContinue;
   }
 
   /// Ends the thread, which may wait for an answer. The queue can then be used again.
@@ -61,6 +62,8 @@ class LeaseKeeper {
     if (renewer_.joinable()) renewer_.join();
   }
 
+  /// After Stop(): whether the task is to be ended.
+  [[nodiscard]] bool is_ending() const { return is_ending_; }
   /// After Stop().
   [[nodiscard]] bool is_lost() const { return lease_.was_lost(); }
   /// Whether the lease was lost because the database did not answer.
@@ -82,7 +85,8 @@ class LeaseKeeper {
 
   // The lease first: what the process has stored is looked up for the next time.
   Status Renew() {
-    VICTORIOUS_RETURN_IF_ERROR(queue_.Renew(task_, has_progress_));
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool goes_on, queue_.Renew(task_, has_progress_));
+    is_ending_ = !goes_on;
     has_progress_ = false;
     const Expected<std::int64_t> frames = queue_.Progress(video_);
     if (!frames) return {};
@@ -108,7 +112,8 @@ class LeaseKeeper {
   const CancelToken& cancel_;
   std::optional<std::int64_t> frames_;  ///< of the thread
   bool has_progress_ = false;           ///< of the thread: since the last renewal
-  std::mutex mutex_;                    ///< of what follows
+  std::atomic<bool> is_ending_ = false;
+  std::mutex mutex_;  ///< of what follows
   std::condition_variable_any wakes_;
   LeaseClock lease_;
   std::string failure_;  ///< that was not said yet
@@ -142,6 +147,13 @@ Status WaitForSegments(const Task& task, const IndexTask& work, std::int64_t cut
   return queue.Wait(task, std::span(parts).first(std::min(parts.size(), options.max_segments)));
 }
 
+// What interrupted the process of a task.
+enum class Interruption {
+  kNothing,
+  kTask,    ///< it is to be ended
+  kWorker,  ///< which ends
+};
+
 // The segments that killed whoever searched them: cut in halves, or left out.
 Status GiveUpFatalSegments(const Task& task, TaskQueue& queue, SegmentStore& segments, const WorkerOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<postgres::TaskRecord> failed, queue.FatalParts(task));
@@ -173,12 +185,43 @@ Status EndFailed(const Task& task, const IndexTask& work, const ChildEnd& end, T
   return queue.Fail(task, DescribeFailure(end), IsKilled(end));
 }
 
+// Whether a process could not read its live source any more.
+bool IsSourceAway(const ChildEnd& end) {
+  if (end.status == 0) return true;
+  return !IsKilled(end) && end.error &&
+         (end.error->code == ErrorCode::kNotFound || end.error->code == ErrorCode::kDataLoss);
+}
+
+// Ends the attempt of a live source, which another one follows.
+// @param is_ending  it was asked to end
+// Returns whether it is done.
+Expected<bool> EndLive(const Task& task, const IndexTask& work, const ChildEnd& end, bool is_ending, TaskQueue& queue,
+                       const WorkerOptions& options) {
+  if (is_ending && IsEndedWithWorker(end)) {
+    VICTORIOUS_RETURN_IF_ERROR(queue.Complete(task));
+    options.inform(fmt::format("{}: ended", work.video));
+    return true;
+  }
+  if (!IsSourceAway(end)) {
+    VICTORIOUS_RETURN_IF_ERROR(EndFailed(task, work, end, queue, options));
+    return false;
+  }
+  const std::string reason = end.status == 0 ? "the source ended" : DescribeFailure(end);
+  options.inform(fmt::format("{}: waits again: {}", work.video, reason));
+  VICTORIOUS_RETURN_IF_ERROR(queue.Release(task, options.live_delay, reason));
+  return false;
+}
+
 // Ends a task in the queue by how its process ended. Returns whether it is done.
-Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, bool is_cancelled, TaskQueue& queue,
+Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& end, Interruption by, TaskQueue& queue,
                        SegmentStore& segments, const WorkerOptions& options) {
-  if (is_cancelled && end.child.status != 0 && IsEndedWithWorker(end.child)) {
+  const bool is_whole = end.child.status == 0 && !work.is_live;
+  if (by == Interruption::kWorker && !is_whole && IsEndedWithWorker(end.child)) {
     VICTORIOUS_RETURN_IF_ERROR(queue.Release(task));
     return false;
+  }
+  if (work.is_live && !end.is_left) {
+    return EndLive(task, work, end.child, by == Interruption::kTask, queue, options);
   }
   if (end.child.status != 0) {
     VICTORIOUS_RETURN_IF_ERROR(EndFailed(task, work, end.child, queue, options));
@@ -215,7 +258,7 @@ Expected<bool> DoTask(const Task& task, LeaseClock::Clock::time_point claimed, T
   }
   if (!work->part) VICTORIOUS_RETURN_IF_ERROR(GiveUpFatalSegments(task, queue, segments, options));
   // The last attempt must not kill this worker, too: only a short segment can.
-  if (task.failures + 1 == kMaxAttempts && !work->part) {
+  if (task.failures + 1 == kMaxAttempts && !work->part && !work->is_live) {
     work->segment_s = work->segment_s > 0 ? work->segment_s / kShorterSegments : kLastSegment_s;
   }
   work->attempt = TaskAttempt{.task = task.id, .attempt = task.attempt};
@@ -229,7 +272,10 @@ Expected<bool> DoTask(const Task& task, LeaseClock::Clock::time_point claimed, T
     return std::unexpected(end.error());
   }
   Expected<bool> done = false;
-  if (!keeper.is_lost()) done = EndTask(task, *work, *end, cancel.IsCancelled(), queue, segments, options);
+  const Interruption by = keeper.is_ending()     ? Interruption::kTask
+                          : cancel.IsCancelled() ? Interruption::kWorker
+                                                 : Interruption::kNothing;
+  if (!keeper.is_lost()) done = EndTask(task, *work, *end, by, queue, segments, options);
   // Its end was perhaps not entered: it is given back, and found done.
   if (!done && done.error().code == ErrorCode::kUnavailable) unsaid.lost = task;
   if (!keeper.is_lost() && (done || done.error().code != ErrorCode::kConflict)) return done;
@@ -291,9 +337,10 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
       arguments.insert(arguments.end(), {"--task", fmt::format("{}:{}", task.attempt->task, task.attempt->attempt)});
     }
     if (!task.content_id.empty()) arguments.insert(arguments.end(), {"--content-id", task.content_id});
-    if (!task.root.empty()) arguments.insert(arguments.end(), {"--stored-as", task.video});
+    const bool is_moved = !task.root.empty() && !task.is_live;
+    if (is_moved) arguments.insert(arguments.end(), {"--stored-as", task.video});
     // "--" ends the options, so that the name of a file may begin with a dash.
-    arguments.insert(arguments.end(), {"--", task.root + task.video});
+    arguments.insert(arguments.end(), {"--", is_moved ? task.root + task.video : task.video});
     TaskEnd end;
     const auto read = [&](const ProgramEvent& event) {
       if (const auto* const warning = std::get_if<WarningEvent>(&event)) inform("warning: " + warning->message);

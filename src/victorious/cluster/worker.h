@@ -4,6 +4,9 @@
 // A long video is cut into segments. Its task prepares it, waits for the segments, which any workers search, and then
 // joins them. A segment that kills whoever searches it is cut in halves, and its smallest part left out
 // (SegmentStore::GiveUp).
+//
+// A live source has one owner at a time, which indexes it until it is interrupted, or loses its lease; then another
+// worker goes on.
 #pragma once
 
 #include <chrono>
@@ -39,6 +42,8 @@ struct WorkerOptions {
   /// Before a task is claimed again whose video another process indexes, or whose process got no answer from the
   /// database.
   std::chrono::seconds left_delay{30};
+  /// Before a live source is opened again that has ended, or does not answer.
+  std::chrono::seconds live_delay{5};
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
 };
 
@@ -62,6 +67,8 @@ RunTask RunWithContent(RunTask run, const ContentCache& cache);
 /// - whose process fails otherwise or crashes is queued again; after kMaxAttempts attempts without progress it has
 ///   failed, with the reason;
 /// - that runs when `cancel` is set is released, and resumed by the next worker;
+/// - of a live source whose process ends because the source does is released, and opened again; it is done once it was
+///   ended (TaskQueue::End);
 /// - of a whole video that killed its process or its worker twice is cut into short segments at its last attempt.
 /// - whose process was killed by a signal has failed an attempt, also when `cancel` is set, unless by this worker.
 /// Renews the lease while a task runs, on a thread of its own; once it is lost (this worker stood still too long, or

@@ -85,6 +85,63 @@ TEST_F(PostgresWorkerTest, VideoOfAnotherProcessWaitsAgain) {
   EXPECT_THAT(lines_, Contains(HasSubstr("another process")));
 }
 
+TEST_F(PostgresWorkerTest, LiveSourceIsOpenedAgainUntilItIsEnded) {
+  SubmitLive("udp://a:1");
+  const std::vector<TaskEnd> ends = {
+      {},  // it ended
+      {.child = {.status = 2, .error = Error{ErrorCode::kNotFound, "no answer within 10 s"}}},
+      {.child = {.status = 0}}};
+  std::size_t runs = 0;
+  const auto run = [&](const IndexTask& task, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
+    EXPECT_TRUE(task.is_live);
+    EXPECT_EQ(queue_->ListLasting()->size(), 1U);
+    if (++runs < ends.size()) return ends[runs - 1];
+    const auto other = TaskQueue::Open(url_, {.worker = "end", .program = {}}).value();
+    EXPECT_TRUE(other->End(other->ListLasting()->front().id));
+    ChildControl control = ChildControl::kContinue;
+    while ((control = keep_lease()) == ChildControl::kContinue)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_EQ(control, ChildControl::kInterrupt);
+    return ends.back();
+  };
+  const auto queue =
+      TaskQueue::Open(url_, {.worker = kWorker, .program = "this", .lease = std::chrono::seconds(4)}).value();
+  const auto done = Work(*queue, *segments_, run,
+                         {.until_empty = true,
+                          .poll = std::chrono::milliseconds(1),
+                          .live_delay = {},
+                          .inform = [&](const std::string& line) { lines_.push_back(line); }},
+                         cancel_);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(*done, 1);
+  EXPECT_EQ(runs, ends.size());
+  EXPECT_THAT(lines_, Contains("udp://a:1: waits again: the source ended"));
+  EXPECT_THAT(lines_, Contains(HasSubstr("waits again: no answer within 10 s")));
+  EXPECT_THAT(lines_, Contains("udp://a:1: ended"));
+  EXPECT_TRUE(queue->ListLasting()->empty());
+}
+
+TEST_F(PostgresWorkerTest, LiveSourceOfAnInterruptedWorkerGoesOn) {
+  SubmitLive("udp://a:1");
+  const auto run = [&](const IndexTask&, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
+    cancel_.Cancel();
+    EXPECT_EQ(keep_lease(), ChildControl::kInterrupt);
+    return TaskEnd{};
+  };
+  EXPECT_EQ(WorkUntilEmpty(run).value_or(-1), 0);
+  EXPECT_EQ(queue_->ListLasting()->front().state, WorkState::kQueued);
+}
+
+TEST_F(PostgresWorkerTest, LiveSourceThatCannotBeIndexedFails) {
+  SubmitLive("udp://a:1");
+  const Error error{ErrorCode::kInvalidArgument, "the model was replaced"};
+  EXPECT_EQ(WorkUntilEmpty(EndWith({.child = {.status = 2, .error = error}})).value_or(-1), 0);
+  const auto listed = queue_->ListLasting().value();
+  ASSERT_EQ(listed.size(), 1U);
+  EXPECT_EQ(listed.front().state, WorkState::kFailed);
+  EXPECT_THAT(listed.front().reason, HasSubstr("the model was replaced"));
+}
+
 // The database was restarted: no fault of the video's, however often it happens.
 TEST_F(PostgresWorkerTest, DatabaseThatDoesNotAnswerCostsNoAttempt) {
   Submit("/a.mp4");

@@ -227,7 +227,14 @@ class ResultWriter {
         linker_(MakeTrackletOptions(pass, info.frame_rate), pass.options.objects),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
-        last_commit_(Clock::now()) {}
+        last_commit_(Clock::now()) {
+    constexpr double kFrames = 2.5;
+    const double frames = kFrames * std::max(pass.intervals.models, pass.intervals.categories);
+    if (info.frame_rate > 0) max_pause_s_ = std::max(max_pause_s_, frames / info.frame_rate);
+  }
+
+  /// Enters also which times of the source are covered. @param utc_of  UTC of a frame by its time, microseconds
+  void Cover(std::function<std::int64_t(double)> utc_of) { utc_of_ = std::move(utc_of); }
 
   // Restores the tracklets that may still grow.
   Status Resume() {
@@ -264,6 +271,7 @@ class ResultWriter {
                                     .features = std::move(work.kept)});
     }
     next_frame_ = work.now.frame.index + 1;
+    EnterCovered(work.now.frame);
     constexpr auto kInterval = std::chrono::seconds(2);
     constexpr std::size_t kKeptFrames = 32;
     // Somebody may be watching a live source.
@@ -281,6 +289,7 @@ class ResultWriter {
       record.finished = finished;
       batch_.progress.push_back({.search = std::move(record), .expected_next_frame = committed_frame_});
     }
+    if (covered_) PutCovered();
     const Expected<std::vector<std::int64_t>> ids = store_.Commit(batch_);
     if (!ids) {
       can_commit_ = false;
@@ -301,6 +310,32 @@ class ResultWriter {
   }
 
  private:
+  // Frames without an interruption.
+  struct CoveredFrames {
+    std::int64_t from_frame = 0;
+    double from_s = 0;
+    double to_s = 0;
+  };
+
+  void EnterCovered(const Frame& frame) {
+    if (!utc_of_) return;
+    if (covered_ && frame.time_s - covered_->to_s > max_pause_s_) {
+      PutCovered();
+      covered_.reset();
+    }
+    if (!covered_) covered_ = {frame.index, frame.time_s, frame.time_s};
+    covered_->to_s = frame.time_s;
+  }
+
+  // The later, the better is it known when its first frame came.
+  void PutCovered() {
+    batch_.covered.push_back({.video = pass_.video.id,
+                              .from_frame = covered_->from_frame,
+                              .source = pass_.source,
+                              .from_utc_us = utc_of_(covered_->from_s),
+                              .to_utc_us = utc_of_(covered_->to_s)});
+  }
+
   // Another process links the segments.
   Status AddToSegment(FrameTask& work) {
     if (work.already_stored) return {};
@@ -351,6 +386,9 @@ class ResultWriter {
   std::int64_t next_frame_;
   std::int64_t committed_frame_;
   Clock::time_point last_commit_;
+  std::function<std::int64_t(double)> utc_of_;  // set if the times of the source are entered
+  std::optional<CoveredFrames> covered_;
+  double max_pause_s_ = 1;  // between the frames of one interval
   bool informed_ = false;
   bool can_commit_ = true;
 };
@@ -452,6 +490,12 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
                   .threads = pass.threads,
                   .packets = pass.cameras.packet_receiver(),
                   .frame_count = pass.to_s ? CountFramesUntil(reader.info(), *pass.to_s) : std::nullopt});
+  if (!pass.source.empty()) {
+    sink.Cover([&](double time_s) {
+      const std::int64_t recorded_utc_us = pass.recorded_utc_us.value_or(0) + std::llround(1e6 * time_s);
+      return reader.ArrivalUtc(time_s).value_or(recorded_utc_us);
+    });
+  }
   const Expected<FrameLoopEnd> end = loop.Run<FrameTask>(
       [&](Frame frame) -> std::optional<FrameTask> {
         if (!IsBeyondEnd(pass, frame)) return selector.Select(std::move(frame), loop.ReadBehind());

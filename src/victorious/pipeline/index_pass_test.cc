@@ -1,5 +1,6 @@
 #include "victorious/pipeline/index_pass.h"
 
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -45,7 +46,11 @@ class FakeReader final : public VideoReader {
     const std::int64_t index = next_++;
     if (packet_of) packets_ = packet_of(index);
     const cv::Mat image = image_of ? image_of(index) : cv::Mat(32, 32, CV_8UC1, 128.0);
-    return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = image};
+    const double time_s = static_cast<double>(index) / 10 + (index >= interrupted_at ? kInterruption_s : 0);
+    return Frame{.index = index, .time_s = time_s, .image = image};
+  }
+  [[nodiscard]] std::optional<std::int64_t> ArrivalUtc(double time_s) const override {
+    return info_.live ? std::optional(kFirstUtc_us + std::llround(1e6 * time_s)) : std::nullopt;
   }
   std::vector<DataPacket> TakeDataPackets() override { return std::exchange(packets_, {}); }
   bool SeekTo(double /*time_s*/) override { return false; }
@@ -54,6 +59,9 @@ class FakeReader final : public VideoReader {
 
   void AddStream(StreamType type) { info_.streams.push_back({.index = 1, .type = type, .codec = {}}); }
 
+  static constexpr std::int64_t kFirstUtc_us = 1'700'000'000'000'000;
+  static constexpr double kInterruption_s = 5;
+  std::int64_t interrupted_at = kFrames;  // from this frame on, frames are later
   std::int64_t broken_at = -1;
   std::function<cv::Mat(std::int64_t)> image_of;                   // grey image; default: a uniform one
   std::function<std::vector<DataPacket>(std::int64_t)> packet_of;  // data packets that arrive with a frame
@@ -99,7 +107,9 @@ class IndexPassTest : public ::testing::Test {
                          .kept_extractor = *extractor,
                          .options = options,
                          .cameras = cameras,
-                         .threads = 2};
+                         .threads = 2,
+                         .source = source_,
+                         .recorded_utc_us = recorded_utc_us_};
     const Status status = RunIndexPass(
         pass, reader, cancel_, *store_, [&](const std::string& warning) { warnings_.push_back(warning); }, report_);
     search_ = store_->FindSearch(video.id, stored.id).value();
@@ -108,6 +118,8 @@ class IndexPassTest : public ::testing::Test {
 
   DrawnFlight flight_{ShortFlight(1)};
   std::unique_ptr<IndexStore> store_ = flight_.Store("index.db");
+  std::string source_;
+  std::optional<std::int64_t> recorded_utc_us_;
   CancelToken cancel_;
   IndexReport report_;
   std::vector<std::string> warnings_;
@@ -127,6 +139,33 @@ TEST_F(IndexPassTest, CancelledLiveSourceIsComplete) {
   EXPECT_EQ(search_->next_frame, 21);
   EXPECT_EQ(VideosOf(*store_).at(0).frame_count, 21);
   EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
+}
+
+TEST_F(IndexPassTest, TimesOfALiveSourceAreCovered) {
+  FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
+    if (frame == 40) cancel_.Cancel();
+  });
+  reader.interrupted_at = 20;
+  source_ = "udp://a";
+  ASSERT_TRUE(Run(reader));
+  const std::vector<CoveredTime> covered = store_->CoveredTimes("udp://a").value();
+  ASSERT_EQ(covered.size(), 2U);
+  EXPECT_EQ(covered[0].from_utc_us, FakeReader::kFirstUtc_us);
+  EXPECT_EQ(covered[0].to_utc_us, FakeReader::kFirstUtc_us + 1'900'000);
+  EXPECT_EQ(covered[1].from_frame, 20);
+  EXPECT_EQ(covered[1].from_utc_us, FakeReader::kFirstUtc_us + 7'000'000);
+  EXPECT_EQ(covered[1].to_utc_us, FakeReader::kFirstUtc_us + 9'000'000);
+}
+
+TEST_F(IndexPassTest, TimesOfARecordingAreCovered) {
+  FakeReader reader(/*live=*/false, [](std::int64_t /*frame*/) {});
+  source_ = "udp://a";
+  recorded_utc_us_ = 1'000'000;
+  ASSERT_TRUE(Run(reader));
+  const std::vector<CoveredTime> covered = store_->CoveredTimes("udp://a").value();
+  ASSERT_EQ(covered.size(), 1U);
+  EXPECT_EQ(covered[0].from_utc_us, 1'000'000);
+  EXPECT_EQ(covered[0].to_utc_us, 1'000'000 + (kFrames - 1) * 100'000);
 }
 
 // The frames since the last restart of the tracks are held for what later frames may add.

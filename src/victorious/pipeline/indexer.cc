@@ -421,6 +421,7 @@ IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognize
           .from_s = job.from_s,
           .to_s = job.to_s,
           .frame_budget = job.frame_budget,
+          .source = video.reader && video.reader->info().live ? job.StoredName() : "",
           .inform = job.inform};
 }
 

@@ -8,6 +8,7 @@
 #include "victorious/base/json.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_response.h"
+#include "victorious/serve/live_address.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious {
@@ -23,9 +24,33 @@ Json TaskCountsToJson(const postgres::TaskCounts& counts) {
 
 Json FramesToJson(const FrameInterval& frames) { return Json::array({frames.from, frames.to}); }
 
+Json UtcToJson(const UtcInterval& time) { return {{"from_utc_us", time.from_us}, {"to_utc_us", time.to_us}}; }
+
+Json SourcesToJson(const std::vector<ListedSource>& sources) {
+  Json rows = Json::array();
+  for (const ListedSource& one : sources) {
+    Json gaps = Json::array();
+    for (const UtcInterval& gap : one.gaps) gaps.push_back(UtcToJson(gap));
+    rows.push_back({{"id", one.record.id},
+                    {"source", WithoutCredentials(one.source)},
+                    {"state", ToText(one.record.state)},
+                    {"attempt", one.record.attempt},
+                    {"worker", one.record.worker},
+                    {"silent_s", OrNull(one.record.silent_s)},
+                    {"covered", one.covered ? UtcToJson(*one.covered) : Json()},
+                    {"behind_s", OrNull(one.behind_s)},
+                    {"gaps", std::move(gaps)},
+                    {"reason", WithoutCredentials(one.record.reason)}});
+  }
+  return rows;
+}
+
 Json ClusterToJson(const ClusterStatus& status, bool is_shared) {
   std::set<std::string> workers;
   Json tasks = Json::array();
+  for (const ListedSource& one : status.sources) {
+    if (!one.record.worker.empty()) workers.insert(one.record.worker);
+  }
   for (const ListedTask& task : status.tasks) {
     if (!task.record.worker.empty()) workers.insert(task.record.worker);
     tasks.push_back({{"id", task.record.id},
@@ -60,7 +85,8 @@ Json ClusterToJson(const ClusterStatus& status, bool is_shared) {
           {"left_s", OrNull(status.left_s)},
           {"tasks", std::move(tasks)},
           {"gaps", std::move(gaps)},
-          {"quarantined", std::move(quarantined)}};
+          {"quarantined", std::move(quarantined)},
+          {"sources", SourcesToJson(status.sources)}};
 }
 
 }  // namespace

@@ -164,6 +164,18 @@ struct KeptFrame {
   FeatureSet features;
 };
 
+/// A time of a live source whose frames were searched without an interruption. Times are those at which frames come to
+/// the machine that searches or records them, microseconds since 1970, UTC.
+struct CoveredTime {
+  std::int64_t video = 0;
+  std::int64_t from_frame = 0;   ///< the first frame; identifies it in the video
+  std::string source;            ///< address of the live source
+  std::int64_t from_utc_us = 0;  ///< of the first frame
+  std::int64_t to_utc_us = 0;    ///< of the last one
+
+  bool operator==(const CoveredTime&) const = default;
+};
+
 /// The results of an interval of frames. Committed in one transaction.
 struct IndexBatch {
   /// A new tracklet (no id), which is an object by itself until PutObjects joins it to another, or an update of an
@@ -187,6 +199,7 @@ struct IndexBatch {
   std::vector<NewSighting> sightings;
   std::vector<KeptFrame> kept_frames;
   std::vector<Progress> progress;
+  std::vector<CoveredTime> covered;  ///< added, or put in the place of the one that begins at the same frame
 };
 
 /// A circle around a point of the Earth; heights are ignored.
@@ -301,6 +314,9 @@ class IndexStore {
   /// process changed the progress; kNotFound for a tracklet, video or model that was deleted; kInvalidArgument for a
   /// sighting that exists already.
   [[nodiscard]] virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
+
+  /// What was searched of a live source, by time.
+  [[nodiscard]] virtual Expected<std::vector<CoveredTime>> CoveredTimes(const std::string& source) = 0;
 
   /// Returns all tracklets, by id.
   [[nodiscard]] virtual Expected<std::vector<TrackletRecord>> Tracklets() = 0;

@@ -1,4 +1,5 @@
-// Videos of an index, tested for every implementation: found by their names, and their texts as given.
+// Videos of an index, tested for every implementation: found by their names, their texts as given, and the times that
+// they cover of live sources.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -69,6 +70,24 @@ class VideosTest : public ::testing::TestWithParam<testing::StoreKind> {
 };
 
 // Names of files and texts of users can be any bytes.
+TEST_P(VideosTest, CoveredTimesGrowByTheirFirstFrame) {
+  const VideoRecord video = PutVideo("c1", "a.mp4");
+  const VideoRecord other = PutVideo("c2", "b.mp4");
+  const auto cover = [&](const CoveredTime& covered) {
+    IndexBatch batch;
+    batch.covered = {covered};
+    ASSERT_TRUE(store_->Commit(batch));
+  };
+  cover({video.id, 0, "udp://a", 5'000'000, 6'000'000});
+  cover({other.id, 0, "udp://a", 1'000'000, 2'000'000});
+  cover({other.id, 9, "udp://b", 3'000'000, 4'000'000});
+  cover({video.id, 0, "udp://a", 4'900'000, 8'000'000});
+  Reopen();
+  EXPECT_THAT(*store_->CoveredTimes("udp://a"), ElementsAre(CoveredTime{other.id, 0, "udp://a", 1'000'000, 2'000'000},
+                                                            CoveredTime{video.id, 0, "udp://a", 4'900'000, 8'000'000}));
+  EXPECT_TRUE(store_->CoveredTimes("udp://c")->empty());
+}
+
 TEST_P(VideosTest, TextsRoundTripByteForByte) {
   using namespace std::string_literals;
   const std::string name = "/data/\xFF\xC3(\0 \xED\xA0\x80 \xF4\x8F\xBC\x80 Übung.mp4"s;

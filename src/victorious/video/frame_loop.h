@@ -164,8 +164,6 @@ class FrameLoop {
   /// How far reading is behind a live source, s; std::nullopt as long as it has not caught up with it (LiveDelay).
   /// Callable from `select`.
   [[nodiscard]] std::optional<double> ReadBehind() const { return delay_.ReadBehind(); }
-  /// UTC at which a frame of this time came to this machine, if it was not late, microseconds since 1970. Any thread.
-  [[nodiscard]] std::int64_t ArrivalUtc(double time_s) const { return delay_.ArrivalUtc(time_s); }
   /// Time of the last frame read, s; 0 if there was none.
   [[nodiscard]] double last_time_s() const { return last_time_s_; }
 

@@ -16,6 +16,7 @@
 #include "victorious/video/data_track.h"
 #include "victorious/video/frame_clock.h"
 #include "victorious/video/frame_converter.h"
+#include "victorious/video/frame_loop.h"
 
 extern "C" {
 #include <libavutil/display.h>
@@ -116,6 +117,7 @@ class MediaReader : public VideoReader {
   std::vector<DataPacket> TakeDataPackets() override { return data_.Take(clock_.origin_s()); }
   bool SeekTo(double time_s) override;
   void SkipToEnd() override;
+  [[nodiscard]] std::optional<std::int64_t> ArrivalUtc(double time_s) const override;
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
 
  private:
@@ -150,6 +152,7 @@ class MediaReader : public VideoReader {
   FrameHandle lookahead_;  ///< the next frame; valid if has_lookahead_
   bool has_lookahead_ = false;
   FrameClock clock_;
+  LiveDelay arrival_;  ///< by time stamps
   DamageLog damage_;
   DataTrack data_;
   std::optional<FrameConverter> converter_;
@@ -262,6 +265,12 @@ void MediaReader::LogFrameDamage(double time_s) {
 // Reads the next packet of the video and sends it to the decoder.
 void MediaReader::FeedDecoder() {
   if (ReadPacket()) SendPacket();
+}
+
+std::optional<std::int64_t> MediaReader::ArrivalUtc(double time_s) const {
+  const auto origin_s = clock_.origin_s();
+  if (!info_.live || !origin_s) return std::nullopt;
+  return arrival_.ArrivalUtc(time_s + *origin_s);
 }
 
 bool MediaReader::SeekTo(double time_s) {
@@ -440,6 +449,9 @@ double MediaReader::PacketTime() const {
 
 void MediaReader::UpdatePacketsEnd() {
   const std::int64_t stamp = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
+  if (source_.remote && stamp != AV_NOPTS_VALUE) {
+    arrival_.EnterRead(static_cast<double>(stamp) * av_q2d(demuxer_->video().time_base), 0);
+  }
   has_unstamped_packets_ = has_unstamped_packets_ || stamp == AV_NOPTS_VALUE;
   if (has_unstamped_packets_) return;
   const double end_ticks = static_cast<double>(stamp) + std::max(0.0, static_cast<double>(packet_->duration));

@@ -111,6 +111,10 @@ class VideoReader {
   /// end (warnings()). NextFrame returns std::nullopt afterwards.
   virtual void SkipToEnd() = 0;
 
+  /// UTC at which a frame of this time came to this machine, if it was not late, microseconds since 1970: the packet
+  /// that waited least tells it (LiveDelay, frame_loop.h). std::nullopt for what is not live. From any thread.
+  [[nodiscard]] virtual std::optional<std::int64_t> ArrivalUtc(double /*time_s*/) const { return std::nullopt; }
+
   /// Returns the damage found so far, one line per kind with time and count: "decoding stopped at 3.20 s of 10.00 s:
   /// …". Repetitions rewrite the line of their kind, so read the lines at the end.
   [[nodiscard]] virtual const std::vector<std::string>& warnings() const = 0;

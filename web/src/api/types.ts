@@ -12,6 +12,7 @@ export type Evidence = Schemas["Evidence"];
 export type Sighting = Schemas["Sighting"];
 export type Job = Schemas["Job"];
 export type Cluster = Schemas["Cluster"];
+export type ClusterSource = Schemas["ClusterSource"];
 export type ClusterTask = Schemas["ClusterTask"];
 export type NewJob = Schemas["NewJob"];
 export type Counts = Schemas["ObjectCounts"];

@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
 
 import type { Cluster } from "../api/types";
-import { describePart, describeRate, formatSilence, isLate } from "./workers";
+import { describeBehind, describePart, describeRate, formatSilence, formatUtcGap, isLate } from "./workers";
 
 const NONE = { queued: 0, waiting: 0, running: 0, done: 0, failed: 0 };
 const cluster = (more: Partial<Cluster>): Cluster => ({
-  is_shared: true, workers: 0, videos: NONE, segments: NONE, video_s: null, segment_s: null, left_s: null, tasks: [], gaps: [], quarantined: [], ...more,
+  is_shared: true, workers: 0, videos: NONE, segments: NONE, video_s: null, segment_s: null, left_s: null, tasks: [], gaps: [], quarantined: [], sources: [], ...more,
 });
 
 describe("workers", () => {
@@ -21,6 +21,11 @@ describe("workers", () => {
     expect(describePart({ segment: [1200, 1800], searched_frames: null })).toBe("frames 1,200 to 1,799");
     expect(describePart({ segment: null, searched_frames: 1 })).toBe("1 frame searched");
     expect(describePart({ segment: null, searched_frames: null })).toBe("begins");
+  });
+
+  it("follow live sources", () => {
+    expect([null, 1.6, 300, 8000].map((behind_s) => describeBehind({ behind_s }))).toEqual(["nothing searched yet", "2 s behind", "5 min behind", "2 h behind"]);
+    expect(formatUtcGap({ from_utc_us: 1_779_887_662_911_042, to_utc_us: 1_779_887_675_411_042 })).toBe("2026-05-27 13:14:22 UTC (13 s)");
   });
 
   it("have a rate once one task was done", () => {

@@ -1,11 +1,11 @@
 // What is said of workers and their tasks.
-import type { Cluster, ClusterTask } from "../api/types";
+import type { Cluster, ClusterSource, ClusterTask } from "../api/types";
 import { plural } from "./format";
 
 /** A worker says four times in its lease, 60 s by default, that it is alive. */
 const LATE_S = 30;
 
-export const isLate = (task: ClusterTask) => task.silent_s !== null && task.silent_s >= LATE_S;
+export const isLate = (task: Pick<ClusterTask, "silent_s">) => task.silent_s !== null && task.silent_s >= LATE_S;
 
 export function formatSilence(seconds: number | null): string {
   if (seconds === null) return "";
@@ -21,6 +21,21 @@ export function describePart(task: Pick<ClusterTask, "segment" | "searched_frame
 
 export function formatFrames([from, to]: readonly number[]): string {
   return `frames ${(from ?? 0).toLocaleString("en")} to ${((to ?? 1) - 1).toLocaleString("en")}`;
+}
+
+/** How far a live source is searched. */
+export function describeBehind({ behind_s }: Pick<ClusterSource, "behind_s">): string {
+  return behind_s === null ? "nothing searched yet" : `${formatDuration(behind_s)} behind`;
+}
+
+/** A time of a live source that was not searched: when, in UTC, and how long. */
+export function formatUtcGap({ from_utc_us, to_utc_us }: ClusterSource["gaps"][number]): string {
+  return `${new Date(from_utc_us / 1000).toISOString().slice(0, 19).replace("T", " ")} UTC (${formatDuration((to_utc_us - from_utc_us) / 1e6)})`;
+}
+
+function formatDuration(seconds: number): string {
+  if (seconds < 120) return `${Math.round(seconds)} s`;
+  return seconds < 7200 ? `${Math.round(seconds / 60)} min` : `${Math.round(seconds / 3600)} h`;
 }
 
 /** What the workers do in an hour, at the rate of the last tasks; null: not known. */

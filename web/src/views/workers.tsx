@@ -2,10 +2,10 @@
 // out.
 import type { ComponentChildren } from "preact";
 
-import type { Cluster, ClusterTask } from "../api/types";
+import type { Cluster, ClusterSource, ClusterTask } from "../api/types";
 import { DASH, baseName, formatSpan, plural } from "../logic/format";
 import { formatLeft } from "../logic/uploads";
-import { describePart, describeRate, formatFrames, formatSilence, isLate } from "../logic/workers";
+import { describeBehind, describePart, describeRate, formatFrames, formatSilence, formatUtcGap, isLate } from "../logic/workers";
 import * as workers from "../workers";
 import { Icon } from "./icons";
 
@@ -100,6 +100,27 @@ function Running({ task }: { task: ClusterTask }) {
   );
 }
 
+const MAX_GAPS = 5;
+
+function Source({ source }: { source: ClusterSource }) {
+  const isRunning = source.state === "running";
+  const gaps = source.gaps.slice(-MAX_GAPS);
+  return (
+    <Row video={source.source} note={describeBehind(source)} isFailed={source.state === "failed"}>
+      {isRunning ? source.worker : `no worker (${source.state})`}
+      {isRunning && source.silent_s !== null && ", "}
+      {isRunning && <span class={isLate(source) ? "late" : ""}>{formatSilence(source.silent_s)}</span>}
+      {source.attempt > 1 && `, attempt ${source.attempt}`}
+      {source.reason !== "" && `; last: ${source.reason}`}
+      {gaps.length > 0 && (
+        <div class="late">
+          {`${plural(source.gaps.length, "gap")}: ${gaps.length < source.gaps.length ? "… " : ""}${gaps.map(formatUtcGap).join(", ")}`}
+        </div>
+      )}
+    </Row>
+  );
+}
+
 export function WorkersPanel() {
   const cluster = workers.cluster.value;
   if (!cluster || !workers.isOpen.value) return null;
@@ -115,6 +136,13 @@ export function WorkersPanel() {
       </header>
       <Counts cluster={cluster} />
       <Rate cluster={cluster} />
+      {cluster.sources.length > 0 && (
+        <Part title="Live">
+          {cluster.sources.map((source) => (
+            <Source key={source.id} source={source} />
+          ))}
+        </Part>
+      )}
       {running.length > 0 && (
         <Part title={plural(cluster.workers, "worker")}>
           {running.map((task) => (
@@ -149,7 +177,7 @@ export function WorkersPanel() {
           ))}
         </Part>
       )}
-      {running.length === 0 && (
+      {cluster.workers === 0 && (
         <p class="muted">
           No worker has a task. <code>victorious submit</code> queues videos, <code>victorious work</code> starts a worker.
         </p>

@@ -242,9 +242,20 @@ Expected<std::vector<std::int64_t>> PostgresStore::Commit(const IndexBatch& batc
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::int64_t> tracklet_ids, PutTracklets(batch.tracklets));
   VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
+  for (const CoveredTime& one : batch.covered) {
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(sql::kPutCoveredTime, one.video, one.from_frame, one.source,
+                                                  one.from_utc_us, one.to_utc_us));
+  }
   VICTORIOUS_RETURN_IF_ERROR(AssignReviewsOf(tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return tracklet_ids;
+}
+
+Expected<std::vector<CoveredTime>> PostgresStore::CoveredTimes(const std::string& source) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(sql::kSelectCoveredTimes, source));
+  std::vector<CoveredTime> covered;
+  while (rows.Next()) covered.push_back(sql::ReadCoveredTime(rows));
+  return covered;
 }
 
 Expected<std::vector<TrackletRecord>> PostgresStore::Tracklets() {

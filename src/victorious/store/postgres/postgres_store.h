@@ -51,6 +51,7 @@ class PostgresStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override;
 
+  [[nodiscard]] Expected<std::vector<CoveredTime>> CoveredTimes(const std::string& source) override;
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
   [[nodiscard]] Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,

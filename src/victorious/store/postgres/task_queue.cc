@@ -15,6 +15,38 @@ constexpr std::string_view kPlans =
     "-c enable_sort=off -c enable_bitmapscan=off -c enable_seqscan=off -c enable_hashjoin=off -c enable_mergejoin=off "
     "-c plan_cache_mode=force_generic_plan";
 
+// The condition that a task is one of the choice.
+std::string_view IsChosen(TaskChoice choice) {
+  switch (choice) {
+    case TaskChoice::kLasting:
+      return "is_lasting";
+    case TaskChoice::kFinite:
+      return "NOT is_lasting";
+    case TaskChoice::kAll:
+      break;
+  }
+  return "true";
+}
+
+constexpr std::string_view kSelectRecords =
+    "SELECT id, kind, payload, attempt, worker, extract(epoch FROM leased_until - now())::double precision, reason, "
+    "program, extract(epoch FROM now() - renewed_at)::double precision, state, key FROM tasks ";
+
+TaskRecord ReadTaskRecord(const Result& rows) {
+  const WorkState state = FromText(kWorkStateTexts, rows.Text(9)).value_or(WorkState::kQueued);
+  return {.id = rows.Integer(0),
+          .kind = rows.Text(1),
+          .key = rows.Text(10),
+          .payload = rows.Text(2),
+          .state = state,
+          .attempt = rows.Integer(3),
+          .worker = rows.Text(4),
+          .lease_left_s = rows.OptionalReal(5),
+          .silent_s = state == WorkState::kRunning ? rows.OptionalReal(8) : std::nullopt,
+          .reason = rows.Text(6),
+          .program = rows.Text(7)};
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<TaskQueue>> TaskQueue::Open(const std::string& url, TaskQueueOptions options) {
@@ -32,13 +64,16 @@ std::unique_ptr<TaskQueue> TaskQueue::On(std::shared_ptr<Connection> connection,
 Expected<Submission> TaskQueue::Submit(std::span<const NewTask> tasks) {
   CopyRows rows;
   for (const NewTask& task : tasks) {
-    rows.AddRow(task.kind, task.key, static_cast<int>(task.priority), task.payload, task.program, int{task.is_undone});
+    rows.AddRow(task.kind, task.key, static_cast<int>(task.priority), task.payload, task.program, int{task.is_undone},
+                int{task.is_lasting});
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
+      "CREATE TEMPORARY TABLE new_tasks (position bigint GENERATED ALWAYS AS IDENTITY, kind text, "
+      "key text, priority bigint, payload text, program text, is_undone bigint, is_lasting bigint) "
+      "ON COMMIT DROP"));
   VICTORIOUS_RETURN_IF_ERROR(
-      connection_->Execute("CREATE TEMPORARY TABLE new_tasks (position bigint GENERATED ALWAYS AS IDENTITY, kind text, "
-                           "key text, priority bigint, payload text, program text, is_undone bigint) ON COMMIT DROP"));
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Copy("new_tasks (kind, key, priority, payload, program, is_undone)", rows));
+      connection_->Copy("new_tasks (kind, key, priority, payload, program, is_undone, is_lasting)", rows));
   VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
       "UPDATE tasks t SET state = 'failed' FROM new_tasks n WHERE t.kind = n.kind AND t.key = n.key AND "
       "t.state = 'done' AND n.is_undone <> 0"));
@@ -46,7 +81,8 @@ Expected<Submission> TaskQueue::Submit(std::span<const NewTask> tasks) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result added,
       connection_->Query(
-          "INSERT INTO tasks (kind, key, priority, payload, program) SELECT kind, key, priority, payload, program FROM "
+          "INSERT INTO tasks (kind, key, priority, payload, program, is_lasting) "
+          "SELECT kind, key, priority, payload, program, is_lasting <> 0 FROM "
           "(SELECT DISTINCT ON (kind, key) * FROM new_tasks ORDER BY kind, key, position) t ORDER BY position "
           "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, is_fatal = false, reason = NULL, "
           "not_before = NULL, "
@@ -67,6 +103,8 @@ Expected<Submission> TaskQueue::Submit(std::span<const NewTask> tasks) {
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Query("UPDATE tasks c SET priority = p.priority FROM tasks p JOIN new_tasks n USING (kind, key) "
                          "WHERE c.parent = p.id AND c.state IN ('queued', 'running') AND c.priority > p.priority"));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
+      "UPDATE tasks t SET is_ending = false FROM new_tasks n WHERE t.kind = n.kind AND t.key = n.key AND t.is_ending"));
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result done, connection_->Query("SELECT count(*) FROM tasks t JOIN (SELECT DISTINCT kind, key FROM new_tasks) n "
                                       "USING (kind, key) WHERE t.state = 'done'"));
@@ -82,7 +120,8 @@ Status TaskQueue::EndLostLeases() {
           "AS failed FROM tasks WHERE state = 'running' AND leased_until < now() "
           "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET failures = t.failures + failed, "
           "leased_until = NULL, worker = NULL, "
-          "state = CASE WHEN failed = 0 OR t.failures + 1 < ? THEN 'queued' ELSE 'failed' END, is_fatal = failed = 1, "
+          "state = CASE WHEN is_ending THEN 'done' WHEN failed = 0 OR is_lasting OR t.failures + 1 < ? THEN 'queued' "
+          "ELSE 'failed' END, is_ending = false, is_fatal = failed = 1, "
           "reason = CASE WHEN failed = 1 THEN 'its worker did not answer any more' "
           "ELSE 'the server was started again' END FROM lost WHERE t.id = lost.id "
           "RETURNING t.id, t.attempt, lost.worker, failed) "
@@ -115,14 +154,15 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result row,
       connection_->Write(
-          "WITH next AS (SELECT id FROM tasks WHERE state = 'queued' AND program = ? AND "
-          "(not_before IS NULL OR not_before <= now()) ORDER BY priority, coalesce(parent, id), id LIMIT 1 "
-          "FOR UPDATE SKIP LOCKED), claimed AS (UPDATE tasks t SET state = 'running', "
-          "attempt = t.attempt + 1, worker = ?, leased_until = now() + ? * interval '1 s', renewed_at = now() FROM "
-          "next "
-          "WHERE t.id = next.id RETURNING t.id, t.attempt, t.kind, t.key, t.payload, t.failures, t.parent), logged AS ("
-          "INSERT INTO task_log (task_id, attempt, event, worker) "
-          "SELECT id, attempt, 'claimed', ? FROM claimed) SELECT * FROM claimed",
+          fmt::format(
+              "WITH next AS (SELECT id FROM tasks WHERE state = 'queued' AND program = ? AND {} AND "
+              "(not_before IS NULL OR not_before <= now()) ORDER BY priority, coalesce(parent, id), id LIMIT 1 "
+              "FOR UPDATE SKIP LOCKED), claimed AS (UPDATE tasks t SET state = 'running', "
+              "attempt = t.attempt + 1, worker = ?, leased_until = now() + ? * interval '1 s', renewed_at = now() FROM "
+              "next WHERE t.id = next.id RETURNING t.id, t.attempt, t.kind, t.key, t.payload, t.failures, t.parent), "
+              "logged AS (INSERT INTO task_log (task_id, attempt, event, worker) "
+              "SELECT id, attempt, 'claimed', ? FROM claimed) SELECT * FROM claimed",
+              IsChosen(options_.choice)),
           options_.program, options_.worker, static_cast<double>(options_.lease.count()), options_.worker));
   std::optional<Task> task;
   if (row.Next()) {
@@ -140,15 +180,15 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
   return task;
 }
 
-Status TaskQueue::Renew(const Task& task, bool has_progress) {
+Expected<bool> TaskQueue::Renew(const Task& task, bool has_progress) {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      const Result renewed,
+      Result renewed,
       connection_->Write(
           "UPDATE tasks SET leased_until = now() + ? * interval '1 s', renewed_at = now(), failures = failures * ? "
-          "WHERE id = ? AND attempt = ? AND state = 'running'",
+          "WHERE id = ? AND attempt = ? AND state = 'running' RETURNING is_ending::int::bigint",
           static_cast<double>(options_.lease.count()), has_progress ? 0 : 1, task.id, task.attempt));
-  if (renewed.Changes() != 1) return LostLease(task);
-  return {};
+  if (!renewed.Next()) return LostLease(task);
+  return renewed.Integer(0) == 0;
 }
 
 Expected<std::int64_t> TaskQueue::Progress(const std::string& video) {
@@ -164,8 +204,17 @@ Status TaskQueue::Complete(const Task& task) {
   return WakeParent(task);
 }
 
-Status TaskQueue::Release(const Task& task, std::chrono::seconds delay) {
-  return EndLease(task, WorkState::kQueued, std::nullopt, "released", delay);
+Status TaskQueue::Release(const Task& task, std::chrono::seconds delay, const std::optional<std::string>& reason) {
+  return EndLease(task, WorkState::kQueued, reason, "released", delay);
+}
+
+Status TaskQueue::End(std::int64_t task) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result ended, connection_->Write("UPDATE tasks SET is_ending = state = 'running', "
+                                             "state = CASE WHEN state = 'running' THEN state ELSE 'done' END "
+                                             "WHERE id = ? AND is_lasting AND state IN ('queued', 'running', 'failed')",
+                                             task));
+  return {};
 }
 
 Status TaskQueue::Reject(const Task& task, const std::string& reason) {
@@ -176,8 +225,9 @@ Status TaskQueue::Reject(const Task& task, const std::string& reason) {
 Status TaskQueue::Fail(const Task& task, const std::string& reason, bool is_fatal) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
-      connection_->Write("WITH ended AS (UPDATE tasks SET failures = failures + 1, state = CASE WHEN failures + 1 < ? "
-                         "THEN 'queued' ELSE 'failed' END, reason = ?, is_fatal = ?::bigint <> 0, worker = NULL, "
+      connection_->Write("WITH ended AS (UPDATE tasks SET failures = failures + 1, state = CASE WHEN is_ending THEN "
+                         "'done' WHEN failures + 1 < ? THEN 'queued' ELSE 'failed' END, is_ending = false, reason = ?, "
+                         "is_fatal = ?::bigint <> 0, worker = NULL, "
                          "leased_until = NULL, "
                          "not_before = now() + ? * power(4, failures) * interval '1 s' "
                          "WHERE id = ? AND attempt = ? AND state = 'running' RETURNING id, attempt) "
@@ -215,22 +265,11 @@ Status TaskQueue::Wait(const Task& task, std::span<const NewTask> parts) {
 
 Expected<std::vector<TaskRecord>> TaskQueue::FatalParts(const Task& task) {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result rows, connection_->Query("SELECT id, kind, payload, attempt, reason, program FROM tasks WHERE parent = ? "
-                                      "AND state = 'failed' AND is_fatal ORDER BY id",
-                                      task.id));
+      Result rows,
+      connection_->Query(
+          fmt::format("{}WHERE parent = ? AND state = 'failed' AND is_fatal ORDER BY id", kSelectRecords), task.id));
   std::vector<TaskRecord> parts;
-  while (rows.Next()) {
-    parts.push_back({.id = rows.Integer(0),
-                     .kind = rows.Text(1),
-                     .payload = rows.Text(2),
-                     .state = WorkState::kFailed,
-                     .attempt = rows.Integer(3),
-                     .worker = {},
-                     .lease_left_s = {},
-                     .silent_s = {},
-                     .reason = rows.Text(4),
-                     .program = rows.Text(5)});
-  }
+  while (rows.Next()) parts.push_back(ReadTaskRecord(rows));
   return parts;
 }
 
@@ -245,7 +284,8 @@ Status TaskQueue::EndLease(const Task& task, WorkState state, const std::optiona
                            std::string_view event, std::chrono::seconds delay) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
-      connection_->Write("WITH ended AS (UPDATE tasks SET state = ?, reason = ?, worker = NULL, leased_until = NULL, "
+      connection_->Write("WITH ended AS (UPDATE tasks SET state = CASE WHEN is_ending THEN 'done' ELSE ? END, "
+                         "is_ending = false, reason = ?, worker = NULL, leased_until = NULL, "
                          "not_before = now() + ? * interval '1 s' "
                          "WHERE id = ? AND attempt = ? AND state = 'running' RETURNING id, attempt) "
                          "INSERT INTO task_log (task_id, attempt, event, worker) SELECT id, attempt, ?, ? FROM ended",
@@ -298,10 +338,19 @@ Expected<TaskCounts> TaskQueue::Count(bool of_parts) {
       Result row, connection_->Query(fmt::format(
                       "SELECT count(*) FILTER (WHERE state = 'queued'), count(*) FILTER (WHERE state = 'waiting'), "
                       "count(*) FILTER (WHERE state = 'running'), count(*) FILTER (WHERE state = 'done'), "
-                      "count(*) FILTER (WHERE state = 'failed') FROM tasks WHERE parent IS {}NULL",
+                      "count(*) FILTER (WHERE state = 'failed') FROM tasks WHERE NOT is_lasting AND parent IS {}NULL",
                       of_parts ? "NOT " : "")));
   if (!row.Next()) return TaskCounts{};
   return TaskCounts{row.Integer(0), row.Integer(1), row.Integer(2), row.Integer(3), row.Integer(4)};
+}
+
+Expected<std::vector<TaskRecord>> TaskQueue::ListLasting(LastingTasks which) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result rows, connection_->Query(fmt::format("{}WHERE is_lasting{} ORDER BY id", kSelectRecords,
+                                                  which == LastingTasks::kOpen ? " AND state <> 'done'" : "")));
+  std::vector<TaskRecord> tasks;
+  while (rows.Next()) tasks.push_back(ReadTaskRecord(rows));
+  return tasks;
 }
 
 Expected<std::vector<TaskRecord>> TaskQueue::List(std::int64_t limit) {
@@ -309,32 +358,22 @@ Expected<std::vector<TaskRecord>> TaskQueue::List(std::int64_t limit) {
   for (const WorkState state : {WorkState::kRunning, WorkState::kFailed}) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Result rows,
-        connection_->Query("SELECT id, kind, payload, attempt, worker, extract(epoch FROM leased_until - "
-                           "now())::double precision, reason, program, extract(epoch FROM now() - renewed_at)::double "
-                           "precision FROM tasks WHERE state = ? ORDER BY id LIMIT ?",
+        connection_->Query(fmt::format("{}WHERE state = ? AND NOT is_lasting ORDER BY id LIMIT ?", kSelectRecords),
                            ToText(state), limit));
-    while (rows.Next()) {
-      tasks.push_back({.id = rows.Integer(0),
-                       .kind = rows.Text(1),
-                       .payload = rows.Text(2),
-                       .state = state,
-                       .attempt = rows.Integer(3),
-                       .worker = rows.Text(4),
-                       .lease_left_s = rows.OptionalReal(5),
-                       .silent_s = state == WorkState::kRunning ? rows.OptionalReal(8) : std::nullopt,
-                       .reason = rows.Text(6),
-                       .program = rows.Text(7)});
-    }
+    while (rows.Next()) tasks.push_back(ReadTaskRecord(rows));
   }
   return tasks;
 }
 
 Expected<bool> TaskQueue::HasOpenTasks() {
+  const std::string_view chosen = IsChosen(options_.choice);
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Result row, connection_->Query("SELECT EXISTS (SELECT FROM tasks WHERE state = 'queued' AND program = ?) OR "
-                                     "EXISTS (SELECT FROM tasks WHERE state = 'running' AND program = ?) OR "
-                                     "EXISTS (SELECT FROM tasks WHERE state = 'waiting' AND program = ?)",
-                                     options_.program, options_.program, options_.program));
+      Result row,
+      connection_->Query(fmt::format("SELECT EXISTS (SELECT FROM tasks WHERE state = 'queued' AND program = ? AND {}) "
+                                     "OR EXISTS (SELECT FROM tasks WHERE state = 'running' AND program = ? AND {}) OR "
+                                     "EXISTS (SELECT FROM tasks WHERE state = 'waiting' AND program = ? AND {})",
+                                     chosen, chosen, chosen),
+                         options_.program, options_.program, options_.program));
   return row.Next() && row.Integer(0) != 0;
 }
 
@@ -345,8 +384,9 @@ Expected<std::optional<double>> TaskQueue::MeanSeconds(bool of_parts) {
           "SELECT avg(extract(epoch FROM d.at - c.at))::double precision FROM (SELECT l.task_id, l.attempt, l.at FROM "
           "task_log l JOIN tasks t ON t.id = l.task_id WHERE l.event = 'done' AND {} ORDER BY l.at DESC LIMIT 1000) d "
           "JOIN task_log c USING (task_id, attempt) WHERE c.event = 'claimed'",
-          of_parts ? "t.parent IS NOT NULL"
-                   : "t.parent IS NULL AND NOT EXISTS (SELECT FROM tasks p WHERE p.parent = t.id)")));
+          of_parts
+              ? "t.parent IS NOT NULL"
+              : "NOT t.is_lasting AND t.parent IS NULL AND NOT EXISTS (SELECT FROM tasks p WHERE p.parent = t.id)")));
   return row.Next() ? row.OptionalReal(0) : std::nullopt;
 }
 

@@ -8,6 +8,9 @@
 //
 // A task may be done in parts, tasks of their own: it waits until none of them is open, and is then queued again. A
 // part that failed by its own error fails the task, too; one that killed who did it is left to the task (FatalParts).
+//
+// A lasting task has no end of its own: a live source. Lost leases do not fail it, and it is not counted with the
+// others. End() ends it.
 #pragma once
 
 #include <chrono>
@@ -35,9 +38,10 @@ struct NewTask {
   std::string kind;  ///< what is to be done
   std::string key;   ///< with what; a task of the same kind and key is added once
   TaskPriority priority = TaskPriority::kBatch;
-  std::string payload;     ///< for the worker, as JSON
-  std::string program;     ///< the build that shall do it (ProgramId): others may find other things
-  bool is_undone = false;  ///< its results are not in the index (any more): it is queued again, even if it was done
+  std::string payload;      ///< for the worker, as JSON
+  std::string program;      ///< the build that shall do it (ProgramId): others may find other things
+  bool is_undone = false;   ///< its results are not in the index (any more): it is queued again, even if it was done
+  bool is_lasting = false;  ///< goes on until it is ended
 };
 
 /// What became of submitted tasks.
@@ -68,10 +72,11 @@ struct TaskCounts {
   bool operator==(const TaskCounts&) const = default;
 };
 
-/// A task that runs or has failed, as a person sees it.
+/// A task, as a person sees it.
 struct TaskRecord {
   std::int64_t id = 0;
   std::string kind;
+  std::string key;
   std::string payload;
   WorkState state = WorkState::kRunning;
   std::int64_t attempt = 0;
@@ -82,9 +87,23 @@ struct TaskRecord {
   std::string program;
 };
 
+/// Which tasks are claimed.
+enum class TaskChoice {
+  kAll,
+  kLasting,  ///< those without an end only
+  kFinite,   ///< the others
+};
+
+/// Which lasting tasks are listed.
+enum class LastingTasks {
+  kOpen,  ///< those that are not done
+  kAll,
+};
+
 struct TaskQueueOptions {
-  std::string worker;              ///< the name of this process in the log
-  std::string program;             ///< the build whose tasks it claims
+  std::string worker;   ///< the name of this process in the log
+  std::string program;  ///< the build whose tasks it claims
+  TaskChoice choice = TaskChoice::kAll;
   std::chrono::seconds lease{60};  ///< of its claims
   /// Before the second attempt of a task that failed; four times as long before the next. A shared disk may be away.
   std::chrono::seconds retry_delay{30};
@@ -105,7 +124,8 @@ class TaskQueue {
   [[nodiscard]] std::chrono::seconds lease() const { return options_.lease; }
 
   /// Adds the tasks, in one transaction. One that has failed, or is done and NewTask::is_undone, is queued again; a
-  /// queued one gets the new program; an open one and its parts get the higher priority.
+  /// queued one gets the new program; an open one and its parts get the higher priority. One that is being ended goes
+  /// on.
   [[nodiscard]] Expected<Submission> Submit(std::span<const NewTask> tasks);
 
   /// Claims the queued task of this program with the highest priority, of these the one that was added first, or whose
@@ -113,9 +133,10 @@ class TaskQueue {
   /// the server itself was started after the last renewal.
   [[nodiscard]] Expected<std::optional<Task>> Claim();
 
-  /// Renews the lease from now on. Error: kConflict if it was lost.
+  /// Renews the lease from now on. Returns false if the task is to be ended (End). Error: kConflict if the lease was
+  /// lost.
   /// @param has_progress  results were stored since the last renewal: its former failures do not count any more
-  [[nodiscard]] Status Renew(const Task& task, bool has_progress);
+  [[nodiscard]] Expected<bool> Renew(const Task& task, bool has_progress);
 
   /// The positions of the searches of a video, summed over models: a measure of progress.
   [[nodiscard]] Expected<std::int64_t> Progress(const std::string& video);
@@ -143,7 +164,12 @@ class TaskQueue {
 
   /// Gives the task back, as at a shutdown; it is not claimed before `delay` is over. Error: kConflict if the lease was
   /// lost.
-  [[nodiscard]] Status Release(const Task& task, std::chrono::seconds delay = {});
+  [[nodiscard]] Status Release(const Task& task, std::chrono::seconds delay = {},
+                               const std::optional<std::string>& reason = {});
+
+  /// Ends a lasting task: at once, or once its worker has renewed its lease and its process has ended in order.
+  /// Submitted again, it begins again. Without effect on any other task.
+  [[nodiscard]] Status End(std::int64_t task);
 
   /// Gives the task of a lost lease back that could not be renewed because the database did not answer: its loss is no
   /// failed attempt. Without effect if it has ended otherwise.
@@ -152,14 +178,17 @@ class TaskQueue {
   /// Gives back what this worker has claimed, as after a claim whose answer did not arrive.
   [[nodiscard]] Status ReleaseOwn();
 
-  /// Of the tasks that are no parts.
+  /// Of the tasks that are no parts and not lasting.
   [[nodiscard]] Expected<TaskCounts> Count();
   [[nodiscard]] Expected<TaskCounts> CountParts();
 
-  /// Returns the tasks that run, then those that have failed, by id; at most `limit` of each.
+  /// Returns the lasting tasks, by id.
+  [[nodiscard]] Expected<std::vector<TaskRecord>> ListLasting(LastingTasks which = LastingTasks::kOpen);
+
+  /// Returns the other tasks that run, then those that have failed, by id; at most `limit` of each.
   [[nodiscard]] Expected<std::vector<TaskRecord>> List(std::int64_t limit);
 
-  /// Whether a task of this program is open.
+  /// Whether a task of this program and choice is open.
   [[nodiscard]] Expected<bool> HasOpenTasks();
 
   /// Returns the mean time from claim to end of the last 1000 tasks done, of those without parts; std::nullopt if none

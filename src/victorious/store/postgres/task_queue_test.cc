@@ -468,6 +468,68 @@ TEST_F(PostgresTaskQueueTest, ReleasedWithDelayItWaits) {
   EXPECT_EQ(ClaimOrDie(*queue_).key, "a");
 }
 
+TEST_F(PostgresTaskQueueTest, LastingTaskOutlivesItsWorkers) {
+  Submit({{.kind = "live", .key = "a", .priority = TaskPriority::kLive, .payload = "{}", .is_lasting = true},
+          {"index", "b", TaskPriority::kBatch, "{}", ""}});
+  for (int lost = 0; lost < 2 * kMaxAttempts; ++lost) {
+    EXPECT_EQ(ClaimOrDie(*queue_).key, "a") << "before all others";
+    EndLeases();
+  }
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.queued = 1})) << "counts those with an end";
+  const auto listed = queue_->ListLasting().value();
+  ASSERT_EQ(listed.size(), 1U);
+  const Task task = ClaimOrDie(*queue_);
+  EXPECT_EQ(queue_->ListLasting()->front().worker, "first");
+  ASSERT_TRUE(queue_->Release(task, {}, "the source ended"));
+  EXPECT_EQ(queue_->ListLasting()->front().reason, "the source ended");
+  EXPECT_TRUE(queue_->List(10)->empty());
+}
+
+TEST_F(PostgresTaskQueueTest, LastingTaskEndsWhenItIsEnded) {
+  const std::vector<NewTask> tasks = {{.kind = "live",
+                                       .key = "a",
+                                       .priority = TaskPriority::kLive,
+                                       .payload = "{}",
+                                       .is_undone = true,
+                                       .is_lasting = true}};
+  Submit(tasks);
+  const Task task = ClaimOrDie(*queue_);
+  EXPECT_EQ(queue_->Renew(task, true), true);
+  ASSERT_TRUE(queue_->End(task.id));
+  EXPECT_EQ(queue_->Renew(task, true), false);
+  ASSERT_TRUE(queue_->Release(task)) << "as by a worker that is interrupted at that moment";
+  EXPECT_TRUE(queue_->ListLasting()->empty());
+  EXPECT_FALSE(queue_->Claim()->has_value());
+
+  EXPECT_EQ(queue_->Submit(tasks)->added, 1) << "submitted again, it begins again";
+  const Task again = ClaimOrDie(*queue_);
+  ASSERT_TRUE(queue_->End(again.id));
+  EndLeases();
+  EXPECT_FALSE(queue_->Claim()->has_value()) << "its worker is lost: nobody goes on";
+  EXPECT_EQ(queue_->Submit(tasks)->added, 1);
+  const Task last = ClaimOrDie(*queue_);
+  ASSERT_TRUE(queue_->End(last.id));
+  ASSERT_TRUE(queue_->Submit(tasks));
+  EXPECT_EQ(queue_->Renew(last, true), true) << "submitted again before it has ended, it goes on";
+}
+
+TEST_F(PostgresTaskQueueTest, WorkersChooseWhetherTasksHaveAnEnd) {
+  Submit({{.kind = "live", .key = "a", .priority = TaskPriority::kLive, .payload = "{}", .is_lasting = true},
+          {"index", "b", TaskPriority::kBatch, "{}", ""}});
+  const auto open = [&](TaskChoice choice) {
+    return TaskQueue::Open(url_, {.worker = "w", .program = {}, .choice = choice}).value();
+  };
+  const auto finite = open(TaskChoice::kFinite);
+  ASSERT_TRUE(finite->Complete(ClaimOrDie(*finite)));
+  EXPECT_FALSE(finite->Claim()->has_value());
+  EXPECT_FALSE(*finite->HasOpenTasks());
+  const auto lasting = open(TaskChoice::kLasting);
+  EXPECT_TRUE(*lasting->HasOpenTasks());
+  EXPECT_EQ(ClaimOrDie(*lasting).key, "a");
+  ASSERT_TRUE(lasting->End(2)) << "without effect on others";
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
+}
+
 // Law: whatever workers do at once, each task is claimed and done once.
 TEST_F(PostgresTaskQueueTest, ConcurrentWorkersDoEachTaskOnce) {
   constexpr int kTasks = 60;

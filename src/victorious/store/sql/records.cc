@@ -285,6 +285,14 @@ SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model) 
           .program_version = row.Text(3)};
 }
 
+CoveredTime ReadCoveredTime(const Row& row) {
+  return {.video = row.Integer(0),
+          .from_frame = row.Integer(1),
+          .source = row.Text(2),
+          .from_utc_us = row.Integer(3),
+          .to_utc_us = row.Integer(4)};
+}
+
 TrackletRecord ReadTracklet(const Row& row) {
   constexpr const auto& kTracklet = kTrackletColumns;
   return {.id = row.Integer(kTracklet.Size()),

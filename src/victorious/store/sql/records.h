@@ -83,6 +83,13 @@ inline constexpr std::string_view kFindSearch =
 inline constexpr std::string_view kSelectSearches =
     "SELECT s.next_frame, s.finished, o.json, s.program_version, s.video_id, s.model_id FROM searches s JOIN options o "
     "ON o.id = s.options_id";
+inline constexpr std::string_view kPutCoveredTime =
+    "INSERT INTO covered_times (video_id, from_frame, source, from_utc_us, to_utc_us) VALUES (?, ?, ?, ?, ?) "
+    "ON CONFLICT (video_id, from_frame) DO UPDATE SET from_utc_us = excluded.from_utc_us, "
+    "to_utc_us = excluded.to_utc_us";
+inline constexpr std::string_view kSelectCoveredTimes =
+    "SELECT video_id, from_frame, source, from_utc_us, to_utc_us FROM covered_times WHERE source = ? "
+    "ORDER BY from_utc_us, video_id";
 inline constexpr std::string_view kSelectKeptFits = "SELECT tracklet_id, key, fit FROM kept_fits";
 inline constexpr std::string_view kFindKeptPath = "SELECT path FROM kept_fits WHERE tracklet_id = ? AND key = ?";
 /// To be followed by conditions and kOrderSightings. Aliases: s for the sighting, t for its tracklet, o for its object.
@@ -105,6 +112,7 @@ VideoRecord ReadVideo(const Row& row);
 [[nodiscard]] Expected<ModelRecord> ReadModel(const Row& row, std::string_view name);
 SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model);
 TrackletRecord ReadTracklet(const Row& row);
+CoveredTime ReadCoveredTime(const Row& row);
 /// Columns of kSelectKeptFits.
 KeptFit ReadKeptFit(const Row& row);
 /// Columns: ObjectResultColumns(), then the ids of its videos and of its tracklets, each as a text "3,1,3".

@@ -321,6 +321,20 @@ Status SqliteStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
   return {};
 }
 
+Status SqliteStore::PutCoveredTimes(const std::vector<CoveredTime>& covered) {
+  for (const CoveredTime& one : covered) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement put, connection_->Prepare(sql::kPutCoveredTime));
+    VICTORIOUS_RETURN_IF_ERROR(put.Bind(one.video, one.from_frame, one.source, one.from_utc_us, one.to_utc_us).Run());
+  }
+  return {};
+}
+
+Expected<std::vector<CoveredTime>> SqliteStore::CoveredTimes(const std::string& source) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::kSelectCoveredTimes));
+  select.Bind(source);
+  return ReadAll(select, &sql::ReadCoveredTime);
+}
+
 Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   for (const IndexBatch::Progress& progress : batch.progress) VICTORIOUS_RETURN_IF_ERROR(PutProgress(progress));
@@ -332,6 +346,7 @@ Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch)
   }
   VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
+  VICTORIOUS_RETURN_IF_ERROR(PutCoveredTimes(batch.covered));
   VICTORIOUS_RETURN_IF_ERROR(AssignReviewsOf(tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return tracklet_ids;

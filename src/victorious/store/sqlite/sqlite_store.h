@@ -34,6 +34,7 @@ class SqliteStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override;
 
+  [[nodiscard]] Expected<std::vector<CoveredTime>> CoveredTimes(const std::string& source) override;
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
   [[nodiscard]] Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
@@ -71,6 +72,7 @@ class SqliteStore final : public IndexStore {
   /// Likewise, to the objects of these tracklets, whose former reviews stay.
   [[nodiscard]] Status AssignReviewsOf(std::span<const std::int64_t> tracklets);
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
+  [[nodiscard]] Status PutCoveredTimes(const std::vector<CoveredTime>& covered);
   /// Runs a statement that must change exactly one row. Error: kNotFound otherwise.
   [[nodiscard]] Status ExecuteOnRow(Statement& statement, std::string_view what, std::int64_t id);
 
