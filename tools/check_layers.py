@@ -32,6 +32,7 @@ PARALLEL_FOLDERS = (SOURCES.as_posix(), "experiments", "assets/make", "bench", "
 # Files of these folders with a thread of their own, each with the reason.
 MAY_START_THREADS = (
     "bench/bench_queue.cc",  # workers that wait for the database, many more than cores
+    "src/victorious/cli/cmd_record.cc",  # enters files while the database may not answer, and packets come
     "src/victorious/cluster/worker.cc",  # renews a lease while the database may not answer
     "src/victorious/serve/job_runner.h",  # waits for child processes, which live as long as the thread that started them
     "src/victorious/serve/live_service.h",  # watches the index while no request comes

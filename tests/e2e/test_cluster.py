@@ -382,6 +382,41 @@ class ClusterTest(program.ProgramTest):
                 self.assertGreater(len(self.rows()), 3)
                 self.refuses(2, "no such live source", "cluster", "end", source, "--db", self.url)
 
+    def test_gap_of_a_live_source_is_searched_from_its_recording(self):
+        with streams.Broadcast(program.flight(600) / "flight.ts", seconds=60) as source:
+            self.submit(source)
+            folder = self.scratch / "recordings"
+            command = [program.PROGRAM, "record", source, "--to", folder, "--db", self.url, "--segment", 3]
+            recorder = subprocess.Popen(list(map(str, command)), stderr=subprocess.PIPE, text=True)
+            self.addCleanup(recorder.kill)
+            owner = self.start_worker("--live", "--lease", 6)
+            self.wait_for_owner([owner])
+            owner.kill()
+            owner.communicate()
+            other = self.start_worker("--live", "--lease", 6)
+            self.wait_for_owner([other], part=2)
+            self.assertEqual(len(self.source()["gaps"]), 1)
+            searcher = self.start_worker("--until-empty", "--lease", 6)
+            self.wait_until(lambda: self.source()["gaps"] == [])
+            self.finish(searcher)
+            recorder.kill()  # what it had not completed stays for the next one
+            recorder.communicate()
+            self.assert_covered_once()
+            self.succeeds("cluster", "end", source, "--db", self.url)
+            self.wait_until(lambda: not self.status()["sources"])
+            other.send_signal(signal.SIGINT)
+            self.finish(other)
+        covered = self.sql(
+            "SELECT v.name FROM victorious.covered_times c JOIN victorious.videos v ON v.id = c.video_id "
+            "ORDER BY c.from_utc_us"
+        )
+        self.assertGreaterEqual(covered.count(source), 2)
+        self.assertEqual(covered[-1], source)
+        of_files = [name for name in covered if name.startswith(str(folder))]
+        self.assertGreater(len(of_files), 1)
+        found = {json.loads(row)["video"] for row in self.exported(self.url, "sightings").splitlines()}
+        self.assertTrue(found & set(of_files), "what passed meanwhile is found")
+
     def assert_covered_once(self):
         """No time of the source was searched by two."""
         overlaps = self.sql(
@@ -413,6 +448,9 @@ class ClusterTest(program.ProgramTest):
         self.refuses(2, ["none", "--publish"], "work", "--db", self.url, *content)
         self.refuses(2, "not a kind of address", "submit", "gopher://h/", "--models", models, "--db", self.url)
         self.refuses(2, "--live and --until-empty", "work", "--db", self.url, "--live", "--until-empty")
+        record = ("record", "udp://127.0.0.1:1", "--to", self.scratch / "recordings", "--db", "x.db")
+        self.refuses(2, ["--db", "postgresql://"], *record)
+        self.refuses(2, "not named as a recording", *index, "--covers", "udp://a:1")
         self.refuses(2, ["--db", "postgresql://"], "cluster", "end", "udp://a:1", "--db", "x.db")
         done = program.run("submit", "none.mkv", self.videos[0], "--models", models, "--db", self.url)
         self.assertEqual(done.status, 2)

@@ -31,6 +31,7 @@
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/postgres_segment_store.h"
+#include "victorious/video/stream_recorder.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -62,6 +63,7 @@ struct IndexArguments {
   std::string targets;
   std::string stored_as;
   std::string content_id;
+  std::string covers;
 };
 
 // What is done with one video.
@@ -133,6 +135,11 @@ Expected<IndexOptions> ReadOptions(const IndexArguments& arguments, const std::v
 }
 
 Status CheckArguments(const IndexArguments& arguments) {
+  if (!arguments.covers.empty() && !RecordingStart(arguments.videos.front())) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--covers: {} is not named as a recording: give a file of `victorious record`",
+                            OneLine(arguments.videos.front())));
+  }
   if (!arguments.draw.empty() && arguments.videos.size() > 1) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--draw applies to one video: draw the others by `victorious export --format video --video NAME`");
@@ -328,6 +335,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     const IndexJob job{.video = video,
                        .name = arguments.stored_as,
                        .content_id = arguments.content_id,
+                       .covers = arguments.covers,
                        .telemetry = arguments.telemetry,
                        .redo = arguments.redo,
                        .threads = arguments.threads,
@@ -432,6 +440,10 @@ Action SetUpIndex(ArgumentParser& parser) {
       .Add("--content-id", arguments->content_id,
            "For workers: refuse a video with another content than the one submitted")
       .TypeName("HASH");
+  parser
+      .Add("--covers", arguments->covers,
+           "For workers: the live source of which the video is a recording, made by `victorious record`")
+      .TypeName("URL");
   AddFieldOfView(parser, arguments->hfov_deg);
   AddCamera(parser, arguments->camera);
   AddGround(parser, arguments->ground);

@@ -14,6 +14,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cluster/content_cache.h"
+#include "victorious/cluster/live_gaps.h"
 #include "victorious/cluster/worker.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/postgres_segment_store.h"
@@ -91,11 +92,18 @@ Status Run(const WorkArguments& arguments) {
         CountText(counts.queued, "video"), program);
   }
   LogInfo("worker {} of {}", name, StoreName(arguments.db));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<LiveGaps> gaps, LiveGaps::Open(arguments.db, program));
+  const auto queue_gaps = [&]() -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t queued, gaps->Queue());
+    if (queued > 0) inform(fmt::format("{} of live sources queued, from recordings", CountText(queued, "gap")));
+    return {};
+  };
   RunTask run = RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform);
   if (cache) run = RunWithContent(std::move(run), *cache);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::int64_t done,
-      Work(*queue, *segments, run, {.until_empty = arguments.until_empty, .inform = inform}, interrupt));
+      Work(*queue, *segments, run, {.until_empty = arguments.until_empty, .queue_more = queue_gaps, .inform = inform},
+           interrupt));
   LogInfo("{} done", CountText(done, "task"));
   return {};
 }

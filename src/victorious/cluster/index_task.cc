@@ -28,6 +28,7 @@ nlohmann::ordered_json PayloadOf(const IndexTask& task) {
     payload["files"].push_back({{"path", file.path}, {"content_id", file.content_id}, {"bytes", file.bytes}});
   }
   if (task.segment_s > 0) payload["segment_s"] = task.segment_s;
+  if (!task.covers.empty()) payload["covers"] = task.covers;
   if (task.part) {
     payload["cut"] = task.part->cut;
     payload["from"] = task.part->frames.from;
@@ -173,6 +174,10 @@ Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
   if (fields->contains("content_id")) {
     if (!is_argument("content_id")) return invalid("content_id must be a text");
     task.content_id = (*fields)["content_id"];
+  }
+  if (fields->contains("covers")) {
+    if (!is_argument("covers")) return invalid("covers must be a text");
+    task.covers = (*fields)["covers"];
   }
   if (fields->contains("files")) {
     Expected<std::vector<ContentFile>> files = FilesOf((*fields)["files"]);

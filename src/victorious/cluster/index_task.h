@@ -41,7 +41,9 @@ struct IndexTask {
   std::vector<ContentFile> files = {};
   double segment_s = 0;  ///< length of the segments into which the video is cut; 0: it is not cut
   std::optional<SegmentPart> part = std::nullopt;  ///< only this segment
-  bool is_live = false;                            ///< a live source: it has no end, no content and no segments
+  /// The live source of which the video is a recording (victorious index --covers); empty: none.
+  std::string covers = {};
+  bool is_live = false;  ///< a live source: it has no end, no content and no segments
   /// Under which a worker does it; not in the payload, nor is what follows.
   std::optional<TaskAttempt> attempt = std::nullopt;
   /// The worker has the files below this folder, at their paths (TaskFiles::root); empty: at their paths.

@@ -245,6 +245,8 @@ Expected<bool> EndTask(const Task& task, const IndexTask& work, const TaskEnd& e
 struct Unsaid {
   std::optional<Task> lost;          ///< whose lease could not be renewed
   bool is_claim_unanswered = false;  ///< a task may have been claimed
+  /// That more tasks were queued.
+  std::optional<std::chrono::steady_clock::time_point> queued = {};
 };
 
 // Does one task. Returns whether it is done.
@@ -296,6 +298,11 @@ Expected<Step> DoNext(TaskQueue& queue, SegmentStore& segments, const RunTask& r
     VICTORIOUS_RETURN_IF_ERROR(queue.Excuse(*unsaid.lost));
     unsaid.lost.reset();
   }
+  if (const auto now = std::chrono::steady_clock::now();
+      !unsaid.queued || now - *unsaid.queued >= options.queue_interval) {
+    VICTORIOUS_RETURN_IF_ERROR(options.queue_more());
+    unsaid.queued = now;
+  }
   if (std::exchange(unsaid.is_claim_unanswered, true)) VICTORIOUS_RETURN_IF_ERROR(queue.ReleaseOwn());
   const auto now = LeaseClock::Clock::now();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Task> task, queue.Claim());
@@ -337,7 +344,8 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
       arguments.insert(arguments.end(), {"--task", fmt::format("{}:{}", task.attempt->task, task.attempt->attempt)});
     }
     if (!task.content_id.empty()) arguments.insert(arguments.end(), {"--content-id", task.content_id});
-    const bool is_moved = !task.root.empty() && !task.is_live;
+    if (!task.covers.empty()) arguments.insert(arguments.end(), {"--covers", task.covers});
+    const bool is_moved = !task.root.empty() && !task.is_live && task.covers.empty();
     if (is_moved) arguments.insert(arguments.end(), {"--stored-as", task.video});
     // "--" ends the options, so that the name of a file may begin with a dash.
     arguments.insert(arguments.end(), {"--", is_moved ? task.root + task.video : task.video});

@@ -44,6 +44,9 @@ struct WorkerOptions {
   std::chrono::seconds left_delay{30};
   /// Before a live source is opened again that has ended, or does not answer.
   std::chrono::seconds live_delay{5};
+  /// Adds tasks before one is claimed, at most each `queue_interval`.
+  std::function<Status()> queue_more = []() -> Status { return {}; };
+  std::chrono::seconds queue_interval{5};
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< one line on each task
 };
 

@@ -16,9 +16,12 @@ namespace victorious {
 
 /// One video to index, and how.
 struct IndexJob {
-  std::string video;                     ///< path or URL
-  std::string name = {};                 ///< under which it is stored; empty: `video`
-  std::string content_id = {};           ///< that it must have (VideoReader::ContentId); empty: any
+  std::string video;            ///< path or URL
+  std::string name = {};        ///< under which it is stored; empty: `video`
+  std::string content_id = {};  ///< that it must have (VideoReader::ContentId); empty: any
+  /// The live source of which the file is a recording, named by its time (RecordingStart): what is searched of it is
+  /// entered as covered (CoveredTime). Each `from_s` makes a video of its own. Empty: of none.
+  std::string covers = {};
   std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
   bool redo = false;                     ///< drop the stored results of these models in this video, and search again
   int threads = 0;                       ///< 0: one per hardware thread

@@ -28,6 +28,7 @@
 #include "victorious/pipeline/shown_ground.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/terrain/terrain.h"
+#include "victorious/video/stream_recorder.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -298,11 +299,12 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
   const VideoInfo& info = video.reader->info();
   video.intervals = MakeSearchIntervals(options_, info);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*video.reader, job.video, cancel));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::string content_id, ContentIdOf(*video.reader, job.video, cancel));
   if (!job.content_id.empty() && content_id != job.content_id) {
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{}: not the video that was submitted: put that one back, or submit this one", job.video));
   }
+  if (!job.covers.empty()) content_id += fmt::format(" from {:.6f} s", job.from_s.value_or(0));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::string> telemetry, GivenTelemetry(job, content_id, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, telemetry, options_.telemetry,
                                                                 "nothing will get a place", warn));
@@ -311,7 +313,7 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
     if (underground) warn("telemetry: " + *underground);
   }
   video.cameras.SetFallbackFieldOfView(GivenFieldOfView(options_.telemetry));
-  if (!info.live) {
+  if (!info.live && job.covers.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten,
                                 store.DeleteOtherContent(job.StoredName(), FolderOf(job.StoredName()), content_id));
     if (forgotten > 0) warn("the video has changed since it was indexed: its earlier results are replaced");
@@ -421,7 +423,8 @@ IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognize
           .from_s = job.from_s,
           .to_s = job.to_s,
           .frame_budget = job.frame_budget,
-          .source = video.reader && video.reader->info().live ? job.StoredName() : "",
+          .source = video.reader && video.reader->info().live ? job.StoredName() : job.covers,
+          .recorded_utc_us = job.covers.empty() ? std::nullopt : RecordingStart(job.video),
           .inform = job.inform};
 }
 
