@@ -185,7 +185,11 @@ class ServePostgresTest(test_serve.ServerCase):
             nothing = status()
             self.assertEqual((nothing["is_shared"], nothing["videos"]["queued"], nothing["tasks"]), (True, 0, []))
             self.succeeds("submit", other, gone, "--models", program.models(), "--db", self.url)
-            self.assertEqual(status()["videos"]["queued"], 2)
+            self.succeeds("submit", "udp://ann:secret@127.0.0.1:9", "--models", program.models(), "--db", self.url)
+            queued = status()
+            self.assertEqual(queued["videos"]["queued"], 2)
+            (live,) = queued["sources"]
+            self.assertEqual((live["source"], live["state"], live["covered"]), ("udp://127.0.0.1:9", "queued", None))
             gone.unlink()
             self.succeeds("work", "--db", self.url, "--until-empty", "--retry-delay", "0", "--threads", 1)
             ended = status()
