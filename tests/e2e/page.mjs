@@ -688,6 +688,18 @@ async function boxInFrame(page, sighting) {
   assert.ok(await page.locator("dialog.model canvas").evaluate(({ width, height }) => width > 20 && height > 20));
 }
 
+/** Keeps in `window.labels` what is written over frames from now on. */
+async function recordLabels(page) {
+  await page.evaluate(() => {
+    window.labels = [];
+    const { fillText } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+      if (this.canvas.closest(".stage")) window.labels.push(text);
+      return fillText.call(this, text, ...place);
+    };
+  });
+}
+
 /** From nothing to finds: photos are dropped, then a video; the results come without a reload, to every tab. */
 async function jobs(page, [photos, video]) {
   await page.goto("/");
@@ -760,9 +772,12 @@ async function jobs(page, [photos, video]) {
   await page.getByRole("button", { name: "Close" }).click();
   await boxInFrame(page, best);
   await becomes(() => page.inputValue("#model-name"), "");
+  await recordLabels(page);
   await page.fill("#model-name", "boxed");
   await page.getByRole("button", { name: "Make the model" }).click();
   await until(page, "/objects?model=boxed", ({ objects }) => objects.length > 0);
+  // It is drawn in the frame that is shown, without a reload.
+  await page.waitForFunction(() => window.labels.includes("boxed"));
 
   // A live source that is no address, and one that does not answer.
   await page.fill("#live-url", "http://127.0.0.1/");

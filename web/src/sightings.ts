@@ -11,7 +11,8 @@ import * as state from "./state";
 const CHUNK_S = 10;
 
 const byFrame = new Map<number, Sighting[]>();
-const chunks = new Set<number>();
+/** Of each piece, the states of the index (`indexVersion`) for which it was asked last, and which is shown. */
+const chunks = new Map<number, { asked: number; shown: number }>();
 let loadedVideo: number | null = null;
 
 /** Changes when sightings arrive. */
@@ -24,19 +25,26 @@ export function trailOf(object: number, frame: number, frames: number): [number,
   return boxCentres(frame, frames, (at) => byFrame.get(at)?.find((one) => one.object_id === object)?.box);
 }
 
-async function loadChunk(video: number, chunk: number) {
-  if (chunk < 0 || chunks.has(chunk)) return;
-  chunks.add(chunk);
+/** What a piece holds takes the place of what it held in an earlier state of the index. */
+function showChunk(chunk: number, found: readonly Sighting[]) {
+  const isInside = ({ time_s: time }: Sighting) => time >= chunk * CHUNK_S && time <= (chunk + 1) * CHUNK_S;
+  for (const [frame, held] of byFrame) if (held.some(isInside)) byFrame.delete(frame);
+  for (const sighting of found) byFrame.set(sighting.frame, [...(byFrame.get(sighting.frame) ?? []), sighting]);
+  sightingsVersion.value++;
+}
+
+async function loadChunk(video: number, chunk: number, version: number) {
+  const known = chunks.get(chunk) ?? { asked: -1, shown: -1 };
+  if (chunk < 0 || known.asked === version) return;
+  chunks.set(chunk, { ...known, asked: version });
   try {
     const { sightings: found, truncated } = await listSightings(video, chunk * CHUNK_S, (chunk + 1) * CHUNK_S);
-    if (loadedVideo !== video) return;
+    const now = chunks.get(chunk);
+    // Answers may come in another order than they were asked for.
+    if (loadedVideo !== video || now === undefined || now.shown > version) return;
+    now.shown = version;
     if (truncated) notices.notify("A frame has more than 10,000 sightings: only some of them are shown.", "error");
-    for (const sighting of found) {
-      const others = byFrame.get(sighting.frame) ?? [];
-      // The border of two pieces belongs to both.
-      if (!others.some((one) => one.object_id === sighting.object_id)) byFrame.set(sighting.frame, [...others, sighting]);
-    }
-    sightingsVersion.value++;
+    showChunk(chunk, found);
     // Their reviews, and whether the filters grey them out.
     await needObjects(found.map((one) => one.object_id));
   } catch (error) {
@@ -49,6 +57,7 @@ async function loadChunk(video: number, chunk: number) {
 effect(() => {
   const video = state.videoId.value;
   const time = state.shownTime.value;
+  const version = state.indexVersion.value;
   if (video !== loadedVideo) {
     byFrame.clear();
     chunks.clear();
@@ -57,5 +66,5 @@ effect(() => {
   }
   if (video === null || time === null) return;
   const chunk = Math.floor(time / CHUNK_S);
-  for (const wanted of [chunk, chunk + 1, chunk - 1]) void loadChunk(video, wanted);
+  for (const wanted of [chunk, chunk + 1, chunk - 1]) void loadChunk(video, wanted, version);
 });
