@@ -11,10 +11,12 @@ import atlasUrl from "world-atlas/countries-50m.json?url";
 
 import { tilesUrl } from "../api/client";
 import type { CameraPath, FoundObject, Project } from "../api/types";
+import { canAdd } from "../jobs";
 import { messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
 import { baseName, formatMetres, formatPosition, formatTime } from "../logic/format";
 import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing } from "../logic/geo";
+import { unwrapLand } from "../logic/land";
 import { me } from "../me";
 import { lastReview, objectOf, videoObjects } from "../objects";
 import { seenAt, showPlace } from "../places";
@@ -116,7 +118,7 @@ async function addLand(map: MapLibre) {
   const [{ feature: fromTopology }, response] = await Promise.all([import("topojson-client"), fetch(atlasUrl)]);
   const topology = (await response.json()) as Topology<{ countries: GeometryCollection }>;
   const land: FeatureCollection = fromTopology(topology, topology.objects.countries);
-  map.getSource<GeoJSONSource>("land")?.setData(land);
+  map.getSource<GeoJSONSource>("land")?.setData(unwrapLand(land));
 }
 
 /** Lays the frame on its footprint. */
@@ -372,8 +374,8 @@ function Nowhere() {
     <div class="empty">
       <h3>No places</h3>
       <p>
-        A map needs the camera's position: KLV in the video, a DJI <code style={{ display: "inline", padding: "0 4px" }}>.SRT</code> beside
-        it, or a table:
+        A map needs the camera's position: KLV in the video, or a DJI <code style={{ display: "inline", padding: "0 4px" }}>.SRT</code> or
+        a table that is {canAdd.value ? "dropped together with the video. Or from the command line:" : "given with it:"}
       </p>
       <code>victorious index VIDEO --telemetry FILE.csv --models DIR --db FILE</code>
     </div>

@@ -31,8 +31,9 @@ const percent = (time: number) => (length.value > 0 ? `${(100 * Math.min(time, l
 
 function Searched() {
   const video = state.video.value;
-  const frames = video?.frame_count ?? null;
-  const searched = video?.is_searched ? video.searched_frames : 0;
+  if (!video) return null;
+  const frames = video.frame_count;
+  const searched = video.is_searched ? video.searched_frames : 0;
   const isPart = searched !== null;
   const end = frames === null || !isPart ? 100 : (100 * searched) / Math.max(frames, 1);
   return (
