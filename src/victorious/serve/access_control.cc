@@ -158,9 +158,10 @@ std::expected<Caller, HttpResponse> AccessControl::Admit(const HttpRequest& requ
                                                ? "log in first: there is no session, or it has ended"
                                                : "the token is not valid, or has ended"));
   }
-  return std::unexpected(ErrorResponse(403, "forbidden",
-                                       fmt::format("the account {} is a {}: this needs the role {}", caller->name(),
-                                                   ToText(caller->proved->account.role), ToText(*least))));
+  return std::unexpected(
+      ErrorResponse(403, "forbidden",
+                    fmt::format("the account {} has the role {}: this needs the role {}", caller->name(),
+                                ToText(caller->proved->account.role), ToText(*least))));
 }
 
 ApiExpected<HttpResponse> AccessControl::Session(const Caller& caller) {
