@@ -740,6 +740,24 @@ class ServeTest(ServerCase):
             status, headers, _ = self.ask(server, f"/api/v1/jobs/{number}")
             self.assertEqual((status, headers["Allow"]), (405, "DELETE"))
             self.assertEqual(json.loads(self.ask(server, "/api/v1/jobs")[2])["jobs"], [])
+            self.assertTrue(upload_path.exists(), "the video is in the index")
+
+    def test_uploads_go_with_the_last_job_that_needs_them(self):
+        with self.serve("--models", program.models()) as server:
+            upload = self.upload(server, self.write("broken.mp4", "no video"))
+            numbers = [self.post_job(server, kind="index", upload=upload) for _ in range(2)]
+            folder = next(self.scratch.glob(f"*.uploads/{upload}"))
+            for number, is_left in zip(numbers, (True, False), strict=True):
+                self.wait_for_job(server, number, "failed")
+                self.assertEqual(self.ask(server, f"/api/v1/jobs/{number}", "DELETE")[0], 200)
+                self.assertEqual(folder.exists(), is_left)
+
+    def test_a_server_without_models_has_no_jobs(self):
+        with self.serve() as server:
+            status, _, body = self.ask(server, "/api/v1/jobs")
+            self.assertEqual((status, json.loads(body)["jobs"]), (200, []))
+            status, _, body = self.ask(server, "/api/v1/jobs", "POST", json.dumps({"kind": "index", "video_id": 1}))
+            self.assertEqual(status, 415, body)
 
     def test_a_clip_of_what_has_changed_is_not_tried_again(self):
         db = self.scratch / "changed.db"

@@ -295,7 +295,8 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
     if (models.empty()) {
       return Fail(ErrorCode::kNotFound,
-                  fmt::format("{}: no models; make one with `victorious model add`", arguments.models));
+                  fmt::format("{}: no models: first make one of photos or a CAD file (`victorious model add`)",
+                              arguments.models));
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadOptions(arguments, models));

@@ -186,6 +186,8 @@ class Api {
   ApiStatus CheckStillValid(const JobRecord& job);
   /// A listed job that has made what is asked for; std::nullopt: none, or its file was removed.
   ApiExpected<std::optional<JobRecord>> FindMade(const NewJob& asked);
+  /// Removes what was uploaded for a removed job, unless another job or a video of the index needs it.
+  [[nodiscard]] Status RemoveUploads(const JobRecord& removed);
   // In api_follow.cc.
   ApiExpected<Json> LiveInput(const nlohmann::json& body);
   ApiExpected<Json> TrackInput(const nlohmann::json& body);

@@ -1,6 +1,7 @@
 // The routes of uploads, jobs and events.
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/base/utc.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/drawn_video.h"
@@ -389,7 +391,26 @@ ApiExpected<HttpResponse> Api::RetryJob(const Call& call) {
 ApiExpected<HttpResponse> Api::RemoveJob(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, FindJob(call.parameters[0]));
   VICTORIOUS_RETURN_IF_ERROR(live_->Remove(job.id, call.caller.name()));
+  if (const Status removed = RemoveUploads(job); !removed) LogWarning("uploads: {}", removed.error().message);
   return JsonResponse(Json::object());
+}
+
+Status Api::RemoveUploads(const JobRecord& removed) {
+  std::set<std::string> unused = UploadFolder::IdsIn(removed.input_json);
+  const auto keep = [&](std::string_view text) {
+    for (const std::string& id : UploadFolder::IdsIn(text)) unused.erase(id);
+  };
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, live_->Jobs());
+  for (const JobRecord& job : jobs) keep(job.input_json);
+  // Not the lists that are kept: a search may have added its video just now.
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, reader->sightings->Videos());
+  for (const VideoRecord& video : videos) {
+    keep(video.name);
+    keep(video.telemetry);
+  }
+  for (const std::string& id : unused) uploads_.Remove(id);
+  return {};
 }
 
 ApiExpected<HttpResponse> Api::Events(const Call& /*call*/) {

@@ -39,6 +39,7 @@ class LiveService {
   [[nodiscard]] Expected<JobRecord> Cancel(std::int64_t job, const std::string& actor);
   [[nodiscard]] Expected<JobRecord> Retry(std::int64_t job, const std::string& actor);
   [[nodiscard]] Status Remove(std::int64_t job, const std::string& actor);
+  /// Without jobs: none.
   [[nodiscard]] Expected<std::vector<JobRecord>> Jobs();
   [[nodiscard]] Expected<std::optional<JobRecord>> Find(std::int64_t job);
 

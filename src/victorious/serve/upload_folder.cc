@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/log.h"
+
 namespace victorious {
 namespace {
 
@@ -16,6 +18,11 @@ constexpr std::size_t kIdDigits = 16;
 bool IsPlainName(std::string_view name) {
   const auto is_bad = [](char c) { return c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   return !name.empty() && name.size() <= kMaxNameBytes && name.front() != '.' && std::ranges::none_of(name, is_bad);
+}
+
+bool IsId(std::string_view text) {
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  return text.size() == kIdDigits && std::ranges::all_of(text, is_digit);
 }
 
 }  // namespace
@@ -36,14 +43,29 @@ Expected<fs::path> UploadFolder::Create(std::string_view name) const {
 std::string UploadFolder::IdOf(const fs::path& file) { return file.parent_path().filename().string(); }
 
 Expected<fs::path> UploadFolder::Find(std::string_view id) const {
-  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
   std::error_code error;
-  if (id.size() == kIdDigits && std::ranges::all_of(id, is_digit)) {
+  if (IsId(id)) {
     for (fs::directory_iterator at(folder_ / id, error), end; !error && at != end; at.increment(error)) {
       if (at->is_regular_file(error)) return at->path();
     }
   }
   return Fail(ErrorCode::kNotFound, fmt::format("there is no upload \"{}\"", id.substr(0, kIdDigits)));
+}
+
+std::set<std::string> UploadFolder::IdsIn(std::string_view text) {
+  std::set<std::string> ids;
+  for (std::size_t at = text.find('/'); at != text.npos; at = text.find('/', at + 1)) {
+    const std::string_view id = text.substr(at + 1, kIdDigits);
+    if (IsId(id) && text.substr(at + 1 + kIdDigits, 1) == "/") ids.emplace(id);
+  }
+  return ids;
+}
+
+void UploadFolder::Remove(std::string_view id) const {
+  if (!IsId(id)) return;
+  std::error_code error;
+  fs::remove_all(folder_ / id, error);
+  if (error) LogWarning("remove {}: {}", (folder_ / id).string(), error.message());
 }
 
 }  // namespace victorious

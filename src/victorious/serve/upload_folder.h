@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,12 @@ class UploadFolder {
 
   /// The file of an upload. Error: kNotFound.
   [[nodiscard]] Expected<std::filesystem::path> Find(std::string_view id) const;
+
+  /// The ids of uploads in a text with paths, such as the input of a job; each once.
+  [[nodiscard]] static std::set<std::string> IdsIn(std::string_view text);
+
+  /// Removes an upload with its file; none is no error. What cannot be removed is logged.
+  void Remove(std::string_view id) const;
 
  private:
   std::filesystem::path folder_;
