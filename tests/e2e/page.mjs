@@ -710,25 +710,33 @@ async function jobs(page, [photos, video]) {
   await second.waitForSelector(".empty");
   await page.getByRole("button", { name: "Add" }).click();
 
-  for (const photo of photos.split(",")) {
-    await page.setInputFiles("input[type=file]", photo);
+  const makeModel = async (photo) => {
     await page.waitForSelector("dialog.model[open]");
     const name = photo.replace(/.*\/|\.png$/g, "");
     await becomes(() => page.inputValue("#model-name"), name);
     await page.getByRole("button", { name: "Make the model" }).click();
     await page.waitForSelector(`.job.done:has(strong:text-is("${name}"))`);
-  }
+  };
+  const [first, last] = photos.split(",");
+  await page.setInputFiles("input[type=file]", first);
+  await makeModel(first);
 
-  // Dropped on the page, as from the desktop.
+  // Dropped on the page, as from the desktop: a photo with the video, which is searched for it, too.
   const data = await page.evaluateHandle(() => new DataTransfer());
-  await data.evaluate(
-    (transfer, bytes) => transfer.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], "dropped flight.mp4")),
-    readFileSync(video).toString("base64"),
-  );
+  for (const [path, name] of [[video, "dropped flight.mp4"], [last, last]]) {
+    await data.evaluate(
+      (transfer, [bytes, name]) => transfer.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name)),
+      [readFileSync(path).toString("base64"), name.replace(/.*\//, "")],
+    );
+  }
   await page.dispatchEvent("body", "dragover", { dataTransfer: data });
   await page.waitForSelector(".drop-over");
   await page.dispatchEvent("body", "drop", { dataTransfer: data });
+  await makeModel(last);
   await page.waitForSelector(".job.done:has(strong:text-is('dropped flight.mp4'))");
+  const { jobs: searches } = await api(page, "/jobs");
+  assert.equal(searches.filter((one) => one.kind === "index").length, 1);
+  await until(page, "/objects?model=truck", ({ objects }) => objects.length > 0);
   for (const tab of [page, second]) {
     await tab.waitForSelector("[role=option]");
     await tab.waitForFunction(() => document.querySelector(".stage canvas[data-frame]"));
@@ -759,8 +767,10 @@ async function jobs(page, [photos, video]) {
   assert.equal(lines.length, 1 + (await page.locator("[role=option]").count()));
 
   // What is boxed in a frame is followed through the video, or searched for in all videos.
-  const { best } = await api(page, `/objects/${await selectedId(page)}`);
-  await page.getByRole("button", { name: "Close" }).click();
+  const { best, key } = await api(page, `/objects/${await selectedId(page)}`);
+  // What the search has added since the object was selected is shown.
+  await becomes(() => page.locator(".inspector .crop").first().innerText(), new RegExp(`best sighting, 0:0${best.time_s.toFixed(2)}`));
+  await open(page, `/?object=${key}&video=${best.video_id}&t=${best.time_s}`);
   await boxInFrame(page, best);
   await page.getByRole("button", { name: "Follow it in this video" }).click();
   await page.fill("#track-type", "truck");

@@ -1,5 +1,5 @@
 // What the server works on: uploads of this page, and the jobs of all users.
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 
 import { ApiFailure, cancelJob, listJobs, postJob, removeJob, retryJob, uploadFile } from "./api/client";
 import type { FoundObject, Job, NewJob } from "./api/types";
@@ -100,10 +100,25 @@ async function send(file: File): Promise<string> {
   }
 }
 
+/** Resolves once no dialog asks about a model, and the one that it was about is queued. */
+async function modelIsQueued() {
+  await new Promise<void>((resolve) => {
+    const stop = effect(() => {
+      if (askedModel.value !== null) return;
+      resolve();
+      queueMicrotask(() => stop());
+    });
+  });
+  await addedModel;
+}
+
 async function addVideo({ file, telemetry }: Plan<File>["videos"][number]) {
   const upload = await send(file);
   const job: NewJob = { kind: "index", upload };
   if (telemetry) job.telemetry = await send(telemetry);
+  // Searches and new models are worked off in the order in which they are queued: a model that was dropped with the
+  // video is searched for in it.
+  await modelIsQueued();
   await postJob(job);
 }
 
@@ -124,8 +139,15 @@ export async function watch(url: string) {
   await postJob({ kind: "live", url: url.trim() });
 }
 
+/** Ends once the model that was asked for last is queued, or could not be. */
+let addedModel: Promise<void> = Promise.resolve();
+
 /** @param isSearched  all videos are searched for it then, as long as this page is open */
-export async function addModel(name: string, source: ModelSource, length: number | null, isSearched: boolean) {
+export function addModel(name: string, source: ModelSource, length: number | null, isSearched: boolean) {
+  addedModel = queueModel(name, source, length, isSearched);
+}
+
+async function queueModel(name: string, source: ModelSource, length: number | null, isSearched: boolean) {
   isOpen.value = true;
   try {
     const model: NewJob = { kind: "model", name, length_m: length };

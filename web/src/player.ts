@@ -141,7 +141,8 @@ class Player {
     const reason = isOfFormat ? "This browser cannot play the format of this video" : "The video could not be loaded";
     unplayable.value = `${reason}: it is shown frame by frame, without sound.`;
     state.isPlaying.value = false;
-    if (isOfFormat && !this.isCopy) {
+    // Of a file that is not there, the page says so already.
+    if (isOfFormat && !this.isCopy && !state.video.peek()?.missing) {
       void askForCopy(video).then((isComing) => {
         const isWaiting = unplayable.value !== null && this.video === video;
         if (isComing && isWaiting) unplayable.value = `${reason}: it is shown frame by frame until a copy is made that it can play.`;

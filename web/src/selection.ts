@@ -9,20 +9,23 @@ import { type Filters, isFiltered, makeMatcher } from "./logic/filters";
 import { notify, notifyError } from "./notices";
 import { me } from "./me";
 import * as objects from "./objects";
-import { detail, filters, frameTable, isQueueDone, seekRequest, selected, selectedId, shownFrame, shownTime, sort, videoId } from "./state";
+import { detail, filters, frameTable, indexVersion, isQueueDone, seekRequest, selected, selectedId, shownFrame, shownTime, sort, videoId } from "./state";
 
 /** The object whose best sighting is to be shown once it is known. */
 let seekToBest: number | null = null;
 
-// The selection's details.
+// The selection's details, again when a search has added to it.
 effect(() => {
   const id = selectedId.value;
+  void indexVersion.value;
   if (id === null) {
     detail.value = null;
     return;
   }
   const abort = new AbortController();
-  detail.value = { state: "loading" };
+  const known = detail.peek();
+  const isKnown = known?.state === "ready" && known.value.id === id;
+  if (!isKnown) detail.value = { state: "loading" };
   getObject(id, abort.signal)
     .then((value) => {
       batch(() => {
@@ -32,7 +35,7 @@ effect(() => {
       });
     })
     .catch((error: unknown) => {
-      if (!abort.signal.aborted) detail.value = { state: "failed", message: messageOf(error) };
+      if (!abort.signal.aborted && !isKnown) detail.value = { state: "failed", message: messageOf(error) };
     });
   return () => abort.abort();
 });

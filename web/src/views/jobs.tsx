@@ -265,7 +265,7 @@ export function ModelDialog() {
         method="dialog"
         onSubmit={() => {
           if (boxed && isFollowed) void jobs.follow(boxed, type);
-          else if (source) void jobs.addModel(name, source, length.trim() === "" ? null : Number(length), isSearched);
+          else if (source) jobs.addModel(name, source, length.trim() === "" ? null : Number(length), isSearched && state.videos.value.length > 0);
         }}
       >
         <header>

@@ -334,7 +334,7 @@ function Nothing() {
         <>
           <p>
             {canAdd.value
-              ? "Drop photos or a CAD file of what is to be found here, then a video. Or search from the command line:"
+              ? "Drop photos or a CAD file of what is to be found here, with a video or before it. Or search from the command line:"
               : "Search a video for your models, and the finds appear here:"}
           </p>
           <code>victorious index VIDEO --models DIR --db FILE</code>
