@@ -1,14 +1,17 @@
-# What `make install` installs, and the Debian package of `make package`. The manual page and the completion are printed by
+# What `make install` installs, and the Debian package of `make package`. The manual page and the completions are printed by
 # the program itself (`victorious manual`).
 include(GNUInstallDirs)
 
 set(_victorious_pages "${CMAKE_BINARY_DIR}/pages")
 add_custom_command(
-  OUTPUT "${_victorious_pages}/victorious.1.gz" "${_victorious_pages}/victorious"
+  OUTPUT "${_victorious_pages}/victorious.1.gz" "${_victorious_pages}/victorious" "${_victorious_pages}/_victorious"
+         "${_victorious_pages}/victorious.fish"
   COMMAND "${CMAKE_COMMAND}" -E make_directory "${_victorious_pages}"
   COMMAND victorious manual man > "${_victorious_pages}/victorious.1"
   COMMAND gzip -9 -n -f "${_victorious_pages}/victorious.1"
   COMMAND victorious manual bash > "${_victorious_pages}/victorious"
+  COMMAND victorious manual zsh > "${_victorious_pages}/_victorious"
+  COMMAND victorious manual fish > "${_victorious_pages}/victorious.fish"
   DEPENDS victorious
   VERBATIM)
 add_custom_target(victorious_pages ALL DEPENDS "${_victorious_pages}/victorious.1.gz" "${_victorious_pages}/victorious")
@@ -20,6 +23,8 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 install(TARGETS victorious victorious-bench victorious-experiment RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 install(FILES "${_victorious_pages}/victorious.1.gz" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
 install(FILES "${_victorious_pages}/victorious" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
+install(FILES "${_victorious_pages}/_victorious" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions")
+install(FILES "${_victorious_pages}/victorious.fish" DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d")
 # The page of `victorious serve`, if tools/build_web.sh has built it.
 install(DIRECTORY "${CMAKE_BINARY_DIR}/web" DESTINATION "${CMAKE_INSTALL_DATADIR}/victorious" OPTIONAL)
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" RENAME copyright)

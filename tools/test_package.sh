@@ -2,7 +2,7 @@
 # test_package.sh PACKAGE.deb VIDEO CAD_FILE [DIR]: what a new user of the Debian package meets. Installs PACKAGE in a bare
 # Debian 12 (debootstrap, minbase) with the dependencies that apt finds, makes a model of CAD_FILE, searches VIDEO for it,
 # and prints the seconds of each step; no compiler, no display. A VIDEO.telemetry.csv or VIDEO.srt beside VIDEO goes along.
-# Then it tries what else the package brings: the page of `serve`, the manual page, the completion, the other programs.
+# Then it tries what else the package brings: the page of `serve`, the manual page, the completions, the other programs.
 # Fails at the first thing that is missing, or if installing and finding take more than MAX_SECONDS (180).
 # Needs root, debootstrap, curl and a Debian mirror (DEBIAN_MIRROR). DIR (/tmp/victorious_package) keeps the bare system
 # as an archive for the next run; the system with the package in it is left there to look at.

@@ -3,6 +3,7 @@
 import os
 import pty
 import re
+import shutil
 import subprocess
 import unittest
 
@@ -266,6 +267,46 @@ class ArgumentsTest(program.ProgramTest):
         self.assertEqual(completed("victorious", "model", "add", "--max"), ["--max-off-nadir"])
         self.assertIn("--telemetry", completed("victorious", "index", "w.mp4", "--te"))
         self.assertEqual(completed("victorious", "index", "comp"), ["completion"])
+
+    def test_zsh_completion(self):
+        script = self.succeeds("manual", "zsh").out
+        self.assertTrue(script.startswith("#compdef victorious\n"))
+        if not shutil.which("zsh"):
+            self.skipTest("zsh is not installed")
+
+        def completed(*words):
+            self.write("completion", script)
+            line = " ".join(f"'{word}'" for word in words)
+            ask = (
+                "_describe() { [[ $1 == -o ]] && shift; print -l -- ${(P)2}; }; _files() { print files; }; "
+                f"words=({line}); CURRENT={len(words)}; . ./completion"
+            )
+            return subprocess.run(["zsh", "-f", "-c", ask], capture_output=True, text=True, check=True, cwd=self.scratch).stdout
+
+        self.assertRegex(completed("victorious", "ind"), "(?m)^index:[A-Z]")
+        self.assertRegex(completed("victorious", "model", ""), "(?m)^add:[A-Z]")
+        self.assertRegex(completed("victorious", "model", "add", "--max"), "(?m)^--max-off-nadir:[A-Z]")
+        self.assertRegex(completed("victorious", "index", "w.mp4", "--te"), "(?m)^--telemetry:[A-Z]")
+        self.assertEqual(completed("victorious", "index", "comp"), "files\n")
+
+    def test_fish_completion(self):
+        script = self.succeeds("manual", "fish").out
+        self.assertIn("""complete -c victorious -n '__victorious_is_at "model"' -f -a add -d""", script)
+        if not shutil.which("fish"):
+            self.skipTest("fish is not installed")
+        self.write("completion", script)
+
+        def completed(line):
+            ask = ["fish", "-N", "-c", f"source completion; complete -C '{line}'"]
+            home = os.environ | {"HOME": str(self.scratch)}
+            done = subprocess.run(ask, capture_output=True, text=True, check=True, cwd=self.scratch, env=home)
+            return [one.split("\t")[0] for one in done.stdout.splitlines()]
+
+        self.assertEqual(completed("victorious ind"), ["index"])
+        self.assertIn("add", completed("victorious model "))
+        self.assertEqual(completed("victorious model add --max"), ["--max-off-nadir"])
+        self.assertIn("--telemetry", completed("victorious index w.mp4 --te"))
+        self.assertEqual(completed("victorious index comp"), ["completion"])
 
     def test_colours_are_off_with_no_color(self):
         for value, coloured in (("", True), ("1", False)):

@@ -456,6 +456,8 @@ class ClusterTest(program.ProgramTest):
         self.assertEqual(done.status, 2)
         self.assertIn("none.mkv", done.messages()[-1])
         self.assertEqual(self.status()["queued"], 1, "the others are submitted")
+        again = self.succeeds("submit", self.videos[0], "--models", models, "--db", self.url, "--json").rows()
+        self.assertEqual(again, [{"submitted": 0, "submitted_before": 1, "done": 0, "queued": 1, "running": 0}])
 
 
 if __name__ == "__main__":

@@ -21,8 +21,12 @@ class InstallTest(program.ProgramTest):
         self.assertIn("table3.2", listed)
         page = gzip.decompress((self.scratch / "share/man/man1/victorious.1.gz").read_bytes()).decode()
         self.assertEqual(page, self.succeeds("manual", "man").out)
-        completion = (self.scratch / "share/bash-completion/completions/victorious").read_text()
-        self.assertEqual(completion, self.succeeds("manual", "bash").out)
+        for shell, path in {
+            "bash": "bash-completion/completions/victorious",
+            "zsh": "zsh/vendor-completions/_victorious",
+            "fish": "fish/vendor_completions.d/victorious.fish",
+        }.items():
+            self.assertEqual((self.scratch / "share" / path).read_text(), self.succeeds("manual", shell).out)
 
 
 if __name__ == "__main__":

@@ -44,6 +44,21 @@ class UserTest(program.ProgramTest):
         )  # fmt: skip
         self.assertEqual(self.succeeds("user", "log", "--db", self.db, "--limit", "1").out.count("\n"), 1)
 
+    def test_each_command_has_json(self):
+        def rows(*words, **options):
+            return self.succeeds("user", *words, "--db", self.db, "--json", **options).rows()
+
+        (added,) = rows("add", "ann", "--role", "viewer", input=PASSWORD + "\n")
+        self.assertEqual((added["name"], added["role"], added["tokens"]), ("ann", "viewer", []))
+        (changed,) = rows("change", "ann", "--role", "admin")
+        self.assertEqual(changed, added | {"role": "admin"})
+        (token,) = rows("token", "ann", "--label", "test")
+        self.assertGreater(len(token["token"]), 20)
+        self.assertEqual(self.accounts()[0]["tokens"], [{key: token[key] for key in ("id", "label", "expires")}])
+        self.assertEqual(rows("revoke", "ann", "--token", token["id"]), [changed])
+        self.assertEqual(rows("remove", "ann"), [{"removed": "ann"}])
+        self.assertEqual(self.accounts(), [])
+
     def test_passwords_are_stored_nowhere(self):
         self.add("ann")
         with contextlib.closing(sqlite3.connect(self.db)) as db:

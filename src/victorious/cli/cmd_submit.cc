@@ -12,10 +12,12 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/base/count_text.h"
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/base/program_id.h"
 #include "victorious/category/category_file.h"
@@ -48,6 +50,7 @@ struct SubmitArguments {
   std::string publish;
   double segment_s = 60;
   bool urgent = false;
+  bool json = false;
 };
 
 std::string AbsolutePath(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
@@ -284,6 +287,14 @@ Status Run(const SubmitArguments& arguments) {
           live > 0 ? fmt::format(", with {}", CountText(live, "live source")) : "",
           open > 0 ? fmt::format(", {} submitted before", open) : "",
           submission.done > 0 ? fmt::format(", {} done already", submission.done) : "", counts.queued, counts.running);
+  if (arguments.json) {
+    const nlohmann::ordered_json line = {{"submitted", submission.added},
+                                         {"submitted_before", open},
+                                         {"done", submission.done},
+                                         {"queued", counts.queued},
+                                         {"running", counts.running}};
+    VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", DumpJson(line) + "\n"));
+  }
   if (failure) return std::unexpected(*std::move(failure));
   return {};
 }
@@ -316,6 +327,8 @@ Action SetUpSubmit(ArgumentParser& parser) {
       .Range(0.0, 86'400.0)
       .TypeName("SECONDS");
   parser.AddFlag("--urgent", arguments->urgent, "Before what was submitted without this flag");
+  parser.AddFlag("--json", arguments->json,
+                 "Print one JSON object: the videos submitted now, before and done already, and the tasks of all");
   return [=] { return Run(*arguments); };
 }
 

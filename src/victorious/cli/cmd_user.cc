@@ -131,6 +131,26 @@ AuditRecord EntryOf(const UserArguments& arguments, const char* action, const Js
           .detail = DumpJson(detail)};
 }
 
+// An account with its tokens, without their secrets.
+Expected<Json> RowOf(const Account& account, AccountStore& accounts) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Credential> tokens, accounts.Tokens(account.id));
+  Json rows = Json::array();
+  for (const Credential& token : tokens)
+    rows.push_back({{"id", token.id}, {"label", token.label}, {"expires", FormatUtc(token.expires_utc_us)}});
+  return Json({{"name", account.name},
+               {"role", ToText(account.role)},
+               {"created", FormatUtc(account.created_utc_us)},
+               {"tokens", std::move(rows)}});
+}
+
+// With --json, the account as a change left it.
+Status PrintChanged(const Status& changed, const UserArguments& arguments, AccountStore& accounts) {
+  if (!changed || !arguments.json) return changed;
+  VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(accounts, arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Json row, RowOf(account, accounts));
+  return WriteOutput("", DumpJson(row) + "\n");
+}
+
 Status Add(const UserArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckAccountName(arguments.name));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
@@ -142,11 +162,12 @@ Status Add(const UserArguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadPassword());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, HashPassword(password));
-  return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+  const Status added = accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
     VICTORIOUS_RETURN_IF_ERROR(
         accounts->Add(arguments.name, *FromText(kRoleTexts, arguments.role), hash, NowUtcMicroseconds()));
     return EntryOf(arguments, "add_account", {{"role", arguments.role}});
   });
+  return PrintChanged(added, arguments, *accounts);
 }
 
 Status Change(const UserArguments& arguments) {
@@ -158,25 +179,30 @@ Status Change(const UserArguments& arguments) {
   if (arguments.has_new_password) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string password, ReadPassword());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string hash, HashPassword(password));
-    const Status changed = accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+    const Status renewed = accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
       VICTORIOUS_RETURN_IF_ERROR(accounts->SetPassword(arguments.name, hash));
       return EntryOf(arguments, "change_password", Json::object());
     });
-    VICTORIOUS_RETURN_IF_ERROR(changed);
+    VICTORIOUS_RETURN_IF_ERROR(renewed);
   }
-  if (arguments.role.empty()) return {};
-  return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
-    VICTORIOUS_RETURN_IF_ERROR(accounts->SetRole(arguments.name, *FromText(kRoleTexts, arguments.role)));
-    return EntryOf(arguments, "change_role", {{"role", arguments.role}});
-  });
+  Status changed;
+  if (!arguments.role.empty()) {
+    changed = accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+      VICTORIOUS_RETURN_IF_ERROR(accounts->SetRole(arguments.name, *FromText(kRoleTexts, arguments.role)));
+      return EntryOf(arguments, "change_role", {{"role", arguments.role}});
+    });
+  }
+  return PrintChanged(changed, arguments, *accounts);
 }
 
 Status Remove(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
-  return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+  const Status removed = accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
     VICTORIOUS_RETURN_IF_ERROR(accounts->Remove(arguments.name));
     return EntryOf(arguments, "remove_account", Json::object());
   });
+  if (!removed || !arguments.json) return removed;
+  return WriteOutput("", DumpJson(Json({{"removed", arguments.name}})) + "\n");
 }
 
 Status List(const UserArguments& arguments) {
@@ -184,19 +210,17 @@ Status List(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Account> all, accounts->Accounts());
   std::string text;
   for (const Account& account : all) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Credential> tokens, accounts->Tokens(account.id));
-    const std::string created = FormatUtc(account.created_utc_us);
-    Json rows = Json::array();
-    if (!arguments.json) text += fmt::format("{:<24} {:<8} since {}\n", account.name, ToText(account.role), created);
-    for (const Credential& token : tokens) {
-      const std::string until = FormatUtc(token.expires_utc_us);
-      rows.push_back({{"id", token.id}, {"label", token.label}, {"expires", until}});
-      if (!arguments.json) text += fmt::format("  token {} ({}) until {}\n", token.id, OneLine(token.label), until);
+    if (arguments.json) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const Json row, RowOf(account, *accounts));
+      text += DumpJson(row) + "\n";
+      continue;
     }
-    if (!arguments.json) continue;
-    text += DumpJson(Json(
-                {{"name", account.name}, {"role", ToText(account.role)}, {"created", created}, {"tokens", rows}})) +
-            "\n";
+    text +=
+        fmt::format("{:<24} {:<8} since {}\n", account.name, ToText(account.role), FormatUtc(account.created_utc_us));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Credential> tokens, accounts->Tokens(account.id));
+    for (const Credential& token : tokens)
+      text +=
+          fmt::format("  token {} ({}) until {}\n", token.id, OneLine(token.label), FormatUtc(token.expires_utc_us));
   }
   return WriteOutput("", text);
 }
@@ -205,26 +229,32 @@ Status AddToken(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string secret, MakeSecret());
+  Credential token;
   VICTORIOUS_RETURN_IF_ERROR(accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
-    VICTORIOUS_ASSIGN_OR_RETURN(const Credential token,
-                                accounts->AddCredential({.account = account.id,
-                                                         .kind = CredentialKind::kToken,
-                                                         .digest = DigestSecret(secret),
-                                                         .label = arguments.label,
-                                                         .now_us = NowUtcMicroseconds(),
-                                                         .lifetime_us = kDay * arguments.days}));
+    VICTORIOUS_ASSIGN_OR_RETURN(token, accounts->AddCredential({.account = account.id,
+                                                                .kind = CredentialKind::kToken,
+                                                                .digest = DigestSecret(secret),
+                                                                .label = arguments.label,
+                                                                .now_us = NowUtcMicroseconds(),
+                                                                .lifetime_us = kDay * arguments.days}));
     return EntryOf(arguments, "add_token", {{"token", token.id}, {"label", arguments.label}});
   }));
-  return WriteOutput("", secret + "\n");
+  if (!arguments.json) return WriteOutput("", secret + "\n");
+  return WriteOutput("", DumpJson(Json({{"id", token.id},
+                                        {"label", token.label},
+                                        {"expires", FormatUtc(token.expires_utc_us)},
+                                        {"token", secret}})) +
+                             "\n");
 }
 
 Status Revoke(const UserArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto accounts, Open(arguments, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const Account account, FindAccount(*accounts, arguments));
-  return accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
+  const Status revoked = accounts->ChangeAndLog([&]() -> Expected<AuditRecord> {
     VICTORIOUS_RETURN_IF_ERROR(accounts->RemoveCredential(account.id, arguments.token));
     return EntryOf(arguments, "revoke_token", {{"token", arguments.token}});
   });
+  return PrintChanged(revoked, arguments, *accounts);
 }
 
 Status PrintLog(const UserArguments& arguments) {
@@ -256,15 +286,18 @@ Action SetUpUser(ArgumentParser& parser) {
   parser.RequireCommand();
   const auto arguments = std::make_shared<UserArguments>();
   std::vector<std::pair<ArgumentParser, Status (*)(const UserArguments&)>> parts;
-  const auto add = [&](const char* name, const char* summary, Status (*run)(const UserArguments&)) -> ArgumentParser {
+  const auto add = [&](const char* name, const char* summary, Status (*run)(const UserArguments&),
+                       const char* json) -> ArgumentParser {
     ArgumentParser part = parser.AddCommand(name, summary);
     AddDb(part, arguments->db, "The index that `victorious serve` shows");
+    part.AddFlag("--json", arguments->json, json);
     parts.emplace_back(part, run);
     return part;
   };
-  const auto add_named = [&](const char* name, const char* summary,
-                             Status (*run)(const UserArguments&)) -> ArgumentParser {
-    ArgumentParser part = add(name, summary, run);
+  const auto add_named = [&](const char* name, const char* summary, Status (*run)(const UserArguments&),
+                             const char* json =
+                                 "Print one JSON object: the account as `user list` does") -> ArgumentParser {
+    ArgumentParser part = add(name, summary, run, json);
     part.Add("NAME", arguments->name, "Of the account").Required();
     return part;
   };
@@ -276,19 +309,18 @@ Action SetUpUser(ArgumentParser& parser) {
   AddRole(changed, arguments->role, "The new role");
   changed.AddFlag("--password", arguments->has_new_password,
                   "Ask for a new password, or read it from standard input; ends sessions and tokens");
-  add_named("remove", "Remove an account; what it reviewed stays", &Remove);
-  add("list", "List the accounts and their tokens", &List).AddFlag("--json", arguments->json, "Print JSON Lines");
-  ArgumentParser token =
-      add_named("token", "Print a new token, with which a script may do what the account may", &AddToken);
+  add_named("remove", "Remove an account; what it reviewed stays", &Remove, "Print one JSON object: what is removed");
+  add("list", "List the accounts and their tokens", &List, "Print JSON Lines");
+  ArgumentParser token = add_named("token", "Print a new token, with which a script may do what the account may",
+                                   &AddToken, "Print one JSON object: the token, its number, label and end");
   token.Add("--label", arguments->label, "What it is for").Required().TypeName("TEXT");
   token.Add("--days", arguments->days, "For how long it is valid").ShowDefault().Range(1, 3650).TypeName("N");
   add_named("revoke", "End a token", &Revoke)
       .Add("--token", arguments->token, "Its number in `victorious user list`")
       .Required()
       .TypeName("N");
-  ArgumentParser log = add("log", "Print who did what, the latest first", &PrintLog);
+  ArgumentParser log = add("log", "Print who did what, the latest first", &PrintLog, "Print JSON Lines");
   log.Add("--limit", arguments->limit, "At most so many entries").ShowDefault().Range(1, 1'000'000).TypeName("N");
-  log.AddFlag("--json", arguments->json, "Print JSON Lines");
   return [=]() -> Status {
     for (const auto& [part, run] : parts) {
       if (part.IsGiven()) return run(*arguments);

@@ -31,12 +31,13 @@ std::string RoffText(std::string_view text) {
   return roff;
 }
 
+bool HasValue(const CLI::Option& option) { return option.get_expected_max() > 0 && option.get_type_size_max() > 0; }
+
 // "--db FILE", "VIDEO", "--json"
 std::string OptionTitle(const CLI::Option& option) {
   if (option.get_positional()) return "\\fI" + RoffText(option.get_name()) + "\\fR";
-  const bool has_value = option.get_expected_max() > 0 && option.get_type_size_max() > 0;
   const std::string name = "\\fB" + RoffText(option.get_name(false, true)) + "\\fR";
-  return has_value ? name + " \\fI" + RoffText(option.get_type_name()) + "\\fR" : name;
+  return HasValue(option) ? name + " \\fI" + RoffText(option.get_type_name()) + "\\fR" : name;
 }
 
 void AddOptions(const CLI::App& command, std::string& page) {
@@ -55,20 +56,51 @@ void AddCommand(const CLI::App& command, const std::string& parents, std::string
   for (const CLI::App* part : ListCommands(command)) AddCommand(*part, path + " ", page);
 }
 
-// One case of the completion for each command: its words.
-// @param paths  receives the quoted paths of the commands: 'model add'
-void AddCase(const CLI::App& command, const std::string& path, std::string& cases, std::vector<std::string>& paths) {
-  std::vector<std::string> words;
-  for (const CLI::App* part : ListCommands(command)) words.push_back(part->get_name());
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+// A command or a part of one, and the words that lead to it: "model add"; empty for the program.
+struct CommandPath {
+  std::string path;
+  const CLI::App* command;
+};
+
+// With all their parts, each before its own.
+void CollectPaths(const CLI::App& command, const std::string& path, std::vector<CommandPath>& paths) {
+  paths.push_back({path, &command});
+  for (const CLI::App* part : ListCommands(command))
+    CollectPaths(*part, path + (path.empty() ? "" : " ") + part->get_name(), paths);
+}
+
+std::vector<CommandPath> CollectPaths(const CLI::App& program) {
+  std::vector<CommandPath> paths;
+  CollectPaths(program, "", paths);
+  return paths;
+}
+
+// The paths of all but the program itself, quoted.
+std::string JoinPaths(const std::vector<CommandPath>& paths, std::string_view separator) {
+  std::vector<std::string> quoted;
+  for (const CommandPath& one : paths) {
+    if (!one.path.empty()) quoted.push_back("'" + one.path + "'");
   }
-  cases += fmt::format("    '{}') words='{}' ;;\n", path, fmt::join(words, " "));
-  for (const CLI::App* part : ListCommands(command)) {
-    const std::string of_part = path + (path.empty() ? "" : " ") + part->get_name();
-    paths.push_back("'" + of_part + "'");
-    AddCase(*part, of_part, cases, paths);
+  return fmt::format("{}", fmt::join(quoted, separator));
+}
+
+// Text as one word of a shell.
+// @param quote  what stands for a single quote within
+std::string Quoted(std::string_view text, std::string_view quote) {
+  std::string word = "'";
+  for (const char c : text) {
+    if (c == '\'') {
+      word += quote;
+    } else {
+      word += c == '\n' ? ' ' : c;
+    }
   }
+  return word + "'";
+}
+
+// 'add:Make a model', as _describe of zsh takes it.
+std::string ZshEntry(const std::string& name, const std::string& description) {
+  return " " + Quoted(name + ":" + description, "'\\''");
 }
 
 }  // namespace
@@ -93,9 +125,16 @@ std::string MakeManualPage(const ArgumentParser& parser, const std::string& vers
 std::string MakeBashCompletion(const ArgumentParser& parser) {
   const CLI::App& program = parser.app();
   const std::string& name = program.get_name();
+  const std::vector<CommandPath> paths = CollectPaths(program);
   std::string cases;
-  std::vector<std::string> paths;
-  AddCase(program, "", cases, paths);
+  for (const auto& [path, command] : paths) {
+    std::vector<std::string> words;
+    for (const CLI::App* part : ListCommands(*command)) words.push_back(part->get_name());
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& long_name : option->get_lnames()) words.push_back("--" + long_name);
+    }
+    cases += fmt::format("    '{}') words='{}' ;;\n", path, fmt::join(words, " "));
+  }
   return fmt::format(R"(# bash completion of {0}, printed by `{0} manual bash`
 _{0}() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} path='' words='' word next
@@ -115,7 +154,80 @@ _{0}() {{
 }}
 complete -o filenames -F _{0} {0}
 )",
-                     name, cases, fmt::join(paths, " | "));
+                     name, cases, JoinPaths(paths, " | "));
+}
+
+std::string MakeZshCompletion(const ArgumentParser& parser) {
+  const CLI::App& program = parser.app();
+  const std::string& name = program.get_name();
+  const std::vector<CommandPath> paths = CollectPaths(program);
+  std::string cases;
+  for (const auto& [path, command] : paths) {
+    std::string parts;
+    std::string options;
+    for (const CLI::App* part : ListCommands(*command)) parts += ZshEntry(part->get_name(), part->get_description());
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& long_name : option->get_lnames())
+        options += ZshEntry("--" + long_name, option->get_description());
+    }
+    cases += fmt::format("  ('{}')\n    parts=({} )\n    options=({} ) ;;\n", path, parts, options);
+  }
+  return fmt::format(R"(#compdef {0}
+# zsh completion of {0}, printed by `{0} manual zsh`
+_{0}() {{
+  local at='' word next
+  local -a parts options
+  for word in "${{(@)words[2,CURRENT-1]}}"; do
+    next=${{at:+$at }}$word
+    case "$next" in
+    ({2})
+      at=$next ;;
+    esac
+  done
+  case "$at" in
+{1}  esac
+  if [[ $words[CURRENT] == -* ]]; then
+    _describe -o option options
+  elif (( $#parts )); then
+    _describe command parts
+  else
+    _files
+  fi
+}}
+_{0} "$@"
+)",
+                     name, cases, JoinPaths(paths, " | "));
+}
+
+std::string MakeFishCompletion(const ArgumentParser& parser) {
+  const CLI::App& program = parser.app();
+  const std::string& name = program.get_name();
+  const std::vector<CommandPath> paths = CollectPaths(program);
+  std::string lines;
+  for (const auto& [path, command] : paths) {
+    const std::string start = fmt::format("complete -c {0} -n '__{0}_is_at \"{1}\"'", name, path);
+    const std::vector<const CLI::App*> parts = ListCommands(*command);
+    for (const CLI::App* part : parts)
+      lines += fmt::format("{} -f -a {} -d {}\n", start, part->get_name(), Quoted(part->get_description(), "\\'"));
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& long_name : option->get_lnames())
+        lines += fmt::format("{} -l {}{} -d {}\n", start, long_name, HasValue(*option) ? " -r" : "",
+                             Quoted(option->get_description(), "\\'"));
+    }
+  }
+  return fmt::format(R"(# fish completion of {0}, printed by `{0} manual fish`
+function __{0}_is_at
+  set -l at ''
+  for word in (commandline -opc)[2..-1]
+    set -l next (string trim -- "$at $word")
+    if contains -- "$next" {2}
+      set at $next
+    end
+  end
+  test "$at" = "$argv[1]"
+end
+{1})",
+                     name, lines, JoinPaths(paths, " "));
 }
 
 }  // namespace victorious::cli

@@ -1,4 +1,4 @@
-// The manual page and the shell completion, made from the same description of commands and options that parses the
+// The manual page and the completions of shells, made from the same description of commands and options that parses the
 // arguments: neither can name an option that does not exist.
 #pragma once
 
@@ -16,5 +16,11 @@ namespace victorious::cli {
 /// A completion for bash: commands and subcommands, the options of each, else file names.
 /// @param parser  of the program
 [[nodiscard]] std::string MakeBashCompletion(const ArgumentParser& parser);
+
+/// The same for zsh, with the description of each.
+[[nodiscard]] std::string MakeZshCompletion(const ArgumentParser& parser);
+
+/// The same for fish.
+[[nodiscard]] std::string MakeFishCompletion(const ArgumentParser& parser);
 
 }  // namespace victorious::cli

@@ -53,7 +53,7 @@ constexpr std::array kCommands = {
     Command{"telemetry", "Look inside", "Print the camera states of a video or telemetry file", &SetUpTelemetry},
     Command{"params", "Look inside", "List every parameter with default, range and reason", &SetUpParams},
     Command{"doctor", "Look inside", "Describe this machine, or the content of a file", &SetUpDoctor},
-    Command{"manual", "Look inside", "Print the manual page, or the completion for bash", &SetUpManual},
+    Command{"manual", "Look inside", "Print the manual page, or the completion for a shell", &SetUpManual},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
     Command{"experiment", "Measure", "Reproduce a table or figure of the thesis", nullptr, false,
             "victorious-experiment"},
