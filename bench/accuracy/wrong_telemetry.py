@@ -6,7 +6,9 @@ Usage: wrong_telemetry.py MOVIE... --models DIR [--program build/victorious] [--
 MOVIE is a folder with video.mp4, telemetry.csv and truth.jsonl. DIR contains models of the truth's objects, made by
 `model add`. Each movie is indexed with its exact telemetry, and once with that of each case:
 
-  late       all times too large by 0.3, 1 and 3 s
+  late       all times too large by 0.3, 1 and 3 s: the telemetry begins and ends later than the video
+  log late   the same of telemetry that begins 8 s before the video and ends 8 s after it, as the log of a whole flight
+  held back  each row has the position and attitude of 0.3, 1 and 3 s before; it begins and ends with the video
   yaw        yaw too large by 5 degrees, and too small
   hfov       field of view too wide by 20 %, and too narrow
   other      the telemetry of the next movie; left out with one movie only
@@ -31,51 +33,69 @@ import json
 import re
 import statistics
 import tempfile
+from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Callable
 
 from movies import Program
 
-Row = dict[str, str]
+Row = dict[str, float]
+Rows = list[Row]
 OTHER = "other flight"
+LOG_S = 8
+LATE_S = (0.3, 1, 3)
 
 
-def late(seconds: float) -> Callable[[Row], None]:
-    def spoil(row: Row) -> None:
-        row["time_s"] = f"{float(row['time_s']) + seconds:.6f}"
-
-    return spoil
+def late(rows: Rows, seconds: float) -> Rows:
+    return [row | {"time_s": row["time_s"] + seconds} for row in rows]
 
 
-def turned(degrees: float) -> Callable[[Row], None]:
-    def spoil(row: Row) -> None:
-        row["yaw_deg"] = f"{(float(row['yaw_deg']) + degrees) % 360:.6f}"
+def extended(rows: Rows, seconds: float) -> Rows:
+    """Before the first and after the last row, the motion goes on as it is there: mirrored in time and in value."""
 
-    return spoil
+    def mirrored(end: Row, other: Row) -> Row:
+        return {name: other[name] if name == "hfov_deg" else 2 * end[name] - other[name] for name in end}
 
-
-def widened(factor: float) -> Callable[[Row], None]:
-    def spoil(row: Row) -> None:
-        row["hfov_deg"] = f"{float(row['hfov_deg']) * factor:.6f}"
-
-    return spoil
+    first, last = rows[0], rows[-1]
+    before = [mirrored(first, row) for row in rows[1:] if row["time_s"] - first["time_s"] <= seconds]
+    after = [mirrored(last, row) for row in rows[:-1] if last["time_s"] - row["time_s"] <= seconds]
+    return before[::-1] + rows + after[::-1]
 
 
-CASES: dict[str, Callable[[Row], None]] = {
-    "exact": lambda row: None,
-    "late 0.3 s": late(0.3),
-    "late 1 s": late(1),
-    "late 3 s": late(3),
-    "yaw +5": turned(5),
-    "yaw -5": turned(-5),
-    "hfov +20 %": widened(1.2),
-    "hfov -20 %": widened(0.8),
-    OTHER: lambda row: None,
-}
+def held_back(rows: Rows, seconds: float) -> Rows:
+    return [row for row in late(extended(rows, seconds), seconds)
+            if rows[0]["time_s"] - 1e-6 <= row["time_s"] <= rows[-1]["time_s"] + 1e-6]  # fmt: skip
+
+
+def turned(rows: Rows, degrees: float) -> Rows:
+    return [row | {"yaw_deg": row["yaw_deg"] + degrees} for row in rows]
+
+
+def widened(rows: Rows, factor: float) -> Rows:
+    return [row | {"hfov_deg": row["hfov_deg"] * factor} for row in rows]
+
+
+CASES: dict[str, Callable[[Rows], Rows]] = (
+    {"exact": lambda rows: rows}
+    | {f"late {s} s": partial(late, seconds=s) for s in LATE_S}
+    | {"log": partial(extended, seconds=LOG_S)}
+    | {f"log late {s} s": lambda rows, s=s: late(extended(rows, LOG_S), s) for s in LATE_S}
+    | {f"held back {s} s": partial(held_back, seconds=s) for s in LATE_S}
+    | {
+        "yaw +5": partial(turned, degrees=5),
+        "yaw -5": partial(turned, degrees=-5),
+        "hfov +20 %": partial(widened, factor=1.2),
+        "hfov -20 %": partial(widened, factor=0.8),
+        OTHER: lambda rows: rows,
+    }
+)
 
 SAID = [
     (r"its clock is ([\d.]+ s \w+)", "clock {}"),
-    (r"offset of its clock is unknown", "clock unknown"),
+    (r"offset of its clock is unknown.*recorded apart", "clock unknown, apart"),
+    (r"offset of its clock is unknown(?!.*recorded apart)", "clock unknown"),
+    (r"its yaw is ([\d.]+) degrees too (\w+)", "yaw {} {}"),
     (r"yaw of the telemetry is ([\d.]+) degrees too (\w+)", "yaw {} {}"),
     (r"its field of view is (\d+ %) too (\w+)", "field {} {}"),
     (r"its field of view may be wrong", "field in doubt"),
@@ -85,19 +105,22 @@ SAID = [
 ]
 
 
-def rows_of(movie: Path) -> list[Row]:
+def rows_of(movie: Path) -> Rows:
+    """With a yaw that does not jump by 360 degrees."""
     with (movie / "telemetry.csv").open(newline="") as file:
-        return list(csv.DictReader(file))
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    for before, row in pairwise(rows):
+        row["yaw_deg"] -= 360 * round((row["yaw_deg"] - before["yaw_deg"]) / 360)
+    return rows
 
 
-def write(rows: list[Row], spoil: Callable[[Row], None], path: Path) -> None:
-    changed = [dict(row) for row in rows]
-    for row in changed:
-        spoil(row)
+def write(rows: Rows, path: Path) -> None:
     with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, changed[0].keys())
+        writer = csv.DictWriter(file, rows[0].keys())
         writer.writeheader()
-        writer.writerows(changed)
+        for row in rows:
+            row = row | {"yaw_deg": row["yaw_deg"] % 360}
+            writer.writerow({name: f"{value:.10f}" for name, value in row.items()})
 
 
 def remarks(log: str, objects: list[dict]) -> str:
@@ -122,7 +145,7 @@ def main() -> None:
     parser.add_argument("--work", type=Path, help="telemetry and indexes stay here")
     arguments = parser.parse_args()
     program = Program(arguments.program)
-    print(f"{'movie':<14}{'case':<14}{'found':>7}{'false':>6}{'placed':>7}{'error, m':>16}{'CE90, m':>9}{'covered':>9}  said")
+    print(f"{'movie':<14}{'case':<16}{'found':>7}{'false':>6}{'placed':>7}{'error, m':>16}{'CE90, m':>9}{'covered':>9}  said")
     models = sorted(path.stem for path in arguments.models.glob("*.vmodel"))
     covered: dict[str, list[bool]] = {}
     with tempfile.TemporaryDirectory() as scratch:
@@ -135,7 +158,7 @@ def main() -> None:
                 given = arguments.movies[(number + 1) % len(arguments.movies)] if case == OTHER else movie
                 stem = re.sub(r"\W+", "_", f"{movie.name} {case}")
                 telemetry, database = work / f"{stem}.csv", work / f"{stem}.db"
-                write(rows_of(given), CASES[case], telemetry)
+                write(CASES[case](rows_of(given)), telemetry)
                 database.unlink(missing_ok=True)
                 log = program.run("index", movie / "video.mp4", "--telemetry", telemetry, "--models", arguments.models,
                                   "--db", database, "--every", arguments.every).stderr
@@ -151,7 +174,7 @@ def main() -> None:
                 radius = f"{statistics.median(radii):9.2f}" if radii else f"{'-':>9}"
                 found = f"{score['found']}/{score['findable']}"
                 within = f"{inside}/{score['located']}"
-                print(f"{movie.name:<14}{case:<14}{found:>7}{score['false_objects']:>6}{score['located']:>7}{error}{radius}"
+                print(f"{movie.name:<14}{case:<16}{found:>7}{score['false_objects']:>6}{score['located']:>7}{error}{radius}"
                       f"{within:>9}  {remarks(log, objects)}", flush=True)
     for case, inside in covered.items():
         print(f"{case}: {sum(inside)} of {len(inside)} places within CE90")

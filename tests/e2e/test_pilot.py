@@ -113,6 +113,34 @@ class PilotTest(program.ProgramTest):
         self.assertAlmostEqual(point["coordinates"][0], objects[0]["longitude_deg"], places=6)
         self.assertEqual(ellipse["type"], "Polygon")
 
+    def test_the_log_of_a_whole_flight_may_be_seconds_off(self):
+        with (pilot() / "flight" / "telemetry.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        moved = ("time_s", "latitude_deg", "longitude_deg", "altitude_m")
+        first, last = ({name: float(row[name]) for name in moved} for row in (rows[0], rows[-1]))
+        after = [rows[-1] | {name: first[name] + (last[name] - first[name]) * part for name in moved} for part in (1.5, 2, 2.5)]
+
+        def index(name, params):
+            lines = [rows[0], *(row.values() for row in [*rows, *after])]
+            log = self.write(f"{name}.csv", "\n".join(",".join(map(str, line)) for line in lines))
+            video, db = pilot() / "flight" / "video.mp4", self.scratch / f"{name}.db"
+            flags = ("--params", self.write(f"{name}.json", json.dumps(params)))
+            done = self.succeeds("index", video, "--telemetry", log, "--models", pilot() / "models", "--db", db, *flags)
+            (found,) = map(json.loads, self.export(db, "objects").splitlines())
+            return done.err, found
+
+        said, apart = index("apart", {})
+        self.assertIn("recorded apart", said)
+        self.assertIn("telemetry.clock_sigma_apart_s", said)
+        speed_m_s = metres_apart(first, last) / (last["time_s"] - first["time_s"])
+        self.assertGreater(apart["ce90_m"], 1.6 * 2 * speed_m_s, "2 s of the flight")
+        said, near = index("near", {"telemetry": {"clock_sigma_apart_s": 0.3}})
+        self.assertIn("contain 0.3 s", said)
+        self.assertLess(near["ce90_m"], apart["ce90_m"] / 2)
+        said, exact = index("exact", {"telemetry": {"clock_sigma_s": 0}})
+        self.assertNotIn("clock", said)
+        self.assertLess(1.1 * exact["ce90_m"], near["ce90_m"])
+
     def test_without_gimbal_angles_one_line_names_the_flag_and_the_find_stays(self):
         done, objects = self.index(with_gimbal=False)
         self.assertEqual(len(objects), 1, done.err)

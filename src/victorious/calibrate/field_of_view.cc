@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -166,25 +167,24 @@ class Fit {
  public:
   Fit(const FlowModel& model, const std::vector<Second>& seconds) : model_(model), seconds_(seconds) {}
 
-  // Heights that fit best with the telemetry as it is; false if none is possible.
-  bool Start() {
-    constexpr std::array kHeights_m = {10.0,  15.0,  22.0,  33.0,  50.0,   75.0,   110.0, 160.0,
-                                       240.0, 360.0, 540.0, 800.0, 1600.0, 3200.0, 6400.0};
-    unknowns_.setZero();
-    heights_per_m_.clear();
-    for (const Second& second : seconds_) {
-      double best = std::numeric_limits<double>::infinity();
-      double best_per_m = 0;
-      for (const double height_m : kHeights_m) {
-        const auto flow = model_.Predict(second, unknowns_, 1 / height_m);
-        if (!flow || (*flow - second.seen).norm() >= best) continue;
-        best = (*flow - second.seen).norm();
-        best_per_m = 1 / height_m;
-      }
-      if (!(best_per_m > 0)) return false;
-      heights_per_m_.push_back(best_per_m);
+  // The heights, and of these yaws the one, that fit best with the rest of telemetry as it is; false if none is
+  // possible.
+  bool Start(std::span<const double> yaws_rad) {
+    double best = std::numeric_limits<double>::infinity();
+    Unknowns best_unknowns = Unknowns::Zero();
+    std::vector<double> best_per_m;
+    for (const double yaw_rad : yaws_rad) {
+      unknowns_.setZero();
+      unknowns_[kYaw] = yaw_rad / kYawPrior_rad;
+      const double misfit = FitHeights();
+      if (misfit >= best) continue;
+      best = misfit;
+      best_unknowns = unknowns_;
+      best_per_m = heights_per_m_;
     }
-    return true;
+    unknowns_ = best_unknowns;
+    heights_per_m_ = std::move(best_per_m);
+    return std::isfinite(best);
   }
 
   // Gauss-Newton with robust scales of the six components; false if the unknowns leave what is possible.
@@ -205,15 +205,45 @@ class Fit {
       }
     }
     const CommonMatrix covariance = Eigen::LDLT<CommonMatrix>(normal_).solve(CommonMatrix::Identity());
-    variance_ = covariance(kFocal, kFocal);
-    return covariance.allFinite() && variance_ > 0;
+    variances_ = covariance.diagonal();
+    return covariance.allFinite() && variances_.minCoeff() > 0;
   }
 
-  [[nodiscard]] FocalMeasurement Result() const {
-    return {.log_factor = unknowns_[kFocal] * kFocalPrior, .sigma = std::sqrt(variance_) * kFocalPrior};
+  [[nodiscard]] FocalMeasurement Focal() const {
+    return {.log_factor = unknowns_[kFocal] * kFocalPrior, .sigma = std::sqrt(variances_[kFocal]) * kFocalPrior};
+  }
+
+  // Without its prior; std::nullopt if that is nearly all that is known.
+  [[nodiscard]] std::optional<YawMeasurement> Yaw() const {
+    constexpr double kMaxOfPrior = 0.5;
+    const double of_prior = variances_[kYaw];
+    if (of_prior > kMaxOfPrior) return std::nullopt;
+    return YawMeasurement{.error_rad = unknowns_[kYaw] / (1 - of_prior) * kYawPrior_rad,
+                          .sigma_rad = std::sqrt(of_prior / (1 - of_prior)) * kYawPrior_rad};
   }
 
  private:
+  // The sum of the residuals; infinite if no height is possible.
+  double FitHeights() {
+    constexpr std::array kHeights_m = {10.0,  15.0,  22.0,  33.0,  50.0,   75.0,   110.0, 160.0,
+                                       240.0, 360.0, 540.0, 800.0, 1600.0, 3200.0, 6400.0};
+    double sum = 0;
+    heights_per_m_.clear();
+    for (const Second& second : seconds_) {
+      double best = std::numeric_limits<double>::infinity();
+      double best_per_m = 0;
+      for (const double height_m : kHeights_m) {
+        const auto flow = model_.Predict(second, unknowns_, 1 / height_m);
+        if (!flow || (*flow - second.seen).norm() >= best) continue;
+        best = (*flow - second.seen).norm();
+        best_per_m = 1 / height_m;
+      }
+      sum += best;
+      heights_per_m_.push_back(best_per_m);
+    }
+    return sum;
+  }
+
   static constexpr double kMaxFocalStep = 0.1;
   using CommonMatrix = Eigen::Matrix<double, kNumCommon, kNumCommon>;
 
@@ -293,7 +323,7 @@ class Fit {
   CommonMatrix normal_;
   Unknowns right_;
   std::vector<HeightEquation> heights_;  // one a second
-  double variance_ = 0;                  // of the focal unknown
+  Unknowns variances_ = Unknowns::Zero();
 };
 
 // Standard deviations, per axis, of the noise of telemetry from one state to the next: of the differences between each
@@ -339,6 +369,23 @@ bool IsTooNoisy(const CameraTrajectory& cameras, const std::vector<Second>& seco
          std::numbers::sqrt2 * noise.place_m > kMaxPlaceFraction * Median(std::move(ways_m));
 }
 
+// True if the course is that of a straight flight.
+bool IsStraight(const std::vector<Second>& seconds) {
+  constexpr double kMinSpeed_m_s = 2;
+  constexpr double kMaxTurn_rad = RadiansFromDegrees(3);  // from second to second
+  std::vector<double> ways_m;
+  std::vector<double> turns_rad;
+  std::optional<double> last_rad;
+  for (const Second& second : seconds) {
+    const Vector3d way = second.pairs.back().to.place - second.pairs.front().from.place;
+    const double course_rad = std::atan2(way.x(), way.y());
+    ways_m.push_back(way.head<2>().norm());
+    if (last_rad) turns_rad.push_back(std::abs(WrapAngle(course_rad - *last_rad)));
+    last_rad = course_rad;
+  }
+  return Median(std::move(ways_m)) > kMinSpeed_m_s && Median(std::move(turns_rad)) < kMaxTurn_rad;
+}
+
 double NormalDensity(double value, double variance) {
   return std::exp(-value * value / (2 * variance)) / std::sqrt(variance);
 }
@@ -351,14 +398,31 @@ double ChanceBeyond(double distance, double mean, double sigma) {
 
 }  // namespace
 
-std::optional<FocalMeasurement> MeasureFocalLength(const ImageMotions& seen, const CameraTrajectory& cameras) {
+std::optional<CameraErrors> MeasureCameraErrors(const ImageMotions& seen, const CameraTrajectory& cameras) {
   if (cameras.states().empty()) return std::nullopt;
   const FlowModel model(seen.image);
   const std::vector<Second> seconds = CollectSeconds(seen, cameras, model);
   if (seconds.size() < kMinSeconds || IsTooNoisy(cameras, seconds)) return std::nullopt;
+  const bool is_straight = IsStraight(seconds);
+  // Robust scales contain what all seconds share: far from its yaw the fit would stop.
+  constexpr std::array kYaws_rad = {0.0,
+                                    RadiansFromDegrees(-6),
+                                    RadiansFromDegrees(6),
+                                    RadiansFromDegrees(-12),
+                                    RadiansFromDegrees(12),
+                                    RadiansFromDegrees(-18),
+                                    RadiansFromDegrees(18)};
   Fit fit(model, seconds);
-  if (!fit.Start() || !fit.Refine()) return std::nullopt;
-  return fit.Result();
+  if (!fit.Start(std::span(kYaws_rad).first(is_straight ? kYaws_rad.size() : 1)) || !fit.Refine()) return std::nullopt;
+  return CameraErrors{.focal = fit.Focal(), .yaw = is_straight ? fit.Yaw() : std::nullopt};
+}
+
+std::optional<double> SignificantYawError(const YawMeasurement& measured) {
+  constexpr double kMinError_rad = RadiansFromDegrees(1.5);  // three times the usual one
+  constexpr double kMinSigmas = 3;
+  const double size_rad = std::abs(measured.error_rad);
+  return size_rad > kMinError_rad && size_rad > kMinSigmas * measured.sigma_rad ? std::optional(measured.error_rad)
+                                                                                : std::nullopt;
 }
 
 FieldOfViewVerdict JudgeFieldOfView(const std::optional<FocalMeasurement>& measured) {

@@ -43,6 +43,10 @@ CameraState Circling(double time_s, double aside_deg) {
 CameraState CirclingAside(double time_s) { return Circling(time_s, 6); }
 CameraState CirclingOnePoint(double time_s) { return Circling(time_s, 0); }
 
+std::optional<FocalMeasurement> MeasureFocalLength(const ImageMotions& seen, const CameraTrajectory& cameras) {
+  return FocalOf(MeasureCameraErrors(seen, cameras));
+}
+
 // The motion of the image over ground that rises to the north by this slope, with tracking noise and corners that
 // stand above the ground.
 ImageMotions Film(const Path& path, double slope = 0) {
@@ -168,6 +172,39 @@ TEST(FocalLength, NeedsTelemetryAndFourSeconds) {
   ImageMotions seen = Film(SideLooking);
   seen.motions.resize(25);
   EXPECT_FALSE(MeasureFocalLength(seen, Recorded(SideLooking, 0)));
+}
+
+// The telemetry of a camera whose compass is off.
+CameraTrajectory Misdirected(const Path& path, double error_deg, double log_factor = 0) {
+  std::vector<CameraState> states = Recorded(path, log_factor).states();
+  for (CameraState& state : states) state.attitude->yaw_rad += RadiansFromDegrees(error_deg);
+  return {std::move(states), 2};
+}
+
+TEST(Yaw, FollowsFromTheCoursePastAStraightFlight) {
+  for (const Path& path : {Path(SideLooking), Path(ForwardLooking), Path(DownLooking)}) {
+    const ImageMotions seen = Film(path);
+    for (const double error_deg : {0.0, 5.0, -12.0}) {
+      const auto yaw = MeasureCameraErrors(seen, Misdirected(path, error_deg))->yaw;
+      ASSERT_TRUE(yaw) << error_deg << " degrees, elevation " << DegreesFromRadians(path(0).attitude->pitch_rad);
+      EXPECT_NEAR(DegreesFromRadians(yaw->error_rad), error_deg, 0.5);
+      EXPECT_LT(yaw->sigma_rad, RadiansFromDegrees(1));
+      EXPECT_EQ(SignificantYawError(*yaw).has_value(), error_deg != 0);
+    }
+    const auto both = MeasureCameraErrors(seen, Misdirected(path, 5, std::log(1.2)))->yaw;
+    EXPECT_NEAR(DegreesFromRadians(both->error_rad), 5, 1) << "with a wrong field of view";
+  }
+}
+
+TEST(Yaw, IsLeftToOthersInATurn) {
+  EXPECT_FALSE(MeasureCameraErrors(Film(CirclingAside), Misdirected(CirclingAside, 5))->yaw);
+}
+
+TEST(Yaw, IsSignificantBeyondItsErrorAndThatOfCompasses) {
+  constexpr double kDegree_rad = RadiansFromDegrees(1);
+  EXPECT_EQ(SignificantYawError({-5 * kDegree_rad, 0.6 * kDegree_rad}), -5 * kDegree_rad);
+  EXPECT_FALSE(SignificantYawError({5 * kDegree_rad, 2 * kDegree_rad}));
+  EXPECT_FALSE(SignificantYawError({1.2 * kDegree_rad, 0.1 * kDegree_rad}));
 }
 
 TEST(FieldOfView, IsCorrectedIfItIsMoreLikelyWrongThanRight) {

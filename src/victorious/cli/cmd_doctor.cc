@@ -143,8 +143,9 @@ std::vector<std::string> CompareWithImage(const std::string& source, const Video
   if (const auto contradiction = DescribeContradiction(offset)) return {*contradiction};
   std::vector<std::string> statements = {DescribeClock(offset)};
   for (CameraState& state : states) state.time_s += ClockCorrection(offset).value_or(0);
-  const auto measured = MeasureFocalLength(*motions, CameraTrajectory(std::move(states), defaults.max_gap_s));
-  if (const auto wrong = DescribeFieldOfView(JudgeFieldOfView(measured))) statements.push_back(*wrong);
+  const auto errors = MeasureCameraErrors(*motions, CameraTrajectory(std::move(states), defaults.max_gap_s));
+  if (const auto wrong = DescribeFieldOfView(JudgeFieldOfView(FocalOf(errors)))) statements.push_back(*wrong);
+  if (errors && errors->yaw && SignificantYawError(*errors->yaw)) statements.push_back(DescribeYaw(*errors->yaw));
   return statements;
 }
 

@@ -84,7 +84,7 @@ Expected<CameraStates> CameraStates::Load(const std::string& video, const VideoI
       cameras.start_utc_us_ = *state.utc_us - std::llround(state.time_s * 1e6);
     }
   }
-  cameras.unknown_clock_sigma_s_ = options.clock_sigma_s;
+  cameras.clock_prior_ = MakeClockPrior(telemetry->states, info.duration_s, options);
   cameras.max_gap_s_ = cameras.is_of_photos_ ? 0 : options.max_gap_s;
   cameras.trajectory_.emplace(std::move(telemetry->states), cameras.max_gap_s_);
   return cameras;
@@ -116,6 +116,15 @@ void CameraStates::CorrectFocalLength(double log_factor, double sigma) {
   for (CameraState& state : states) state.hfov_rad = state.hfov_rad.transform(corrected);
   trajectory_.emplace(std::move(states), max_gap_s_);
   first_hfov_rad_ = first_hfov_rad_.transform(corrected);
+}
+
+void CameraStates::CorrectYaw(double error_rad) {
+  if (!trajectory_) return;
+  std::vector<CameraState> states = trajectory_->states();
+  for (CameraState& state : states) {
+    if (state.attitude) state.attitude->yaw_rad = WrapAngle(state.attitude->yaw_rad - error_rad);
+  }
+  trajectory_.emplace(std::move(states), max_gap_s_);
 }
 
 void CameraStates::Forget() {
@@ -187,7 +196,9 @@ void CameraStates::Pack(ByteWriter& writer) const {
     for (const CameraState& state : (*trajectory)->states()) PackState(state, writer);
   }
   writer.Put(is_of_photos_);
-  for (const double value : {max_gap_s_, unknown_clock_sigma_s_, clock_sigma_s_, focal_sigma_}) writer.Put(value);
+  writer.Put(clock_prior_.extent);
+  for (const double value : {clock_prior_.offset_s, clock_prior_.sigma_s, max_gap_s_, clock_sigma_s_, focal_sigma_})
+    writer.Put(value);
   writer.PutOptional(fallback_hfov_rad_);
   writer.PutOptional(first_hfov_rad_);
   writer.PutOptional(start_utc_us_);
@@ -203,8 +214,9 @@ CameraStates CameraStates::Unpack(ByteReader& reader) {
     for (CameraState& state : **trajectory) state = UnpackState(reader);
   }
   cameras.is_of_photos_ = reader.Get<bool>();
-  for (double* value :
-       {&cameras.max_gap_s_, &cameras.unknown_clock_sigma_s_, &cameras.clock_sigma_s_, &cameras.focal_sigma_})
+  cameras.clock_prior_.extent = reader.GetEnum(TelemetryExtent::kOther);
+  for (double* value : {&cameras.clock_prior_.offset_s, &cameras.clock_prior_.sigma_s, &cameras.max_gap_s_,
+                        &cameras.clock_sigma_s_, &cameras.focal_sigma_})
     *value = reader.Get<double>();
   cameras.fallback_hfov_rad_ = reader.GetOptional<double>();
   cameras.first_hfov_rad_ = reader.GetOptional<double>();

@@ -11,6 +11,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/packed_bytes.h"
 #include "victorious/base/warning_sink.h"
+#include "victorious/calibrate/clock_prior.h"
 #include "victorious/pipeline/live_cameras.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/telemetry/telemetry.h"
@@ -54,13 +55,15 @@ class CameraStates {
   /// The standard deviation of the clock's offset that the states are to have, s; 0: it is exact. At() then gives what
   /// this means for the camera, by its motion over 2 s.
   void SetClockSigma(double sigma_s) { clock_sigma_s_ = sigma_s; }
-  /// That of a clock of which nothing is known but that telemetry belongs to the video
-  /// (TelemetryOptions::clock_sigma_s).
-  [[nodiscard]] double unknown_clock_sigma_s() const { return unknown_clock_sigma_s_; }
+  /// What is known of the clock as long as the motion of the image is not compared with it.
+  [[nodiscard]] const ClockPrior& clock_prior() const { return clock_prior_; }
 
   /// Multiplies the focal length of all states of the whole video by exp(log_factor), and sets the standard deviation
   /// of its logarithm, which At() gives with each state. No effect on states without a field of view.
   void CorrectFocalLength(double log_factor, double sigma);
+
+  /// Subtracts an error from the yaw of all states of the whole video.
+  void CorrectYaw(double error_rad);
 
   /// Sets attitudes of a camera without telemetry (calibrate/assumed_attitude.h), for ForSearch() only; empty: none.
   void SetAssumedAttitudes(std::vector<CameraState> states);
@@ -106,7 +109,7 @@ class CameraStates {
   bool is_of_photos_ = false;
   bool is_forgotten_ = false;
   double max_gap_s_ = 0;  // of trajectory_
-  double unknown_clock_sigma_s_ = 0;
+  ClockPrior clock_prior_;
   double clock_sigma_s_ = 0;
   double focal_sigma_ = 0;
   std::optional<double> fallback_hfov_rad_;

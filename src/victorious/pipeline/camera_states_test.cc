@@ -67,7 +67,7 @@ TEST_F(CameraStatesTest, AnErrorOfTheClockMovesAndTurnsTheCamera) {
   }
   CameraStates cameras = Load(rows).value();
   EXPECT_FALSE(cameras.At(2)->clock_error);
-  EXPECT_EQ(cameras.unknown_clock_sigma_s(), TelemetryOptions{}.clock_sigma_s);
+  EXPECT_EQ(cameras.clock_prior().sigma_s, TelemetryOptions{}.clock_sigma_s);
   cameras.SetClockSigma(0.5);
   for (const double time_s : {0.0, 2.0, 4.0}) {
     const ClockError error = cameras.At(time_s)->clock_error.value();

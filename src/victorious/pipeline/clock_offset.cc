@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/median.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
@@ -43,12 +44,29 @@ bool GivesPlaces(TimeOffsetStatus status) {
   return false;
 }
 
+std::string DescribePrior(const ClockPrior& prior, std::span<const CameraState> states) {
+  switch (prior.extent) {
+    case TelemetryExtent::kOfVideo:
+      return {};
+    case TelemetryExtent::kDisplaced:
+      return fmt::format(
+          ", but it is as long as the video, and its clock is {:.2f} s {} if both begin together: {:+.2f} s are added "
+          "to its times",
+          std::abs(prior.offset_s), prior.offset_s < 0 ? "late" : "early", prior.offset_s);
+    case TelemetryExtent::kOther:
+      return fmt::format(", and it was recorded apart from the video: it covers {:.1f} to {:.1f} s of it",
+                         states.front().time_s, states.back().time_s);
+  }
+  return {};
+}
+
 void ShiftClockBy(const TimeOffset& offset, const WarningSink& warn, CameraStates& cameras) {
   const std::optional<double> correction_s = ClockCorrection(offset);
-  const double sigma_s = ClockSigma(offset, cameras.unknown_clock_sigma_s());
-  cameras.SetClockSigma(sigma_s);
+  const ClockPrior prior = cameras.clock_prior();
+  cameras.SetClockSigma(ClockSigma(offset, prior.sigma_s));
   if (!correction_s) {
-    if (const auto unknown = DescribeUnknownClock(offset, cameras.trajectory()->states(), sigma_s)) warn(*unknown);
+    if (const auto unknown = DescribeUnknownClock(offset, cameras.trajectory()->states(), prior)) warn(*unknown);
+    if (!offset.offset_s) cameras.ShiftClock(prior.offset_s);
     return;
   }
   cameras.ShiftClock(*correction_s);
@@ -72,15 +90,16 @@ double ClockSigma(const TimeOffset& offset, double unknown_s) {
 }
 
 std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset, std::span<const CameraState> states,
-                                                double sigma_s) {
-  if (offset.offset_s || !GivesPlaces(offset.status) || sigma_s == 0) return std::nullopt;
+                                                const ClockPrior& prior) {
+  if (offset.offset_s || !GivesPlaces(offset.status) || prior.sigma_s == 0) return std::nullopt;
   const double speed_m_s = MedianSpeed(states);
-  if (speed_m_s < kHover_m_s) return std::nullopt;
+  if (speed_m_s < kHover_m_s && prior.offset_s == 0) return std::nullopt;
   return fmt::format(
-      "telemetry: the offset of its clock is unknown ({}): each second that it is off shifts all places by {:.1f} m "
-      "along the flight; their errors contain {:.1f} s of it (telemetry.clock_sigma_s); telemetry.time_offset_s "
-      "corrects it",
-      DescribeStatus(offset), speed_m_s, sigma_s);
+      "telemetry: the offset of its clock is unknown ({}){}: each second that it is off shifts all places by {:.1f} m "
+      "along the flight; their errors contain {:.1f} s of it ({}); telemetry.time_offset_s corrects it",
+      DescribeStatus(offset), DescribePrior(prior, states), speed_m_s, prior.sigma_s,
+      prior.extent == TelemetryExtent::kOther ? "telemetry.clock_sigma_apart_s; telemetry.clock_sigma_s 0: it is exact"
+                                              : "telemetry.clock_sigma_s; 0: it is exact");
 }
 
 std::optional<std::string> DescribeContradiction(const TimeOffset& offset) {
@@ -113,51 +132,73 @@ std::optional<std::string> DescribeFieldOfView(const FieldOfViewVerdict& verdict
       percent(verdict.log_factor), verdict.log_factor > 0 ? "wide" : "narrow", percent(verdict.sigma), kGiven);
 }
 
+std::string DescribeYaw(const YawMeasurement& wrong) {
+  return fmt::format(
+      "telemetry: its yaw is {:.1f} degrees too {}, by the direction in which the ground moves through the image: it "
+      "is corrected, with a standard error of {:.1f} degrees",
+      std::abs(DegreesFromRadians(wrong.error_rad)), wrong.error_rad > 0 ? "large" : "small",
+      DegreesFromRadians(wrong.sigma_rad));
+}
+
+GivenOfCamera FindGiven(const TelemetryOptions& options) {
+  return {.field_of_view = options.hfov_deg.has_value(), .yaw = options.camera_yaw_deg.has_value()};
+}
+
 namespace {
 
-void CorrectFieldOfView(const FieldOfViewVerdict& verdict, const WarningSink& warn, CameraStates& cameras) {
-  if (const auto wrong = DescribeFieldOfView(verdict)) warn(*wrong);
-  cameras.CorrectFocalLength(verdict.log_factor, verdict.sigma);
+void CorrectCamera(const std::optional<CameraErrors>& errors, const GivenOfCamera& given, const WarningSink& warn,
+                   CameraStates& cameras) {
+  if (!given.field_of_view) {
+    const FieldOfViewVerdict verdict = JudgeFieldOfView(FocalOf(errors));
+    if (const auto wrong = DescribeFieldOfView(verdict)) warn(*wrong);
+    cameras.CorrectFocalLength(verdict.log_factor, verdict.sigma);
+  }
+  if (given.yaw || !errors || !errors->yaw) return;
+  const std::optional<double> error_rad = SignificantYawError(*errors->yaw);
+  if (!error_rad) return;
+  warn(DescribeYaw(*errors->yaw));
+  cameras.CorrectYaw(*error_rad);
 }
 
 // A field of view that is wrong by a factor of two and more looks as if telemetry were another flight's. False if it is
 // not the cause.
-bool ReconcileFieldOfView(const ImageMotions& motions, const TimeOffsetOptions& options, const WarningSink& warn,
-                          CameraStates& cameras) {
-  const FieldOfViewVerdict verdict = JudgeFieldOfView(MeasureFocalLength(motions, *cameras.trajectory()));
+bool ReconcileFieldOfView(const ImageMotions& motions, const TimeOffsetOptions& options, const GivenOfCamera& given,
+                          const WarningSink& warn, CameraStates& cameras) {
+  const std::optional<CameraErrors> errors = MeasureCameraErrors(motions, *cameras.trajectory());
+  const FieldOfViewVerdict verdict = JudgeFieldOfView(FocalOf(errors));
   if (verdict.log_factor == 0) return false;
   CameraStates corrected = cameras;
   corrected.CorrectFocalLength(verdict.log_factor, verdict.sigma);
   const TimeOffset offset = EstimateTimeOffset(motions, *corrected.trajectory(), options);
   if (offset.contradicted) return false;
-  CorrectFieldOfView(verdict, warn, cameras);
+  CorrectCamera(errors, given, warn, cameras);
   ShiftClockBy(offset, warn, cameras);
   return true;
 }
 
 }  // namespace
 
-Status CorrectTelemetry(const std::string& video, double impulse_fraction, bool is_given_field_of_view,
+Status CorrectTelemetry(const std::string& video, double impulse_fraction, const GivenOfCamera& given,
                         const CancelToken& cancel, const WarningSink& warn, CameraStates& cameras) {
   if (!cameras.HasStates() || cameras.is_of_photos()) return {};
   const TimeOffsetOptions options{.max_duration_s = kMaxDuration_s};
   const Expected<ImageMotions> motions = MeasureMotions(video, options, impulse_fraction, cancel);
   if (!motions) {
     if (motions.error().code == ErrorCode::kCancelled) return std::unexpected(motions.error());
-    cameras.SetClockSigma(cameras.unknown_clock_sigma_s());
+    cameras.SetClockSigma(cameras.clock_prior().sigma_s);
+    cameras.ShiftClock(cameras.clock_prior().offset_s);
     warn("telemetry: the offset of its clock is unknown: " + motions.error().message);
     return {};
   }
   const TimeOffset offset = EstimateTimeOffset(*motions, *cameras.trajectory(), options);
   if (const auto contradiction = DescribeContradiction(offset)) {
-    if (!is_given_field_of_view && ReconcileFieldOfView(*motions, options, warn, cameras)) return {};
+    if (!given.field_of_view && ReconcileFieldOfView(*motions, options, given, warn, cameras)) return {};
     cameras.Forget();
     warn(*contradiction);
     return {};
   }
   ShiftClockBy(offset, warn, cameras);
-  if (is_given_field_of_view) return {};
-  CorrectFieldOfView(JudgeFieldOfView(MeasureFocalLength(*motions, *cameras.trajectory())), warn, cameras);
+  CorrectCamera(MeasureCameraErrors(*motions, *cameras.trajectory()), given, warn, cameras);
   return {};
 }
 

@@ -52,17 +52,25 @@ TEST(UnknownClock, IsSaidWithWhatItMeansForPlaces) {
   const TangentPlane plane({RadiansFromDegrees(48), RadiansFromDegrees(11), 100});
   for (int i = 0; i < 5; ++i) states.push_back({.time_s = 0.1 * i, .place = plane.GeodeticFromEnu({1.2 * i, 0, 0})});
   const TimeOffset unknown{.status = TimeOffsetStatus::kUncertain, .sigma_s = 40};
-  const auto line = DescribeUnknownClock(unknown, states, 2);
+  const ClockPrior prior{.sigma_s = 2};
+  const auto line = DescribeUnknownClock(unknown, states, prior);
   ASSERT_TRUE(line);
   EXPECT_TRUE(line->contains("the camera's motion changes too little")) << *line;
   EXPECT_TRUE(line->contains("by 12.0 m")) << *line;
   EXPECT_TRUE(line->contains("contain 2.0 s")) << *line;
-  EXPECT_FALSE(DescribeUnknownClock(unknown, states, 0)) << "the user says that it is exact";
-  EXPECT_FALSE(DescribeUnknownClock({.offset_s = 0.001, .sigma_s = 0.01}, states, 2)) << "known";
-  EXPECT_TRUE(DescribeUnknownClock({.status = TimeOffsetStatus::kFewPairs}, states, 2)) << "a short video";
-  EXPECT_FALSE(DescribeUnknownClock({.status = TimeOffsetStatus::kNoAttitude}, states, 2)) << "no places";
+  EXPECT_FALSE(DescribeUnknownClock(unknown, states, {})) << "the user says that it is exact";
+  EXPECT_FALSE(DescribeUnknownClock({.offset_s = 0.001, .sigma_s = 0.01}, states, prior)) << "known";
+  EXPECT_TRUE(DescribeUnknownClock({.status = TimeOffsetStatus::kFewPairs}, states, prior)) << "a short video";
+  EXPECT_FALSE(DescribeUnknownClock({.status = TimeOffsetStatus::kNoAttitude}, states, prior)) << "no places";
+  const auto apart = DescribeUnknownClock(unknown, states, {.extent = TelemetryExtent::kOther, .sigma_s = 2}).value();
+  EXPECT_TRUE(apart.contains("recorded apart from the video: it covers 0.0 to 0.4 s")) << apart;
+  EXPECT_TRUE(apart.contains("telemetry.clock_sigma_apart_s")) << apart;
+  const auto displaced =
+      DescribeUnknownClock(unknown, states, {.extent = TelemetryExtent::kDisplaced, .offset_s = -1.7, .sigma_s = 0.3})
+          .value();
+  EXPECT_TRUE(displaced.contains("its clock is 1.70 s late if both begin together: -1.70 s are added")) << displaced;
   for (CameraState& state : states) state.place = states[0].place;
-  EXPECT_FALSE(DescribeUnknownClock(unknown, states, 2)) << "hovering";
+  EXPECT_FALSE(DescribeUnknownClock(unknown, states, prior)) << "hovering";
 }
 
 TEST(Contradiction, IsSaidInNumbers) {
@@ -111,6 +119,28 @@ TEST(WrongFieldOfView, IsCorrectedInAllStates) {
   EXPECT_EQ(CameraStates::Unpack(reader).At(0.5)->sigma_focal, 0.05);
 }
 
+TEST(WrongYaw, IsSaidInNumbersAndCorrectedInAllStates) {
+  const std::string line = DescribeYaw({RadiansFromDegrees(-5.04), RadiansFromDegrees(0.63)});
+  EXPECT_TRUE(line.contains("5.0 degrees too small")) << line;
+  EXPECT_TRUE(line.contains("standard error of 0.6 degrees")) << line;
+  const testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "telemetry.csv").string();
+  ASSERT_TRUE(WriteFileAtomically(path,
+                                  "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
+                                  "0,42,-71,100,358,-60,0,50\n1,42,-71,200,2,-60,0,50\n"));
+  CameraStates cameras =
+      CameraStates::Load("video.mp4", VideoInfo{}, path, {}, "no place", [](const std::string&) {}).value();
+  cameras.CorrectYaw(RadiansFromDegrees(-5));
+  EXPECT_NEAR(DegreesFromRadians(cameras.At(0)->attitude->yaw_rad), 3, 1e-6);
+  EXPECT_NEAR(DegreesFromRadians(cameras.At(0.5)->attitude->yaw_rad), 5, 1e-6);
+}
+
+TEST(WrongYaw, GivenByTheUserStays) {
+  EXPECT_FALSE(FindGiven({}).yaw);
+  EXPECT_TRUE(FindGiven({.camera_yaw_deg = 90}).yaw);
+  EXPECT_TRUE(FindGiven({.hfov_deg = 50}).field_of_view);
+}
+
 TEST(ForgottenTelemetry, GivesNoState) {
   const testing::ScratchFolder folder;
   const std::string path = (folder.path() / "telemetry.csv").string();
@@ -131,7 +161,7 @@ TEST(CorrectTelemetry, UnreadableVideoLeavesTelemetryAsItIs) {
   std::vector<std::string> warnings;
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   CameraStates none;
-  EXPECT_TRUE(CorrectTelemetry("absent.mp4", 0.01, false, CancelToken(), warn, none));
+  EXPECT_TRUE(CorrectTelemetry("absent.mp4", 0.01, {}, CancelToken(), warn, none));
   EXPECT_TRUE(warnings.empty()) << "without telemetry there is nothing to correct";
 }
 

@@ -279,7 +279,7 @@ Status Indexer::CorrectTelemetryOf(const IndexJob& job, const CancelToken& cance
   const bool is_timed = options_.video.folder_frame_rate == VideoOptions().folder_frame_rate;
   if (is_given || !is_timed || video.reader->info().live) return {};
   VICTORIOUS_RETURN_IF_ERROR(CorrectTelemetry(job.video, options_.features.impulse_fraction,
-                                              options_.telemetry.hfov_deg.has_value(), cancel, warn, video.cameras));
+                                              FindGiven(options_.telemetry), cancel, warn, video.cameras));
   if (video.cameras.start_utc_us() == video.record.start_utc_us) return {};
   VideoRecord corrected = video.record;
   corrected.start_utc_us = video.cameras.start_utc_us();

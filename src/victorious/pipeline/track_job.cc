@@ -209,7 +209,7 @@ Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span
   VICTORIOUS_ASSIGN_OR_RETURN(TrackedVideos opened, OpenVideos(videos, telemetry, options.telemetry, warn));
   for (std::size_t video = 0; options.telemetry.time_offset_s == 0 && video < videos.size(); ++video) {
     VICTORIOUS_RETURN_IF_ERROR(CorrectTelemetry(
-        videos[video], options.model.features.impulse_fraction, options.telemetry.hfov_deg.has_value(), cancel,
+        videos[video], options.model.features.impulse_fraction, FindGiven(options.telemetry), cancel,
         [&](const std::string& warning) { warn(fmt::format("{}: {}", videos[video], warning)); },
         opened.cameras[video]));
   }

@@ -351,6 +351,12 @@ void TelemetryOptions::ListFields(FieldList& fields) {
        .unit = "s",
        .reason = "sigma of the clock's offset where neither time_offset_s nor the motion of the image gives it; 0: "
                  "the clock is exact"});
+  fields.Add("clock_sigma_apart_s", clock_sigma_apart_s,
+             {.min = 0,
+              .max = 3600,
+              .unit = "s",
+              .reason = "the same, if it is larger, of telemetry that begins or ends elsewhere than the video: it was "
+                        "recorded apart, and 0.3 to 3 s are common"});
   fields.Add("max_gap_s", max_gap_s,
              {.min = 0.01,
               .max = 3600,

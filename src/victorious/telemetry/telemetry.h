@@ -25,6 +25,7 @@ struct PhotoMetadata;
 struct TelemetryOptions {
   double time_offset_s = 0;
   double clock_sigma_s = 0.3;
+  double clock_sigma_apart_s = 2;
   double max_gap_s = 2;
   std::optional<VerticalDatum> vertical_datum;  ///< of the heights; std::nullopt: as the format or the table gives it
   std::string geoid_grid;
