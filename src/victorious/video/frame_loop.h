@@ -57,8 +57,8 @@ struct FrameLoopOptions {
 
 /// How far the work on a live source is behind it. The time stamps of frames tell when each was filmed up to a common
 /// offset to this machine's clock; the frame that waited least before it was read bounds the offset. Before a frame was
-/// waited for, the first one counts as filmed when the source was opened. The clock of the source may be slower than this
-/// machine's by kMaxDrift.
+/// waited for, the first one counts as filmed when the source was opened. The clock of the source may be slower than
+/// this machine's by kMaxDrift.
 class LiveDelay {
  public:
   using Clock = std::chrono::steady_clock;
