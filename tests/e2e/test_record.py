@@ -61,7 +61,8 @@ class RecordTest(program.ProgramTest):
                 self.assertLess(abs(end_s - killed_s), 2, "until it was killed")
                 self.assertGreater(self.start_s(after), end_s)
             else:
-                self.assertAlmostEqual(end_s, self.start_s(after), delta=0.05, msg=f"{file} {after}")
+                # Times are those of arrival, which is late where the processor is busy.
+                self.assertAlmostEqual(end_s, self.start_s(after), delta=0.5, msg=f"{file} {after}")
 
     def test_bad_input(self):
         to = ("--to", self.scratch / "recordings")
