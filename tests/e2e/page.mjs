@@ -44,7 +44,7 @@ const selectedId = async (page) => Number((await page.locator(SELECTED).getAttri
 
 async function waitForFrame(page, frame) {
   await page.waitForFunction(
-    (wanted) => document.querySelector(".stage canvas")?.dataset.frame === String(wanted), frame, { timeout: 30_000 },
+    (wanted) => document.querySelector(".stage canvas")?.dataset.frame === String(wanted), frame, { timeout: 60_000 },
   );
 }
 
@@ -280,7 +280,7 @@ async function checkLostServer(page, object) {
   await page.route("**/api/v1/**", hang);
   await page.keyboard.press("x");
   const banner = page.locator(".lost");
-  await banner.waitFor({ timeout: 15_000 });
+  await banner.waitFor();
   const [lost, head] = [await banner.boundingBox(), await page.locator(".head").boundingBox()];
   assert.ok(lost.y + lost.height <= head.y + 1, "the banner covers the header");
   await page.unroute("**/api/v1/**", hang);
@@ -1310,7 +1310,7 @@ const browser = await chromium.launch({ executablePath: BROWSER, args: hasMap ? 
 try {
   const context = await browser.newContext({ baseURL: url, viewport: { width: 1280, height: 720 }, colorScheme: "dark" });
   const page = await context.newPage();
-  page.setDefaultTimeout(30_000);
+  page.setDefaultTimeout(60_000);
   const faults = [];
   page.on("pageerror", (error) => faults.push(`error on the page: ${error.message}`));
   page.on("console", (message) => {
