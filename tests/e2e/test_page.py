@@ -140,9 +140,9 @@ class PageTest(program.ProgramTest):
 
     def test_live_sources(self):
         """A transport stream by UDP, RTSP and SRT, sent as it would be filmed."""
-        flight = program.flight(100)
+        flight = program.flight(300)
         for kind in (streams.Udp, streams.Rtsp, streams.Srt):
-            with self.subTest(kind.__name__), kind(flight / "flight.ts", seconds=40) as source:
+            with self.subTest(kind.__name__), kind(flight / "flight.ts", seconds=120) as source:
                 db = self.scratch / f"{kind.__name__}.db"
                 db.touch()
                 self.drive("live", db, "--models", program.models(), inputs=(source,))
