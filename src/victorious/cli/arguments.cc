@@ -24,6 +24,7 @@
 #include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/preset.h"
+#include "victorious/store/open_store.h"
 #include "victorious/telemetry/camera_models.h"
 #include "victorious/types/vertical_datum.h"
 
@@ -119,6 +120,12 @@ void AddDb(ArgumentParser& parser, std::string& db, std::string_view description
   parser.Add("--db", db, fmt::format("{}: a file, or postgresql://USER@HOST/DATABASE", description))
       .Required()
       .TypeName("DB");
+}
+
+Status CheckSharedDatabase(const std::string& db) {
+  if (IsDatabaseUrl(db)) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", db));
 }
 
 void AddParams(ArgumentParser& parser, std::string& params, std::string_view lists) {

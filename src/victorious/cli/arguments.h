@@ -54,6 +54,9 @@ struct CameraArguments {
 /// Adds the option --db: a SQLite file or the URL of a PostgreSQL database (store/open_store.h).
 void AddDb(ArgumentParser& parser, std::string& db, std::string_view description = "The index");
 
+/// Checks that the argument of --db is a database, which workers share. Error: kInvalidArgument.
+[[nodiscard]] Status CheckSharedDatabase(const std::string& db);
+
 /// Adds the option --params. `lists` is the argument with which `victorious params` lists these parameters.
 void AddParams(ArgumentParser& parser, std::string& params, std::string_view lists);
 

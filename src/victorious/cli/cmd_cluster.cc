@@ -17,7 +17,6 @@
 #include "victorious/cluster/cluster_status.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/store/export_json.h"
-#include "victorious/store/open_store.h"
 
 namespace victorious::cli {
 namespace {
@@ -27,12 +26,6 @@ struct ClusterArguments {
   bool json = false;
   std::string source;
 };
-
-Status CheckDatabase(const std::string& db) {
-  if (IsDatabaseUrl(db)) return {};
-  return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", db));
-}
 
 nlohmann::ordered_json ToJson(const ListedTask& task) {
   const postgres::TaskRecord& record = task.record;
@@ -137,7 +130,7 @@ std::string ToText(const ListedSource& listed) {
 }
 
 Status EndSource(const ClusterArguments& arguments) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckDatabase(arguments.db));
+  VICTORIOUS_RETURN_IF_ERROR(CheckSharedDatabase(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
                               postgres::TaskQueue::Open(arguments.db, {.worker = "end", .program = {}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<postgres::TaskRecord> records, queue->ListLasting());
@@ -155,7 +148,7 @@ Status EndSource(const ClusterArguments& arguments) {
 }
 
 Status Run(const ClusterArguments& arguments) {
-  VICTORIOUS_RETURN_IF_ERROR(CheckDatabase(arguments.db));
+  VICTORIOUS_RETURN_IF_ERROR(CheckSharedDatabase(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, ClusterReader::Open(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(const ClusterStatus status, reader->Read());
   const postgres::TaskCounts& counts = status.videos;

@@ -15,7 +15,6 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cluster/live_gaps.h"
-#include "victorious/store/open_store.h"
 #include "victorious/video/stream_recorder.h"
 
 namespace victorious::cli {
@@ -90,10 +89,7 @@ class Announcer {
 };
 
 Status Run(const RecordArguments& arguments) {
-  if (!arguments.db.empty() && !IsDatabaseUrl(arguments.db)) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
-  }
+  if (!arguments.db.empty()) VICTORIOUS_RETURN_IF_ERROR(CheckSharedDatabase(arguments.db));
   Announcer announcer(arguments);
   const RecordOptions options{.folder = arguments.folder,
                               .segment_s = arguments.segment_s,

@@ -306,8 +306,7 @@ Action SetUpSubmit(ArgumentParser& parser) {
   parser
       .Add("VIDEO", arguments->videos,
            "Files or folders of frames, at the same path on all machines unless --publish; or URLs of live sources, "
-           "which "
-           "are indexed until `victorious cluster end`")
+           "which are indexed until `victorious cluster end`")
       .Required();
   parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
   parser.Add("--categories", arguments->categories, "A category model, searched for as well").TypeName("FILE");

@@ -60,10 +60,7 @@ postgres::TaskChoice ChoiceOf(const WorkArguments& arguments) {
 }
 
 Status Run(const WorkArguments& arguments) {
-  if (!IsDatabaseUrl(arguments.db)) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--db {}: workers share a database: give postgresql://USER@HOST/DATABASE", arguments.db));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(CheckSharedDatabase(arguments.db));
   if (arguments.live && arguments.until_empty) {
     return Fail(ErrorCode::kInvalidArgument, "--live and --until-empty: live sources have no end: leave one out");
   }
