@@ -1300,6 +1300,25 @@ async function tabs(page) {
   assert.equal(streams.length, 2);
 }
 
+/** A note is typed before the browser has drawn what was selected: no letter is lost, none is a command. */
+async function notes(page) {
+  await page.addInitScript(() => {
+    window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 3000);
+  });
+  await page.goto("/");
+  await page.waitForSelector(SELECTED);
+  for (const [key, text] of [["j", "next to a shed"], ["k", "an axle is missing"], ["j", "next to an axle"]]) {
+    const before = await selectedId(page);
+    await page.keyboard.press(key);
+    await page.keyboard.press("n");
+    await page.keyboard.type(text);
+    await page.keyboard.press("Escape");
+    const id = await selectedId(page);
+    assert.notEqual(id, before);
+    await until(page, `/objects/${id}`, ({ review }) => review?.note === text && review.verdict === null);
+  }
+}
+
 const [scenario, url, ...inputs] = process.argv.slice(2);
 if (!existsSync(BROWSER)) {
   console.log(`SKIPPED: ${BROWSER} is not installed`);
@@ -1322,7 +1341,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, link, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow, tabs }[scenario](page, inputs);
+  await { triage, link, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow, tabs, notes }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

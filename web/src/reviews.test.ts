@@ -133,17 +133,17 @@ describe("a review that is not stored yet", () => {
     logIn("ann");
     const id = await show([]);
     server.putReview.mockRejectedValueOnce(new ApiFailure("away", 0));
-    reviews.review(id, "accepted", "ann's");
+    reviews.note(id, "ann's");
     await settle();
     logIn("bob");
-    reviews.review(id, "rejected", "bob's");
+    reviews.note(id, "bob's");
     await settle();
-    expect(sent()[1]).toEqual([id, "rejected", "bob's", "bob"]);
+    expect(sent()[1]).toEqual([id, null, "bob's", "bob"]);
     expect(own(id, "ann")?.note).toBe("ann's");
     expect(objects.pendingReviews.value.has(id)).toBe(true);
     logIn("ann");
     await vi.advanceTimersByTimeAsync(5000);
-    expect(sent()[2]).toEqual([id, "accepted", "ann's", "ann"]);
+    expect(sent()[2]).toEqual([id, null, "ann's", "ann"]);
   });
 
   it("without accounts is sent in the name that made it", async () => {

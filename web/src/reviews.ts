@@ -116,9 +116,16 @@ function canReview() {
   return isAllowed;
 }
 
-export function review(id: number, verdict: Verdict, note?: string) {
+export function review(id: number, verdict: Verdict) {
   if (!objects.objectOf(id) || !canReview()) return;
-  void change([id], (before) => ({ ...before, verdict, note: note ?? before.note }));
+  void change([id], (before) => ({ ...before, verdict }));
+}
+
+/** Stores a note beside what the reader decided, if it is another one than before. */
+export function note(id: number, text: string) {
+  const object = objects.objectOf(id);
+  if (!object || text === (ownDecision(object, me.peek())?.note ?? "") || !canReview()) return;
+  void change([id], (before) => ({ ...before, note: text }));
 }
 
 /** Replaces what the reader decided about objects; one step of undo. Returns whether what to replace was known. */

@@ -242,12 +242,17 @@ function ReviewPanel({ object }: { object: FoundObject }) {
   const isKnown = all !== null || isOwnKnown(object, me.value);
   const verdict = own?.verdict ?? null;
   const stored = own?.note ?? "";
-  const [note, setNote] = useState(stored);
-  useEffect(() => setNote(stored), [object.id, stored]);
+  // What is typed belongs to the object that was selected as it was typed.
+  const [draft, setDraft] = useState<{ id: number; note: string } | null>(null);
   const isPending = objects.pendingReviews.value.has(object.id);
   const canReview = state.project.value.state === "ready" && state.project.value.value.can_review;
   const save = () => {
-    if (note !== stored) reviews.review(object.id, verdict, note);
+    if (draft !== null) reviews.note(draft.id, draft.note);
+    setDraft(null);
+  };
+  const type = (note: string) => {
+    if (draft !== null && draft.id !== object.id) save();
+    setDraft({ id: object.id, note });
   };
   // The same as the keys. A button that was clicked does not keep the focus: Space plays.
   const decide = (chosen: "accepted" | "rejected") => (event: MouseEvent) => {
@@ -291,9 +296,10 @@ function ReviewPanel({ object }: { object: FoundObject }) {
         class="field"
         placeholder="Note (N)"
         maxLength={2000}
-        disabled={!canReview || !isKnown}
-        value={note}
-        onInput={(event) => setNote(event.currentTarget.value)}
+        disabled={!canReview}
+        readOnly={!isKnown}
+        value={draft?.id === object.id ? draft.note : stored}
+        onInput={(event) => type(event.currentTarget.value)}
         onBlur={save}
       />
       <div class="status" role="status">
