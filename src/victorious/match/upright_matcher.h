@@ -7,7 +7,8 @@
 // keypoints that is nearest to its centre, sorted by orientation relative to the vertical's image there. A template
 // keypoint is compared with the list of its cell, in the ranges of allowed rotations: with some 300 of 6,000 scene
 // keypoints. The nearest four by shortened descriptors (kernels/short_nearest.h) are found, and of them the nearest k
-// by whole descriptors (docs/adr/0018). A list is made at the first use.
+// by whole descriptors, unless these are too different to be of one point (docs/adr/0018). A list is made at the first
+// use.
 #pragma once
 
 #include <array>
@@ -41,7 +42,7 @@ class UprightMatcher {
   /// max_turn_rad more or less than the lean there.
   /// @param nearest  k, the maximum number of scene keypoints per template keypoint, 1 to 4
   /// @return in the order of the templates; sorted by template keypoint, then by rank, which counts compared keypoints
-  ///         only. Fewer than k where fewer are allowed.
+  ///         only. Fewer than k where fewer are allowed or similar enough.
   /// Cost: 8-bit products: keypoints x scene / 4 x (fraction of allowed rotations) x 32.
   [[nodiscard]] std::vector<std::vector<RankedMatch>> Match(std::span<const UprightTemplate> templates,
                                                             double max_turn_rad, int nearest) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -15,12 +16,12 @@ namespace {
 
 float RandomAngle(Random& random) { return static_cast<float>(2 * kPi * random.Uniform() - kPi); }
 
-// The descriptors lie on few levels, so that many scene keypoints are nearly equally near.
+// The descriptors lie on few levels, so that many scene keypoints are nearly equally near, and none too far.
 FeatureSet RandomFeatures(Random& random, std::size_t count) {
   FeatureSet features;
   for (std::size_t i = 0; i < count; ++i) features.keypoints.push_back({1, 1, 2, RandomAngle(random)});
   features.descriptors.resize(count * kDescriptorSize);
-  for (std::uint8_t& byte : features.descriptors) byte = static_cast<std::uint8_t>(random.Below(90));
+  for (std::uint8_t& byte : features.descriptors) byte = static_cast<std::uint8_t>(random.Below(70));
   return features;
 }
 
@@ -90,6 +91,26 @@ TEST(UprightMatcher, RanksByWholeDescriptors) {
   ASSERT_EQ(matches.size(), 2U);
   EXPECT_EQ(matches[0], (RankedMatch{40, 0, 1}));
   EXPECT_EQ(matches[1], (RankedMatch{20, 0, 2}));
+}
+
+// Descriptors of the norm 512 at an angle of 42 degrees are just near enough.
+TEST(UprightMatcher, DropsDissimilarDescriptors) {
+  for (const auto& [turned, count] : {std::pair{339, 1U}, {347, 0U}}) {
+    FeatureSet scene;
+    scene.keypoints.push_back({1, 1, 2, 0});
+    scene.descriptors.resize(kDescriptorSize);
+    FeatureSet model = scene;
+    // 16 values of 128, and the same turned towards 16 others.
+    for (std::size_t i = 0; i < 16; ++i) {
+      model.descriptors[i] = 128;
+      scene.descriptors[i] = static_cast<std::uint8_t>(std::lround(std::sqrt(512.0 * 512 - turned * turned) / 4));
+      scene.descriptors[16 + i] = static_cast<std::uint8_t>(std::lround(turned / 4.0));
+    }
+    const ShortenedFeatures shortened(model.View());
+    const UprightTemplate view = shortened.View();
+    const std::vector<float> lean_rad(1, 0.0F);
+    EXPECT_EQ(UprightMatcher(scene.View(), lean_rad).Match({&view, 1}, 1, 1).front().size(), count) << turned;
+  }
 }
 
 // A list is limited; in a large scene the nearest are kept, whatever their orientation.
