@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto fits = victorious::UnpackHypothesisFits(bytes)) {
     if (fits->relative) CheckPlace(*fits->relative);
     if (fits->absolute) CheckPlace(*fits->absolute);
-    if (fits->on_level) CheckPlace(fits->on_level->place);
+    if (fits->on_level) CheckPlace(fits->on_level->place.relative);
     CheckBytes(Pack(*fits), bytes);
   }
   if (const auto flight = victorious::UnpackFlightFits(bytes)) CheckBytes(Pack(*flight), bytes);
@@ -65,7 +65,8 @@ std::vector<std::string> FuzzSeeds() {
   const HypothesisFits fits{
       .relative = driving,
       .absolute = placed,
-      .on_level = HypothesisFits::LevelFit{.level = {.altitude_m = 200, .sigma_m = 1.5}, .place = driving},
+      .on_level = HypothesisFits::LevelFit{.level = {.altitude_m = 200, .sigma_m = 1.5},
+                                           .place = {.relative = driving, .absolute = moving}},
       .tracklet = HypothesisFits::Tracklet{.summary = {.log_odds = 1.5, .recognitions = 2, .observations = 4},
                                            .frames = {0, 1, 500, 100'000}}};
   const FlightFits flight{.errors = {.heading = HeadingError{.error_rad = 0.1, .objects = 3},

@@ -9,8 +9,8 @@
 #include <span>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/associate/fits.h"
 #include "victorious/associate/flight_fusion.h"
@@ -62,15 +62,6 @@ std::optional<Level> LevelUnder(const ObjectHypothesis& driving, std::span<const
   return Level{samples.back().altitude_m, 1 / std::sqrt(total)};
 }
 
-// The absolute place: the relative one of the flight with its full common errors, which are those of `absolute` beyond
-// those of `relative`.
-Geolocation WithCommonErrors(Geolocation place, const Geolocation& relative, const Geolocation& absolute) {
-  place.covariance_enu_m2 += absolute.covariance_enu_m2 - relative.covariance_enu_m2;
-  if (Eigen::LLT<Eigen::Matrix3d>(place.covariance_enu_m2).info() != Eigen::Success)
-    place.covariance_enu_m2 = absolute.covariance_enu_m2;
-  return PropagatePlace(place, place.time_s);
-}
-
 // The hypotheses of each flight, by video.
 using Flights = std::map<std::int64_t, std::vector<const ObjectHypothesis*>>;
 
@@ -89,11 +80,11 @@ FlightPlace EstimateInFlight(ObjectHypothesis& part, std::span<const ObjectHypot
   if (fits.options().ground || !absolute.HasPath() || part.estimate.path_size != absolute.path_size) return result;
   const std::optional<Level> level = LevelUnder(part, of_its_flight, fits.options());
   if (!level) return result;
-  const ObjectPlace placed = fits.OnLevel(part, *level);
-  if (placed.path_size != absolute.path_size) return result;
-  absolute.place = WithCommonErrors(*placed.place, *part.estimate.place, *absolute.place);
-  result.relative.place = placed.place;
-  result.relative.path = {*placed.place};
+  const LevelPlace placed = fits.OnLevel(part, *level);
+  if (!placed.absolute) return result;
+  absolute.place = placed.absolute;
+  result.relative.place = placed.relative.place;
+  result.relative.path = {*placed.relative.place};
   return result;
 }
 
@@ -125,6 +116,7 @@ ObjectHypothesis JoinParts(const ObjectParts& parts, const Flights& flights, Fit
 std::vector<ObjectInFlight> CollectObjectsInFlight(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
   std::vector<ObjectInFlight> objects;
   std::vector<ObjectHypothesis*> of_objects;
+  objects.reserve(hypotheses.size());
   for (ObjectHypothesis& hypothesis : hypotheses) {
     std::optional<ObjectInFlight> object = MakeObjectInFlight(hypothesis, fits);
     if (!object) continue;
@@ -187,6 +179,45 @@ void Score(const ObjectHypothesis& hypothesis, double tests, const ObjectOptions
   object.evidence_json = ToJsonText(evidence);
 }
 
+// By its own evidence.
+ObjectRecord MakeObject(const ObjectHypothesis& hypothesis, double tests, const ObjectOptions& options) {
+  ObjectRecord object{.id = hypothesis.tracklets[0]->record.id,
+                      .model = hypothesis.tracklets[0]->record.model,
+                      .place = hypothesis.estimate.place,
+                      .heading_rad = hypothesis.estimate.heading_rad};
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) object.tracklets.push_back(tracklet->record.id);
+  std::string reason = PlaceRejectionReason(hypothesis.estimate, CountObservations(hypothesis), options);
+  if (!reason.empty()) RejectPlace(std::move(reason), object);
+  if (!hypothesis.tracklets[0]->is_category && IsInsignificant(hypothesis, object.place.has_value(), tests, options)) {
+    object.rejected = fmt::format(
+        "not significant: as strong a false detection is expected by chance in {:.0f} frames of one model", tests);
+  }
+  return object;
+}
+
+// Rejects and scores each of them, but for what other objects say beyond the heights of their videos.
+std::vector<ObjectRecord> JudgeEach(std::span<const ObjectHypothesis> hypotheses, const SearchCounts& searches,
+                                    const ObjectOptions& options) {
+  std::vector<ObjectRecord> objects(hypotheses.size());
+  std::vector<double> tests(hypotheses.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t i) {
+    tests[i] = searches.TestsOf(hypotheses[i]);
+    objects[i] = MakeObject(hypotheses[i], tests[i], options);
+  });
+  HeightStatistics heights;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectPlace& estimate = hypotheses[i].estimate;
+    if (objects[i].place && objects[i].rejected.empty() && estimate.size_ratio && !estimate.HasPath())
+      heights.Add(hypotheses[i], objects[i].place->point.altitude_m);
+  }
+  const std::map<std::int64_t, double> median_heights_m = heights.Medians();
+  oneapi::tbb::parallel_for(std::size_t{0}, objects.size(), [&](std::size_t i) {
+    RejectFloating(hypotheses[i], median_heights_m, options, objects[i]);
+    Score(hypotheses[i], tests[i], options, objects[i]);
+  });
+  return objects;
+}
+
 }  // namespace
 
 std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
@@ -205,35 +236,11 @@ std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* c
   Flights flights;
   for (const ObjectHypothesis& hypothesis : of_flights) flights[VideoOf(hypothesis)].push_back(&hypothesis);
 
-  std::vector<ObjectRecord> objects;
-  HeightStatistics heights;
+  const std::vector<ObjectParts> all_parts = MergeAcrossFlights(of_flights, fits);
   std::vector<ObjectHypothesis> joined;
-  for (const ObjectParts& parts : MergeAcrossFlights(of_flights, fits))
-    joined.push_back(JoinParts(parts, flights, fits));
-  for (const ObjectHypothesis& hypothesis : joined) {
-    ObjectRecord object{.id = hypothesis.tracklets[0]->record.id,
-                        .model = hypothesis.tracklets[0]->record.model,
-                        .place = hypothesis.estimate.place,
-                        .heading_rad = hypothesis.estimate.heading_rad};
-    for (const ObservedTracklet* tracklet : hypothesis.tracklets) object.tracklets.push_back(tracklet->record.id);
-    std::string reason = PlaceRejectionReason(hypothesis.estimate, CountObservations(hypothesis), options);
-    if (!reason.empty()) RejectPlace(std::move(reason), object);
-    if (!hypothesis.tracklets[0]->is_category &&
-        IsInsignificant(hypothesis, object.place.has_value(), searches.TestsOf(hypothesis), options)) {
-      object.rejected = fmt::format(
-          "not significant: as strong a false detection is expected by chance in {:.0f} frames of one model",
-          searches.TestsOf(hypothesis));
-    }
-    if (object.place && object.rejected.empty() && hypothesis.estimate.size_ratio && !hypothesis.estimate.HasPath()) {
-      heights.Add(hypothesis, object.place->point.altitude_m);
-    }
-    objects.push_back(std::move(object));
-  }
-  const std::map<std::int64_t, double> median_heights_m = heights.Medians();
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    RejectFloating(joined[i], median_heights_m, options, objects[i]);
-    Score(joined[i], searches.TestsOf(joined[i]), options, objects[i]);
-  }
+  joined.reserve(all_parts.size());
+  for (const ObjectParts& parts : all_parts) joined.push_back(JoinParts(parts, flights, fits));
+  std::vector<ObjectRecord> objects = JudgeEach(joined, searches, options);
   RejectOverlapping(objects, by_id, overlaps);
   RejectCoincident(objects, by_id);
   std::ranges::sort(objects, {}, &ObjectRecord::id);

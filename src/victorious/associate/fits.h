@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "victorious/associate/object_hypothesis.h"
@@ -20,6 +21,12 @@ struct Level {
   bool operator==(const Level&) const = default;
 };
 
+/// A place on the ground at a level.
+struct LevelPlace {
+  ObjectPlace relative;                 ///< as Fits::Relative(); `path` may be missing
+  std::optional<Geolocation> absolute;  ///< with all errors of the flight; std::nullopt unless it moves as Absolute()
+};
+
 /// Makes each fit, of a hypothesis of one flight, when it is asked for. Not thread-safe.
 class Fits {
  public:
@@ -34,8 +41,9 @@ class Fits {
   /// The place with all errors of its flight. `path` may be missing.
   [[nodiscard]] virtual ObjectPlace Absolute(const ObjectHypothesis& hypothesis);
 
-  /// The place as Relative(), on ground at this height. `path` may be missing.
-  [[nodiscard]] virtual ObjectPlace OnLevel(const ObjectHypothesis& hypothesis, const Level& level);
+  /// The place on ground at this height.
+  /// @param hypothesis  with its estimate and its absolute place, both of which have a path
+  [[nodiscard]] virtual LevelPlace OnLevel(const ObjectHypothesis& hypothesis, const Level& level);
 
   /// The path of Relative(), where that has one.
   [[nodiscard]] virtual std::vector<Geolocation> Path(const ObjectHypothesis& hypothesis);

@@ -98,6 +98,10 @@ KeptFits::Entry& KeptFits::EntryOf(const FitKey& key) {
   return entry;
 }
 
+KeptFits::Entry& KeptFits::EntryOf(const ObjectHypothesis& hypothesis) {
+  return hypothesis.tracklets.size() == 1 ? *known_.at(ObjectId(hypothesis)).entry : EntryOf(KeyOf(hypothesis));
+}
+
 void KeptFits::DropContent() {
   for (auto& [id, known] : known_) {
     if (!std::exchange(known.has_content, false)) continue;
@@ -191,9 +195,10 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
   const std::int64_t video = tracklets.front().record.video;
   const std::string context = context_.value_or("");  // the keys of fits that are not kept count in this run only
   std::string flight_text = fmt::format("flight {} ", context);
+  std::vector<std::string> texts;
   for (ObservedTracklet& tracklet : tracklets) {
     known_[tracklet.record.id] = {.tracklet = &tracklet};
-    flight_text += TextOf(tracklet);
+    flight_text += texts.emplace_back(TextOf(tracklet));
   }
   // What the sightings of the flight as a whole say.
   const FitKey flight_key{tracklets.front().record.id, ChecksumOf(flight_text)};
@@ -227,8 +232,9 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
   for (std::size_t i = 0; i < tracklets.size(); ++i) {
     ObservedTracklet& tracklet = tracklets[i];
     Known& known = known_.at(tracklet.record.id);
-    known.key = ChecksumOf(context + TextOf(tracklet) + errors_text);
+    known.key = ChecksumOf(context + texts[i] + errors_text);
     Entry& entry = EntryOf({tracklet.record.id, known.key});
+    known.entry = &entry;
     if (entry.fits->relative && entry.fits->absolute && entry.fits->tracklet) continue;
     if (!known.has_content) VICTORIOUS_RETURN_IF_ERROR(ReadTracklet(known));
     missing.push_back({&tracklet, comparisons.empty() ? RangeComparison() : comparisons[i], &entry});
@@ -244,56 +250,52 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
     Note({id, known_.at(id).key}, *made.entry);
   }
   if (!noted_.empty()) StoreIfDue();
-  for (ObservedTracklet& tracklet : tracklets) {
-    const FitKey key{tracklet.record.id, known_.at(tracklet.record.id).key};
-    tracklet.summary = entries_.at(key).fits->tracklet->summary;
-  }
+  for (ObservedTracklet& tracklet : tracklets)
+    tracklet.summary = known_.at(tracklet.record.id).entry->fits->tracklet->summary;
   return status_;
 }
 
 ObjectPlace KeptFits::Relative(const ObjectHypothesis& hypothesis) {
-  const FitKey key = KeyOf(hypothesis);
-  Entry& entry = EntryOf(key);
+  Entry& entry = EntryOf(hypothesis);
   if (entry.fits->relative) return *entry.fits->relative;
   if (!EnsureContent(hypothesis)) return {};
   ObjectPlace place = Fits::Relative(hypothesis);
   if (place.HasPath()) entry.path = Pack(place.path);
   entry.fits->relative = WithoutPath(place);
-  Note(key, entry);
+  Note(KeyOf(hypothesis), entry);
   StoreIfDue();
   return place;
 }
 
 ObjectPlace KeptFits::Absolute(const ObjectHypothesis& hypothesis) {
-  const FitKey key = KeyOf(hypothesis);
-  Entry& entry = EntryOf(key);
+  Entry& entry = EntryOf(hypothesis);
   if (entry.fits->absolute) return *entry.fits->absolute;
   if (!EnsureContent(hypothesis)) return {};
   entry.fits->absolute = WithoutPath(Fits::Absolute(hypothesis));
-  Note(key, entry);
+  Note(KeyOf(hypothesis), entry);
   StoreIfDue();
   return *entry.fits->absolute;
 }
 
-ObjectPlace KeptFits::OnLevel(const ObjectHypothesis& hypothesis, const Level& level) {
-  const FitKey key = KeyOf(hypothesis);
-  Entry& entry = EntryOf(key);
+LevelPlace KeptFits::OnLevel(const ObjectHypothesis& hypothesis, const Level& level) {
+  Entry& entry = EntryOf(hypothesis);
   if (entry.fits->on_level && entry.fits->on_level->level == level) return entry.fits->on_level->place;
   if (!EnsureContent(hypothesis)) return {};
-  entry.fits->on_level = {.level = level, .place = WithoutPath(Fits::OnLevel(hypothesis, level))};
-  Note(key, entry);
+  LevelPlace placed = Fits::OnLevel(hypothesis, level);
+  placed.relative = WithoutPath(std::move(placed.relative));
+  entry.fits->on_level = {.level = level, .place = std::move(placed)};
+  Note(KeyOf(hypothesis), entry);
   StoreIfDue();
   return entry.fits->on_level->place;
 }
 
 std::vector<Geolocation> KeptFits::Path(const ObjectHypothesis& hypothesis) {
-  const FitKey key = KeyOf(hypothesis);
-  const Entry& entry = EntryOf(key);
+  const Entry& entry = EntryOf(hypothesis);
   std::optional<std::vector<Geolocation>> path;
   if (!entry.path.empty()) {
     path = UnpackPath(entry.path);
   } else if (entry.is_stored && status_) {
-    const Expected<std::vector<std::byte>> bytes = store_.FindKeptPath(key);
+    const Expected<std::vector<std::byte>> bytes = store_.FindKeptPath(KeyOf(hypothesis));
     if (!bytes) {
       status_ = std::unexpected(bytes.error());
       return {};
@@ -305,7 +307,7 @@ std::vector<Geolocation> KeptFits::Path(const ObjectHypothesis& hypothesis) {
 }
 
 const std::vector<std::int64_t>& KeptFits::Frames(const ObservedTracklet& tracklet) {
-  return entries_.at({tracklet.record.id, known_.at(tracklet.record.id).key}).fits->tracklet->frames;
+  return known_.at(tracklet.record.id).entry->fits->tracklet->frames;
 }
 
 void KeptFits::AddChanges(ObjectUpdate& update) const {

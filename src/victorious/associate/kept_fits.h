@@ -54,7 +54,7 @@ class KeptFits final : public Fits {
   // After a failure of the store they return an estimate without a place; see status().
   [[nodiscard]] ObjectPlace Relative(const ObjectHypothesis& hypothesis) override;
   [[nodiscard]] ObjectPlace Absolute(const ObjectHypothesis& hypothesis) override;
-  [[nodiscard]] ObjectPlace OnLevel(const ObjectHypothesis& hypothesis, const Level& level) override;
+  [[nodiscard]] LevelPlace OnLevel(const ObjectHypothesis& hypothesis, const Level& level) override;
   [[nodiscard]] std::vector<Geolocation> Path(const ObjectHypothesis& hypothesis) override;
   [[nodiscard]] const std::vector<std::int64_t>& Frames(const ObservedTracklet& tracklet) override;
 
@@ -78,7 +78,8 @@ class KeptFits final : public Fits {
   };
   struct Known {
     ObservedTracklet* tracklet = nullptr;
-    std::int64_t key = 0;  ///< of its content
+    std::int64_t key = 0;    ///< of its content
+    Entry* entry = nullptr;  ///< of it alone, from AddFlight on
     bool has_content = false;
   };
 
@@ -86,6 +87,7 @@ class KeptFits final : public Fits {
 
   [[nodiscard]] FitKey KeyOf(const ObjectHypothesis& hypothesis) const;
   [[nodiscard]] Entry& EntryOf(const FitKey& key);
+  [[nodiscard]] Entry& EntryOf(const ObjectHypothesis& hypothesis);
   void DropContent();
   [[nodiscard]] Status ReadContent(const SightingFilter& filter);
   /// Reads the sightings of a tracklet, and corrects them.

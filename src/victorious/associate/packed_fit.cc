@@ -206,7 +206,8 @@ std::vector<std::byte> Pack(const HypothesisFits& fits) {
   if (writer.PutHas(fits.on_level)) {
     writer.Put(fits.on_level->level.altitude_m);
     writer.Put(fits.on_level->level.sigma_m);
-    PutPlace(fits.on_level->place, writer);
+    PutPlace(fits.on_level->place.relative, writer);
+    if (writer.PutHas(fits.on_level->place.absolute)) PutGeolocation(*fits.on_level->place.absolute, writer);
   }
   if (writer.PutHas(fits.tracklet)) {
     const TrackletSummary& summary = fits.tracklet->summary;
@@ -236,7 +237,9 @@ std::optional<HypothesisFits> UnpackHypothesisFits(std::span<const std::byte> by
     HypothesisFits::LevelFit& fit = fits.on_level.emplace();
     fit.level.altitude_m = reader.GetNumber(-kMaxAltitude_m, kMaxAltitude_m);
     fit.level.sigma_m = reader.GetNumber(kMinPositive);
-    fit.place = GetPlace(reader);
+    fit.place.relative = GetPlace(reader);
+    if (reader.GetHas()) fit.place.absolute = GetGeolocation(reader);
+    if (fit.place.absolute && !fit.place.relative.HasPath()) reader.Fail();
   }
   if (reader.GetHas()) {
     HypothesisFits::Tracklet& tracklet = fits.tracklet.emplace();

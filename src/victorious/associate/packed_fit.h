@@ -21,7 +21,7 @@ struct HypothesisFits {
   std::optional<ObjectPlace> absolute;
   struct LevelFit {
     Level level;
-    ObjectPlace place;
+    LevelPlace place;
   };
   std::optional<LevelFit> on_level;
 

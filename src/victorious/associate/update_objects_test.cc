@@ -341,7 +341,9 @@ TEST(PackedFit, IsReadAsItWasWritten) {
   const HypothesisFits fits{
       .relative = ObjectPlace{.place = place, .path_size = 300, .heading_rad = 0.25, .inlier_fraction = 0.5},
       .absolute = std::nullopt,
-      .on_level = HypothesisFits::LevelFit{.level = {200, 1.5}, .place = {.size_ratio = 2}},
+      .on_level =
+          HypothesisFits::LevelFit{.level = {200, 1.5},
+                                   .place = {.relative = {.place = place, .path_size = 300}, .absolute = place}},
       .tracklet = HypothesisFits::Tracklet{.summary = {1.5, 2, 4}, .frames = {0, 1, 500, 100'000}}};
   const std::vector<std::byte> bytes = Pack(fits);
   const auto read = UnpackHypothesisFits(bytes);
@@ -351,6 +353,8 @@ TEST(PackedFit, IsReadAsItWasWritten) {
   EXPECT_EQ(read->relative->place->velocity_enu, place.velocity_enu);
   EXPECT_EQ(read->relative->path_size, 300U);
   EXPECT_EQ(read->on_level->level, (Level{200, 1.5}));
+  EXPECT_EQ(read->on_level->place.relative.path_size, 300U);
+  EXPECT_EQ(read->on_level->place.absolute->ce90_m, 7);
   EXPECT_EQ(read->tracklet->frames, fits.tracklet->frames);
   for (std::size_t size = 0; size < bytes.size(); ++size)
     EXPECT_FALSE(UnpackHypothesisFits(std::span(bytes).first(size))) << size;
@@ -374,7 +378,8 @@ class DamagedPackedFitTest : public ::testing::Test {
 
   static bool IsRead(const ObjectPlace& place) {
     const bool is_relative = UnpackHypothesisFits(Pack(HypothesisFits{.relative = place})).has_value();
-    const HypothesisFits on_level{.on_level = HypothesisFits::LevelFit{.level = {200, 1.5}, .place = place}};
+    const HypothesisFits on_level{
+        .on_level = HypothesisFits::LevelFit{.level = {200, 1.5}, .place = {.relative = place, .absolute = {}}}};
     EXPECT_EQ(UnpackHypothesisFits(Pack(on_level)).has_value(), is_relative);
     return is_relative;
   }

@@ -34,12 +34,20 @@ class EllipseProbability {
     return sum / kSteps;
   }
 
-  /// The derivative of Within(radius).
-  [[nodiscard]] double Density(double radius) const {
+  /// Within(radius), and its derivative.
+  struct Value {
+    double probability = 0;
+    double density = 0;
+  };
+  [[nodiscard]] Value At(double radius) const {
     double sum = 0;
-    for (const double double_square : double_squares_)
-      sum += 2 * radius / double_square * std::exp(-radius * radius / double_square);
-    return sum / kSteps;
+    double density_sum = 0;
+    for (const double double_square : double_squares_) {
+      const double outside = std::expm1(-radius * radius / double_square);
+      sum -= outside;
+      density_sum += (1 + outside) / double_square;
+    }
+    return {.probability = sum / kSteps, .density = 2 * radius * density_sum / kSteps};
   }
 
  private:
@@ -75,8 +83,8 @@ Interval FindRadius(const EllipseProbability& ellipse, double probability, doubl
   constexpr double kRounding = 1e-13;  // of a probability; some 1e-15 in fact
   double radius = most;
   for (int step = 0; step < kMaxSteps; ++step) {
-    const double off = ellipse.Within(radius) - probability;
-    const double density = ellipse.Density(radius);
+    const auto [within, density] = ellipse.At(radius);
+    const double off = within - probability;
     if (!(density > 0)) break;
     if (std::abs(off) < kRounding) return {radius - 4 * kRounding / density, radius + 4 * kRounding / density};
     radius -= off / density;
