@@ -382,6 +382,23 @@ class ClusterTest(program.ProgramTest):
                 self.assertGreater(len(self.rows()), 3)
                 self.refuses(2, "no such live source", "cluster", "end", source, "--db", self.url)
 
+    def test_password_of_a_camera_is_not_shown(self):
+        with streams.Rtsp(program.flight(600) / "flight.ts", seconds=60) as shown:
+            self.submit(shown.replace("rtsp://", "rtsp://ann:secret@"))
+            worker = self.start_worker("--live", "--lease", 6)
+            self.wait_until(lambda: self.rows())
+            self.assertEqual(self.source()["source"], shown)
+            said = [self.succeeds("cluster", "status", "--db", self.url, *json).out for json in ([], ["--json"])]
+            self.refuses(2, "no such live source", "cluster", "end", f"{shown}2", "--db", self.url)
+            self.succeeds("cluster", "end", shown, "--db", self.url)
+            self.wait_until(lambda: not self.status()["sources"])
+            worker.send_signal(signal.SIGINT)
+            said.append(worker.communicate(timeout=program.TIMEOUT_S)[1])
+        said += [self.exported(self.url, form) for form in ("objects", "sightings")]
+        for text in said:
+            self.assertIn(shown, text)
+            self.assertNotIn("secret", text)
+
     def test_gap_of_a_live_source_is_searched_from_its_recording(self):
         with streams.Broadcast(program.flight(600) / "flight.ts", seconds=60) as source:
             self.submit(source)

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "victorious/base/credentials.h"
 #include "victorious/base/enum_text.h"
 #include "victorious/base/json.h"
 #include "victorious/base/one_line.h"
@@ -29,7 +30,9 @@ constexpr auto kEventKindTexts = std::to_array<EnumText<EventKind>>({{EventKind:
                                                                      {EventKind::kVideoLeft, "video_left"},
                                                                      {EventKind::kVideoCut, "video_cut"}});
 
-std::string EventText(const std::string& text) { return OneLine(text.substr(0, kMaxEventTextBytes)); }
+std::string EventText(const std::string& text) {
+  return OneLine(WithoutCredentials(text).substr(0, kMaxEventTextBytes));
+}
 
 Json NewEvent(EventKind kind) { return {{"event", ToText(kEventKindTexts, kind)}}; }
 

@@ -31,6 +31,13 @@ TEST(ProgramEvents, LinesAreThoseOfTheFormat) {
   EXPECT_EQ(FormatEvent(VideoCutEvent{"x", 3}), R"({"event":"video_cut","video":"x","cut":3})");
 }
 
+TEST(ProgramEvents, HaveNoCredentials) {
+  EXPECT_EQ(FormatEvent(WarningEvent{"rtsp://ann:secret@host/one: no packet"}),
+            R"({"event":"warning","message":"rtsp://host/one: no packet"})");
+  EXPECT_EQ(FormatEvent(VideoLeftEvent{"srt://host:1?passphrase=secret"}),
+            R"({"event":"video_left","video":"srt://host:1?…"})");
+}
+
 TEST(ProgramEvents, ComeBackAsTheyWereWritten) {
   for (const ProgramEvent& event : std::initializer_list<ProgramEvent>{
            ProgressEvent{.label = "a \"b\"\\", .done = 12, .total = 40, .unit = "frames", .elapsed_s = 0.1},

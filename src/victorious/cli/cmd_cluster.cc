@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/credentials.h"
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 #include "victorious/cli/arguments.h"
@@ -134,17 +135,21 @@ Status EndSource(const ClusterArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
                               postgres::TaskQueue::Open(arguments.db, {.worker = "end", .program = {}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<postgres::TaskRecord> records, queue->ListLasting());
-  int ended = 0;
+  std::vector<std::int64_t> as_shown;
   for (const postgres::TaskRecord& record : records) {
     const Expected<IndexTask> work = FromQueue(record.kind, record.payload);
-    if (!work || work->video != arguments.source) continue;
-    VICTORIOUS_RETURN_IF_ERROR(queue->End(record.id));
-    ++ended;
+    if (!work) continue;
+    if (work->video == arguments.source) return queue->End(record.id);
+    if (WithoutCredentials(work->video) == arguments.source) as_shown.push_back(record.id);
   }
-  if (ended > 0) return {};
-  return Fail(
-      ErrorCode::kNotFound,
-      fmt::format("{}: no such live source is indexed; `victorious cluster status` lists them", arguments.source));
+  if (as_shown.size() == 1) return queue->End(as_shown.front());
+  if (as_shown.empty()) {
+    return Fail(
+        ErrorCode::kNotFound,
+        fmt::format("{}: no such live source is indexed; `victorious cluster status` lists them", arguments.source));
+  }
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: {} live sources are shown so: give the whole address",
+                                                       arguments.source, as_shown.size()));
 }
 
 Status Run(const ClusterArguments& arguments) {
@@ -202,7 +207,7 @@ Action SetUpCluster(ArgumentParser& parser) {
   status.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
   status.AddFlag("--json", arguments->json, "Print one JSON object");
   ArgumentParser end = parser.AddCommand("end", "End the indexing of a live source");
-  end.Add("URL", arguments->source, "Its address, as it was submitted").Required();
+  end.Add("URL", arguments->source, "Its address, as it was submitted or as `status` shows it").Required();
   end.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
   return [=] { return end.IsGiven() ? EndSource(*arguments) : Run(*arguments); };
 }

@@ -16,6 +16,7 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/credentials.h"
 #include "victorious/base/json.h"
 #include "victorious/base/version.h"
 #include "victorious/calibrate/field_of_view.h"
@@ -255,6 +256,7 @@ Expected<Report> DescribeIndex(const std::string& db) {
                                  CountText(models.size(), "model"), CountText(objects.size(), "object"));
   ordered_json listed = ordered_json::array();
   for (const VideoRecord& video : videos) {
+    const std::string name = WithoutCredentials(video.name);
     std::string state;
     ordered_json searches = ordered_json::array();
     for (const ModelRecord& model : models) {
@@ -267,9 +269,9 @@ Expected<Report> DescribeIndex(const std::string& db) {
                           {"next_frame", search ? search->next_frame : 0},
                           {"finished", search && search->finished}});
     }
-    text += fmt::format("  {}: {} x {} px{}\n{}", video.name, video.width, video.height,
+    text += fmt::format("  {}: {} x {} px{}\n{}", name, video.width, video.height,
                         video.frame_count ? ", " + CountText(*video.frame_count, "frame") : "", state);
-    listed.push_back({{"name", video.name},
+    listed.push_back({{"name", name},
                       {"width", video.width},
                       {"height", video.height},
                       {"frames", video.frame_count ? ordered_json(*video.frame_count) : ordered_json()},

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "victorious/base/credentials.h"
 #include "victorious/base/utc.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/store/postgres/migrations.h"
@@ -17,7 +18,7 @@ namespace {
 
 std::string NameOf(std::int64_t video, const std::vector<VideoRecord>& videos) {
   const auto found = std::ranges::find(videos, video, &VideoRecord::id);
-  return found == videos.end() ? "?" : found->name;
+  return found == videos.end() ? "?" : WithoutCredentials(found->name);
 }
 
 // How far the searches of each video are, by its name.
@@ -80,6 +81,8 @@ Expected<std::vector<ListedSource>> ClusterReader::ReadSources() {
       listed.behind_s = std::max(0.0, static_cast<double>(NowUtcMicroseconds() - end_us) / 1e6);
       listed.gaps = GapsBetween(covered);
     }
+    listed.source = WithoutCredentials(listed.source);
+    listed.record.reason = WithoutCredentials(listed.record.reason);
     sources.push_back(std::move(listed));
   }
   return sources;
@@ -97,6 +100,7 @@ Expected<ClusterStatus> ClusterReader::Read() {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<QuarantinedSegment> quarantined, segments_->Quarantined());
   for (postgres::TaskRecord& record : records) {
     const Expected<IndexTask> work = FromQueue(record.kind, record.payload);
+    record.reason = WithoutCredentials(record.reason);
     ListedTask task{.record = std::move(record), .video = work ? work->video : "", .frames = {}, .next_frame = {}};
     if (work && work->part) task.frames = work->part->frames;
     status.tasks.push_back(std::move(task));
@@ -114,6 +118,7 @@ Expected<ClusterStatus> ClusterReader::Read() {
       if (const auto found = next_frames.find(task.video); found != next_frames.end()) task.next_frame = found->second;
     }
   }
+  for (ListedTask& task : status.tasks) task.video = WithoutCredentials(task.video);
   for (const CoverageGap& gap : gaps) status.gaps.push_back({NameOf(gap.video, videos), gap});
   for (const QuarantinedSegment& one : quarantined) status.quarantined.push_back({NameOf(one.video, videos), one});
   // Into how many segments the queued videos will be cut is not known.

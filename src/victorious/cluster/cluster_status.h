@@ -1,6 +1,7 @@
 // What workers do: numbers of tasks, rate, time left, what runs and what failed, frames that were left out, and which
 // times of live sources were searched. Input:
-// an index in a database. Output: a value for `victorious cluster status` and for the page.
+// an index in a database. Output: a value for `victorious cluster status` and for the page, without the credentials of
+// live sources.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +49,7 @@ struct UtcInterval {
 /// A live source that is to be indexed.
 struct ListedSource {
   postgres::TaskRecord record;
-  std::string source;                  ///< its address; empty: not a valid task
+  std::string source;                  ///< its address (base/credentials.h); empty: not a valid task
   std::optional<UtcInterval> covered;  ///< from the first frame that was searched to the last one
   std::optional<double> behind_s;      ///< since the last one; std::nullopt: none was
   std::vector<UtcInterval> gaps;       ///< times in between that were not searched, in order

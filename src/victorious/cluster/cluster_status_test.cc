@@ -93,6 +93,21 @@ TEST_F(PostgresClusterStatusTest, SaysWhatIsKnownOfALiveSource) {
   EXPECT_THAT(status.tasks, IsEmpty());
 }
 
+TEST_F(PostgresClusterStatusTest, HidesTheCredentialsOfSources) {
+  const std::string source = "rtsp://ann:secret@host/one";
+  SubmitLive(source);
+  const auto task = queue_->Claim().value();
+  ASSERT_TRUE(queue_->Release(*task, {}, source + ": no packet for 10 s"));
+  const VideoRecord video = store_->PutVideo({.content_id = "live", .name = source}).value();
+  const std::int64_t now_us = NowUtcMicroseconds();
+  ASSERT_TRUE(store_->Commit({.covered = {{video.id, 0, source, now_us - 1'000'000, now_us}}}));
+  const ClusterStatus status = ClusterReader::Open(url_).value()->Read().value();
+  ASSERT_THAT(status.sources, SizeIs(1));
+  EXPECT_EQ(status.sources[0].source, "rtsp://host/one");
+  EXPECT_EQ(status.sources[0].record.reason, "rtsp://host/one: no packet for 10 s");
+  EXPECT_TRUE(status.sources[0].covered) << "the times are those of the whole address";
+}
+
 TEST_F(PostgresClusterStatusTest, NamesTheVideosOfGaps) {
   const auto reader = ClusterReader::Open(url_).value();
   const VideoRecord video = store_->PutVideo({.content_id = "a", .name = "/a.mp4"}).value();

@@ -8,7 +8,6 @@
 #include "victorious/base/json.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_response.h"
-#include "victorious/serve/live_address.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious {
@@ -32,7 +31,7 @@ Json SourcesToJson(const std::vector<ListedSource>& sources) {
     Json gaps = Json::array();
     for (const UtcInterval& gap : one.gaps) gaps.push_back(UtcToJson(gap));
     rows.push_back({{"id", one.record.id},
-                    {"source", WithoutCredentials(one.source)},
+                    {"source", one.source},
                     {"state", ToText(one.record.state)},
                     {"attempt", one.record.attempt},
                     {"worker", one.record.worker},
@@ -40,7 +39,7 @@ Json SourcesToJson(const std::vector<ListedSource>& sources) {
                     {"covered", one.covered ? UtcToJson(*one.covered) : Json()},
                     {"behind_s", OrNull(one.behind_s)},
                     {"gaps", std::move(gaps)},
-                    {"reason", WithoutCredentials(one.record.reason)}});
+                    {"reason", one.record.reason}});
   }
   return rows;
 }

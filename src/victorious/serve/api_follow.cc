@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/credentials.h"
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_response.h"
 #include "victorious/serve/job_body.h"
-#include "victorious/serve/live_address.h"
 
 namespace victorious {
 namespace {

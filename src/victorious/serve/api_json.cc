@@ -8,13 +8,13 @@
 #include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/credentials.h"
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 #include "victorious/base/version.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/drawn_video.h"
 #include "victorious/serve/job_runner.h"
-#include "victorious/serve/live_address.h"
 #include "victorious/store/listed_object.h"
 
 namespace victorious {

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/base/credentials.h"
 #include "victorious/base/file.h"
 #include "victorious/image/image_file.h"
-#include "victorious/serve/live_address.h"
 #include "victorious/video/frame_times.h"
 
 namespace victorious {

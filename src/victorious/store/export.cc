@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/check.h"
+#include "victorious/base/credentials.h"
 #include "victorious/base/enum_text.h"
 #include "victorious/base/json.h"
 #include "victorious/store/catalogue.h"
@@ -39,7 +40,7 @@ Json SightingJson(const SightingRecord& sighting, const VideoRecord& video, cons
   return {{"object_id", sighting.object},
           {"model", model.IsCategory() ? Json() : Json(model.name)},
           {"category", model.IsCategory() ? Json(model.name) : Json()},
-          {"video", video.name},
+          {"video", WithoutCredentials(video.name)},
           {"frame", sighting.frame},
           {"time_s", TimeJson(sighting.time_s)},
           {"box", BoxJson(sighting.box)},
