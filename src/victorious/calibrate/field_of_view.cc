@@ -187,9 +187,12 @@ class Fit {
     return std::isfinite(best);
   }
 
-  // Gauss-Newton with robust scales of the six components; false if the unknowns leave what is possible.
+  // Gauss-Newton with robust scales of the six components; false if the unknowns leave what is possible, or explain the
+  // motion no better than telemetry as it is: scales that grow and shrink with the residuals may lead away from a slew
+  // that telemetry does not follow.
   bool Refine() {
     constexpr int kRounds = 30;
+    const double misfit_before_px = Misfit();
     for (int round = 0; round < kRounds; ++round) {
       if (!Linearise()) return false;
       SetScales();
@@ -206,11 +209,16 @@ class Fit {
     }
     const CommonMatrix covariance = Eigen::LDLT<CommonMatrix>(normal_).solve(CommonMatrix::Identity());
     variances_ = covariance.diagonal();
-    return covariance.allFinite() && variances_.minCoeff() > 0;
+    return covariance.allFinite() && variances_.minCoeff() > 0 && Misfit() <= misfit_before_px;
   }
 
   [[nodiscard]] FocalMeasurement Focal() const {
     return {.log_factor = unknowns_[kFocal] * kFocalPrior, .sigma = std::sqrt(variances_[kFocal]) * kFocalPrior};
+  }
+
+  // The one with the largest part of what is known of the focal length.
+  [[nodiscard]] std::size_t InformativeSecond() const {
+    return static_cast<std::size_t>(std::ranges::max_element(focal_information_) - focal_information_.begin());
   }
 
   // Without its prior; std::nullopt if that is nearly all that is known.
@@ -240,6 +248,17 @@ class Fit {
       }
       sum += best;
       heights_per_m_.push_back(best_per_m);
+    }
+    return sum;
+  }
+
+  // The sum of the residuals; infinite where no flow is possible.
+  [[nodiscard]] double Misfit() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < seconds_.size(); ++i) {
+      const auto flow = model_.Predict(seconds_[i], unknowns_, heights_per_m_[i]);
+      if (!flow) return std::numeric_limits<double>::infinity();
+      sum += (*flow - seconds_[i].seen).norm();
     }
     return sum;
   }
@@ -295,6 +314,7 @@ class Fit {
     normal_.setIdentity();
     right_ = -unknowns_;
     heights_.assign(seconds_.size(), {});
+    focal_information_.assign(seconds_.size(), 0);
     for (std::size_t i = 0; i < seconds_.size(); ++i) {
       HeightEquation& height = heights_[i];
       for (int c = 0; c < scales_px_.size(); ++c) {
@@ -307,9 +327,11 @@ class Fit {
         height.own += weight * own * own;
         height.common += weight * own * row;
         height.right += weight * own * residuals_[i][c];
+        focal_information_[i] += weight * row[kFocal] * row[kFocal];
       }
       normal_ -= height.common * height.common.transpose() / height.own;
       right_ -= height.common * (height.right / height.own);
+      focal_information_[i] -= height.common[kFocal] * height.common[kFocal] / height.own;
     }
   }
 
@@ -322,7 +344,8 @@ class Fit {
   Flow scales_px_ = Flow::Ones();
   CommonMatrix normal_;
   Unknowns right_;
-  std::vector<HeightEquation> heights_;  // one a second
+  std::vector<HeightEquation> heights_;    // one a second
+  std::vector<double> focal_information_;  // one a second
   Unknowns variances_ = Unknowns::Zero();
 };
 
@@ -412,9 +435,18 @@ std::optional<CameraErrors> MeasureCameraErrors(const ImageMotions& seen, const 
                                     RadiansFromDegrees(12),
                                     RadiansFromDegrees(-18),
                                     RadiansFromDegrees(18)};
+  const std::span yaws_rad = std::span(kYaws_rad).first(is_straight ? kYaws_rad.size() : 1);
   Fit fit(model, seconds);
-  if (!fit.Start(std::span(kYaws_rad).first(is_straight ? kYaws_rad.size() : 1)) || !fit.Refine()) return std::nullopt;
-  return CameraErrors{.focal = fit.Focal(), .yaw = is_straight ? fit.Yaw() : std::nullopt};
+  if (!fit.Start(yaws_rad) || !fit.Refine()) return std::nullopt;
+  CameraErrors errors{.focal = fit.Focal(), .yaw = is_straight ? fit.Yaw() : std::nullopt};
+  // A fast slew that telemetry follows late, or the tracker not at all, outweighs minutes of steady flight.
+  std::vector<Second> others = seconds;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(fit.InformativeSecond()));
+  Fit rest(model, others);
+  const bool is_known = rest.Start(yaws_rad) && rest.Refine();
+  const double change = is_known ? errors.focal.log_factor - rest.Focal().log_factor : kFocalPrior;
+  errors.focal.sigma = std::hypot(errors.focal.sigma, change);
+  return errors;
 }
 
 std::optional<double> SignificantYawError(const YawMeasurement& measured) {

@@ -167,6 +167,42 @@ TEST(FocalLength, IsUnknownWithNoisyTelemetry) {
   EXPECT_FALSE(measured(0, 2));
 }
 
+// It looks at one point, then quickly turns to another.
+CameraState Staring(double time_s) {
+  const Vector3d place(25 * time_s, -2000, 3000);
+  const Vector3d to = Vector3d(std::clamp(time_s - 11, 0.0, 1.0) * 900, 0, 0) - place;
+  return Above(place, DegreesFromRadians(std::atan2(to.x(), to.y())),
+               DegreesFromRadians(std::atan2(to.z(), to.head<2>().norm())), time_s);
+}
+
+std::optional<FocalMeasurement> MeasureStaring(const ImageMotions& seen, double late_s) {
+  const auto late = [&](double time_s) {
+    CameraState state = Staring(time_s - late_s);
+    state.time_s = time_s;
+    return state;
+  };
+  return MeasureFocalLength(seen, Recorded(late, 0));
+}
+
+// One second decides, and telemetry is late by less than its clock is known.
+TEST(FocalLength, IsNotKnownByOneSlewAlone) {
+  EXPECT_EQ(JudgeFieldOfView(MeasureStaring(Film(Staring), 0.06)).log_factor, 0);
+}
+
+// In the slew the tracker sees something else: the fit went to a focal length 16 times as long, with worse residuals
+// than telemetry's.
+TEST(FocalLength, IsNotThatOfAFitThatLeavesTheMotion) {
+  for (const double across : {-0.1, -0.03, 0.03, 0.1}) {
+    ImageMotions seen = Film(Staring);
+    for (ImageMotion& motion : seen.motions) {
+      if (motion.from_s < 11) continue;
+      motion.flow->centre_px *= 0.8;
+      motion.flow->gradient << across, -across, across / 3, across / 2;
+    }
+    EXPECT_EQ(JudgeFieldOfView(MeasureStaring(seen, 0)).log_factor, 0) << across;
+  }
+}
+
 TEST(FocalLength, NeedsTelemetryAndFourSeconds) {
   EXPECT_FALSE(MeasureFocalLength(Film(SideLooking), CameraTrajectory({}, 2)));
   ImageMotions seen = Film(SideLooking);
