@@ -1,9 +1,11 @@
 #include "victorious/model/model_library.h"
 
 #include <algorithm>
+#include <cerrno>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include "victorious/store/model_file.h"
 
@@ -28,6 +30,21 @@ Status CheckName(std::string_view name) {
                                                        name, kMaxNameLength));
 }
 
+// OK if files can be written into the folder, or into one that it can be made in.
+Status CheckWritable(const fs::path& folder) {
+  for (fs::path at = folder; !at.empty(); at = at.parent_path()) {
+    std::error_code error;
+    const fs::file_status status = fs::status(at, error);
+    if (!fs::exists(status)) continue;
+    if (!fs::is_directory(status)) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: is a file: give a folder of models", at.string()));
+    }
+    if (access(at.c_str(), W_OK) != 0) return std::unexpected(ErrorFromErrno(errno, at.string()));
+    break;
+  }
+  return {};
+}
+
 }  // namespace
 
 fs::path ModelLibrary::PathOf(std::string_view name) const { return folder_ / fmt::format("{}{}", name, kSuffix); }
@@ -40,7 +57,7 @@ Status ModelLibrary::CheckNewName(std::string_view name) const {
         ErrorCode::kAlreadyExists,
         fmt::format("model {} is already in {}: choose another name, or remove it first", name, folder_.string()));
   }
-  return {};
+  return CheckWritable(folder_);
 }
 
 Status ModelLibrary::Add(const ObjectModel& model) const {

@@ -18,7 +18,7 @@ class ModelLibrary {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
   /// OK if a model of this name can be added. Errors: kInvalidArgument, the name is not a file name of letters, digits,
-  /// '.', '_', '-'; kAlreadyExists, the library has a model of this name.
+  /// '.', '_', '-', or the folder is a file; kAlreadyExists, the library has a model of this name; kPermissionDenied.
   [[nodiscard]] Status CheckNewName(std::string_view name) const;
 
   /// Writes the model; creates the folder if it does not exist. Errors: those of CheckNewName() and of writing.

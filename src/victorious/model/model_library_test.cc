@@ -92,6 +92,18 @@ TEST(ModelLibrary, NamesMustBeFileNames) {
   EXPECT_TRUE(library.CheckNewName(std::string(100, 'a')));
 }
 
+// Before minutes of rendering.
+TEST(ModelLibrary, AFileIsNoFolderOfModels) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(WriteFileAtomically(folder / "notes.txt", "notes"));
+  for (const fs::path& path : {folder / "notes.txt", folder / "notes.txt" / "models"}) {
+    const Status status = ModelLibrary(path).CheckNewName("crate");
+    ASSERT_FALSE(status) << path;
+    ExpectError(status.error(), ErrorCode::kInvalidArgument, "notes.txt: is a file");
+  }
+  EXPECT_TRUE(ModelLibrary(folder / "new" / "models").CheckNewName("crate"));
+}
+
 TEST(ModelLibrary, DuplicateNameIsRefusedAndTheModelKept) {
   const ScratchFolder folder;
   const ModelLibrary library(folder.path());
@@ -160,7 +172,7 @@ TEST(ModelLibrary, ErrorNamesMissingFolder) {
   std::ofstream(folder / "file") << "not a folder";
   const Status added = ModelLibrary(folder / "file").Add(MakeModel("crate"));
   ASSERT_FALSE(added);
-  ExpectError(added.error(), ErrorCode::kNotFound, (folder / "file").string());
+  ExpectError(added.error(), ErrorCode::kInvalidArgument, (folder / "file").string());
 }
 
 }  // namespace
