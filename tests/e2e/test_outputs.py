@@ -123,6 +123,21 @@ class OutputsTest(program.ProgramTest):
         self.assertEqual((copied["copy"], copied["frames"]), (str(copy), program.FRAMES))
         (sheet,) = self.succeeds("sheet", "--db", self.db, "--out", image, "--json").rows()
         self.assertEqual((sheet["image"], (sheet["width"], sheet["height"])), (str(image), png_size(image)))
+        features = self.scratch / "x.txt"
+        (found,) = self.succeeds("features", image, "--out", features, "--json").rows()
+        self.assertEqual((found["file"], found["features"]), (str(features), len(features.read_text().splitlines()) - 1))
+        self.assertGreater(found["seconds"], 0)
+
+    def test_json_of_export(self):
+        counts = {form: len(self.succeeds("export", "--db", self.db, "--format", form).out.splitlines())
+                  for form in ("objects", "sightings")}  # fmt: skip
+        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg", "video"):
+            out = self.scratch / ("said.mp4" if form == "video" else f"said.{form}")
+            (said,) = self.succeeds("export", "--db", self.db, "--format", form, "--out", out, "--json").rows()
+            self.assertTrue(out.exists())
+            self.assertEqual(said, {"file": str(out), "format": form, **counts, "placed_objects": said["placed_objects"]})
+            self.assertLessEqual(said["placed_objects"], counts["objects"])
+        self.refuses(2, "--out", "export", "--db", self.db, "--format", "objects", "--json")
 
     def test_footage_is_kept_by_simulate(self):
         footage = self.scratch / "flight"

@@ -1,12 +1,17 @@
-// victorious export --db DB --format FORMAT
+// victorious export --db DB --format FORMAT [--json]
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "victorious/base/check.h"
+#include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -26,6 +31,25 @@ struct ClipArguments {
   std::optional<double> margin_s;
   std::string telemetry;
 };
+
+// Prints what was exported to a file: the objects that match the filter, those of them that have a place (a map's), and
+// the sightings of both.
+Status PrintExported(const std::string& out, std::string_view format, const SightingFilter& filter, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
+  std::int64_t sightings = 0;
+  VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&&) {
+    ++sightings;
+    return true;
+  }));
+  const auto placed =
+      std::ranges::count_if(objects, [](const ObjectRecord& object) { return object.place.has_value(); });
+  const nlohmann::ordered_json line = {{"file", out},
+                                       {"format", format},
+                                       {"objects", objects.size()},
+                                       {"placed_objects", placed},
+                                       {"sightings", sightings}};
+  return WriteOutput("", DumpJson(line) + "\n");
+}
 
 // Draws the sightings into a copy of their video, or into a clip of it.
 Status ExportVideo(const std::string& out, const SightingFilter& filter, const ClipArguments& clip, IndexStore& store,
@@ -99,6 +123,7 @@ Action SetUpExport(ArgumentParser& parser) {
     std::string out;
     FilterArguments filter;
     ClipArguments clip;
+    bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
   AddDb(parser, arguments->db);
@@ -120,13 +145,20 @@ Action SetUpExport(ArgumentParser& parser) {
   parser.Add("--telemetry", arguments->clip.telemetry, "With --clip: telemetry of the video (default: as for index)")
       .Needs(clip)
       .TypeName("FILE");
+  parser.AddFlag(
+      "--json", arguments->json,
+      "With --out: print one JSON object: the file, its numbers of objects, of those with a place, of sightings");
   AddForce(parser);
   return [=]() -> Status {
+    if (arguments->json && (arguments->out.empty() || arguments->out == "-")) {
+      return Fail(ErrorCode::kInvalidArgument, "--json: says what was written to a file: give --out FILE");
+    }
     if (arguments->format == kVideoFormat) {
       VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
       VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
       VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
-      return ExportVideo(arguments->out, filter, arguments->clip, *store, parser);
+      VICTORIOUS_RETURN_IF_ERROR(ExportVideo(arguments->out, filter, arguments->clip, *store, parser));
+      return arguments->json ? PrintExported(arguments->out, arguments->format, filter, *store) : Status();
     }
     if (arguments->clip.margin_s) {
       return Fail(ErrorCode::kInvalidArgument, "--clip: is for --format video, which writes a video");
@@ -150,7 +182,8 @@ Action SetUpExport(ArgumentParser& parser) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, *store));
       if (!unplaced.empty()) LogInfo(OneLine(unplaced));
     }
-    return WriteOutput(arguments->out, text.view());
+    VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments->out, text.view()));
+    return arguments->json ? PrintExported(arguments->out, arguments->format, filter, *store) : Status();
   };
 }
 

@@ -1,8 +1,11 @@
-// victorious features IMAGE --out FILE
+// victorious features IMAGE --out FILE [--json]
+#include <chrono>
 #include <memory>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "victorious/base/json.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -17,6 +20,7 @@ struct FeaturesArguments {
   std::string out;
   std::string engine;
   std::string params;
+  bool json = false;
 };
 
 Status Run(const FeaturesArguments& arguments, const ArgumentParser& parser) {
@@ -27,7 +31,9 @@ Status Run(const FeaturesArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"engine", "--engine"}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options));
   VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(arguments.image));
+  const auto start = std::chrono::steady_clock::now();
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor->Extract(GreyFromBgr(image.bgr)));
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   fmt::memory_buffer text;
   fmt::format_to(std::back_inserter(text), "{} {}\n", features.size(), kDescriptorSize);
   for (std::size_t i = 0; i < features.size(); ++i) {
@@ -38,7 +44,14 @@ Status Run(const FeaturesArguments& arguments, const ArgumentParser& parser) {
       fmt::format_to(std::back_inserter(text), " {}", value);
     text.push_back('\n');
   }
-  return WriteOutput(arguments.out, {text.data(), text.size()});
+  VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, {text.data(), text.size()}));
+  if (!arguments.json) return {};
+  const nlohmann::ordered_json line = {{"image", arguments.image},
+                                       {"file", arguments.out},
+                                       {"engine", options.engine},
+                                       {"features", features.size()},
+                                       {"seconds", took.count()}};
+  return WriteOutput("", DumpJson(line) + "\n");
 }
 
 }  // namespace
@@ -54,6 +67,8 @@ Action SetUpFeatures(ArgumentParser& parser) {
   parser.Add("--engine", arguments->engine, "The feature engine").TypeName("NAME");
   parser.Add("--params", arguments->params, "Parameters, JSON (`victorious params features` lists them)")
       .TypeName("FILE");
+  parser.AddFlag("--json", arguments->json,
+                 "Print one JSON object: the file, the number of features, the seconds that their extraction took");
   AddForce(parser);
   return [=] { return Run(*arguments, parser); };
 }
