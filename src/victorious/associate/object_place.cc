@@ -359,7 +359,35 @@ std::optional<SizeRatio> EstimateSizeRatio(std::span<const BearingObservation> o
   return CompareWithRanges(MakeLines(observations, locate.line), locate, options.min_inlier_fraction);
 }
 
-ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,
+namespace {
+
+// The observations whose heading is reversed: half of a vehicle looks like its other half, and a pose on the wrong half
+// is off by half a length. No vehicle turns so far from one sighting to the next. Empty if too many are for the others
+// to be right.
+std::vector<std::size_t> FindReversed(std::span<const BearingObservation> observations) {
+  constexpr double kMaxTurn_rad = RadiansFromDegrees(120);
+  constexpr double kMaxGap_s = 2;
+  std::vector<std::size_t> reversed;
+  std::size_t headings = 0;
+  std::optional<double> last_rad;
+  double last_s = 0;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const std::optional<double>& heading_rad = observations[i].heading_rad;
+    if (!heading_rad) continue;
+    ++headings;
+    const double time_s = observations[i].line.time_s;
+    const bool turned =
+        last_rad && time_s - last_s < kMaxGap_s && std::abs(WrapAngle(*heading_rad - *last_rad)) > kMaxTurn_rad;
+    if (turned) reversed.push_back(i);
+    last_rad = *heading_rad + (turned ? kPi : 0);
+    last_s = time_s;
+  }
+  constexpr std::size_t kMinHeadingsOfOne = 4;
+  if (kMinHeadingsOfOne * reversed.size() > headings) reversed.clear();
+  return reversed;
+}
+
+ObjectPlace EstimateOfAll(std::span<const BearingObservation> observations, const ObjectOptions& options,
                           double common_fraction, const std::optional<std::optional<SizeRatio>>& size_ratio) {
   ObjectPlace result;
   if (observations.empty()) return result;
@@ -395,6 +423,25 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
   }
   result.heading_rad = EstimateHeadingMode(headings);
   CountConsistent(observations, headings_at_end, fix, result);
+  return result;
+}
+
+}  // namespace
+
+ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,
+                          double common_fraction, const std::optional<std::optional<SizeRatio>>& size_ratio) {
+  const std::vector<std::size_t> reversed = FindReversed(observations);
+  if (reversed.empty()) return EstimateOfAll(observations, options, common_fraction, size_ratio);
+  std::vector<BearingObservation> others;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (!std::ranges::binary_search(reversed, i)) others.push_back(observations[i]);
+  }
+  ObjectPlace result = EstimateOfAll(others, options, common_fraction, size_ratio);
+  const double fraction = static_cast<double>(others.size()) / static_cast<double>(observations.size());
+  result.inlier_fraction *= fraction;
+  result.consistent_fraction *= fraction;
+  result.headings += static_cast<std::int64_t>(reversed.size());
+  result.contradicting_headings += static_cast<std::int64_t>(reversed.size());
   return result;
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -126,6 +128,25 @@ TEST(ObjectPlace, DriftedObservationsHaveLessWeight) {
     }
   };
   EXPECT_GE(Coverage(drifted), 0.8);
+}
+
+// Half of a vehicle looks like its other half: where it leaves the image, the pose may be turned and half a length off.
+TEST(ObjectPlace, ReversedHeadingsDoNotPlace) {
+  std::vector<BearingObservation> observations = SimulateFlyby(3);
+  for (BearingObservation& observation : observations) observation.heading_rad = 1;
+  const ObjectPlace right = EstimatePlace(observations, Exact(), 1);
+  for (BearingObservation& last : std::span(observations).last(8)) {
+    last.heading_rad = 1 + kPi;
+    last.line.azimuth_rad += 0.05;
+    *last.line.range_m += 3;
+  }
+  const ObjectPlace place = EstimatePlace(observations, Exact(), 1);
+  ASSERT_TRUE(place.place);
+  EXPECT_LT(TangentPlane(right.place->point).EnuFromGeodetic(place.place->point).norm(), 0.5);
+  EXPECT_NEAR(*place.heading_rad, 1, 1e-6);
+  EXPECT_EQ(place.contradicting_headings, 8);
+  EXPECT_EQ(place.headings, static_cast<std::int64_t>(observations.size()));
+  EXPECT_LT(place.inlier_fraction, 1);
 }
 
 TEST(ObjectPlace, ResidualCombinesLineAndRange) {
