@@ -85,14 +85,14 @@ class ReadOnlyTest(program.ProgramTest):
     def test_unreadable_files(self):
         secret = self.write("secret/photo.png", CRATE.read_bytes())
         secret.chmod(0)
+        for folder in (self.scratch, self.folder):
+            folder.chmod(0o777)  # else this is what is refused
         for arguments in (
             ("model", "add", "x", secret, "--models", self.folder / "models"),
             ("index", secret, "--models", MODELS, "--db", self.scratch / "index.db"),
             ("search", "--db", secret),
         ):
             with self.subTest(arguments[0]):
-                if arguments[0] == "index":
-                    self.scratch.chmod(0o777)
                 self.refuses(1, secret, *arguments, **AS_NOBODY)
 
 
