@@ -134,6 +134,23 @@ class RunsTest(program.ProgramTest):
         self.refuses(2, "wrong.csv", "index", VIDEO, "--models", MODELS, "--db", self.db, "--telemetry", table)
         self.assertEqual(self.files(), before)
 
+    def test_parameters_that_an_older_version_did_not_have(self):
+        self.index(VIDEO)
+        with sqlite3.connect(self.db) as connection:
+            for number, text in connection.execute("SELECT id, json FROM options").fetchall():
+                options = json.loads(text)
+                if "telemetry" not in options:
+                    continue
+                del options["telemetry"]["clock_sigma_apart_s"], options["keep"]
+                connection.execute("UPDATE options SET json = ? WHERE id = ?", (json.dumps(options), number))
+        found = self.rows()
+        self.index(VIDEO)
+        self.assertEqual(self.rows(), found)
+        refused = ("index", VIDEO, "--models", MODELS, "--db", self.db)
+        params = self.write("params.json", json.dumps({"telemetry": {"clock_sigma_apart_s": 3}}))
+        self.refuses(2, "telemetry.clock_sigma_apart_s was null, is 3", *refused, "--params", params)
+        self.refuses(2, "--to was not given, is 1", *refused, "--to", "1")
+
     def test_quality(self):
         fast = self.index(VIDEO, "--quality", "fast")
         self.assertIn("7 frames searched", fast.err)

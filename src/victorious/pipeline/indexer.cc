@@ -83,9 +83,23 @@ struct StoredParameters {
   }
 };
 
+// Whether a search may go on with other texts of its parameters: those that the program did not have when it began are
+// what they are by default.
+bool IsContinuation(const std::string& before, const std::string& now, const std::string& defaults) {
+  if (before == now) return true;
+  const Expected<nlohmann::json> a = ParseStrictJson(before);
+  const Expected<nlohmann::json> b = ParseStrictJson(now);
+  const Expected<nlohmann::json> c = ParseStrictJson(defaults);
+  if (!a || !b || !c || !a->is_object() || !b->is_object() || !c->is_object()) return false;
+  auto began_with = c->flatten();
+  began_with.update(a->flatten());
+  return began_with == b->flatten();
+}
+
 // Fails if a model was searched for with other parameters, before anything is changed.
+// @param defaults  what they are if nothing is set
 Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>& sought, const StoredParameters& now,
-                       IndexStore& store) {
+                       const StoredParameters& defaults, IndexStore& store) {
   const auto refuse = [&](const std::string& before, const std::string& wanted) {
     return Fail(
         ErrorCode::kInvalidArgument,
@@ -94,9 +108,8 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
             "search it again",
             video.name, DescribeDifference(before, wanted)));
   };
-  if (!video.features_json.empty() && video.features_json != now.features) {
+  if (!video.features_json.empty() && !IsContinuation(video.features_json, now.features, defaults.features))
     return refuse(video.features_json, now.features);
-  }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
   for (const ModelRecord& record : stored) {
     const bool is_searched = std::ranges::any_of(sought, [&](const ModelRecord& one) {
@@ -104,7 +117,8 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
     });
     if (!is_searched) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record.id));
-    if (before && before->options_json != now.Of(record)) return refuse(before->options_json, now.Of(record));
+    if (before && !IsContinuation(before->options_json, now.Of(record), defaults.Of(record)))
+      return refuse(before->options_json, now.Of(record));
   }
   return {};
 }
@@ -339,14 +353,17 @@ Expected<std::vector<Indexer::PlannedPass>> Indexer::PlanPasses(const IndexJob& 
                                                                 const std::vector<ModelRecord>& models_before,
                                                                 IndexStore& store, const WarningSink& warn) const {
   const SearchIntervals& intervals = video.intervals;
-  const StoredParameters parameters{SearchOptionsText(options_, intervals.models, job),
-                                    SearchOptionsText(options_, intervals.categories, job),
-                                    OptionsToJsonText(MakeKeptFeatureOptions(options_.features))};
+  const auto parameters_of = [&](const IndexOptions& options, const IndexJob& of_job) {
+    return StoredParameters{SearchOptionsText(options, intervals.models, of_job),
+                            SearchOptionsText(options, intervals.categories, of_job),
+                            OptionsToJsonText(MakeKeptFeatureOptions(options.features))};
+  };
+  const StoredParameters parameters = parameters_of(options_, job);
   if (job.redo) {
     // The frames to be kept, and their features, may now be others.
     VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.record.id));
   } else {
-    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(video.record, targets_, parameters, store));
+    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(video.record, targets_, parameters, parameters_of({}, {}), store));
   }
   std::map<std::int64_t, PlannedPass> passes;  // by first frame
   for (std::size_t t = 0; t < targets_.size(); ++t) {
