@@ -9,11 +9,16 @@ import tiles
 
 
 class PageTest(page.PageTest):
-    def test_triage(self):
+    def index_placed(self):
+        """An index of the drawn flight, with places of its objects."""
         video = self.scratch / "flight.mp4"
         shutil.copy(program.flight() / "flight.mp4", video)
         db = self.index(video)
         self.place_objects(db, video)
+        return db
+
+    def test_triage(self):
+        db = self.index_placed()
         self.drive("triage", db, "--models", program.models())
 
     def test_links(self):
@@ -25,20 +30,14 @@ class PageTest(page.PageTest):
 
     def test_accessible(self):
         """axe finds nothing in the main states."""
-        video = self.scratch / "flight.mp4"
-        shutil.copy(program.flight() / "flight.mp4", video)
-        db = self.index(video)
-        self.place_objects(db, video)
+        db = self.index_placed()
         models = self.scratch / "models"
         shutil.copytree(program.models(), models)
         self.drive("accessible", db, "--models", models)
 
     def test_tablet(self):
         """Narrow windows, and a laptop's at 200 %."""
-        video = self.scratch / "flight.mp4"
-        shutil.copy(program.flight() / "flight.mp4", video)
-        db = self.index(video)
-        self.place_objects(db, video)
+        db = self.index_placed()
         self.drive("narrow", db, "--models", program.models())
 
     def test_videos(self):

@@ -12,25 +12,24 @@ DRAW_NUMBERS = program.path_from_environment("VICTORIOUS_DRAW_NUMBERS")
 
 
 class PageTest(page.PageTest):
+    def index_numbers(self, name):
+        """An index of a video in whose frames their numbers are drawn."""
+        video, db = self.scratch / name, self.scratch / f"{name}.db"
+        subprocess.run([DRAW_NUMBERS, video], check=True)
+        self.succeeds("index", video, "--models", program.models(), "--db", db)
+        return db
+
     def test_overlay_belongs_to_its_frame(self):
         """At a varying rate with B-frames; with an edit list that leaves out the first frames."""
         for name in ("numbers.mp4", "numbers.edit.mp4"):
             with self.subTest(name):
-                video = self.scratch / name
-                subprocess.run([DRAW_NUMBERS, video], check=True)
-                db = self.scratch / f"{name}.db"
-                self.succeeds("index", video, "--models", program.models(), "--db", db)
-                self.drive("frames", db)
+                self.drive("frames", self.index_numbers(name))
 
     def test_copies_show_the_same_frames(self):
         """Remuxed (H.264 in MPEG-TS) and encoded again (MPEG-1)."""
         for name in ("numbers.ts", "numbers.mpg"):
             with self.subTest(name):
-                video = self.scratch / name
-                subprocess.run([DRAW_NUMBERS, video], check=True)
-                db = self.scratch / f"{name}.db"
-                self.succeeds("index", video, "--models", program.models(), "--db", db)
-                self.drive("copies", db, "--models", program.models())
+                self.drive("copies", self.index_numbers(name), "--models", program.models())
 
     def test_shows_a_format_that_the_browser_cannot_play(self):
         video = self.scratch / "frames"
