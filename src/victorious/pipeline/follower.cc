@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <oneapi/tbb/parallel_for_each.h>
@@ -45,13 +46,6 @@ Frame RemoveImpulseNoise(const Frame& frame, double impulse_fraction) {
   Frame clean = frame;
   if (impulse_fraction < 1) clean.image = RemoveImpulses(frame.image, impulse_fraction);
   return clean;
-}
-
-// The step with the highest overlap with the detection, or the end.
-std::vector<TrackStep>::iterator FindMatchingStep(const Box& box, std::vector<TrackStep>& steps, double min_overlap) {
-  const auto overlap = [&](const TrackStep& step) { return IntersectionOverUnion(box, StepBox(step)); };
-  const auto best = std::ranges::max_element(steps, {}, overlap);
-  return best != steps.end() && overlap(*best) >= min_overlap ? best : steps.end();
 }
 
 FeatureSet WithoutDescriptors(const FeatureSet& features) {
@@ -115,21 +109,39 @@ bool Follower::IsSearchDue(const TrackStep& step, const Frame& frame, RegionSear
   return !step.seen() || !is_confirmed || has_waited;
 }
 
-// Assigns a detection of a full-frame search to an open step of the same model, or starts a track.
+// One-to-one, pairs of the highest overlap first, so that two objects that pass each other keep their tracks.
+std::vector<std::optional<std::uint64_t>> Follower::FindTracks(std::span<const Detection> detections,
+                                                               std::span<const TrackStep> open) const {
+  struct Pair {
+    double overlap;
+    std::size_t detection;
+    std::uint64_t track;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t d = 0; d < detections.size(); ++d) {
+    for (const TrackStep& step : open) {
+      if (tracks_.at(step.track).last.model_index != detections[d].model_index) continue;
+      const double overlap = IntersectionOverUnion(detections[d].box, StepBox(step));
+      if (overlap >= kMinTrackOverlap) pairs.push_back({overlap, d, step.track});
+    }
+  }
+  std::ranges::stable_sort(pairs, std::greater{}, &Pair::overlap);
+  std::vector<std::optional<std::uint64_t>> tracks(detections.size());
+  for (const Pair& pair : pairs) {
+    if (!tracks[pair.detection] && std::ranges::find(tracks, pair.track) == tracks.end())
+      tracks[pair.detection] = pair.track;
+  }
+  return tracks;
+}
+
 ObservedObject Follower::AssignToTrack(const Detection& detection, const FeatureSet& features, double time_s,
-                                       std::vector<TrackStep>& open) {
+                                       std::optional<std::uint64_t> track) {
   ObservedObject seen{.detection = detection, .features = WithoutDescriptors(features), .track = {}};
-  std::vector<TrackStep> alike;
-  std::ranges::copy_if(open, std::back_inserter(alike), [&](const TrackStep& step) {
-    return tracks_.at(step.track).last.model_index == detection.model_index;
-  });
-  if (const auto step = FindMatchingStep(detection.box, alike, kMinTrackOverlap); step != alike.end()) {
-    Confirm(step->track, detection, features, time_s);
-    double& max_full_frame_score = tracks_.at(step->track).max_full_frame_score;
-    max_full_frame_score = std::max(max_full_frame_score, detection.score);
-    const std::uint64_t track = step->track;
-    std::erase_if(open, [&](const TrackStep& other) { return other.track == track; });
-    seen.track = tracks_.at(track).number;
+  if (track) {
+    Confirm(*track, detection, features, time_s);
+    TrackRecord& followed = tracks_.at(*track);
+    followed.max_full_frame_score = std::max(followed.max_full_frame_score, detection.score);
+    seen.track = followed.number;
     return seen;
   }
   const TrackStep step = tracker_.Start(detection.outline, MatchedPoints(detection, features));
@@ -203,9 +215,11 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
   std::vector<TrackStep> open = Step(clean);
   std::vector<ObservedObject> seen;
   if (whole) {
-    for (const Detection& detection : whole->detections) {
-      seen.push_back(AssignToTrack(detection, whole->features, frame.time_s, open));
+    const std::vector<std::optional<std::uint64_t>> tracks = FindTracks(whole->detections, open);
+    for (std::size_t i = 0; i < tracks.size(); ++i) {
+      seen.push_back(AssignToTrack(whole->detections[i], whole->features, frame.time_s, tracks[i]));
     }
+    std::erase_if(open, [&](const TrackStep& step) { return std::ranges::find(tracks, step.track) != tracks.end(); });
   }
   std::vector<Region> regions;
   for (TrackStep& step : open) regions.push_back({.step = std::move(step)});

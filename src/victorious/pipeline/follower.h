@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "victorious/base/error.h"
@@ -127,9 +128,12 @@ class Follower {
         tracker_(std::move(tracker)) {}
 
   std::vector<TrackStep> Step(const Frame& frame);
-  /// Assigns a detection of a full-frame search to an open track, or starts one.
+  /// The track of each detection of a full-frame search among the open ones; std::nullopt: none.
+  [[nodiscard]] std::vector<std::optional<std::uint64_t>> FindTracks(std::span<const Detection> detections,
+                                                                     std::span<const TrackStep> open) const;
+  /// Assigns a detection of a full-frame search to its track, or starts one.
   ObservedObject AssignToTrack(const Detection& detection, const FeatureSet& features, double time_s,
-                               std::vector<TrackStep>& open);
+                               std::optional<std::uint64_t> track);
   void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, double time_s);
   void Search(const Frame& frame, const FrameConditions& conditions, Region& region) const;
   [[nodiscard]] ObservedObject MakeTrackedObject(const TrackStep& step, const Frame& frame) const;

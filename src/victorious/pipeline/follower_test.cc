@@ -203,6 +203,31 @@ TEST_F(FollowerTest, TrackIdIsKept) {
   EXPECT_GT(continued, 20);
 }
 
+// Two objects of one model that pass each other: the detection further from a track does not take it.
+TEST_F(FollowerTest, DetectionsTakeTracksByOverlap) {
+  cv::Mat grey;
+  cv::cvtColor(flight_.flight().Render(0).image, grey, cv::COLOR_BGR2GRAY);
+  const FeatureSet features = extractor_->Extract(grey).value();
+  std::vector<Detection> detections = recognizer_.Recognize(features).value();
+  ASSERT_FALSE(detections.empty());
+  detections.resize(1);
+  Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, {}).value();
+  const auto follow = [&](std::int64_t index) {
+    return follower.Follow({.index = index, .time_s = 0, .image = grey}, FullFrameResult{features, detections}, {})
+        .value();
+  };
+  const std::optional<std::int64_t> track = follow(0).at(0).track;
+  ASSERT_TRUE(track);
+  Detection passing = detections[0];
+  const double shift_px = 3.0 / 7 * passing.box.width;  // an overlap of 0.4
+  passing.box.x += shift_px;
+  for (Eigen::Vector2d& corner : passing.outline) corner.x() += shift_px;
+  detections.insert(detections.begin(), passing);
+  const std::vector<ObservedObject> seen = follow(1);
+  EXPECT_NE(seen.at(0).track, track);
+  EXPECT_EQ(seen.at(1).track, track);
+}
+
 // After a restart frame, earlier frames have no influence.
 TEST_F(FollowerTest, RestartDiscardsEarlierState) {
   FollowOptions options;
