@@ -16,7 +16,7 @@ from typing import NamedTuple
 TIMEOUT_S = 600  # of one command: far more than a busy machine needs
 SKIPPED = 77  # exit status of a file whose tests were all skipped
 FRAMES = 40  # of the synthetic flight, 10 a second
-SEARCHED_FRAMES = 14  # of these, as a whole: one each 0.3 s
+SEARCHED_FRAMES = 20  # of these, as a whole: one each 0.2 s
 PROGRESS = re.compile(r"^.+: \d+( of \d+)? \w+, [\d.]+ a second(, [\d:]+ left|, up to [\d.]+ s behind)?$")
 REPOSITORY = Path(__file__).resolve().parents[2]
 

@@ -394,11 +394,10 @@ Action SetUpIndex(ArgumentParser& parser) {
       .TypeName("FILE");
   AddParams(parser, arguments->params, "index");
   parser
-      .Add(
-          "--quality", arguments->quality,
-          "fast: a whole frame each 0.6 to 1 s, by how far the image moves, found objects tracked in between, CAD "
-          "models by proposals; normal (default): each 0.3 to 1 s; thorough: all frames, more candidates of each match "
-          "(docs/tutorial.md)")
+      .Add("--quality", arguments->quality,
+           "fast: a whole frame each 0.4 to 0.7 s, by how far the image moves, found objects tracked in between, CAD "
+           "models by proposals; normal (default): each 0.2 to 0.7 s; thorough: all frames, more candidates of each "
+           "match (docs/tutorial.md)")
       .TypeName("NAME");
   parser
       .Add("--every", arguments->every,

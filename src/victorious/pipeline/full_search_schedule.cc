@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <Eigen/Core>
 
@@ -10,6 +11,8 @@ namespace {
 
 constexpr double kMinMotion = 0.03;  // fraction of the frame's diagonal
 constexpr double kMaxInterval_s = 1;
+constexpr std::size_t kViewParts = 3;
+constexpr double kPartSpacing = 2.0 / 3;  // of searches for a part of the views, as a fraction of that for all
 constexpr double kTimeRounding_s = 1e-3;
 
 // The farthest that a corner of the frame, or its centre, has moved, as a fraction of the diagonal.
@@ -26,8 +29,16 @@ double MotionOf(const Similarity2& now_from_searched, const cv::Size& size) {
 
 }  // namespace
 
+FullSearchSchedule::FullSearchSchedule(int interval, const FollowOptions& follow, bool by_motion)
+    : follow_(follow),
+      by_motion_(by_motion),
+      by_parts_(by_motion && interval > 1),
+      spacing_(by_parts_ ? kPartSpacing : 1),
+      interval_(static_cast<int>(std::lround(spacing_ * interval))) {}
+
 bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarity2>& now_from_before) {
   const bool restarts = follow_.enabled && frame.index % follow_.restart_interval_frames == 0;
+  if (restarts) next_part_ = static_cast<std::size_t>(frame.index / follow_.restart_interval_frames);
   if (restarts || !now_from_before || !now_from_searched_) {
     now_from_searched_.reset();
   } else {
@@ -35,13 +46,15 @@ bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarit
   }
   if (!IsFullSearchFrame(frame.index, interval_, follow_)) return false;
   if (!by_motion_ || !now_from_searched_) return true;
-  return frame.time_s - searched_time_s_ > kMaxInterval_s - kTimeRounding_s ||
-         MotionOf(*now_from_searched_, frame.image.size()) >= kMinMotion;
+  return frame.time_s - searched_time_s_ > spacing_ * kMaxInterval_s - kTimeRounding_s ||
+         MotionOf(*now_from_searched_, frame.image.size()) >= spacing_ * kMinMotion;
 }
 
-void FullSearchSchedule::SetSearched(const Frame& frame) {
+ViewPart FullSearchSchedule::SetSearched(const Frame& frame) {
   searched_time_s_ = frame.time_s;
   now_from_searched_.emplace();
+  if (!by_parts_ || frame.index == 0) return {};
+  return {.index = next_part_++ % kViewParts, .count = kViewParts};
 }
 
 }  // namespace victorious

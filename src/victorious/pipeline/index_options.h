@@ -51,8 +51,8 @@ struct IndexOptions {
   GroundOptions ground;
   KeepOptions keep;
   int every = 0;  ///< frames between full-frame searches; 0: MakeSearchIntervals() chooses
-  /// Between full-frame searches for models where `every` is 0, and more where the image moves slowly
-  /// (full_search_schedule.h). Not a user parameter.
+  /// Between full-frame searches for models where `every` is 0: less for a part of their views, and more where the
+  /// image moves slowly (full_search_schedule.h). Not a user parameter.
   double search_interval_s = 0.3;
 
   void ListFields(FieldList& fields);

@@ -30,6 +30,7 @@ namespace {
 struct FrameTask {
   FollowedFrame now;
   bool whole = true;                           // full-frame search for models
+  ViewPart views;                              // that are searched for
   bool classify = false;                       // search for categories
   bool keep = false;                           // keep its features
   bool already_stored = false;                 // results are stored already: only updates the trackers
@@ -109,7 +110,7 @@ class FrameSelector {
     }
     const bool is_due = schedule_.Enter(frame, task.now_from_before) || is_first_wanted;
     const bool whole = is_due && (is_first_wanted || pace_.HasTimeForAll());
-    if (whole) schedule_.SetSearched(frame);
+    if (whole) task.views = schedule_.SetSearched(frame);
     task.camera = pass_.cameras.At(frame.time_s);
     task.now.conditions = MakeFrameConditions(pass_.cameras.ForSearch(frame.time_s), frame.image.size(), pass_.sun);
     task.now.frame = std::move(frame);
@@ -201,8 +202,8 @@ Status Search(const IndexPass& pass, FrameTask& work) {
   }
   if (!work.whole || pass.recognizer.models().empty()) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
-  VICTORIOUS_ASSIGN_OR_RETURN(work.detections,
-                              pass.recognizer.Recognize(work.features, work.now.conditions, work.now.frame.image));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      work.detections, pass.recognizer.Recognize(work.features, work.now.conditions, work.now.frame.image, work.views));
   return {};
 }
 

@@ -159,7 +159,7 @@ TEST_F(IndexerSegmentsTest, ShortVideoIsIndexedAtOnce) {
   const auto report =
       MakeIndexer(flight_.Models()).IndexBySegments(Job(), 60, CancelToken(), *store, segments_).value();
   EXPECT_FALSE(report.waits_for);
-  EXPECT_EQ(report.index.frames_searched, 19) << "one each 0.3 s, and where the tracks restart";
+  EXPECT_EQ(report.index.frames_searched, 24) << "one each 0.2 s, and where the tracks restart";
   EXPECT_EQ(Contents(*store), OnePass(flight_.Models()));
 }
 

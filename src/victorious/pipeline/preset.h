@@ -64,8 +64,8 @@ inline constexpr auto kQualityTexts = std::to_array<EnumText<Quality>>(
 ///
 /// | quality  | full-frame searches | region searches | CAD models by | matches per template keypoint |
 /// | -------- | ------------------- | --------------- | ------------- | ----------------------------- |
-/// | fast     | each 0.6 to 1 s     | each 0.5 s      | shortlist     | 4                             |
-/// | normal   | each 0.3 to 1 s     | each 0.1 s      | auto          | 4                             |
+/// | fast     | each 0.4 to 0.7 s   | each 0.5 s      | shortlist     | 4                             |
+/// | normal   | each 0.2 to 0.7 s   | each 0.1 s      | auto          | 4                             |
 /// | thorough | every frame         | each 0.1 s      | votes         | 8                             |
 ///
 /// @param cad_only  all models are CAD models: the method stays auto if there are models of photos, which the grammar

@@ -47,7 +47,9 @@ GrammarSearch::GrammarSearch(const ObjectModel& model, const GrammarSearchOption
     : model_(model), options_(options), templates_(PackViews(model)) {}
 
 Expected<std::vector<Candidate>> GrammarSearch::Search(const PreparedScene& scene,
-                                                       const FrameConditions& /*conditions*/) const {
+                                                       const FrameConditions& /*conditions*/,
+                                                       const ViewPart& part) const {
+  if (!part.ContainsWholeModels()) return std::vector<Candidate>();
   std::vector<MatchSet> matches = MatchFeatures(scene.queries(), templates_, options_.match);
   std::vector<Candidate> candidates;
   for (std::size_t view = 0; view < model_.views.size(); ++view) {

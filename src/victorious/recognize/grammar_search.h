@@ -42,8 +42,8 @@ class GrammarSearch : public ModelSearcher {
   /// @param model  must outlive this
   GrammarSearch(const ObjectModel& model, const GrammarSearchOptions& options);
 
-  [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene,
-                                                        const FrameConditions& conditions) const override;
+  [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene, const FrameConditions& conditions,
+                                                        const ViewPart& part) const override;
   [[nodiscard]] Expected<std::vector<Candidate>> SearchViews(const PreparedScene& scene,
                                                              const FrameConditions& conditions,
                                                              std::span<const std::size_t> views) const override;

@@ -24,6 +24,7 @@
 #include "victorious/recognize/recognize_options.h"
 #include "victorious/recognize/relit_templates.h"
 #include "victorious/recognize/shortened_views.h"
+#include "victorious/recognize/view_part.h"
 #include "victorious/types/frame_conditions.h"
 #include "victorious/types/object_model.h"
 
@@ -34,10 +35,12 @@ class ModelSearcher {
  public:
   virtual ~ModelSearcher() = default;
 
-  /// Searches all views of the model.
+  /// Searches the views of the model.
+  /// @param part  of the coarse views, or of the searches (ViewPart::ContainsWholeModels)
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] virtual Expected<std::vector<Candidate>> Search(const PreparedScene& scene,
-                                                                const FrameConditions& conditions) const = 0;
+                                                                const FrameConditions& conditions,
+                                                                const ViewPart& part) const = 0;
 
   /// Searches these views only: the aspect is known.
   /// @param views  indices into the model's views

@@ -89,12 +89,12 @@ Status Recognizer::RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& det
 }
 
 Expected<std::vector<Detection>> Recognizer::Recognize(const FeatureSet& features, const FrameConditions& conditions,
-                                                       const cv::Mat& grey) const {
+                                                       const cv::Mat& grey, const ViewPart& part) const {
   const PreparedScene scene(features, conditions.vertical);
   std::vector<Expected<std::vector<Candidate>>> found(searchers_.size());
   oneapi::tbb::this_task_arena::isolate([&] {  // else a waiting thread could start on another frame
     oneapi::tbb::parallel_for(std::size_t{0}, searchers_.size(),
-                              [&](std::size_t m) { found[m] = searchers_[m]->Search(scene, conditions); });
+                              [&](std::size_t m) { found[m] = searchers_[m]->Search(scene, conditions, part); });
   });
   std::vector<Candidate> candidates;
   for (std::size_t m = 0; m < searchers_.size(); ++m) {

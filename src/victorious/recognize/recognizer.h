@@ -22,6 +22,7 @@
 #include "victorious/recognize/relit_templates.h"
 #include "victorious/recognize/shortened_views.h"
 #include "victorious/recognize/sun_estimate.h"
+#include "victorious/recognize/view_part.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/frame_conditions.h"
@@ -48,10 +49,11 @@ class Recognizer {
   /// @param conditions  known priors: restrict models with known view angles to upright poses, and relight their
   ///                    templates for the sun
   /// @param grey        the scene's image, CV_8UC1, for the NCC rescoring of uncertain detections; empty: no rescoring
+  /// @param part        of the views, for the frames of a video
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<std::vector<Detection>> Recognize(const FeatureSet& scene,
                                                            const FrameConditions& conditions = {},
-                                                           const cv::Mat& grey = {}) const;
+                                                           const cv::Mat& grey = {}, const ViewPart& part = {}) const;
 
   /// The detections of some views of one model, for tracking: the object and its approximate aspect are known.
   /// @param scene  features of a region of interest, in the frame's pixels

@@ -115,6 +115,26 @@ TEST(Recognizer, SearchesOnlyGivenViews) {
   }
 }
 
+// The shortlist proposes a third of the coarse views; the others have none and leave out the last of three searches.
+TEST(Recognizer, SearchesPartsOfTheViewsInTurn) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(crate, 1.0, 0.5, {150, 120}, scene);
+  const FeatureSet features = FeaturesOf(scene);
+  const auto found = [&](const RecognizeOptions& options) {
+    const Recognizer recognizer =
+        Recognizer::Create({ModelOf("crate", crate)}, FeatureOptions().engine, options).value();
+    std::vector<std::size_t> counts;
+    for (std::size_t part = 0; part < 3; ++part) {
+      counts.push_back(recognizer.Recognize(features, {}, {}, {.index = part, .count = 3}).value().size());
+    }
+    return counts;
+  };
+  EXPECT_EQ(found(By(SearchMethod::kShortlist)), (std::vector<std::size_t>{1, 0, 0})) << "the only view";
+  EXPECT_EQ(found(ByVotes()), (std::vector<std::size_t>{1, 1, 0}));
+  EXPECT_EQ(found({}), (std::vector<std::size_t>{1, 1, 0}));
+}
+
 // A view without features is no coarse view and does not cover its neighbours.
 TEST_P(VotesTest, ViewWithoutFeaturesIsNoCoarseView) {
   const cv::Mat crate = Texture(120, 90, 1);
@@ -263,6 +283,23 @@ TEST(Recognizer, ShortlistRefinesProposalsOnly) {
   EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, 4)), conditions).value().empty());
   EXPECT_EQ(templates->coarse().size(), kAround / 2);
   EXPECT_TRUE(templates->sharp().empty());
+}
+
+TEST(Recognizer, PartsOfTheViewsAreAllOfThem) {
+  const auto templates = std::make_shared<const SunDependentTemplates>();
+  const Recognizer recognizer =
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, By(SearchMethod::kShortlist), {templates})
+          .value();
+  const FrameConditions conditions{.vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480),
+                                   .relative_sun = Sun{.azimuth_rad = -5 * kPi / 6, .elevation_rad = kPi / 4}};
+  const FeatureSet features = FeaturesOf(Texture(640, 480, 4));
+  std::size_t before = 0;
+  for (std::size_t part = 0; part < 3; ++part) {
+    ASSERT_TRUE(recognizer.Recognize(features, conditions, {}, {.index = part, .count = 3}));
+    EXPECT_GT(templates->coarse().size(), before);
+    before = templates->coarse().size();
+  }
+  EXPECT_EQ(before, kAround / 2) << "every coarse view";
 }
 
 // By `auto` a CAD model of many views is searched by the shortlist, one of few by all of its votes.

@@ -28,8 +28,8 @@ void AddMissing(const TemplateVariant& variant, std::span<const TemplateVariant>
 
 }  // namespace
 
-Expected<std::vector<Candidate>> ShortlistSearch::Search(const PreparedScene& scene,
-                                                         const FrameConditions& conditions) const {
+Expected<std::vector<Candidate>> ShortlistSearch::Search(const PreparedScene& scene, const FrameConditions& conditions,
+                                                         const ViewPart& part) const {
   const bool has_sun = relit_templates_ && conditions.vertical && conditions.relative_sun;
   ModelMatcher matcher(model_, relit_templates_.get(), scene, options_, pose_options_, conditions.vertical,
                        model_.views.size() * (has_sun ? 2 : 1));
@@ -53,7 +53,10 @@ Expected<std::vector<Candidate>> ShortlistSearch::Search(const PreparedScene& sc
   };
 
   std::vector<TemplateVariant> coarse;
-  for (const std::size_t view : ChooseCoarseViews(model_, chosen)) {
+  const std::vector<std::size_t> coarse_views = ChooseCoarseViews(model_, chosen);
+  for (std::size_t i = 0; i < coarse_views.size(); ++i) {
+    if (!part.Contains(i)) continue;
+    const std::size_t view = coarse_views[i];
     coarse.push_back({.view = view, .sun_view = {}});
     if (!has_sun || !HasObservableHeading(model_.views[view])) continue;
     for (const double relative_azimuth_rad :

@@ -41,8 +41,8 @@ class ShortlistSearch : public ModelSearcher {
         shortened_(std::move(shortened)),
         few_views_(model, std::move(relit_templates), options, pose_options) {}
 
-  [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene,
-                                                        const FrameConditions& conditions) const override;
+  [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene, const FrameConditions& conditions,
+                                                        const ViewPart& part) const override;
   /// As the vote search: few views need no proposals.
   [[nodiscard]] Expected<std::vector<Candidate>> SearchViews(const PreparedScene& scene,
                                                              const FrameConditions& conditions,

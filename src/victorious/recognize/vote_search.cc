@@ -22,8 +22,9 @@ constexpr std::size_t kMaxVotedVariants = 4;
 
 }  // namespace
 
-Expected<std::vector<Candidate>> VoteSearch::Search(const PreparedScene& scene,
-                                                    const FrameConditions& conditions) const {
+Expected<std::vector<Candidate>> VoteSearch::Search(const PreparedScene& scene, const FrameConditions& conditions,
+                                                    const ViewPart& part) const {
+  if (!part.ContainsWholeModels()) return std::vector<Candidate>();
   const bool has_sun = relit_templates_ && conditions.vertical && conditions.relative_sun;
   ModelMatcher matcher(model_, relit_templates_.get(), scene, options_, pose_options_, conditions.vertical,
                        model_.views.size() * (has_sun ? 2 : 1));

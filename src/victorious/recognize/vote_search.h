@@ -34,8 +34,8 @@ class VoteSearch : public ModelSearcher {
              const VoteSearchOptions& options, const PoseOptions& pose_options)
       : model_(model), relit_templates_(std::move(relit_templates)), options_(options), pose_options_(pose_options) {}
 
-  [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene,
-                                                        const FrameConditions& conditions) const override;
+  [[nodiscard]] Expected<std::vector<Candidate>> Search(const PreparedScene& scene, const FrameConditions& conditions,
+                                                        const ViewPart& part) const override;
   /// All views are matched; the four templates vote whose poses, as estimated from their matches, are the most
   /// significant.
   [[nodiscard]] Expected<std::vector<Candidate>> SearchViews(const PreparedScene& scene,
