@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "victorious/base/absolute_path.h"
 #include "victorious/base/count_text.h"
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
@@ -53,8 +54,6 @@ struct SubmitArguments {
   bool json = false;
 };
 
-std::string AbsolutePath(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
-
 bool IsParamsFile(const SubmitArguments& arguments) {
   return !arguments.params.empty() && !FromText(kPresetTexts, arguments.params);
 }
@@ -65,8 +64,8 @@ std::vector<std::string> IndexOptionsOf(const SubmitArguments& arguments) {
   const auto add = [&](const char* flag, const std::string& value) {
     if (!value.empty()) options.insert(options.end(), {flag, value});
   };
-  add("--models", arguments.models.empty() ? "" : AbsolutePath(arguments.models));
-  add("--categories", arguments.categories.empty() ? "" : AbsolutePath(arguments.categories));
+  add("--models", AbsolutePath(arguments.models));
+  add("--categories", AbsolutePath(arguments.categories));
   const bool is_file = IsParamsFile(arguments);
   add("--params", is_file ? AbsolutePath(arguments.params) : arguments.params);
   add("--quality", arguments.quality);

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "victorious/base/absolute_path.h"
 #include "victorious/base/file.h"
 #include "victorious/base/one_line.h"
 #include "victorious/video/read_address.h"
@@ -125,7 +126,7 @@ Expected<ContentCache> ContentCache::Open(ContentCacheOptions options) {
                             OneLine(options.place)));
   }
   for (const char* name : {"files", "tasks"}) VICTORIOUS_RETURN_IF_ERROR(CreateFolder(options.folder / name));
-  options.folder = fs::absolute(options.folder).lexically_normal();
+  options.folder = AbsolutePath(options.folder);
   return ContentCache(std::move(options));
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "victorious/base/absolute_path.h"
 #include "victorious/base/file.h"
 #include "victorious/base/one_line.h"
 
@@ -48,9 +49,8 @@ Expected<ContentFile> DescribeFile(const fs::path& file, const CancelToken& canc
   std::error_code error;
   const std::uintmax_t bytes = fs::file_size(file, error);
   if (error) return std::unexpected(FileError(error, "read", file));
-  return ContentFile{.path = fs::absolute(file).lexically_normal().string(),
-                     .content_id = std::move(content_id),
-                     .bytes = static_cast<std::int64_t>(bytes)};
+  return ContentFile{
+      .path = AbsolutePath(file), .content_id = std::move(content_id), .bytes = static_cast<std::int64_t>(bytes)};
 }
 
 Status PublishFile(const ContentFile& file, const fs::path& place, const CancelToken& cancel) {

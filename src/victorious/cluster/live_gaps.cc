@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/absolute_path.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/store/postgres/migrations.h"
 #include "victorious/store/postgres/postgres_store.h"
@@ -57,7 +58,7 @@ std::vector<UtcInterval> PartsToSearch(const postgres::Recording& recording, std
 
 Status EnterRecordings(const std::string& folder, const std::string& source, postgres::RecordingStore& store,
                        const CancelToken& cancel) {
-  const fs::path absolute = fs::absolute(folder).lexically_normal();
+  const fs::path absolute = AbsolutePath(folder);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<RecordedFile> files, ListRecordings(absolute));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<postgres::Recording> known, store.Of(source));
   for (const postgres::Recording& one : known) {

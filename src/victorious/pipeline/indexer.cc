@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/associate/update_objects.h"
+#include "victorious/base/absolute_path.h"
 #include "victorious/base/check.h"
 #include "victorious/base/json.h"
 #include "victorious/base/progress.h"
@@ -128,14 +129,6 @@ std::string FolderOf(const std::string& name) {
   if (name.contains("://") || std::filesystem::path(name).is_absolute()) return "";
   std::error_code unknown;
   return std::filesystem::current_path(unknown).string();
-}
-
-// The path of a file that is found from any folder; empty for no file.
-std::string AbsolutePath(const std::string& file) {
-  if (file.empty()) return "";
-  std::error_code unknown;
-  const std::filesystem::path path = std::filesystem::absolute(file, unknown);
-  return unknown ? file : path.lexically_normal().string();
 }
 
 // The telemetry file of the job, else the one that was given for the video before.
