@@ -88,8 +88,9 @@ Status Run(const WorkArguments& arguments) {
         "build, or submit them again by this one ({})",
         CountText(counts.queued, "video"), program);
   }
-  LogInfo("worker {} of {}", name, StoreName(arguments.db));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<LiveGaps> gaps, LiveGaps::Open(arguments.db, program));
+  // From here on it waits for a database that is away.
+  LogInfo("worker {} of {}", name, StoreName(arguments.db));
   const auto queue_gaps = [&]() -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t queued, gaps->Queue());
     if (queued > 0) inform(fmt::format("{} of live sources queued, from recordings", CountText(queued, "gap")));
