@@ -2,8 +2,8 @@
 """Kills workers of a cluster, their processes and PostgreSQL at random, stops workers past their lease, and cuts the
 network, while they index drawn flights; checks that nothing is lost and nothing doubled.
 
-Usage: cluster_soak.py [--kills N] [--seed SEED] [--seconds LIMIT] [--workers W] [--segments] [--keep DIR];
-VICTORIOUS_PROGRAM and VICTORIOUS_DRAW_FLIGHT name the programs, as for tests/e2e. Needs PostgreSQL, and the rights of
+Usage: cluster_soak.py [--kills N] [--seed SEED] [--seconds LIMIT] [--pause SECONDS] [--workers W] [--segments]
+[--keep DIR]; VICTORIOUS_PROGRAM and VICTORIOUS_DRAW_FLIGHT name the programs, as for tests/e2e. Needs PostgreSQL, and the rights of
 its user.
 
 Rounds, each on a new database, until N kills: the flights are submitted; workers index them, are killed (SIGKILL) or
@@ -41,7 +41,6 @@ import program
 FRAMES = (60, 25, 45, 30, 50, 20)  # of the videos
 FORMATS = ("objects", "sightings", "geojson", "kml")
 LEASE_S = 4  # the shortest that `work` takes
-PAUSE_S = 1.0  # between two hits, on average
 WAIT_S = 240  # for the end of a round, or of the server's recovery, without hits
 # What is hit, and how often. "index": the process that a worker runs; "backend": one process of PostgreSQL, which then
 # ends all its connections; "server": all of PostgreSQL; "stop": a worker and its process, until its lease is over;
@@ -285,7 +284,7 @@ class Round:
 
     def disturb(self):
         """Hits until all tasks are done, and waits for those that are left."""
-        hit_at = time.monotonic() + self.random.expovariate(1 / PAUSE_S)
+        hit_at = time.monotonic() + self.soak.draw_pause_s()
         last_hit = time.monotonic()
         while (counts := self.counts())["done"] < len(FRAMES):
             self.wake()
@@ -297,7 +296,7 @@ class Round:
             now = time.monotonic()
             if now >= hit_at and self.soak.goes_on():
                 kind = self.random.choices(list(HITS), HITS.values())[0]
-                hit_at = now + self.random.expovariate(1 / PAUSE_S)
+                hit_at = now + self.soak.draw_pause_s()
                 if self.hit(kind):
                     self.soak.hits[kind] += 1
                     last_hit = now
@@ -342,6 +341,7 @@ class Soak:
         self.folder = folder
         self.kills_wanted = arguments.kills
         self.end = time.monotonic() + arguments.seconds
+        self.pause_s = arguments.pause
         self.workers = arguments.workers
         self.random = random.Random(arguments.seed)
         self.hits = dict.fromkeys(HITS, 0)
@@ -366,6 +366,9 @@ class Soak:
 
     def goes_on(self) -> bool:
         return self.kills() < self.kills_wanted and time.monotonic() < self.end
+
+    def draw_pause_s(self) -> float:
+        return self.random.expovariate(1 / self.pause_s)
 
     def network_url(self, url: str) -> str:
         return f"postgresql://victorious@127.0.0.1:{self.network.port}/{url.partition('?')[0].rpartition('/')[2]}"
@@ -415,6 +418,7 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=500, help="SIGKILLs in all (default: 500)")
     parser.add_argument("--seed", type=int, default=1, help="of what is hit and when (default: 1)")
     parser.add_argument("--seconds", type=float, default=float("inf"), help="hit nobody after this time")
+    parser.add_argument("--pause", type=float, default=1, help="seconds between two hits, on average (default: 1)")
     parser.add_argument("--workers", type=int, default=3, help="at once (default: 3)")
     parser.add_argument("--segments", action="store_true", help="workers share each video")
     parser.add_argument("--keep", type=Path, help="folder of the flights, models and logs (default: a temporary one)")
