@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 
@@ -28,13 +29,7 @@ class EllipseProbability {
     }
   }
 
-  [[nodiscard]] double Within(double radius) const {
-    double sum = 0;
-    for (const double double_square : double_squares_) sum -= std::expm1(-radius * radius / double_square);
-    return sum / kSteps;
-  }
-
-  /// Within(radius), and its derivative.
+  /// Of the circle of a radius, and its derivative.
   struct Value {
     double probability = 0;
     double density = 0;
@@ -51,7 +46,7 @@ class EllipseProbability {
   }
 
  private:
-  static constexpr std::size_t kSteps = 256;  // of a periodic function: the error falls exponentially with them
+  static constexpr std::size_t kSteps = 128;  // of a periodic function: the error falls exponentially, to rounding here
 
   struct Direction {
     double cosine = 0;
@@ -70,15 +65,8 @@ class EllipseProbability {
   std::array<double, kSteps> double_squares_;
 };
 
-// An interval that contains the radius: outside of it the probability differs from that looked for by more than it is
-// rounded.
-struct Interval {
-  double low = 0;
-  double high = 0;
-};
-
-// By Newton's method; [0, most] where it does not converge.
-Interval FindRadius(const EllipseProbability& ellipse, double probability, double most) {
+// By Newton's method; std::nullopt where it does not converge within (0, most].
+std::optional<double> FindRadius(const EllipseProbability& ellipse, double probability, double most) {
   constexpr int kMaxSteps = 12;
   constexpr double kRounding = 1e-13;  // of a probability; some 1e-15 in fact
   double radius = most;
@@ -86,11 +74,22 @@ Interval FindRadius(const EllipseProbability& ellipse, double probability, doubl
     const auto [within, density] = ellipse.At(radius);
     const double off = within - probability;
     if (!(density > 0)) break;
-    if (std::abs(off) < kRounding) return {radius - 4 * kRounding / density, radius + 4 * kRounding / density};
     radius -= off / density;
     if (!(radius > 0 && radius <= most)) break;
+    if (std::abs(off) < kRounding) return radius;
   }
-  return {0, most};
+  return std::nullopt;
+}
+
+double BisectRadius(const EllipseProbability& ellipse, double probability, double most) {
+  double inside = 0;
+  double outside = most;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (inside + outside) / 2;
+    if (middle == inside || middle == outside) break;
+    (ellipse.At(middle).probability < probability ? inside : outside) = middle;
+  }
+  return outside;
 }
 
 }  // namespace
@@ -102,17 +101,9 @@ double CircularError(const Eigen::Matrix2d& covariance, double probability) {
   if (!(long_axis > 0)) return 0;
   const EllipseProbability ellipse(long_axis, short_axis);
   // for a circle with the long axis as radius: an upper bound
-  double outside = long_axis * std::sqrt(-2 * std::log1p(-probability));
-  const Interval known = FindRadius(ellipse, probability, outside);
-  // Bisection to the last bit; the interval saves the first two thirds of its evaluations.
-  double inside = 0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = (inside + outside) / 2;
-    if (middle == inside || middle == outside) break;
-    const bool is_inside = middle < known.low || (middle <= known.high && ellipse.Within(middle) < probability);
-    (is_inside ? inside : outside) = middle;
-  }
-  return outside;
+  const double most = long_axis * std::sqrt(-2 * std::log1p(-probability));
+  if (const std::optional<double> radius = FindRadius(ellipse, probability, most)) return *radius;
+  return BisectRadius(ellipse, probability, most);
 }
 
 double LinearError90(double variance) {

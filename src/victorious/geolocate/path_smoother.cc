@@ -1,6 +1,7 @@
 #include "victorious/geolocate/path_smoother.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -17,7 +18,10 @@ using Eigen::Vector3d;
 using Row = Eigen::Matrix<double, 1, kPathUnknowns>;
 
 constexpr int kVelocity = 3;
-constexpr int kCommon = 6;
+constexpr int kMotion = 6;  // place and velocity
+constexpr int kConstants = kPathUnknowns - kMotion;
+constexpr int kCommon = kMotion;
+using MotionRows = Eigen::Matrix<double, kMotion, kPathUnknowns>;
 constexpr int kRangeError = kCommon + 6;
 constexpr int kGround = kCommon + kNumCommonErrors;
 
@@ -38,11 +42,16 @@ struct Measurement {
   double sigma = 1;
 };
 
-// The rows of one ray: side, rise, range, and the ground's. Offsets are measured perpendicular to the direction to the
-// object, not to the ray: a shorter distance would reduce the latter, and the path would shrink towards the camera.
+struct RayRows {
+  std::array<Measurement, 3> of_ray;  // side, rise, range
+  std::optional<Measurement> of_ground;
+};
+
+// The rows of one ray. Offsets are measured perpendicular to the direction to the object, not to the ray: a shorter
+// distance would reduce the latter, and the path would shrink towards the camera.
 // @param to_object  from the camera, by the round before
-std::vector<Measurement> MakeRows(const Ray& ray, const Vector3d& to_object, const std::optional<GroundPatch>& patch,
-                                  double ground_sigma_m, const LocateOptions& options) {
+RayRows MakeRows(const Ray& ray, const Vector3d& to_object, const std::optional<GroundPatch>& patch,
+                 double ground_sigma_m, const LocateOptions& options) {
   const double distance_m = std::max(1.0, to_object.norm());
   const Vector3d direction = MaxLikelihoodDirection(ray, ray.forward, to_object, options.line.position_m);
   const Vector3d side = (ray.side - direction * direction.dot(ray.side)).normalized();
@@ -56,7 +65,8 @@ std::vector<Measurement> MakeRows(const Ray& ray, const Vector3d& to_object, con
     one.value = axis.dot(ray.camera + distance_m * ray.forward);
     return one;
   };
-  std::vector<Measurement> rows = {along(side), along(rise), along(direction)};
+  RayRows result{.of_ray = {along(side), along(rise), along(direction)}, .of_ground = {}};
+  std::array<Measurement, 3>& rows = result.of_ray;
   rows[0].row[kCommon + 3] = -distance_m * ray.cos_elevation * sigmas[3];
   rows[0].row[kCommon + 4] = -distance_m * sigmas[4];
   rows[1].row[kCommon + 5] = -distance_m * sigmas[5];
@@ -66,15 +76,14 @@ std::vector<Measurement> MakeRows(const Ray& ray, const Vector3d& to_object, con
   const double range_sigma_m = ray.range_fraction > 0 ? ray.range_fraction * distance_m : ray.sigma_range_m;
   rows[2].sigma = std::hypot(range_sigma_m, options.line.position_m);
   if (patch) {
-    Measurement on_ground;
+    Measurement& on_ground = result.of_ground.emplace();
     on_ground.row.setZero();
     on_ground.row.head<3>() = patch->normal.transpose();
     on_ground.row[kGround] = -ground_sigma_m * patch->normal.z();
     on_ground.value = patch->normal.dot(patch->point);
     on_ground.sigma = kGroundNoise_m;
-    rows.push_back(on_ground);
   }
-  return rows;
+  return result;
 }
 
 // Kalman update by one row.
@@ -82,7 +91,7 @@ void Update(const Measurement& measured, double sigma, PathVector& mean, PathMat
   const PathVector gained = covariance * measured.row.transpose();
   const double variance = measured.row * gained + sigma * sigma;
   mean += gained / variance * (measured.value - measured.row.dot(mean));
-  covariance -= gained * gained.transpose() / variance;
+  covariance.noalias() -= gained * (gained.transpose() / variance);
 }
 
 // The prediction over an interval.
@@ -108,10 +117,17 @@ struct Step {
     }
     return covariance;
   }
-  // Covariance of a state with its prediction.
-  [[nodiscard]] PathMatrix CrossCovariance(PathMatrix covariance) const {
-    covariance.leftCols<3>() += duration_s * covariance.middleCols<3>(kVelocity);
-    return covariance;
+  // The derivative of place and velocity by the next state, among all states that the filtered ones allow. What is
+  // constant is that of the next state.
+  [[nodiscard]] MotionRows Gain(const PathMatrix& covariance, const PathMatrix& predicted) const {
+    if (density == 0 && vertical_density == 0) {  // the next state determines this one
+      MotionRows gain = MotionRows::Identity();
+      gain.block<3, 3>(0, kVelocity).diagonal().setConstant(-duration_s);
+      return gain;
+    }
+    MotionRows cross = covariance.topRows<kMotion>();  // covariance with the prediction
+    cross.leftCols<3>() += duration_s * covariance.block<kMotion, 3>(0, kVelocity);
+    return predicted.ldlt().solve(cross.transpose()).transpose();
   }
 };
 
@@ -200,12 +216,13 @@ class Smoother {
         covariance = step.Predict(covariance);
       }
       rows_.push_back(MakeRows(rays_[i], PlaceOf(i) - rays_[i].camera, PatchUnder(i), model_.ground_sigma_m, options_));
-      if (!range_error_is_free_) rows_[i][2].row[kRangeError] = 0;
-      for (std::size_t k = 0; k < rows_[i].size(); ++k) {
-        const double factor = k < 2 ? fit_.angle_factor : k == 2 ? fit_.range_factor : 1;
-        const double weight = k < 3 ? weights_[i][k] : 1;
-        Update(rows_[i][k], rows_[i][k].sigma * factor / std::sqrt(weight), mean, covariance);
+      if (!range_error_is_free_) rows_[i].of_ray[2].row[kRangeError] = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Measurement& row = rows_[i].of_ray[k];
+        const double factor = k < 2 ? fit_.angle_factor : fit_.range_factor;
+        Update(row, row.sigma * factor / std::sqrt(weights_[i][k]), mean, covariance);
       }
+      if (rows_[i].of_ground) Update(*rows_[i].of_ground, rows_[i].of_ground->sigma, mean, covariance);
       covariance = (covariance + covariance.transpose()).eval() / 2;
       fit_.means[i] = mean;
       fit_.covariances[i] = covariance;
@@ -218,22 +235,30 @@ class Smoother {
       PathVector& mean = fit_.means[i];
       PathMatrix& covariance = fit_.covariances[i];
       const PathMatrix predicted = step.Predict(covariance);
-      const PathMatrix gain = predicted.ldlt().solve(step.CrossCovariance(covariance).transpose()).transpose();
+      const MotionRows gain = step.Gain(covariance, predicted);
       const PathMatrix& after = fit_.covariances[i + 1];
-      const PathMatrix lagged = after * gain.transpose();  // covariance of the next state with this one
-      mean += gain * (fit_.means[i + 1] - step.Predict(mean));
-      covariance += gain * (after - predicted) * gain.transpose();
-      covariance = (covariance + covariance.transpose()).eval() / 2;
-      changes_[i] = ChangeAfter(i, step, lagged);
+      const PathMatrix learnt = after - predicted;
+      const MotionRows gained = gain.lazyProduct(learnt);
+      mean.head<kMotion>() += gain * (fit_.means[i + 1] - step.Predict(mean));
+      mean.tail<kConstants>() = fit_.means[i + 1].tail<kConstants>();
+      auto of_motion = covariance.topLeftCorner<kMotion, kMotion>();
+      of_motion += gained.lazyProduct(gain.transpose());
+      of_motion = (of_motion + of_motion.transpose()).eval() / 2;
+      auto shared = covariance.topRightCorner<kMotion, kConstants>();
+      shared += gained.rightCols<kConstants>();
+      covariance.bottomLeftCorner<kConstants, kMotion>() = shared.transpose();
+      covariance.bottomRightCorner<kConstants, kConstants>() = after.bottomRightCorner<kConstants, kConstants>();
+      changes_[i] = ChangeAfter(i, step, gain);
     }
   }
 
-  [[nodiscard]] VelocityChange ChangeAfter(std::size_t i, const Step& step, const PathMatrix& lagged) const {
+  [[nodiscard]] VelocityChange ChangeAfter(std::size_t i, const Step& step, const MotionRows& gain) const {
     VelocityChange change;
     const auto unknowns = [&](int axis, double density) {
       const double prior = density * step.duration_s;
-      const double posterior =
-          fit_.covariances[i](axis, axis) + fit_.covariances[i + 1](axis, axis) - 2 * lagged(axis, axis);
+      const PathMatrix& after = fit_.covariances[i + 1];
+      const double lagged = gain.row(axis).dot(after.row(axis));  // covariance with the next one
+      const double posterior = fit_.covariances[i](axis, axis) + after(axis, axis) - 2 * lagged;
       return prior > 0 ? std::clamp(1 - posterior / prior, 0.0, 1.0) : 0.0;
     };
     for (int axis = kVelocity; axis < kVelocity + 2 && step.duration_s > 0; ++axis) {
@@ -251,7 +276,8 @@ class Smoother {
     places_.clear();
     for (std::size_t i = 0; i < rays_.size(); ++i) {
       const auto residual = [&](std::size_t k) {
-        return (rows_[i][k].value - rows_[i][k].row.dot(fit_.means[i])) / rows_[i][k].sigma;
+        const Measurement& measured = rows_[i].of_ray[k];
+        return (measured.value - measured.row.dot(fit_.means[i])) / measured.sigma;
       };
       fit_.residuals[i] = {residual(0), residual(1), residual(2)};
       across.push_back(std::hypot(fit_.residuals[i].side, fit_.residuals[i].rise));
@@ -304,7 +330,7 @@ class Smoother {
   std::vector<std::array<double, 3>> weights_;  // of side, rise, range
   std::vector<VelocityChange> changes_;         // over the interval after each ray
   std::vector<Vector3d> places_;                // smoothed, of the round before; empty in the first
-  std::vector<std::vector<Measurement>> rows_;
+  std::vector<RayRows> rows_;
   bool range_error_is_free_ = true;
   int rounds_ = 0;
   PathFit fit_;
