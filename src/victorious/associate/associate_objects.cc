@@ -111,17 +111,22 @@ ObjectHypothesis JoinParts(const ObjectParts& parts, const Flights& flights, Fit
   return joined;
 }
 
-// The objects with a place, as their flights see them. Those that move have paths where another flight sees one of
-// their model at the time.
-std::vector<ObjectInFlight> CollectObjectsInFlight(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
+// The objects with a place, as their flights see them, and their hypotheses.
+struct PlacedObjects {
   std::vector<ObjectInFlight> objects;
-  std::vector<ObjectHypothesis*> of_objects;
+  std::vector<ObjectHypothesis*> hypotheses;  // of each of `objects`
+  std::vector<ObjectHypothesis*> without_place;
+};
+
+// Those that move have paths where another flight sees one of their model at the time.
+PlacedObjects CollectObjectsInFlight(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
+  PlacedObjects placed;
+  std::vector<ObjectInFlight>& objects = placed.objects;
   objects.reserve(hypotheses.size());
   for (ObjectHypothesis& hypothesis : hypotheses) {
     std::optional<ObjectInFlight> object = MakeObjectInFlight(hypothesis, fits);
-    if (!object) continue;
-    objects.push_back(*std::move(object));
-    of_objects.push_back(&hypothesis);
+    (object ? placed.hypotheses : placed.without_place).push_back(&hypothesis);
+    if (object) objects.push_back(*std::move(object));
   }
   std::map<std::int64_t, Neighbours> of_models;
   std::map<std::int64_t, std::int64_t> videos;  // by id
@@ -138,30 +143,29 @@ std::vector<ObjectInFlight> CollectObjectsInFlight(std::vector<ObjectHypothesis>
     if (!object.relative.HasPath()) continue;
     const std::set<std::int64_t> near = of_models.at(object.model).Near(whereabouts(object));
     if (std::ranges::any_of(near, [&](std::int64_t id) { return videos.at(id) != object.video; }))
-      object.relative = WithPath(*of_objects[i], fits);
+      object.relative = WithPath(*placed.hypotheses[i], fits);
   }
-  return objects;
+  return placed;
 }
 
 // The parts of each object, by model and id.
+// @param hypotheses  by model and id
 std::vector<ObjectParts> MergeAcrossFlights(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
-  const std::vector<ObjectInFlight> objects = CollectObjectsInFlight(hypotheses, fits);
-  const FlightRegistrations registrations = RegisterFlights(objects, fits.options().merge_gate_sigma);
+  const PlacedObjects placed = CollectObjectsInFlight(hypotheses, fits);
+  const FlightRegistrations registrations = RegisterFlights(placed.objects, fits.options().merge_gate_sigma);
   std::map<std::int64_t, ObjectInFlights> of_models;
-  for (const ObjectInFlight& object : objects) of_models[object.model].push_back(&object);
-  std::map<std::int64_t, ObjectHypothesis*> left;  // by id
-  for (ObjectHypothesis& hypothesis : hypotheses) left[ObjectId(hypothesis)] = &hypothesis;
+  for (const ObjectInFlight& object : placed.objects) of_models[object.model].push_back(&object);
   std::vector<ObjectParts> result;
+  result.reserve(hypotheses.size());
   for (const auto& [model, of_model] : of_models) {
     for (const ObjectInFlights& merged : MergeFlights(of_model, registrations, fits.options())) {
       ObjectParts& parts = result.emplace_back();
-      for (const ObjectInFlight* part : merged) parts.push_back(left.extract(part->id).mapped());
+      for (const ObjectInFlight* part : merged)
+        parts.push_back(placed.hypotheses[static_cast<std::size_t>(part - placed.objects.data())]);
     }
   }
-  for (const auto& [id, without_place] : left) result.push_back({without_place});
-  std::ranges::sort(result, {}, [](const ObjectParts& parts) {
-    return std::pair(parts.front()->tracklets.front()->record.model, ObjectId(*parts.front()));
-  });
+  for (ObjectHypothesis* hypothesis : placed.without_place) result.push_back({hypothesis});
+  std::ranges::sort(result, {}, [](const ObjectParts& parts) { return parts.front(); });
   return result;
 }
 
