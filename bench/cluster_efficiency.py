@@ -31,16 +31,21 @@ LIMIT_S = 1800
 
 
 class Quota:
-    """A control group of limited processor time, as a context manager; version 1 or 2 of Linux's interface."""
+    """A control group of limited processor time, as a context manager; version 1 or 2 of Linux's interface. Its weight is
+    that of ten others, so that it gets its quota beside other work."""
 
     def __init__(self, name: str, cores: float):
         is_second = (CGROUPS / "cgroup.controllers").exists()
         self.group = (CGROUPS if is_second else CGROUPS / "cpu") / name
         quota_us = round(cores * PERIOD_US)
         if is_second:
-            self.limits = {"cpu.max": f"{quota_us} {PERIOD_US}"}
+            self.limits = {"cpu.max": f"{quota_us} {PERIOD_US}", "cpu.weight": "1000"}
         else:
-            self.limits = {"cpu.cfs_period_us": str(PERIOD_US), "cpu.cfs_quota_us": str(quota_us)}
+            self.limits = {
+                "cpu.cfs_period_us": str(PERIOD_US),
+                "cpu.cfs_quota_us": str(quota_us),
+                "cpu.shares": "10240",
+            }
 
     def __enter__(self) -> "Quota":
         self.group.mkdir()
