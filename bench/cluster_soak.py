@@ -7,8 +7,8 @@ Usage: cluster_soak.py [--kills N] [--seed SEED] [--seconds LIMIT] [--pause SECO
 its user.
 
 Rounds, each on a new database, until N kills: the flights are submitted; workers index them, are killed (SIGKILL) or
-stopped (SIGSTOP) at random moments, and replaced; a task that has failed, because its workers were killed three times
-without progress, is submitted again. At the end of a round:
+stopped (SIGSTOP) at random moments, at most HITS_OF_ROUND times, and replaced; a task that has failed, because its workers
+were killed three times without progress, is submitted again. At the end of a round:
 - the log has every task done exactly once, every attempt claimed once and ended once, the last one as done;
 - the exports are those of one worker that nobody disturbs, byte for byte; objects and sightings are those of one
   process that indexes into a file, but for the ids of objects;
@@ -46,6 +46,7 @@ WAIT_S = 240  # for the end of a round, or of the server's recovery, without hit
 # ends all its connections; "server": all of PostgreSQL; "stop": a worker and its process, until its lease is over;
 # "stop_worker": the worker alone; "network": between all workers and PostgreSQL, until their leases are over.
 HITS = {"worker": 10, "index": 4, "backend": 2, "server": 2, "stop": 2, "stop_worker": 1, "network": 1}
+HITS_OF_ROUND = 60  # then it is left to end: hits that come faster than tasks end would let none be compared
 NO_CONNECTION = 2  # exit status of psql: there is none, or it was lost
 # SIGSTOP kills nothing.
 STOPS = ("stop", "stop_worker", "network")
@@ -286,6 +287,7 @@ class Round:
         """Hits until all tasks are done, and waits for those that are left."""
         hit_at = time.monotonic() + self.soak.draw_pause_s()
         last_hit = time.monotonic()
+        hits = 0
         while (counts := self.counts())["done"] < len(FRAMES):
             self.wake()
             self.replace_ended()
@@ -294,11 +296,12 @@ class Round:
                 self.soak.figures["submitted_again"] += counts["failed"]
                 self.soak.submit(self.url)
             now = time.monotonic()
-            if now >= hit_at and self.soak.goes_on():
+            if now >= hit_at and hits < HITS_OF_ROUND and self.soak.goes_on():
                 kind = self.random.choices(list(HITS), HITS.values())[0]
                 hit_at = now + self.soak.draw_pause_s()
                 if self.hit(kind):
                     self.soak.hits[kind] += 1
+                    hits += 1
                     last_hit = now
             if now > last_hit + WAIT_S:
                 raise Difference(f"the tasks do not end: {dict(counts)}")
