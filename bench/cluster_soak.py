@@ -41,7 +41,7 @@ import program
 FRAMES = (60, 25, 45, 30, 50, 20)  # of the videos
 FORMATS = ("objects", "sightings", "geojson", "kml")
 LEASE_S = 4  # the shortest that `work` takes
-WAIT_S = 240  # for the end of a round, or of the server's recovery, without hits
+WAIT_S = 240  # for the end of a task, or of the server's recovery, without hits
 # What is hit, and how often. "index": the process that a worker runs; "backend": one process of PostgreSQL, which then
 # ends all its connections; "server": all of PostgreSQL; "stop": a worker and its process, until its lease is over;
 # "stop_worker": the worker alone; "network": between all workers and PostgreSQL, until their leases are over.
@@ -286,7 +286,8 @@ class Round:
     def disturb(self):
         """Hits until all tasks are done, and waits for those that are left."""
         hit_at = time.monotonic() + self.soak.draw_pause_s()
-        last_hit = time.monotonic()
+        last_event = time.monotonic()
+        last_counts = collections.defaultdict(int)
         hits = 0
         while (counts := self.counts())["done"] < len(FRAMES):
             self.wake()
@@ -296,14 +297,16 @@ class Round:
                 self.soak.figures["submitted_again"] += counts["failed"]
                 self.soak.submit(self.url)
             now = time.monotonic()
+            if counts != last_counts:
+                last_event, last_counts = now, counts
             if now >= hit_at and hits < HITS_OF_ROUND and self.soak.goes_on():
                 kind = self.random.choices(list(HITS), HITS.values())[0]
                 hit_at = now + self.soak.draw_pause_s()
                 if self.hit(kind):
                     self.soak.hits[kind] += 1
                     hits += 1
-                    last_hit = now
-            if now > last_hit + WAIT_S:
+                    last_event = now
+            if now > last_event + WAIT_S:
                 raise Difference(f"the tasks do not end: {dict(counts)}")
             time.sleep(0.2)
 
