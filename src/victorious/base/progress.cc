@@ -7,12 +7,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "victorious/base/credentials.h"
 #include "victorious/base/program_events.h"
 
 namespace victorious {
 
 Progress::Progress(std::string label, std::optional<std::int64_t> total, std::string unit)
-    : label_(std::move(label)),
+    : label_(WithoutCredentials(std::move(label))),
       total_(total),
       unit_(std::move(unit)),
       on_terminal_(::isatty(STDERR_FILENO) == 1),

@@ -35,6 +35,14 @@ TEST(Progress, UnknownTotalIsOmitted) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("rtsp://camera: 7 frames"));
 }
 
+TEST(Progress, DoesNotShowPasswords) {
+  ::testing::internal::CaptureStderr();
+  {
+    Progress("rtsp://ann:secret@camera", std::nullopt, "frames").Update(7);
+  }
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("rtsp://camera: 7 frames"));
+}
+
 TEST(Progress, PrintsNothingWithoutSteps) {
   ::testing::internal::CaptureStderr();
   {

@@ -16,7 +16,6 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/base/count_text.h"
-#include "victorious/base/credentials.h"
 #include "victorious/base/json.h"
 #include "victorious/base/version.h"
 #include "victorious/calibrate/field_of_view.h"
@@ -256,7 +255,7 @@ Expected<Report> DescribeIndex(const std::string& db) {
                                  CountText(models.size(), "model"), CountText(objects.size(), "object"));
   ordered_json listed = ordered_json::array();
   for (const VideoRecord& video : videos) {
-    const std::string name = WithoutCredentials(video.name);
+    const std::string name = ShownName(video);
     std::string state;
     ordered_json searches = ordered_json::array();
     for (const ModelRecord& model : models) {

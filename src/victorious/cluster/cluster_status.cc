@@ -18,7 +18,7 @@ namespace {
 
 std::string NameOf(std::int64_t video, const std::vector<VideoRecord>& videos) {
   const auto found = std::ranges::find(videos, video, &VideoRecord::id);
-  return found == videos.end() ? "?" : WithoutCredentials(found->name);
+  return found == videos.end() ? "?" : ShownName(*found);
 }
 
 // How far the searches of each video are, by its name.

@@ -209,7 +209,7 @@ Expected<IndexedDrawing> ListIndexedDrawing(const SightingFilter& filter, IndexS
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
   if (catalogue.videos().size() != 1) {
     std::vector<std::string> names;
-    for (const VideoRecord& video : catalogue.videos()) names.push_back(video.name);
+    for (const VideoRecord& video : catalogue.videos()) names.push_back(ShownName(video));
     return Fail(ErrorCode::kInvalidArgument,
                 names.empty() ? "no video in the index to draw: index one first"
                               : fmt::format("a single video can be drawn, but these match: {}: select one with --video",

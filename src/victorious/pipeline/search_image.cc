@@ -97,7 +97,7 @@ Expected<ImageSearch> SearchByImage(const Photo& example, const SightingFilter& 
       VICTORIOUS_ASSIGN_OR_RETURN(Recognizer made, MakeRecognizer(example, video, options));
       recognizer = recognizers.emplace(video.features_json, std::move(made)).first;
     }
-    by_id.emplace(video.id, SearchedVideo{video.name, &recognizer->second});
+    by_id.emplace(video.id, SearchedVideo{ShownName(video), &recognizer->second});
   }
 
   // Read in the store's order, searched in parallel, in chunks of 256 frames.

@@ -151,6 +151,16 @@ TEST(SearchByImage, FramesOfUnknownVideosAreSkipped) {
   EXPECT_THAT(Search(PhotoOf(flight.flight(), 0), *store), SizeIs(2));
 }
 
+TEST(SearchByImage, LiveSourcesAreNamedWithoutTheirPasswords) {
+  const DrawnFlight flight(SlowFlight());
+  const auto store = IndexedWith(flight, 0);
+  VideoRecord video = store->Videos()->front();
+  video.name = "rtsp://ann:secret@host/one";
+  ASSERT_TRUE(store->PutVideo(video));
+  const std::vector<VideoSegment> moments = Search(PhotoOf(flight.flight(), 0), *store);
+  EXPECT_THAT(moments, AllOf(Not(IsEmpty()), Each(Field(&VideoSegment::video, "rtsp://host/one"))));
+}
+
 TEST(SearchByImage, ErrorsNameTheReason) {
   const DrawnFlight flight(SlowFlight());
   const Photo crate = PhotoOf(flight.flight(), 0);

@@ -233,7 +233,7 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
   }
   const auto objects = lists.objects_of_video.find(video.id);
   Json json = {{"id", video.id},
-               {"name", WithoutCredentials(video.name)},
+               {"name", ShownName(video)},
                {"width_px", video.width},
                {"height_px", video.height},
                {"frame_count", OrNull(video.frame_count)},

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/base/credentials.h"
 #include "victorious/base/file.h"
 #include "victorious/image/image_file.h"
 #include "victorious/video/frame_times.h"
@@ -76,7 +75,7 @@ VideoFiles::VideoFiles(const std::filesystem::path& index, const CancelToken& ca
 
 Expected<std::filesystem::path> VideoFiles::Find(const VideoRecord& video) const {
   if (video.name.find("://") != std::string::npos) {
-    return Fail(ErrorCode::kUnsupported, WithoutCredentials(video.name) + ": a live source: its frames are not kept");
+    return Fail(ErrorCode::kUnsupported, ShownName(video) + ": a live source: its frames are not kept");
   }
   std::error_code error;
   const std::filesystem::path path = FindVideoFile(video);
@@ -85,7 +84,7 @@ Expected<std::filesystem::path> VideoFiles::Find(const VideoRecord& video) const
   return Fail(ErrorCode::kNotFound,
               fmt::format("{}: the video is not there: move it back, or start `victorious serve` in the folder that "
                           "the index was made in",
-                          video.name));
+                          ShownName(video)));
 }
 
 // A content id is a hash or a text with any characters.

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/check.h"
-#include "victorious/base/credentials.h"
 #include "victorious/base/enum_text.h"
 #include "victorious/base/json.h"
 #include "victorious/store/catalogue.h"
@@ -40,7 +39,7 @@ Json SightingJson(const SightingRecord& sighting, const VideoRecord& video, cons
   return {{"object_id", sighting.object},
           {"model", model.IsCategory() ? Json() : Json(model.name)},
           {"category", model.IsCategory() ? Json(model.name) : Json()},
-          {"video", WithoutCredentials(video.name)},
+          {"video", ShownName(video)},
           {"frame", sighting.frame},
           {"time_s", TimeJson(sighting.time_s)},
           {"box", BoxJson(sighting.box)},
@@ -75,7 +74,7 @@ Status ExportSightings(IndexStore& store, const Catalogue& catalogue, const Sigh
 Status ExportMot(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
   if (catalogue.videos().size() > 1) {
     std::string names;
-    for (const VideoRecord& video : catalogue.videos()) names += (names.empty() ? "" : ", ") + video.name;
+    for (const VideoRecord& video : catalogue.videos()) names += (names.empty() ? "" : ", ") + ShownName(video);
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("format mot needs a single video, but these match: {}: select one with --video", names));
   }

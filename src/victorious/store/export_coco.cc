@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/base/credentials.h"
 #include "victorious/base/json.h"
 #include "victorious/store/export_json.h"
 
@@ -21,10 +20,10 @@ struct Image {
 
 Json ImageJson(const Image& image, std::size_t id, const VideoRecord& video) {
   return {{"id", id},
-          {"file_name", fmt::format("{}/{:06d}.png", WithoutCredentials(video.name), image.frame)},
+          {"file_name", fmt::format("{}/{:06d}.png", ShownName(video), image.frame)},
           {"width", video.width},
           {"height", video.height},
-          {"video", WithoutCredentials(video.name)},
+          {"video", ShownName(video)},
           {"frame", image.frame},
           {"time_s", TimeJson(image.time_s)}};
 }

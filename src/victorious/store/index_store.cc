@@ -4,6 +4,8 @@
 #include <ranges>
 #include <system_error>
 
+#include "victorious/base/credentials.h"
+
 namespace victorious {
 namespace {
 
@@ -31,6 +33,8 @@ std::vector<VideoRecord> FindVideosByName(const std::vector<VideoRecord>& videos
                        [&](const VideoRecord& video) { return IsPathSuffix(PathComponents(video.name), end); });
   return found;
 }
+
+std::string ShownName(const VideoRecord& video) { return WithoutCredentials(video.name); }
 
 std::string FindVideoFile(const VideoRecord& video) {
   if (video.folder.empty() || video.name.contains("://") || fs::path(video.name).is_absolute()) return video.name;

@@ -271,6 +271,9 @@ struct ReviewedObject {
 /// `name`: "flight/video.mp4" matches "/data/flight/video.mp4", "deo.mp4" does not.
 std::vector<VideoRecord> FindVideosByName(const std::vector<VideoRecord>& videos, std::string_view name);
 
+/// The name as every output shows it: that of a live source without its credentials (base/credentials.h).
+[[nodiscard]] std::string ShownName(const VideoRecord& video);
+
 /// Where to open a video: its name; if that is relative, in its folder, from whatever folder the program is started. If
 /// it is not in its folder any more, the name alone.
 std::string FindVideoFile(const VideoRecord& video);

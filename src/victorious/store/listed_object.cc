@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "victorious/base/credentials.h"
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 
@@ -23,7 +22,7 @@ Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalog
     if (model == nullptr) continue;
     std::vector<std::string> videos;
     for (const std::int64_t id : object.videos) {
-      if (const VideoRecord* video = everything.Video(id)) videos.push_back(WithoutCredentials(video->name));
+      if (const VideoRecord* video = everything.Video(id)) videos.push_back(ShownName(*video));
     }
     listed.push_back({std::move(object), listed.size() + 1, model->name, model->IsCategory(), std::move(videos)});
   }
