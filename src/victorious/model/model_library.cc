@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
+#include "victorious/base/write_access.h"
 #include "victorious/store/model_file.h"
 
 namespace victorious {
@@ -31,7 +31,7 @@ Status CheckName(std::string_view name) {
 }
 
 // OK if files can be written into the folder, or into one that it can be made in.
-Status CheckWritable(const fs::path& folder) {
+Status CheckFolder(const fs::path& folder) {
   for (fs::path at = folder; !at.empty(); at = at.parent_path()) {
     std::error_code error;
     const fs::file_status status = fs::status(at, error);
@@ -39,7 +39,7 @@ Status CheckWritable(const fs::path& folder) {
     if (!fs::is_directory(status)) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: is a file: give a folder of models", at.string()));
     }
-    if (access(at.c_str(), W_OK) != 0) return std::unexpected(ErrorFromErrno(errno, at.string()));
+    if (!IsWritable(at)) return std::unexpected(ErrorFromErrno(errno, at.string()));
     break;
   }
   return {};
@@ -57,7 +57,7 @@ Status ModelLibrary::CheckNewName(std::string_view name) const {
         ErrorCode::kAlreadyExists,
         fmt::format("model {} is already in {}: choose another name, or remove it first", name, folder_.string()));
   }
-  return CheckWritable(folder_);
+  return CheckFolder(folder_);
 }
 
 Status ModelLibrary::Add(const ObjectModel& model) const {

@@ -4,11 +4,10 @@
 #include <chrono>
 #include <thread>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
+#include "victorious/base/write_access.h"
 #include "victorious/store/sqlite/migrations.h"
 
 namespace victorious::sqlite {
@@ -18,8 +17,6 @@ namespace fs = std::filesystem;
 using ConnectionPtr = std::unique_ptr<Connection>;
 
 fs::path FolderOf(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
-
-bool IsWritable(const fs::path& path) { return ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) == 0; }
 
 // The write-ahead log allows readers while one process writes, and keeps all commits if the program is killed. On file
 // systems that do not support it, SQLite uses its rollback journal, which needs full syncing. Only one process can
