@@ -148,8 +148,8 @@ class RunsTest(program.ProgramTest):
         self.assertEqual(self.rows(), found)
         refused = ("index", VIDEO, "--models", MODELS, "--db", self.db)
         params = self.write("params.json", json.dumps({"telemetry": {"clock_sigma_apart_s": 3}}))
-        self.refuses(2, "telemetry.clock_sigma_apart_s was null, is 3", *refused, "--params", params)
-        self.refuses(2, "--to was not given, is 1", *refused, "--to", "1")
+        self.refuses(2, "other parameters (telemetry.clock_sigma_apart_s was 2.0, is 3)", *refused, "--params", params)
+        self.refuses(2, "other parameters (--to was not given, is 1)", *refused, "--to", "1")
 
     def test_quality(self):
         fast = self.index(VIDEO, "--quality", "fast")

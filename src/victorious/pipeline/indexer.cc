@@ -51,26 +51,42 @@ std::string NameOfParameter(const std::string& key) {
   return name;
 }
 
-// Lists the parameters that differ between two stored JSON texts, with both values.
-std::string DescribeDifference(const std::string& before, const std::string& now) {
-  const Expected<nlohmann::json> a = ParseStrictJson(before);
-  const Expected<nlohmann::json> b = ParseStrictJson(now);
-  if (!a || !b || !a->is_object() || !b->is_object()) return "another version's parameters";
-  const auto flat_a = a->flatten();
-  const auto flat_b = b->flatten();
+// The parameters of a search that began before, and those of now, each as a JSON pointer with its value.
+struct ComparedParameters {
+  nlohmann::json before;
+  nlohmann::json now;
+};
+
+// What the program did not have when the search began is what it is by default. std::nullopt for what is not JSON.
+std::optional<ComparedParameters> Compare(const std::string& before, const std::string& now,
+                                          const std::string& defaults) {
+  const Expected<nlohmann::json> stored = ParseStrictJson(before);
+  const Expected<nlohmann::json> wanted = ParseStrictJson(now);
+  const Expected<nlohmann::json> unset = ParseStrictJson(defaults);
+  if (!stored || !wanted || !unset || !stored->is_object() || !wanted->is_object() || !unset->is_object())
+    return std::nullopt;
+  nlohmann::json began_with = unset->flatten();
+  began_with.update(stored->flatten());
+  return ComparedParameters{.before = std::move(began_with), .now = wanted->flatten()};
+}
+
+// Lists the parameters that differ, with both values.
+std::string DescribeDifference(const std::optional<ComparedParameters>& compared) {
+  constexpr std::string_view kUnknown = "another version's parameters";
+  if (!compared) return std::string(kUnknown);
   std::vector<std::string> changes;
-  auto keys = flat_a;
-  keys.update(flat_b);
+  auto keys = compared->before;
+  keys.update(compared->now);
   for (const auto& [key, unused] : keys.items()) {
-    const auto old = flat_a.value(key, nlohmann::json());
-    const auto value = flat_b.value(key, nlohmann::json());
+    const auto old = compared->before.value(key, nlohmann::json());
+    const auto value = compared->now.value(key, nlohmann::json());
     if (old == value) continue;
     const std::string name = NameOfParameter(key);
     const std::string absent = name.starts_with("--") ? "not given" : "null";
     const auto text = [&](const nlohmann::json& one) { return one.is_null() ? absent : DumpJson(one); };
     changes.push_back(fmt::format("{} was {}, is {}", name, text(old), text(value)));
   }
-  return changes.empty() ? "another version's parameters" : fmt::format("{}", fmt::join(changes, "; "));
+  return changes.empty() ? std::string(kUnknown) : fmt::format("{}", fmt::join(changes, "; "));
 }
 
 // The parameters as the store keeps them, as JSON.
@@ -84,33 +100,23 @@ struct StoredParameters {
   }
 };
 
-// Whether a search may go on with other texts of its parameters: those that the program did not have when it began are
-// what they are by default.
-bool IsContinuation(const std::string& before, const std::string& now, const std::string& defaults) {
-  if (before == now) return true;
-  const Expected<nlohmann::json> a = ParseStrictJson(before);
-  const Expected<nlohmann::json> b = ParseStrictJson(now);
-  const Expected<nlohmann::json> c = ParseStrictJson(defaults);
-  if (!a || !b || !c || !a->is_object() || !b->is_object() || !c->is_object()) return false;
-  auto began_with = c->flatten();
-  began_with.update(a->flatten());
-  return began_with == b->flatten();
-}
-
 // Fails if a model was searched for with other parameters, before anything is changed.
 // @param defaults  what they are if nothing is set
 Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>& sought, const StoredParameters& now,
                        const StoredParameters& defaults, IndexStore& store) {
-  const auto refuse = [&](const std::string& before, const std::string& wanted) {
+  const auto check = [&](const std::string& before, const std::string& wanted, const std::string& unset) -> Status {
+    if (before == wanted) return {};
+    const std::optional<ComparedParameters> compared = Compare(before, wanted, unset);
+    if (compared && compared->before == compared->now) return {};
     return Fail(
         ErrorCode::kInvalidArgument,
         fmt::format(
             "{}: was indexed with other parameters ({}): give the same parameters, or --redo to delete its results and "
             "search it again",
-            video.name, DescribeDifference(before, wanted)));
+            ShownName(video), DescribeDifference(compared)));
   };
-  if (!video.features_json.empty() && !IsContinuation(video.features_json, now.features, defaults.features))
-    return refuse(video.features_json, now.features);
+  if (!video.features_json.empty())
+    VICTORIOUS_RETURN_IF_ERROR(check(video.features_json, now.features, defaults.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
   for (const ModelRecord& record : stored) {
     const bool is_searched = std::ranges::any_of(sought, [&](const ModelRecord& one) {
@@ -118,8 +124,7 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
     });
     if (!is_searched) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record.id));
-    if (before && !IsContinuation(before->options_json, now.Of(record), defaults.Of(record)))
-      return refuse(before->options_json, now.Of(record));
+    if (before) VICTORIOUS_RETURN_IF_ERROR(check(before->options_json, now.Of(record), defaults.Of(record)));
   }
   return {};
 }
