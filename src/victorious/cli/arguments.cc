@@ -15,13 +15,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "victorious/base/check.h"
 #include "victorious/base/count_text.h"
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/base/text.h"
+#include "victorious/base/write_access.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/store/open_store.h"
@@ -164,6 +164,8 @@ void AddCamera(ArgumentParser& parser, CameraArguments& camera) {
   parser.Add("--takeoff", camera.takeoff_m, "Height of the take-off above the ellipsoid, in metres")
       .Range(-1e3, 9e3)
       .TypeName("METRES");
+  parser.Add("--vertical-datum", camera.vertical_datum, "What telemetry's heights are above; overrides telemetry")
+      .OneOf(DatumOverrideTexts<VerticalDatum::kTakeoff>());
   const auto check = [](const std::string& text) -> Status {
     if (FindCameraModel(text) != nullptr) return {};
     const auto names = CameraModels() | std::views::transform(&CameraModel::aircraft);
@@ -189,6 +191,8 @@ Status ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) 
   options.camera_yaw_deg = arguments.yaw_deg;
   options.camera_model = arguments.camera;
   if (arguments.takeoff_m) options.takeoff_altitude_m = *arguments.takeoff_m;
+  if (!arguments.vertical_datum.empty())
+    options.vertical_datum = FromText(kVerticalDatumTexts, arguments.vertical_datum);
   return {};
 }
 
@@ -261,7 +265,7 @@ Status CheckOutput(const std::string& path) {
     written = fs::weakly_canonical(fs::absolute(path), unknown)
                   .parent_path();  // an atomic write creates a new file in the folder
   }
-  if (!fs::is_directory(status) && ::access(written.c_str(), W_OK) == 0) return {};
+  if (!fs::is_directory(status) && IsWritable(written)) return {};
   return std::unexpected(ErrorFromErrno(fs::is_directory(status) ? EISDIR : errno, fmt::format("write {}", path)));
 }
 

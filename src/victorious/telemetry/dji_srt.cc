@@ -335,6 +335,17 @@ std::optional<double> TakeoffAltitudeFromDjiText(std::string_view text) {
   return above_sea->Metres() - above_takeoff->Metres();
 }
 
+std::optional<double> AmbiguousAltitudeFromDjiText(std::string_view text) {
+  const auto height = QuantityAfter(text, "altitude");
+  if (!height || QuantityAfter(text, "rel_alt") || QuantityAfter(text, "abs_alt")) return std::nullopt;
+  return height->Metres();
+}
+
+void AddDjiHeights(std::string_view text, DjiSubtitles& subtitles) {
+  if (const auto takeoff_m = TakeoffAltitudeFromDjiText(text)) subtitles.takeoff_m.push_back(*takeoff_m);
+  if (const auto height_m = AmbiguousAltitudeFromDjiText(text)) subtitles.ambiguous_m.push_back(*height_m);
+}
+
 bool HasDjiKeyword(std::string_view text) {
   constexpr std::array<std::string_view, 7> kMarks = {"GPS(",    "GPS (",    "HOME(", "latitude",
                                                       "[iso : ", "FrameCnt", "SrtCnt"};
@@ -366,7 +377,7 @@ DjiSubtitles ParseDjiSrt(std::string_view text, DjiHeight height) {
   for (const Cue& cue : SplitCues(text)) {
     ++subtitles.cues;
     auto state = CameraFromDjiText(cue.text, height);
-    if (const auto takeoff_m = TakeoffAltitudeFromDjiText(cue.text)) subtitles.takeoff_m.push_back(*takeoff_m);
+    AddDjiHeights(cue.text, subtitles);
     const auto time_s = CueTime(cue, first_utc_us);
     if (!state || !time_s) {
       ++(state ? without_time : without_place);

@@ -31,12 +31,20 @@ enum class DjiHeight { kAboveSea, kAboveTakeoff };
 /// take-off; std::nullopt if it lacks one of them.
 [[nodiscard]] std::optional<double> TakeoffAltitudeFromDjiText(std::string_view text);
 
+/// The height of a text that names only "altitude", metres: above the sea for some aircraft, above the take-off for
+/// others. std::nullopt for texts that say which.
+[[nodiscard]] std::optional<double> AmbiguousAltitudeFromDjiText(std::string_view text);
+
 struct DjiSubtitles {
   std::vector<CameraState> states;    ///< with the times of their cues
   std::vector<std::string> warnings;  ///< truncated cues, cues without a time, …
   int cues = 0;                       ///< number of texts, with or without a position
   std::vector<double> takeoff_m;      ///< the heights of the take-off that texts imply
+  std::vector<double> ambiguous_m;    ///< the heights of texts that name only "altitude"
 };
+
+/// Adds the heights of a text, for the warnings about them.
+void AddDjiHeights(std::string_view text, DjiSubtitles& subtitles);
 
 /// Adds a warning for the cues without a position, and one for those without a time.
 void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtitles);

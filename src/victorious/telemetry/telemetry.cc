@@ -46,6 +46,11 @@ constexpr double kMinJump_m = 10;
 // m in a few basins only.
 constexpr double kLowestTakeoff_m = -30;
 
+// DJI's aircraft fly no higher than 500 m above their take-off: what is higher is above the sea. A clip that comes as
+// low as this is of an aircraft that starts or lands, and its heights are above the take-off.
+constexpr double kHighestAboveTakeoff_m = 500;
+constexpr double kNearTakeoff_m = 5;
+
 // Heights above the take-off are used where its height is known: the aircraft's own heights above the sea are often
 // wrong by tens of metres.
 DjiHeight HeightOf(const TelemetryOptions& options) {
@@ -226,6 +231,29 @@ void WarnOfTakeoffHeight(std::vector<double> takeoff_m, std::string_view word, c
                   word, -median_m));
 }
 
+// Decides what "altitude" alone is above, where the heights tell it; else it stays the take-off, and a warning says so.
+void ResolveAmbiguousHeights(const std::vector<double>& heights_m, const TelemetryOptions& options,
+                             Telemetry& telemetry) {
+  if (heights_m.empty() || options.vertical_datum) return;
+  const auto [lowest, highest] = std::ranges::minmax_element(heights_m);
+  if (*lowest < kNearTakeoff_m) return;
+  constexpr std::string_view kFlag = "--vertical-datum takeoff or egm96 (the sea) says what they are above";
+  if (*highest <= kHighestAboveTakeoff_m) {
+    telemetry.warnings.push_back(
+        fmt::format("the heights (altitude, {:.0f} to {:.0f} m) are taken for heights above the take-off, but some "
+                    "aircraft write those above the sea there: {}",
+                    *lowest, *highest, kFlag));
+    return;
+  }
+  for (CameraState& state : telemetry.states) {
+    if (state.datum == VerticalDatum::kTakeoff) state.datum = VerticalDatum::kEgm96;
+  }
+  telemetry.warnings.push_back(fmt::format(
+      "the heights (altitude, up to {:.0f} m) are taken for heights above the sea: no such aircraft flies so "
+      "high above its take-off; {}",
+      *highest, kFlag));
+}
+
 // The steps common to all formats: options, order of times, checks, vertical datum.
 Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
@@ -301,6 +329,7 @@ Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& opti
         "gives it exactly");
   }
   WarnOfTakeoffHeight(std::move(subtitles.takeoff_m), "abs_alt", options, telemetry.warnings);
+  ResolveAmbiguousHeights(subtitles.ambiguous_m, options, telemetry);
   return Finish(std::move(telemetry), options);
 }
 
@@ -324,7 +353,7 @@ DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets, DjiHeight
     ++subtitles.cues;
     const std::string_view text = TextOf(packet);
     auto state = CameraFromDjiText(text, height);
-    if (const auto takeoff_m = TakeoffAltitudeFromDjiText(text)) subtitles.takeoff_m.push_back(*takeoff_m);
+    AddDjiHeights(text, subtitles);
     if (!state || !packet.time_s) {
       ++(state ? without_time : without_place);
       continue;

@@ -409,6 +409,24 @@ TEST(Telemetry, GimbalAnglesOfTheTelemetryTakePrecedence) {
   EXPECT_NEAR(DegreesFromRadians(ParseTelemetry(Srt(text, text), options)->states[0].attitude->pitch_rad), -12.5, 1e-6);
 }
 
+// What "altitude" alone is above differs from aircraft to aircraft.
+TEST(Telemetry, HeightsThatMayBeAboveTheSeaAreReported) {
+  const auto read = [](const std::string& first, const std::string& second, const TelemetryOptions& options = {}) {
+    const auto text = [](const std::string& height) {
+      return "[latitude: 48.0] [longtitude: 11.0] [altitude: " + height + "]";
+    };
+    return *ParseTelemetry(Srt(text(first), text(second)), options);
+  };
+  const auto may_be = Contains(AllOf(HasSubstr("altitude, 214 to 220 m"), HasSubstr("--vertical-datum")));
+  EXPECT_THAT(read("214.0", "220.1").warnings, may_be);
+  EXPECT_EQ(read("214.0", "220.1").states[0].datum, VerticalDatum::kTakeoff);
+  EXPECT_THAT(read("0.3", "57.9").warnings, Not(Contains(HasSubstr("above the sea")))) << "it starts";
+  TelemetryOptions given{.vertical_datum = VerticalDatum::kTakeoff};
+  EXPECT_THAT(read("214.0", "220.1", given).warnings, Not(Contains(HasSubstr("above the sea"))));
+  EXPECT_THAT(read("757.9", "758.0").warnings, Contains(HasSubstr("taken for heights above the sea")));
+  EXPECT_NE(read("757.9", "758.0", {.takeoff_altitude_m = 600}).states[0].place.altitude_m, 1357.9);
+}
+
 TEST(Telemetry, HeightsThatPutTheTakeOffBelowTheSeaAreReported) {
   const auto warnings = [](const std::string& heights) {
     const std::string text = "[latitude: 49.1] [longitude: 14.6] [" + heights + "]";
