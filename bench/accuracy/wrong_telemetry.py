@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Measures what wrong telemetry costs: finds, places, and whether the errors that are stated cover the ones that are made.
 
-Usage: wrong_telemetry.py MOVIE... --models DIR [--program build/victorious] [--every 5] [--case NAME]... [--work DIR]
+Usage: wrong_telemetry.py MOVIE... --models DIR [--program build/victorious] [--every 5] [--case NAME]... [--draws N]
+                          [--work DIR]
 
 MOVIE is a folder with video.mp4, telemetry.csv and truth.jsonl. DIR contains models of the truth's objects, made by
 `model add`. Each movie is indexed with its exact telemetry, and once with that of each case:
@@ -13,7 +14,11 @@ MOVIE is a folder with video.mp4, telemetry.csv and truth.jsonl. DIR contains mo
   hfov       field of view too wide by 20 %, and too narrow
   other      the telemetry of the next movie; left out with one movie only
 
-Prints one row for each movie and case:
+With --draws N, N times each, and with a common error of the flight in addition: 2 m in each axis of the position and
+0.5 degrees in yaw, pitch and roll (standard deviations), which the default errors of places assume. Its components are
+drawn from a Latin hypercube over movies and draws.
+
+Prints one row for each movie, draw and case:
 
   found      true objects found, of those findable (as `victorious evaluate` counts)
   false      false objects
@@ -24,12 +29,14 @@ Prints one row for each movie and case:
   said       what `index` reported of the telemetry: clock, yaw and field of view corrected, clock unknown, field of view in
              doubt, another flight's, places rejected
 
-and at the end, for each case over all movies, the places within CE90.
+and at the end, for each case over all movies, and for all cases, the places within CE90.
 """
 
 import argparse
 import csv
 import json
+import math
+import random
 import re
 import statistics
 import tempfile
@@ -38,13 +45,16 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Callable
 
-from movies import Program
+from movies import EARTH_M, Program
+from noisy_telemetry import latin_normals
 
 Row = dict[str, float]
 Rows = list[Row]
 OTHER = "other flight"
 LOG_S = 8
 LATE_S = (0.3, 1, 3)
+COMMON_M = 2
+COMMON_DEG = 0.5
 
 
 def late(rows: Rows, seconds: float) -> Rows:
@@ -74,6 +84,19 @@ def turned(rows: Rows, degrees: float) -> Rows:
 
 def widened(rows: Rows, factor: float) -> Rows:
     return [row | {"hfov_deg": row["hfov_deg"] * factor} for row in rows]
+
+
+def biased(rows: Rows, normals: list[float]) -> Rows:
+    """Moved by one vector, and turned in yaw, pitch and roll by the same angles in each row."""
+    north, east, up = (normal * COMMON_M for normal in normals[:3])
+    metre_deg = math.degrees(1 / EARTH_M)
+    added = dict(zip(("yaw_deg", "pitch_deg", "roll_deg"), (normal * COMMON_DEG for normal in normals[3:]), strict=True))
+    added |= {
+        "latitude_deg": north * metre_deg,
+        "longitude_deg": east * metre_deg / math.cos(math.radians(rows[0]["latitude_deg"])),
+        "altitude_m": up,
+    }
+    return [row | {name: row[name] + change for name, change in added.items()} for row in rows]
 
 
 CASES: dict[str, Callable[[Rows], Rows]] = (
@@ -135,6 +158,45 @@ def remarks(log: str, objects: list[dict]) -> str:
     return ", ".join(said) or "-"
 
 
+class Measurement:
+    """Indexes a movie with spoilt telemetry, prints its row, and counts the places within CE90 for each case."""
+
+    def __init__(self, arguments: argparse.Namespace, work: Path):
+        self.program = Program(arguments.program)
+        self.arguments, self.work = arguments, work
+        self.names = ",".join(sorted(path.stem for path in arguments.models.glob("*.vmodel")))
+        self.covered: dict[str, list[bool]] = {}
+        print(f"{'movie':<16}{'case':<16}{'found':>7}{'false':>6}{'placed':>7}{'error, m':>16}{'CE90, m':>9}"
+              f"{'covered':>9}  said")
+
+    def run(self, movie: Path, label: str, case: str, rows: Rows) -> None:
+        stem = re.sub(r"\W+", "_", f"{label} {case}".replace("+", "plus").replace("-", "minus"))
+        telemetry, database = self.work / f"{stem}.csv", self.work / f"{stem}.db"
+        write(CASES[case](rows), telemetry)
+        database.unlink(missing_ok=True)
+        log = self.program.run("index", movie / "video.mp4", "--telemetry", telemetry, "--models", self.arguments.models,
+                               "--db", database, "--every", self.arguments.every).stderr
+        score = json.loads(self.program("evaluate", "--db", database, "--truth", movie / "truth.jsonl", "--models",
+                                        self.names, "--json"))
+        objects = [json.loads(line) for line in self.program("export", "--db", database, "--format", "objects").splitlines()]
+        errors = [one["error_m"] for one in score["per_object"].values() if one["error_m"] is not None]
+        inside = round((score["inside_ce90"] or 0) * score["located"])
+        self.covered.setdefault(case, []).extend([True] * inside + [False] * (score["located"] - inside))
+        radii = [one["ce90_m"] for one in objects if one.get("ce90_m") is not None]
+        error = f"{statistics.median(errors):8.2f}{max(errors):8.2f}" if errors else f"{'-':>16}"
+        radius = f"{statistics.median(radii):9.2f}" if radii else f"{'-':>9}"
+        found = f"{score['found']}/{score['findable']}"
+        within = f"{inside}/{score['located']}"
+        print(f"{label:<16}{case:<16}{found:>7}{score['false_objects']:>6}{score['located']:>7}{error}{radius}"
+              f"{within:>9}  {remarks(log, objects)}", flush=True)
+
+    def print_covered(self) -> None:
+        for case, inside in self.covered.items():
+            print(f"{case}: {sum(inside)} of {len(inside)} places within CE90")
+        every = [one for inside in self.covered.values() for one in inside]
+        print(f"all: {sum(every)} of {len(every)} places within CE90, {sum(every) / max(1, len(every)):.0%}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("movies", nargs="+", type=Path, metavar="MOVIE")
@@ -142,42 +204,28 @@ def main() -> None:
     parser.add_argument("--program", default="build/victorious")
     parser.add_argument("--every", type=int, default=5)
     parser.add_argument("--case", action="append", choices=list(CASES), help="only these")
+    parser.add_argument("--draws", type=int, default=0, help="of a common error of the flight; 0: none")
+    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--work", type=Path, help="telemetry and indexes stay here")
     arguments = parser.parse_args()
-    program = Program(arguments.program)
-    print(f"{'movie':<14}{'case':<16}{'found':>7}{'false':>6}{'placed':>7}{'error, m':>16}{'CE90, m':>9}{'covered':>9}  said")
-    models = sorted(path.stem for path in arguments.models.glob("*.vmodel"))
-    covered: dict[str, list[bool]] = {}
+    movies, draws = arguments.movies, max(1, arguments.draws)
+    normals = latin_normals(len(movies) * draws, random.Random(arguments.seed))
     with tempfile.TemporaryDirectory() as scratch:
         work = arguments.work or Path(scratch)
         work.mkdir(parents=True, exist_ok=True)
-        for number, movie in enumerate(arguments.movies):
+        measurement = Measurement(arguments, work)
+        for flight, common in enumerate(normals):
+            draw, number = divmod(flight, len(movies))
+            movie = movies[number]
             for case in arguments.case or CASES:
-                if case == OTHER and len(arguments.movies) == 1:
+                if case == OTHER and len(movies) == 1:
                     continue
-                given = arguments.movies[(number + 1) % len(arguments.movies)] if case == OTHER else movie
-                stem = re.sub(r"\W+", "_", f"{movie.name} {case}")
-                telemetry, database = work / f"{stem}.csv", work / f"{stem}.db"
-                write(CASES[case](rows_of(given)), telemetry)
-                database.unlink(missing_ok=True)
-                log = program.run("index", movie / "video.mp4", "--telemetry", telemetry, "--models", arguments.models,
-                                  "--db", database, "--every", arguments.every).stderr
-                score = json.loads(program("evaluate", "--db", database, "--truth", movie / "truth.jsonl", "--models",
-                                           ",".join(models), "--json"))
-                exported = program("export", "--db", database, "--format", "objects").splitlines()
-                objects = [json.loads(line) for line in exported]
-                errors = [one["error_m"] for one in score["per_object"].values() if one["error_m"] is not None]
-                inside = round((score["inside_ce90"] or 0) * score["located"])
-                covered.setdefault(case, []).extend([True] * inside + [False] * (score["located"] - inside))
-                radii = [one["ce90_m"] for one in objects if one.get("ce90_m") is not None]
-                error = f"{statistics.median(errors):8.2f}{max(errors):8.2f}" if errors else f"{'-':>16}"
-                radius = f"{statistics.median(radii):9.2f}" if radii else f"{'-':>9}"
-                found = f"{score['found']}/{score['findable']}"
-                within = f"{inside}/{score['located']}"
-                print(f"{movie.name:<14}{case:<16}{found:>7}{score['false_objects']:>6}{score['located']:>7}{error}{radius}"
-                      f"{within:>9}  {remarks(log, objects)}", flush=True)
-    for case, inside in covered.items():
-        print(f"{case}: {sum(inside)} of {len(inside)} places within CE90")
+                rows = rows_of(movies[(number + 1) % len(movies)] if case == OTHER else movie)
+                if arguments.draws:
+                    rows = biased(rows, common)
+                label = f"{movie.name} {draw + 1}" if arguments.draws else movie.name
+                measurement.run(movie, label, case, rows)
+        measurement.print_covered()
 
 
 if __name__ == "__main__":
