@@ -141,14 +141,12 @@ BoxTarget::Localisation BoxTarget::LocaliseWithRotation(const ImagePyramid& imag
 }
 
 BoxTarget::TargetObservation BoxTarget::Step(const FrameContext& context) {
-  const Eigen::Vector2d carried = context.now_from_before.Apply(box_.centre);
+  const Similarity2 camera = context.now_from_before.value_or(Similarity2{});
+  const Eigen::Vector2d carried = camera.Apply(box_.centre);
   box_.centre = carried + velocity_px_;
-  pending_rotation_rad_ += context.now_from_before.rotation_rad;
+  pending_rotation_rad_ += camera.rotation_rad;
   if (lost()) {
-    velocity_px_ *= kVelocityDecay;
-    // Far outside the frame the estimated ground motion does not apply.
-    const Eigen::Vector2d size(context.grey.cols, context.grey.rows);
-    box_.centre = box_.centre.cwiseMax(-size).cwiseMin(2 * size);
+    PredictLost(context);
     return Redetect(context);
   }
   const bool predicted_outside = FractionInView(context.image, box_) < options_.min_in_view;
@@ -169,6 +167,25 @@ BoxTarget::TargetObservation BoxTarget::Step(const FrameContext& context) {
   // At the edge the filter has a peak inside the frame even if the object is outside.
   if (predicted_outside && confidence < options_.update_confidence) return {.loss = TrackLoss::kLeftFrame};
   return {.box = box_.EllipseBounds(), .confidence = confidence, .tentative = tentative_};
+}
+
+// Where a lost target, and what was found not to be it, are by now.
+void BoxTarget::PredictLost(const FrameContext& context) {
+  velocity_px_ *= kVelocityDecay;
+  // Far outside the frame the estimated ground motion does not apply: a target that it brings back is only near there.
+  const Eigen::Vector2d size(context.grey.cols, context.grey.rows);
+  const Eigen::Vector2d near = box_.centre.cwiseMax(-size).cwiseMin(2 * size);
+  const bool is_far = near != box_.centre;
+  box_.centre = near;
+  if (!context.now_from_before) {
+    others_px_.clear();
+    if (whereabouts_ != Whereabouts::kUnknown) whereabouts_ = Whereabouts::kGuessed;
+    return;
+  }
+  if (is_far && whereabouts_ == Whereabouts::kPredicted) whereabouts_ = Whereabouts::kFarOutside;
+  if (whereabouts_ == Whereabouts::kFarOutside && FractionInView(context.image, box_) >= options_.min_in_view)
+    whereabouts_ = Whereabouts::kGuessed;
+  for (Eigen::Vector2d& other : others_px_) other = context.now_from_before->Apply(other);
 }
 
 void BoxTarget::Update(const FrameContext& context, const Localisation& localisation, double confidence) {
@@ -242,10 +259,30 @@ std::vector<RotatedBox> BoxTarget::FindSimilarPlaces(const FrameContext& context
   return candidates;
 }
 
-bool BoxTarget::IsInReach(const RotatedBox& box) const {
-  if (!position_known_) return true;
-  const double reach_px = (kReach + kReachPerFrame * lost_frames_) * std::sqrt(box_.Area());
-  return std::min((box.centre - box_.centre).norm(), (box.centre - last_seen_box_.centre).norm()) <= reach_px;
+bool BoxTarget::IsInReach(const RotatedBox& box, const RotatedBox& from) const {
+  return (box.centre - from.centre).norm() <= (kReach + kReachPerFrame * lost_frames_) * std::sqrt(box_.Area());
+}
+
+// Whether what looks like the target can be it. What is seen in the frame while the target is outside is another
+// object, and stays so as long as it is seen there.
+bool BoxTarget::MayBeAt(const FrameContext& context, const RotatedBox& box) {
+  if (whereabouts_ == Whereabouts::kUnknown) return true;
+  const double size_px = std::sqrt(box_.Area());
+  const auto other = std::ranges::find_if(
+      others_px_, [&](const Eigen::Vector2d& centre) { return (box.centre - centre).norm() <= size_px; });
+  if (other != others_px_.end()) {
+    *other = box.centre;
+    return false;
+  }
+  if (IsInReach(box, box_)) return true;
+  const bool has_left =
+      whereabouts_ != Whereabouts::kGuessed && FractionInView(context.image, box_) < options_.min_in_view;
+  if (has_left) {
+    others_px_.push_back(box.centre);
+    return false;
+  }
+  return IsInReach(box, last_seen_box_) ||
+         RelativeNcc(context.image, box) >= std::max(kFarNcc, rival_ncc_ + kRivalMargin);
 }
 
 // The predicted box, every second frame the box where the object was lost, and the similar places.
@@ -253,15 +290,14 @@ BoxTarget::TargetObservation BoxTarget::Redetect(const FrameContext& context) {
   std::vector<RotatedBox> candidates = FindSimilarPlaces(context);
   if (lost_frames_ % 2 == 0) candidates.insert(candidates.begin(), last_seen_box_);
   candidates.insert(candidates.begin(), box_);
-  const double far_ncc = std::max(kFarNcc, rival_ncc_ + kRivalMargin);
   RotatedBox found;
   TargetObservation best{.loss = TrackLoss::kOccluded};
   for (const RotatedBox& candidate : candidates) {
     const Localisation localisation = Localise(context.image, candidate);
     const double confidence = ComputeConfidence(context.image, localisation);
     if (confidence < options_.redetect_confidence || confidence <= best.confidence) continue;
-    if (!IsInReach(localisation.box) && RelativeNcc(context.image, localisation.box) < far_ncc) continue;
     if (FractionInView(context.image, localisation.box) < options_.min_in_view) continue;
+    if (!MayBeAt(context, localisation.box)) continue;
     found = localisation.box;
     best = {.box = found.EllipseBounds(), .confidence = confidence, .tentative = true};
   }
@@ -277,7 +313,7 @@ BoxTarget::TargetObservation BoxTarget::Redetect(const FrameContext& context) {
 }
 
 BoxTarget::TargetObservation BoxTarget::Resume(const FrameContext& context, const Box& box, double rotation_rad,
-                                               double min_confidence) {
+                                               double min_confidence, bool is_place_known) {
   RotatedBox around = ToRotatedBox(box);
   around.rotation_rad = rotation_rad;
   const Localisation localisation = Localise(context.image, around);
@@ -285,6 +321,7 @@ BoxTarget::TargetObservation BoxTarget::Resume(const FrameContext& context, cons
   if (confidence < min_confidence || FractionInView(context.image, localisation.box) < options_.min_in_view) {
     return {.loss = TrackLoss::kOccluded};
   }
+  if (!is_place_known && !MayBeAt(context, localisation.box)) return {.loss = TrackLoss::kOccluded};
   box_ = localisation.box;
   lost_frames_ = 0;
   tentative_ = false;
@@ -294,7 +331,8 @@ BoxTarget::TargetObservation BoxTarget::Resume(const FrameContext& context, cons
 void BoxTarget::MarkLost(bool position_known) {
   lost_frames_ = 1;
   last_seen_box_ = box_;
-  position_known_ = position_known;
+  whereabouts_ = position_known ? Whereabouts::kPredicted : Whereabouts::kUnknown;
+  others_px_.clear();
 }
 
 }  // namespace victorious

@@ -1,6 +1,7 @@
 // track/: the tracker of one user box. box_tracker.h runs one for each box and gives the method.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -18,9 +19,10 @@ namespace victorious {
 
 /// The data of one frame that all targets share.
 struct FrameContext {
-  ImagePyramid image;           ///< CV_8UC3 or CV_8UC1
-  cv::Mat grey;                 ///< CV_8UC1
-  Similarity2 now_from_before;  ///< the camera's motion since the previous frame, px
+  ImagePyramid image;  ///< CV_8UC3 or CV_8UC1
+  cv::Mat grey;        ///< CV_8UC1
+  /// The camera's motion since the previous frame, px; std::nullopt: unknown, as after a cut.
+  std::optional<Similarity2> now_from_before;
 };
 
 class BoxTarget {
@@ -40,10 +42,11 @@ class BoxTarget {
   TargetObservation Step(const FrameContext& context);
 
   /// Resumes tracking at a position in this frame that another source gives. If the confidence is below
-  /// `min_confidence`, the target does not change.
+  /// `min_confidence`, the target does not change. Nor does it if it cannot be there, unless its place is known.
   /// @param box  px, axis-aligned; only its centre and size are used
   /// @param rotation_rad  rotation of the object in the image since the user box, from +x towards +y
-  TargetObservation Resume(const FrameContext& context, const Box& box, double rotation_rad, double min_confidence);
+  TargetObservation Resume(const FrameContext& context, const Box& box, double rotation_rad, double min_confidence,
+                           bool is_place_known);
 
   /// Marks the target as lost: in another video, or if the tracked object cannot be the target. Step then searches the
   /// whole frame.
@@ -54,6 +57,14 @@ class BoxTarget {
   [[nodiscard]] bool lost() const { return lost_frames_ > 0; }
 
  private:
+  // What is known of the position of a lost target.
+  enum class Whereabouts {
+    kPredicted,   // by the camera's motion
+    kFarOutside,  // outside the frame, too far for a prediction
+    kGuessed,     // predicted, but a cut or a way far outside the frame lies between
+    kUnknown,     // in another video, or another object was tracked
+  };
+
   struct Localisation {
     RotatedBox box;
     double sharpness = 0;
@@ -66,7 +77,9 @@ class BoxTarget {
   [[nodiscard]] double ComputeConfidence(const ImagePyramid& image, const Localisation& localisation) const;
   void Update(const FrameContext& context, const Localisation& localisation, double confidence);
   [[nodiscard]] TargetObservation Redetect(const FrameContext& context);
-  [[nodiscard]] bool IsInReach(const RotatedBox& box) const;
+  void PredictLost(const FrameContext& context);
+  [[nodiscard]] bool IsInReach(const RotatedBox& box, const RotatedBox& from) const;
+  [[nodiscard]] bool MayBeAt(const FrameContext& context, const RotatedBox& box);
   [[nodiscard]] double MeasureRival(const FrameContext& context) const;
   [[nodiscard]] std::vector<RotatedBox> FindSimilarPlaces(const FrameContext& context) const;
 
@@ -81,11 +94,12 @@ class BoxTarget {
   cv::Mat confident_template_;  // grey, from the last confident frame
   double mean_sharpness_ = 0;
   double mean_ncc_ = 1;
-  double rival_ncc_ = 0;  // relative NCC of the most similar other object, decaying
+  double rival_ncc_ = 0;                    // relative NCC of the most similar other object, decaying
+  std::vector<Eigen::Vector2d> others_px_;  // centres of objects that are not the target, moved with the camera
   int num_updates_ = 0;
   int lost_frames_ = 0;
-  bool tentative_ = false;      // re-detected by appearance, and not confirmed since
-  bool position_known_ = true;  // where it was lost: false in another video
+  bool tentative_ = false;                             // re-detected by appearance, and not confirmed since
+  Whereabouts whereabouts_ = Whereabouts::kPredicted;  // while lost
 };
 
 }  // namespace victorious

@@ -19,7 +19,7 @@ std::vector<BoxTrackStep> BoxTracker::Step(const Frame& frame) {
   context_.image = ImagePyramid(frame.image);
   context_.grey = frame.image;
   if (frame.image.channels() == 3) cv::cvtColor(frame.image, context_.grey, cv::COLOR_BGR2GRAY);
-  context_.now_from_before = motion_.Step(context_.grey).value_or(Similarity2{});
+  context_.now_from_before = motion_.Step(context_.grey);
   std::vector<BoxTrackStep> steps(targets_.size());
   tbb::parallel_for(std::size_t{0}, targets_.size(),
                     [&](std::size_t i) { steps[i] = MakeStep(i, targets_[i].Step(context_)); });
@@ -51,7 +51,8 @@ BoxTrackStep BoxTracker::Resume(std::size_t target, const Box& box, double rotat
   VICTORIOUS_CHECK(target < targets_.size());
   const double min_confidence =
       basis == ResumeBasis::kRecognised ? options_.lost_confidence : options_.redetect_confidence;
-  return MakeStep(target, targets_[target].Resume(context_, box, rotation_rad, min_confidence));
+  return MakeStep(target, targets_[target].Resume(context_, box, rotation_rad, min_confidence,
+                                                  /*is_place_known=*/basis == ResumeBasis::kPredicted));
 }
 
 void BoxTracker::MarkLost(std::size_t target) {

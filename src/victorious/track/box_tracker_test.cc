@@ -167,6 +167,39 @@ TEST(BoxTracker, ATwinThatWasInViewBesideTheTargetIsNotTheTarget) {
   EXPECT_GT(IntersectionOverUnion(step.box, box), 0.5);
 }
 
+// The camera passes the target, and then a car of the same type that was not in view before; it returns.
+TEST(BoxTracker, ATwinThatComesIntoViewWhenTheTargetHasLeftIsNotTheTarget) {
+  const Drive drive;
+  const cv::Point car(215, 400);
+  const cv::Point twin(640, 390);
+  const auto camera = [](int i) { return Over(300 + 8 * (i <= 40 ? i : 80 - i), 400); };
+  const auto draw = [&](int i) {
+    cv::Mat frame = drive.Draw(car, camera(i));
+    const Box box = Drive::BoxOf(twin, camera(i));
+    const cv::Rect around = cv::Rect(cvFloor(box.x), cvFloor(box.y), cvCeil(box.width) + 1, cvCeil(box.height) + 1) &
+                            cv::Rect({0, 0}, frame.size());
+    if (!around.empty()) drive.Draw(twin, camera(i))(around).copyTo(frame(around));
+    return frame;
+  };
+  BoxTracker tracker = Started(draw(0), Drive::BoxOf(car, camera(0)));
+  BoxTrackStep step;
+  for (int i = 1; i <= 80; ++i) {
+    step = tracker.Step({i, 0.1 * i, draw(i)}).front();
+    const Box truth = Drive::BoxOf(car, camera(i));
+    const Box of_twin = Drive::BoxOf(twin, camera(i));
+    if (truth.x > 30) {
+      EXPECT_TRUE(step.seen() || i > 40) << i;
+    } else if (truth.x + truth.width < 0) {
+      EXPECT_FALSE(step.seen()) << i;
+      if (of_twin.x > 0 && of_twin.x + of_twin.width < 400) {
+        EXPECT_FALSE(tracker.Resume(0, of_twin, 0, BoxTracker::ResumeBasis::kRecognised).seen()) << i;
+      }
+    }
+  }
+  EXPECT_TRUE(step.seen());
+  EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(car, camera(80))), 0.5);
+}
+
 TEST(BoxTracker, ReportsLeavingTheFrame) {
   const Drive drive;
   const cv::Point car(500, 400);
