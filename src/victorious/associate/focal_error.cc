@@ -145,28 +145,37 @@ FocalEstimate Combine(std::span<const FocalEstimate> estimates) {
   return combined;
 }
 
-// Mean and variance after the measurement.
+// Mean, and variance about it, after the measurement. Many fields of view that are right are exact: the scale of their
+// errors, at most that of the prior, is that which the measurement shows beyond its own error (the positive part of
+// James and Stein 1961). The variance is that of the prior's scale.
 FocalEstimate Update(double given_sigma, const FocalEstimate& measured) {
   struct Hypothesis {
     double probability;
     double variance;
+    double shown_variance;
   };
   constexpr double kRight = kRightFocalSigma * kRightFocalSigma;
   constexpr double kWrong = kWrongFocalSigma * kWrongFocalSigma;
-  const double wrong = std::clamp((given_sigma * given_sigma - kRight) / (kWrong - kRight), 0.0, 1.0);
+  const double given = given_sigma * given_sigma;
+  const double right = std::min(kRight, given);
+  const double shown = std::max(0.0, measured.log_factor * measured.log_factor - measured.variance);
+  const double wrong = std::clamp((given - kRight) / (kWrong - kRight), 0.0, 1.0);
   double total = 0;
   FocalEstimate after;
+  double mean = 0;
   double mean_square = 0;
-  for (const auto& [probability, prior] : {Hypothesis{1 - wrong, kRight}, Hypothesis{wrong, kWrong}}) {
+  for (const auto& [probability, prior, shown_prior] :
+       {Hypothesis{1 - wrong, right, std::min(right, shown)}, Hypothesis{wrong, kWrong, kWrong}}) {
     const double spread = prior + measured.variance;
     const double density = std::exp(-measured.log_factor * measured.log_factor / (2 * spread)) / std::sqrt(spread);
-    const double mean = measured.log_factor * prior / spread;
+    const double expected = measured.log_factor * prior / spread;
     total += probability * density;
-    after.log_factor += probability * density * mean;
-    mean_square += probability * density * (mean * mean + prior * measured.variance / spread);
+    after.log_factor += probability * density * measured.log_factor * shown_prior / (shown_prior + measured.variance);
+    mean += probability * density * expected;
+    mean_square += probability * density * (expected * expected + prior * measured.variance / spread);
   }
   after.log_factor /= total;
-  after.variance = mean_square / total - after.log_factor * after.log_factor;
+  after.variance = mean_square / total - after.log_factor * (2 * mean / total - after.log_factor);
   return after;
 }
 

@@ -77,6 +77,29 @@ TEST(FocalError, IsLimitedByWhatIsKnownBefore) {
   EXPECT_GT(error->sigma_ratio, 0.9);
 }
 
+// Noise of the views is no error of the field of view: it would shift all objects of the flight alike.
+TEST(FocalError, IsNoneWhereTheViewsDoNotShowOne) {
+  int unchanged = 0;
+  constexpr int kFlights = 20;
+  for (std::int64_t id = 1; id <= kFlights; ++id) {
+    const Flight flight{.given_sigma = 0.02};
+    const auto error = EstimateFocalError(std::vector{Seen(id, {0, 0, 0}, flight), Seen(id + 20, {10, -5, 0}, flight),
+                                                      Seen(id + 40, {-12, 3, 0}, flight)});
+    ASSERT_TRUE(error);
+    unchanged += error->log_factor == 0 ? 1 : 0;
+    EXPECT_GT(error->sigma_ratio, 0.9) << "they know no more than the telemetry";
+    EXPECT_LE(error->sigma_ratio, 1.05);
+  }
+  EXPECT_GE(unchanged, kFlights / 2);
+}
+
+TEST(FocalError, KnownBetterByTheMotionOfTheImageStaysSo) {
+  const auto error = EstimateFocalError(SeenByAll({.log_factor = -0.05, .given_sigma = 0.005}));
+  ASSERT_TRUE(error);
+  EXPECT_LT(std::abs(error->log_factor), 0.001);
+  EXPECT_LT(error->sigma_ratio, 1.01);
+}
+
 TEST(FocalError, OneThatTurnsIsAnOutlier) {
   const Flight flight{.log_factor = -0.2, .given_sigma = 0.2};
   std::vector<ObservedTracklet> tracklets = SeenByAll(flight);
