@@ -112,7 +112,7 @@ class RunsTest(program.ProgramTest):
 
     def test_interval_of_time(self):
         done = self.index(VIDEO, "--from", "1", "--to", "0:02")
-        self.assertIn("4 frames searched", done.err)
+        self.assertIn("6 frames searched", done.err)
         self.assertIn(": 21 of 21 frames", done.err)  # the progress is that of the interval
         frames = {row["frame"] for row in self.rows()}
         self.assertTrue(frames and min(frames) >= 10 and max(frames) <= 20, frames)
@@ -148,12 +148,12 @@ class RunsTest(program.ProgramTest):
         self.assertEqual(self.rows(), found)
         refused = ("index", VIDEO, "--models", MODELS, "--db", self.db)
         params = self.write("params.json", json.dumps({"telemetry": {"clock_sigma_apart_s": 3}}))
-        self.refuses(2, "other parameters (telemetry.clock_sigma_apart_s was 2.0, is 3)", *refused, "--params", params)
-        self.refuses(2, "other parameters (--to was not given, is 1)", *refused, "--to", "1")
+        self.refuses(2, "other parameters (telemetry.clock_sigma_apart_s was 2.0, is 3.0)", *refused, "--params", params)
+        self.refuses(2, "other parameters (--to was not given, is 1.0)", *refused, "--to", "1")
 
     def test_quality(self):
         fast = self.index(VIDEO, "--quality", "fast")
-        self.assertIn("7 frames searched", fast.err)
+        self.assertIn("10 frames searched", fast.err)
         self.assertTrue(any(row["frame"] % 6 for row in self.rows()), "objects are tracked in between")
         command = ("index", VIDEO, "--models", MODELS, "--db", self.db)
         self.refuses(2, ["every was 6, is 1", "search.nearest was 4, is 8"], *command, "--quality", "thorough")
