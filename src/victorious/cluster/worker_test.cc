@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -220,6 +221,11 @@ TEST_F(PostgresWorkerTest, ServerThatStandsStillDoesNotKeepTheProcess) {
     auto row = (*connection)->Query("SELECT max(pid)::bigint FROM pg_stat_activity WHERE application_name = 'cut_off'");
     return row && row->Next() ? static_cast<pid_t>(row->Integer(0)) : 0;
   };
+  const auto is_idle = [&](pid_t session) {
+    auto row =
+        (*connection)->Query(fmt::format("SELECT 1 FROM pg_stat_activity WHERE pid = {} AND state = 'idle'", session));
+    return row && row->Next();
+  };
   Submit("/a.mp4");
   int runs = 0;
   const auto run = [&](const IndexTask& task, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
@@ -227,7 +233,12 @@ TEST_F(PostgresWorkerTest, ServerThatStandsStillDoesNotKeepTheProcess) {
     EXPECT_EQ(task.attempt->attempt, 1);
     const pid_t session = find();
     if (session == 0) return Fail(ErrorCode::kInternal, "no session");
-    const Standstill standstill({session, ParentOf(session)});
+    std::optional<Standstill> standstill;
+    const auto stop = [&] { standstill.emplace(std::vector<pid_t>{session, ParentOf(session)}); };
+    for (stop(); !is_idle(session); stop()) {  // in a transaction it would keep the locks of the task
+      standstill.reset();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
     while (keep_lease() != ChildControl::kKill) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     // Another worker, which the server answers, ends the lease.
     EXPECT_TRUE((*connection)->Execute("UPDATE tasks SET leased_until = now() - interval '1 s'"));
