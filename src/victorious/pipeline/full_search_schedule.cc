@@ -34,7 +34,7 @@ FullSearchSchedule::FullSearchSchedule(int interval, const FollowOptions& follow
       by_motion_(by_motion),
       by_parts_(by_motion && interval > 1),
       spacing_(by_parts_ ? kPartSpacing : 1),
-      interval_(static_cast<int>(std::lround(spacing_ * interval))) {}
+      interval_(by_parts_ ? PartInterval(interval) : interval) {}
 
 bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarity2>& now_from_before) {
   const bool restarts = follow_.enabled && frame.index % follow_.restart_interval_frames == 0;
@@ -50,10 +50,10 @@ bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarit
          MotionOf(*now_from_searched_, frame.image.size()) >= spacing_ * kMinMotion;
 }
 
-ViewPart FullSearchSchedule::SetSearched(const Frame& frame) {
+ViewPart FullSearchSchedule::SetSearched(const Frame& frame, bool is_first) {
   searched_time_s_ = frame.time_s;
   now_from_searched_.emplace();
-  if (!by_parts_ || frame.index == 0) return {};
+  if (!by_parts_ || is_first) return {};
   return {.index = next_part_++ % kViewParts, .count = kViewParts};
 }
 

@@ -29,10 +29,10 @@ class FullSearchSchedule {
   /// @param now_from_before  image motion since the frame before, px; std::nullopt: unknown
   [[nodiscard]] bool Enter(const Frame& frame, const std::optional<Similarity2>& now_from_before);
 
-  /// Call if the frame entered last is searched as a whole. Returns for which views: all in the first frame of a
-  /// video, which may be its last; else the part whose turn it is. Restarts of tracks begin with each part in turn, so
-  /// that none is left out where few searches lie between two of them.
-  [[nodiscard]] ViewPart SetSearched(const Frame& frame);
+  /// Call if the frame entered last is searched as a whole. Returns for which views: all in the first frame that is
+  /// searched of a video, which may be the last; else the part whose turn it is. Restarts of tracks begin with each
+  /// part in turn, so that none is left out where few searches lie between two of them.
+  [[nodiscard]] ViewPart SetSearched(const Frame& frame, bool is_first);
 
  private:
   const FollowOptions& follow_;

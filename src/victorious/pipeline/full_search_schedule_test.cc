@@ -26,7 +26,7 @@ std::vector<std::int64_t> SearchedFramesOf(const Similarity2& step, bool by_moti
   for (std::int64_t index = first; index < 180; ++index) {
     const Frame frame = FrameOf(index);
     if (!schedule.Enter(frame, index == first || index == unknown ? std::nullopt : std::optional(step))) continue;
-    (void)schedule.SetSearched(frame);
+    (void)schedule.SetSearched(frame, index == 0);
     searched.push_back(index);
   }
   return searched;
@@ -73,7 +73,7 @@ std::vector<ViewPart> PartsOf(int interval, bool by_motion, std::int64_t first, 
   for (std::int64_t index = first; index < 180; ++index) {
     const Frame frame = FrameOf(index);
     if (schedule.Enter(frame, index == first ? std::nullopt : std::optional(Shift(0)))) {
-      parts.push_back(schedule.SetSearched(frame));
+      parts.push_back(schedule.SetSearched(frame, index == 0));
     }
   }
   return parts;

@@ -110,7 +110,7 @@ class FrameSelector {
     }
     const bool is_due = schedule_.Enter(frame, task.now_from_before) || is_first_wanted;
     const bool whole = is_due && (is_first_wanted || pace_.HasTimeForAll());
-    if (whole) task.views = schedule_.SetSearched(frame);
+    if (whole) task.views = schedule_.SetSearched(frame, index == 0 || is_first_wanted);
     task.camera = pass_.cameras.At(frame.time_s);
     task.now.conditions = MakeFrameConditions(pass_.cameras.ForSearch(frame.time_s), frame.image.size(), pass_.sun);
     task.now.frame = std::move(frame);

@@ -39,7 +39,9 @@ Expected<IndexOptions> ParseSearchOptions(const std::string& options_json) {
 // True if a search with these options may search the whole of the frame, which depends on the motion of the image, too;
 // without tracking it searches no other frames.
 bool MayBeWholeFrame(std::int64_t frame, const IndexOptions& options) {
-  return !options.follow.enabled || IsFullSearchFrame(frame, std::max(1, options.every), options.follow);
+  const int every = std::max(1, options.every);
+  return !options.follow.enabled || IsFullSearchFrame(frame, every, options.follow) ||
+         IsFullSearchFrame(frame, PartInterval(every), options.follow);
 }
 
 // The features that the sighting was searched for in: of the whole frame, or of the region around it.
