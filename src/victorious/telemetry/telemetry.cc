@@ -236,7 +236,7 @@ void ResolveAmbiguousHeights(const std::vector<double>& heights_m, const Telemet
                              Telemetry& telemetry) {
   if (heights_m.empty() || options.vertical_datum) return;
   const auto [lowest, highest] = std::ranges::minmax_element(heights_m);
-  if (*lowest < kNearTakeoff_m) return;
+  if (*lowest < kNearTakeoff_m && *highest <= kHighestAboveTakeoff_m) return;
   constexpr std::string_view kFlag = "--vertical-datum takeoff or egm96 (the sea) says what they are above";
   if (*highest <= kHighestAboveTakeoff_m) {
     telemetry.warnings.push_back(

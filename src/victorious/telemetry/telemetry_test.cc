@@ -420,6 +420,7 @@ TEST(Telemetry, HeightsThatMayBeAboveTheSeaAreReported) {
   const auto may_be = Contains(AllOf(HasSubstr("altitude, 214 to 220 m"), HasSubstr("--vertical-datum")));
   EXPECT_THAT(read("214.0", "220.1").warnings, may_be);
   EXPECT_EQ(read("214.0", "220.1").states[0].datum, VerticalDatum::kTakeoff);
+  EXPECT_THAT(read("0.0", "758.0").warnings, Contains(HasSubstr("taken for heights above the sea"))) << "no fix yet";
   EXPECT_THAT(read("0.3", "57.9").warnings, Not(Contains(HasSubstr("above the sea")))) << "it starts";
   TelemetryOptions given{.vertical_datum = VerticalDatum::kTakeoff};
   EXPECT_THAT(read("214.0", "220.1", given).warnings, Not(Contains(HasSubstr("above the sea"))));
