@@ -30,6 +30,7 @@ constexpr double kVelocityLearningRate = 0.3;  // of the object's own velocity, 
                                                // its position
 constexpr double kVelocityDecay = 0.9;         // per frame while lost: an occluded object may have stopped
 constexpr double kMeanRate = 0.02;             // running means over roughly the last 50 frames
+constexpr int kMaxUnseenFrames = 10;           // of another object, which is then forgotten
 constexpr double kMinSharpness = 1e-6;         // below: a uniform window, without information
 constexpr double kMinMeanNcc = 0.1;            // of a sample for the running mean, which is a divisor
 // Minimum confidence to store a template of a frame.
@@ -178,14 +179,15 @@ void BoxTarget::PredictLost(const FrameContext& context) {
   const bool is_far = near != box_.centre;
   box_.centre = near;
   if (!context.now_from_before) {
-    others_px_.clear();
+    others_.clear();
     if (whereabouts_ != Whereabouts::kUnknown) whereabouts_ = Whereabouts::kGuessed;
     return;
   }
   if (is_far && whereabouts_ == Whereabouts::kPredicted) whereabouts_ = Whereabouts::kFarOutside;
   if (whereabouts_ == Whereabouts::kFarOutside && FractionInView(context.image, box_) >= options_.min_in_view)
     whereabouts_ = Whereabouts::kGuessed;
-  for (Eigen::Vector2d& other : others_px_) other = context.now_from_before->Apply(other);
+  for (Other& other : others_) other.centre_px = context.now_from_before->Apply(other.centre_px);
+  std::erase_if(others_, [](Other& other) { return ++other.unseen_frames > kMaxUnseenFrames; });
 }
 
 void BoxTarget::Update(const FrameContext& context, const Localisation& localisation, double confidence) {
@@ -268,17 +270,17 @@ bool BoxTarget::IsInReach(const RotatedBox& box, const RotatedBox& from) const {
 bool BoxTarget::MayBeAt(const FrameContext& context, const RotatedBox& box) {
   if (whereabouts_ == Whereabouts::kUnknown) return true;
   const double size_px = std::sqrt(box_.Area());
-  const auto other = std::ranges::find_if(
-      others_px_, [&](const Eigen::Vector2d& centre) { return (box.centre - centre).norm() <= size_px; });
-  if (other != others_px_.end()) {
-    *other = box.centre;
+  const auto other =
+      std::ranges::find_if(others_, [&](const Other& one) { return (box.centre - one.centre_px).norm() <= size_px; });
+  if (other != others_.end()) {
+    *other = {box.centre};
     return false;
   }
   if (IsInReach(box, box_)) return true;
   const bool has_left =
       whereabouts_ != Whereabouts::kGuessed && FractionInView(context.image, box_) < options_.min_in_view;
   if (has_left) {
-    others_px_.push_back(box.centre);
+    others_.push_back({box.centre});
     return false;
   }
   return IsInReach(box, last_seen_box_) ||
@@ -332,7 +334,7 @@ void BoxTarget::MarkLost(bool position_known) {
   lost_frames_ = 1;
   last_seen_box_ = box_;
   whereabouts_ = position_known ? Whereabouts::kPredicted : Whereabouts::kUnknown;
-  others_px_.clear();
+  others_.clear();
 }
 
 }  // namespace victorious

@@ -94,8 +94,13 @@ class BoxTarget {
   cv::Mat confident_template_;  // grey, from the last confident frame
   double mean_sharpness_ = 0;
   double mean_ncc_ = 1;
-  double rival_ncc_ = 0;                    // relative NCC of the most similar other object, decaying
-  std::vector<Eigen::Vector2d> others_px_;  // centres of objects that are not the target, moved with the camera
+  double rival_ncc_ = 0;  // relative NCC of the most similar other object, decaying
+  // An object that is not the target.
+  struct Other {
+    Eigen::Vector2d centre_px;  // moved with the camera
+    int unseen_frames = 0;
+  };
+  std::vector<Other> others_;
   int num_updates_ = 0;
   int lost_frames_ = 0;
   bool tentative_ = false;                             // re-detected by appearance, and not confirmed since
