@@ -160,14 +160,18 @@ FocalEstimate Update(double given_sigma, const FocalEstimate& measured) {
   const double right = std::min(kRight, given);
   const double shown = std::max(0.0, measured.log_factor * measured.log_factor - measured.variance);
   const double wrong = std::clamp((given - kRight) / (kWrong - kRight), 0.0, 1.0);
+  // The exponent of the hypothesis that is taken away from both, so that one of them does not underflow.
+  const double square = measured.log_factor * measured.log_factor;
+  const double nearest = square / (2 * ((wrong > 0 ? kWrong : right) + measured.variance));
   double total = 0;
   FocalEstimate after;
   double mean = 0;
   double mean_square = 0;
   for (const auto& [probability, prior, shown_prior] :
        {Hypothesis{1 - wrong, right, std::min(right, shown)}, Hypothesis{wrong, kWrong, kWrong}}) {
+    if (probability == 0) continue;
     const double spread = prior + measured.variance;
-    const double density = std::exp(-measured.log_factor * measured.log_factor / (2 * spread)) / std::sqrt(spread);
+    const double density = std::exp(nearest - square / (2 * spread)) / std::sqrt(spread);
     const double expected = measured.log_factor * prior / spread;
     total += probability * density;
     after.log_factor += probability * density * measured.log_factor * shown_prior / (shown_prior + measured.variance);
