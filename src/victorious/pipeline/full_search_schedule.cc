@@ -12,7 +12,6 @@ namespace {
 constexpr double kMinMotion = 0.03;  // fraction of the frame's diagonal
 constexpr double kMaxInterval_s = 1;
 constexpr std::size_t kViewParts = 3;
-constexpr double kPartSpacing = 2.0 / 3;  // of searches for a part of the views, as a fraction of that for all
 constexpr double kTimeRounding_s = 1e-3;
 
 // The farthest that a corner of the frame, or its centre, has moved, as a fraction of the diagonal.

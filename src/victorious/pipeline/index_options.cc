@@ -64,7 +64,7 @@ SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo
   return {.models = static_cast<int>(std::lround(frames)), .categories = 1};
 }
 
-int PartInterval(int interval) { return std::max(1, static_cast<int>(std::lround(2.0 / 3 * interval))); }
+int PartInterval(int interval) { return std::max(1, static_cast<int>(std::lround(kPartSpacing * interval))); }
 
 bool IsFullSearchFrame(std::int64_t frame, int interval, const FollowOptions& options) {
   const int restart = options.enabled ? options.restart_interval_frames : 0;

@@ -78,8 +78,10 @@ struct SearchIntervals {
 /// those of a search without tracking.
 [[nodiscard]] SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info);
 
-/// The frames between two searches for a part of the models' views (full_search_schedule.h): two thirds of those
-/// between two for all.
+/// Spacing of searches for a part of the models' views (full_search_schedule.h), as a fraction of that for all.
+inline constexpr double kPartSpacing = 2.0 / 3;
+
+/// The frames between two searches for a part of the views. @param interval  between two for all
 [[nodiscard]] int PartInterval(int interval);
 
 /// True if a frame is searched as a whole: one each `interval` frames, and those where tracks restart.

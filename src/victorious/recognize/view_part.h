@@ -1,6 +1,6 @@
 // recognize/, which of a model's views a search of a frame goes through. Successive frames of a video show nearly the
-// same, so a search that comes three times as often need only propose a third of the coarse views each time: an object
-// that is seen between two of them is found by one of these frames, or by several (docs/adr/0018).
+// same, so each of them need only be searched for a part of the coarse views: neighbouring views propose the same
+// object, and what one frame shows is followed into the others (docs/adr/0018).
 #pragma once
 
 #include <cstddef>
