@@ -119,7 +119,9 @@ std::string SummaryLines(const TrackedBoxes& tracked, const std::vector<std::str
     for (std::size_t video = 0; video < videos.size(); ++video) json["frames"][videos[video]] = frames[video];
     json["latitude_deg"] = place ? nlohmann::ordered_json(DegreesFromRadians(place->point.latitude_rad)) : nullptr;
     json["longitude_deg"] = place ? nlohmann::ordered_json(DegreesFromRadians(place->point.longitude_rad)) : nullptr;
+    json["altitude_m"] = place ? nlohmann::ordered_json(place->point.altitude_m) : nullptr;
     json["ce90_m"] = place ? nlohmann::ordered_json(place->ce90_m) : nullptr;
+    json["le90_m"] = place ? nlohmann::ordered_json(place->le90_m) : nullptr;
     const std::string& failure = tracked.place_failures[box_index];
     json["no_place"] = failure.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(failure);
     lines += DumpJson(json) + "\n";

@@ -44,15 +44,31 @@ Expected<CameraStates> LoadCameras(const std::string& video, const VideoInfo& in
                             [&](const std::string& warning) { warn(fmt::format("{}: {}", video, warning)); });
 }
 
+// A box that the video cannot have: it need not be read to find that out.
+Status CheckBoxes(std::span<const UserBox> boxes, const std::string& video, const VideoInfo& info) {
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (info.duration_s && boxes[i].at_s > *info.duration_s) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: ends at {:.3f} s, before {} at {:g} s: give a time in it", video, *info.duration_s,
+                              BoxName(i), boxes[i].at_s));
+    }
+    const Expected<Box> box = BoxTracker::ClipToFrame(boxes[i].box, {info.width, info.height});
+    if (!box) return std::unexpected(Error(box.error()).WithContext(BoxName(i)));
+  }
+  return {};
+}
+
 // Opens all videos, before any is read to its end, and reads their telemetry.
 // @param telemetry  telemetry file of the first video
-Expected<TrackedVideos> OpenVideos(std::span<const std::string> videos, const std::optional<std::string>& telemetry,
-                                   const TelemetryOptions& options, const WarningSink& warn) {
+Expected<TrackedVideos> OpenVideos(std::span<const std::string> videos, std::span<const UserBox> boxes,
+                                   const std::optional<std::string>& telemetry, const TelemetryOptions& options,
+                                   const WarningSink& warn) {
   std::vector<VideoInfo> infos;
   for (const std::string& video : videos) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenRereadable(video));
     infos.push_back(reader->info());
   }
+  VICTORIOUS_RETURN_IF_ERROR(CheckBoxes(boxes, videos[0], infos[0]));
   TrackedVideos opened;
   opened.sizes.resize(videos.size());
   for (std::size_t video = 0; video < videos.size(); ++video) {
@@ -206,7 +222,7 @@ Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span
     return Fail(ErrorCode::kInvalidArgument, "nothing to track: give a video and a box in it");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
-  VICTORIOUS_ASSIGN_OR_RETURN(TrackedVideos opened, OpenVideos(videos, telemetry, options.telemetry, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(TrackedVideos opened, OpenVideos(videos, boxes, telemetry, options.telemetry, warn));
   for (std::size_t video = 0; options.telemetry.time_offset_s == 0 && video < videos.size(); ++video) {
     VICTORIOUS_RETURN_IF_ERROR(CorrectTelemetry(
         videos[video], options.model.features.impulse_fraction, FindGiven(options.telemetry), cancel,

@@ -26,10 +26,9 @@ std::vector<BoxTrackStep> BoxTracker::Step(const Frame& frame) {
   return steps;
 }
 
-Expected<BoxTrackStep> BoxTracker::Start(const Box& box) {
-  VICTORIOUS_CHECK(!context_.image.empty());
+Expected<Box> BoxTracker::ClipToFrame(const Box& box, cv::Size frame_size) {
   constexpr double kMinSide_px = 4;
-  const Box frame = FrameBox(context_.grey.cols, context_.grey.rows);
+  const Box frame = FrameBox(frame_size.width, frame_size.height);
   const Box inside = Intersection(box, frame);
   const std::string given = fmt::format("box {:g},{:g},{:g},{:g}", box.x, box.y, box.width, box.height);
   const std::string remedy = fmt::format("give x,y,w,h inside {:g} x {:g} px, at least {:g} px to a side", frame.width,
@@ -43,6 +42,12 @@ Expected<BoxTrackStep> BoxTracker::Start(const Box& box) {
   if (std::min(inside.width, inside.height) < kMinSide_px) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: too little of it in the frame: {}", given, remedy));
   }
+  return inside;
+}
+
+Expected<BoxTrackStep> BoxTracker::Start(const Box& box) {
+  VICTORIOUS_CHECK(!context_.image.empty());
+  VICTORIOUS_ASSIGN_OR_RETURN(const Box inside, ClipToFrame(box, context_.grey.size()));
   targets_.emplace_back(context_, inside, options_);
   return BoxTrackStep{.target = targets_.size() - 1, .box = inside, .extent = inside, .confidence = 1};
 }

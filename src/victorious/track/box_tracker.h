@@ -52,8 +52,12 @@ class BoxTracker {
   /// Cost on one core: about 10 ms per target and 3 ms per frame while seen; about twice that while lost.
   std::vector<BoxTrackStep> Step(const Frame& frame);
 
-  /// Starts a target in the current frame.
+  /// The part of a user box that is inside a frame.
+  /// @param frame_size  px
   /// Errors: kInvalidArgument for a box with a side below 4 px, or with less than half of it inside the frame.
+  [[nodiscard]] static Expected<Box> ClipToFrame(const Box& box, cv::Size frame_size);
+
+  /// Starts a target in the current frame. Errors: those of ClipToFrame.
   [[nodiscard]] Expected<BoxTrackStep> Start(const Box& box);
 
   /// The basis for resuming a lost target at a position; sets the minimum confidence.
