@@ -56,9 +56,9 @@ demo-cluster: victorious | demo/index.db
 	./tools/install_packages.sh --cluster
 	./tools/demo_cluster.sh build/victorious scenes/demo.json demo demo/cluster
 
-# Serves the page on the demo's index, and opens it in a browser where there is one.
+# Serves the page on the demo's index, and opens it in a browser where there is one. PORT=9000: at another port.
 serve: victorious | demo/index.db demo/flight/video.telemetry.csv
-	./tools/serve.sh build/victorious --db demo/index.db --models demo/models
+	./tools/serve.sh build/victorious --db demo/index.db --models demo/models $(if $(PORT),--listen 127.0.0.1:$(PORT))
 
 bench: build
 	build/victorious bench

@@ -73,8 +73,10 @@ export function formatExpected(count: number): string {
   return count >= 100 ? Math.round(count).toLocaleString("en") : count.toFixed(1);
 }
 
+/** The last part of a path, or of an address without its parameters. */
 export function baseName(path: string): string {
-  return path.split("/").filter(Boolean).pop() ?? path;
+  const name = path.includes("://") ? (path.split("?")[0] ?? path) : path;
+  return name.split("/").filter(Boolean).pop() ?? path;
 }
 
 export function plural(count: number, noun: string, many = `${noun}s`): string {

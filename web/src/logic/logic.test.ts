@@ -5,7 +5,7 @@ import { rectangle } from "./area";
 import { withDecision } from "./decisions";
 import { toCsv, toGeoJson } from "./export";
 import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery, searchedHours } from "./filters";
-import { explainScore, formatAngle, formatExpected, formatMetres, formatPosition, formatScore, formatSpan, formatTime } from "./format";
+import { baseName, explainScore, formatAngle, formatExpected, formatMetres, formatPosition, formatScore, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
 import { BINDINGS, actionOf } from "./keys";
@@ -196,6 +196,14 @@ describe("PagedList", () => {
 });
 
 describe("format", () => {
+  it("names files and databases by their last part", () => {
+    expect(["/data/a.mp4", "a.mp4", "postgresql://ann@host/videos", "postgresql://ann@/videos?host=/run/sql"].map(baseName)).toEqual([
+      "a.mp4",
+      "a.mp4",
+      "videos",
+      "videos",
+    ]);
+  });
   it("does not show a probability below 1 as 1", () => {
     expect([1, 0.9999, 0.994, 0.5].map((one) => formatScore(one))).toEqual(["1.00", ">0.99", "0.99", "0.50"]);
     expect(formatScore(0.99996, 3)).toBe(">0.999");

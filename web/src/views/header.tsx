@@ -3,6 +3,7 @@ import { counts, ownCount } from "../objects";
 import { account, logOut } from "../session";
 import * as notices from "../notices";
 import * as state from "../state";
+import { baseName } from "../logic/format";
 import { Icon } from "./icons";
 import { JobsButton } from "./jobs";
 import { WorkersButton } from "./workers";
@@ -76,7 +77,11 @@ export function Header() {
         </svg>
         VICTORIOUS
       </h1>
-      {project.state === "ready" && <span class="project">{project.value.name}</span>}
+      {project.state === "ready" && (
+        <span class="project" title={project.value.name}>
+          {baseName(project.value.name)}
+        </span>
+      )}
       <form class="search" role="search" onSubmit={(event) => event.preventDefault()}>
         <label class="hidden" for="search">
           Search

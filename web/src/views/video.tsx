@@ -199,7 +199,9 @@ function Stage() {
       )}
       {!problem && unplayable.value && <div class="message">{unplayable.value}</div>}
       {!problem && video && state.shownFrame.value === null && <div class="message middle">Loading the video</div>}
-      {!video && state.project.value.state === "ready" && <div class="message middle">There is no video in this index.</div>}
+      {state.project.value.state === "ready" && state.project.value.value.videos === 0 && (
+        <div class="message middle">There is no video in this index.</div>
+      )}
     </div>
   );
 }
