@@ -13,10 +13,13 @@
 namespace victorious {
 namespace {
 
+std::string NameOf(const VideoRecord& video) { return ShownName(video); }
+const std::string& NameOf(const ModelRecord& model) { return model.name; }
+
 template <typename Records>
 std::string Names(Records&& records) {
   std::set<std::string> names;
-  for (const auto& record : records) names.insert(record.name);
+  for (const auto& record : records) names.insert(NameOf(record));
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 

@@ -19,7 +19,8 @@ TEST(FindVideosByName, PrefersTheWholeNameToItsLastParts) {
                                            {.id = 2, .name = "/data/flight/a.mp4"},
                                            {.id = 3, .name = "frames/"},
                                            {.id = 4, .name = "/data/other/a.mp4"},
-                                           {.id = 5, .name = "rtsp://camera/live"}};
+                                           {.id = 5, .name = "rtsp://camera/live"},
+                                           {.id = 6, .name = "rtsp://ann:secret@camera/two"}};
   const auto ids = [&](std::string_view name) {
     std::vector<std::int64_t> found;
     for (const VideoRecord& video : FindVideosByName(videos, name)) found.push_back(video.id);
@@ -31,6 +32,8 @@ TEST(FindVideosByName, PrefersTheWholeNameToItsLastParts) {
   EXPECT_THAT(ids("/data/other/a.mp4"), ElementsAre(4));
   EXPECT_THAT(ids("frames"), ElementsAre(3));
   EXPECT_THAT(ids("rtsp://camera/live"), ElementsAre(5));
+  EXPECT_THAT(ids("rtsp://camera/two"), ElementsAre(6)) << "as it is shown";
+  EXPECT_THAT(ids("rtsp://ann:secret@camera/two"), ElementsAre(6));
   EXPECT_TRUE(ids(".mp4").empty());
   EXPECT_TRUE(ids("light/a.mp4").empty());
   EXPECT_TRUE(ids("").empty());
