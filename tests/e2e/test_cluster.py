@@ -43,10 +43,13 @@ class ClusterTest(program.ProgramTest):
         command = [program.PROGRAM, "work", "--db", self.url, "--threads", 1, *flags]
         return subprocess.Popen(list(map(str, command)), stderr=subprocess.PIPE, text=True)
 
-    def finish(self, *workers):
+    def finish(self, *workers, status=0) -> str:
+        """What the last one said."""
+        err = ""
         for worker in workers:
             err = worker.communicate(timeout=program.TIMEOUT_S)[1]
-            self.assertEqual(worker.returncode, 0, err)
+            self.assertEqual(worker.returncode, status, err)
+        return err
 
     def status(self) -> dict:
         return json.loads(self.succeeds("cluster", "status", "--db", self.url, "--json").out)
@@ -183,7 +186,8 @@ class ClusterTest(program.ProgramTest):
         gone = Path(self.write("gone.mkv", self.videos[1].read_bytes()))
         self.submit(gone, self.videos[0])
         gone.unlink()
-        self.finish(self.start_worker("--until-empty", "--retry-delay", "0"))
+        said = self.finish(self.start_worker("--until-empty", "--retry-delay", "0"), status=1)
+        self.assertIn("1 video failed", said.splitlines()[-1])
         status = self.status()
         self.assertEqual((status["done"], status["failed"]), (1, 1), status)
         self.assertEqual(status["tasks"][0]["video"], str(gone))
@@ -192,6 +196,22 @@ class ClusterTest(program.ProgramTest):
         self.assertIn("1 video submitted", self.submit(gone).err)
         self.finish(self.start_worker("--until-empty"))
         self.assertEqual(self.status()["done"], 2)
+
+    def test_other_options_are_refused_or_searched_again(self):
+        self.submit(self.videos[0])
+        self.finish(self.start_worker("--until-empty"))
+        found = self.rows()
+        submit = ("submit", *self.videos, "--models", program.models(), "--db", self.url, "--every", 7)
+        done = program.run(*submit)
+        self.assertEqual(done.status, 2, done.err)
+        self.assertIn(", is 7)", done.messages()[-1])
+        self.assertIn("--redo", done.messages()[-1])
+        self.assertEqual(self.rows(), found)
+        self.finish(self.start_worker("--until-empty"))  # the other videos
+        self.assertIn("1 video submitted, 2 done already;", self.succeeds(*submit, "--redo").err)
+        self.finish(self.start_worker("--until-empty"))
+        self.assert_same_as_one_process("--every", 7)
+        self.assertIn("3 done already;", self.succeeds(*submit, "--redo").err)
 
     def test_models_of_a_name_that_change(self):
         video, other, _ = self.videos
@@ -222,7 +242,7 @@ class ClusterTest(program.ProgramTest):
         # Replaced between submission and search: nothing is deleted.
         submit(other)
         replace()
-        self.finish(self.start_worker("--until-empty", "--retry-delay", "0"))
+        self.finish(self.start_worker("--until-empty", "--retry-delay", "0"), status=1)
         status = self.status()
         self.assertEqual((status["done"], status["failed"]), (2, 1), status)
         self.assertIn("truck was replaced after the video was submitted", status["tasks"][0]["reason"])
@@ -287,7 +307,7 @@ class ClusterTest(program.ProgramTest):
         video = next(file for file in content.glob("*/*") if file.read_bytes() == self.videos[0].read_bytes())
         video.write_bytes(video.read_bytes()[:-1] + b"x")
         flags = ("--until-empty", "--retry-delay", "0", "--content", content, "--cache", self.scratch / "cache")
-        self.finish(self.start_worker(*flags))
+        self.finish(self.start_worker(*flags), status=1)
         (task,) = self.status()["tasks"]
         self.assertIn(f"{video}: not the content that was submitted", task["reason"])
         self.assertEqual(self.sql("SELECT count(*) FROM victorious.models"), ["0"])
@@ -312,7 +332,7 @@ class ClusterTest(program.ProgramTest):
         video = Path(self.write("a.mkv", self.videos[0].read_bytes()))
         self.submit(video)
         video.write_bytes(self.videos[1].read_bytes())
-        self.finish(self.start_worker("--until-empty", "--retry-delay", "0"))
+        self.finish(self.start_worker("--until-empty", "--retry-delay", "0"), status=1)
         (task,) = self.status()["tasks"]
         self.assertIn(f"{video}: not the video that was submitted", task["reason"])
 

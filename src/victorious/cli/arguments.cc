@@ -136,6 +136,36 @@ void AddParams(ArgumentParser& parser, std::string& params, std::string_view lis
       .TypeName("FILE");
 }
 
+void AddSearchSettings(ArgumentParser& parser, SearchSettings& search) {
+  AddParams(parser, search.params, "index");
+  parser
+      .Add("--quality", search.quality,
+           "fast: a whole frame each 0.4 to 0.7 s, by how far the image moves, found objects tracked in between, CAD "
+           "models by proposals; normal (default): each 0.2 to 0.7 s; thorough: all frames, more candidates of each "
+           "match (docs/tutorial.md)")
+      .TypeName("NAME");
+  parser
+      .Add("--every", search.every,
+           "Search every N-th frame completely; in between, only regions around tracked objects; 0: by the "
+           "frame rate; default: by --quality")
+      .Range(0, 1'000'000)
+      .TypeName("N");
+}
+
+Expected<IndexOptions> ReadIndexOptions(const SearchSettings& search, std::span<const ObjectModel> models) {
+  IndexOptions options;
+  if (!search.quality.empty()) {
+    const bool cad_only =
+        std::ranges::all_of(models, [](const ObjectModel& one) { return one.kind == ModelKind::kCad; });
+    VICTORIOUS_ASSIGN_OR_RETURN(const Quality quality, ParseQuality(search.quality));
+    ApplyQuality(quality, cad_only, options);
+  }
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(search.params, options));
+  if (search.every) options.every = *search.every;
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"every", "--every"}}));
+  return options;
+}
+
 void AddFieldOfView(ArgumentParser& parser, std::optional<double>& hfov_deg) {
   const auto check = [](const std::string& text) -> Status {
     const std::optional<double> degrees = ParseNonNegative(text);

@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,10 +14,12 @@
 #include "victorious/base/options.h"
 #include "victorious/cli/argument_parser.h"
 #include "victorious/geometry/box.h"
+#include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/store/index_store.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/terrain/terrain.h"
+#include "victorious/types/object_model.h"
 
 namespace victorious::cli {
 
@@ -88,6 +91,21 @@ template <typename Options>
   if (const std::optional<Preset> preset = FromText(kPresetTexts, path)) return ApplyPreset(*preset, options);
   return ReadParamsFile(path, CollectFields(options));
 }
+
+/// How a video is searched: --params, --quality and --every.
+struct SearchSettings {
+  std::string params;
+  std::string quality;
+  std::optional<int> every;
+};
+
+/// Adds the options.
+void AddSearchSettings(ArgumentParser& parser, SearchSettings& search);
+
+/// The parameters that they set: a flag overrides the file, and the file the quality. Error: kInvalidArgument for a
+/// value that is none, or out of range.
+[[nodiscard]] Expected<IndexOptions> ReadIndexOptions(const SearchSettings& search,
+                                                      std::span<const ObjectModel> models);
 
 /// A flag and the parameter that it sets.
 struct FieldFlag {

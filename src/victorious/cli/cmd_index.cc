@@ -42,10 +42,8 @@ struct IndexArguments {
   std::string models;
   std::string categories;
   std::string db;
-  std::string params;
-  std::string quality;
+  SearchSettings search;
   std::optional<std::string> telemetry;
-  std::optional<int> every;
   std::string keep_features;
   std::optional<double> from_s;
   std::optional<double> to_s;
@@ -54,6 +52,7 @@ struct IndexArguments {
   CameraArguments camera;
   GroundArguments ground;
   bool redo = false;
+  bool redo_other = false;
   bool json = false;
   int threads = 0;
   std::string draw;
@@ -115,23 +114,18 @@ Status SetKeptFeatures(const std::string& text, KeepOptions& keep) {
   return {};
 }
 
-// The parameters by preset and flags: a flag overrides the file, and the file the quality.
 Expected<IndexOptions> ReadOptions(const IndexArguments& arguments, const std::vector<ObjectModel>& models) {
-  IndexOptions options;
-  if (!arguments.quality.empty()) {
-    const bool cad_only =
-        std::ranges::all_of(models, [](const ObjectModel& one) { return one.kind == ModelKind::kCad; });
-    VICTORIOUS_ASSIGN_OR_RETURN(const Quality quality, ParseQuality(arguments.quality));
-    ApplyQuality(quality, cad_only, options);
-  }
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
-  if (arguments.every) options.every = *arguments.every;
-  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"every", "--every"}}));
+  VICTORIOUS_ASSIGN_OR_RETURN(IndexOptions options, ReadIndexOptions(arguments.search, models));
   VICTORIOUS_RETURN_IF_ERROR(SetKeptFeatures(arguments.keep_features, options.keep));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   VICTORIOUS_RETURN_IF_ERROR(ApplyCamera(arguments.camera, options.telemetry));
   ApplyGround(arguments.ground, options.ground);
   return options;
+}
+
+Redo RedoOf(const IndexArguments& arguments) {
+  if (arguments.redo) return Redo::kAlways;
+  return arguments.redo_other ? Redo::kIfDifferent : Redo::kNever;
 }
 
 Status CheckArguments(const IndexArguments& arguments) {
@@ -338,7 +332,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
                        .content_id = arguments.content_id,
                        .covers = arguments.covers,
                        .telemetry = arguments.telemetry,
-                       .redo = arguments.redo,
+                       .redo = RedoOf(arguments),
                        .threads = arguments.threads,
                        .from_s = arguments.from_s,
                        .to_s = arguments.to_s,
@@ -392,19 +386,7 @@ Action SetUpIndex(ArgumentParser& parser) {
            "Camera states (default: the file given for the video before, else its own KLV, or NAME.SRT or "
            "NAME.telemetry.csv beside it)")
       .TypeName("FILE");
-  AddParams(parser, arguments->params, "index");
-  parser
-      .Add("--quality", arguments->quality,
-           "fast: a whole frame each 0.4 to 0.7 s, by how far the image moves, found objects tracked in between, CAD "
-           "models by proposals; normal (default): each 0.2 to 0.7 s; thorough: all frames, more candidates of each "
-           "match (docs/tutorial.md)")
-      .TypeName("NAME");
-  parser
-      .Add("--every", arguments->every,
-           "Search every N-th frame completely; in between, only regions around tracked objects; 0: by the "
-           "frame rate; default: by --quality")
-      .Range(0, 1'000'000)
-      .TypeName("N");
+  AddSearchSettings(parser, arguments->search);
   parser.Add("--from", arguments->from_s, "Search only from this video time on: seconds, or as 1:30 or 1:02:03.5")
       .TypeName("TIME")
       .Transform(&NormalizeVideoTime);
@@ -444,6 +426,8 @@ Action SetUpIndex(ArgumentParser& parser) {
       .Add("--covers", arguments->covers,
            "For workers: the live source of which the video is a recording, made by `victorious record`")
       .TypeName("URL");
+  parser.AddFlag("--redo-other", arguments->redo_other,
+                 "For workers: as --redo, if the results were made with other parameters");
   AddFieldOfView(parser, arguments->hfov_deg);
   AddCamera(parser, arguments->camera);
   AddGround(parser, arguments->ground);

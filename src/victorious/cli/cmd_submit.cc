@@ -45,17 +45,16 @@ struct SubmitArguments {
   std::string models;
   std::string categories;
   std::string db;
-  std::string params;
-  std::string quality;
-  std::optional<int> every;
+  SearchSettings search;
   std::string publish;
   double segment_s = 60;
   bool urgent = false;
+  bool redo = false;
   bool json = false;
 };
 
 bool IsParamsFile(const SubmitArguments& arguments) {
-  return !arguments.params.empty() && !FromText(kPresetTexts, arguments.params);
+  return !arguments.search.params.empty() && !FromText(kPresetTexts, arguments.search.params);
 }
 
 // The options of `victorious index`, with absolute paths: workers start in other folders.
@@ -67,9 +66,9 @@ std::vector<std::string> IndexOptionsOf(const SubmitArguments& arguments) {
   add("--models", AbsolutePath(arguments.models));
   add("--categories", AbsolutePath(arguments.categories));
   const bool is_file = IsParamsFile(arguments);
-  add("--params", is_file ? AbsolutePath(arguments.params) : arguments.params);
-  add("--quality", arguments.quality);
-  if (arguments.every) add("--every", fmt::format("{}", *arguments.every));
+  add("--params", is_file ? AbsolutePath(arguments.search.params) : arguments.search.params);
+  add("--quality", arguments.search.quality);
+  if (arguments.search.every) add("--every", fmt::format("{}", *arguments.search.every));
   return options;
 }
 
@@ -86,25 +85,22 @@ Expected<std::vector<fs::path>> FilesOfTargets(const SubmitArguments& arguments)
     for (const std::string& name : names) files.push_back(library.PathOf(name));
   }
   if (!arguments.categories.empty()) files.emplace_back(arguments.categories);
-  if (IsParamsFile(arguments)) files.emplace_back(arguments.params);
+  if (IsParamsFile(arguments)) files.emplace_back(arguments.search.params);
   return files;
 }
 
-// Their names and content ids, as a worker will find them.
-Expected<std::vector<ModelRecord>> ReadTargets(const SubmitArguments& arguments) {
-  IndexOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
+// As of a worker.
+Expected<Indexer> MakeIndexer(const SubmitArguments& arguments) {
   std::vector<ObjectModel> models;
   if (!arguments.models.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadIndexOptions(arguments.search, models));
   std::optional<CategoryModel> categories;
   if (!arguments.categories.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategoryModel(arguments.categories));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
-                              Indexer::Create(std::move(models), options, std::move(categories)));
-  return std::vector<ModelRecord>(indexer.targets().begin(), indexer.targets().end());
+  return Indexer::Create(std::move(models), options, std::move(categories));
 }
 
 // What was searched for in an index, to the end.
@@ -146,16 +142,12 @@ Status CheckArguments(const SubmitArguments& arguments) {
   if (arguments.models.empty() && arguments.categories.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "nothing to search for: give --models, --categories, or both");
   }
-  // What a worker would refuse is refused here.
-  IndexOptions options;
-  if (!arguments.quality.empty()) VICTORIOUS_RETURN_IF_ERROR(ParseQuality(arguments.quality));
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
-  if (arguments.every) options.every = *arguments.every;
-  return CheckFlags(CollectFields(options), {{"every", "--every"}});
+  return {};
 }
 
 struct DescribedVideo {
   VideoRecord record;
+  VideoInfo info;  // but for live sources
   bool is_live = false;
   std::vector<ContentFile> files;  // empty if they are not published
 };
@@ -183,13 +175,15 @@ Expected<std::vector<fs::path>> FilesOfVideo(const std::string& video) {
 // A live source is not opened: it may send to another machine. Publishes a video, too, if there is a place.
 Expected<DescribedVideo> DescribeVideo(const std::string& video, const std::string& place) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<bool> is_live, IsLiveAddress(video));
-  if (is_live.value_or(false)) return DescribedVideo{.record = {.name = video}, .is_live = true, .files = {}};
+  if (is_live.value_or(false))
+    return DescribedVideo{.record = {.name = video}, .info = {}, .is_live = true, .files = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video, {}));
   const VideoInfo& info = reader->info();
-  if (info.live) return DescribedVideo{.record = {.name = video}, .is_live = true, .files = {}};
+  if (info.live) return DescribedVideo{.record = {.name = video}, .info = {}, .is_live = true, .files = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, reader->ContentId(Interrupt(), {}));
   DescribedVideo described{
       .record = {.content_id = content, .name = AbsolutePath(video), .width = info.width, .height = info.height},
+      .info = info,
       .is_live = false,
       .files = {}};
   if (place.empty()) return described;
@@ -225,63 +219,113 @@ Status CheckLiveSource(const postgres::NewTask& task, const std::string& source,
   return {};
 }
 
+// What can be submitted is, whatever is wrong with other videos: their errors are warnings, but for the last one, which
+// the command ends with.
+class LeftOutVideos {
+ public:
+  void Add(Error error) {
+    if (last_) LogWarning("left out: {}", OneLine(last_->message));
+    last_ = std::move(error);
+  }
+
+  [[nodiscard]] Status ToStatus() const {
+    if (last_) return std::unexpected(*last_);
+    return {};
+  }
+
+ private:
+  std::optional<Error> last_;
+};
+
+// What all tasks of a submission have.
+struct SharedPart {
+  std::string program;
+  std::string targets;                             // their content
+  std::map<std::string, std::string> content_ids;  // of the targets by name
+  std::vector<ContentFile> files;                  // of the targets, if they are published
+};
+
+Expected<SharedPart> MakeSharedPart(const SubmitArguments& arguments, const std::vector<fs::path>& target_files,
+                                    const Indexer& indexer) {
+  SharedPart shared;
+  VICTORIOUS_ASSIGN_OR_RETURN(shared.program, ProgramId());
+  VICTORIOUS_ASSIGN_OR_RETURN(shared.targets, ContentIdOfFiles(target_files, Interrupt()));
+  for (const ModelRecord& target : indexer.targets()) shared.content_ids.emplace(target.name, target.content_id);
+  if (arguments.publish.empty()) return shared;
+  VICTORIOUS_ASSIGN_OR_RETURN(shared.files, Publish(target_files, arguments.publish));
+  return shared;
+}
+
+Expected<postgres::NewTask> MakeTask(const DescribedVideo& video, const SharedPart& shared,
+                                     const SubmitArguments& arguments) {
+  IndexTask task{.video = video.record.name,
+                 .options = IndexOptionsOf(arguments),
+                 .program = shared.program,
+                 .targets = shared.content_ids,
+                 .content_id = video.record.content_id,
+                 .files = video.files,
+                 .segment_s = video.is_live ? 0 : arguments.segment_s,
+                 .is_live = video.is_live,
+                 .redo_other = arguments.redo};
+  task.files.insert(task.files.end(), shared.files.begin(), shared.files.end());
+  const std::string content = video.is_live ? task.video : task.content_id;
+  return ToQueue(task, fmt::format("{} {}", content, shared.targets), PriorityOf(video, arguments.urgent));
+}
+
+// Stores the video, and returns whether anything is left to be done with it.
+Expected<bool> PutUndone(const DescribedVideo& video, const Indexer& indexer, Redo redo,
+                         const FinishedSearches& finished, IndexStore& store) {
+  if (video.is_live) return true;
+  // A worker would refuse what is refused here.
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool is_redone, indexer.IsRedone({.video = video.record.name, .redo = redo},
+                                                                     video.info, video.record.content_id, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord stored, store.PutVideo(video.record));
+  return is_redone || !finished.HasAllOf(stored.id);
+}
+
 Status Run(const SubmitArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> target_paths, FilesOfTargets(arguments));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string targets, ContentIdOfFiles(target_paths, Interrupt()));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> records, ReadTargets(arguments));
-  std::map<std::string, std::string> content_ids;
-  for (const ModelRecord& target : records) content_ids.emplace(target.name, target.content_id);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
-  std::vector<ContentFile> target_files;
-  if (!arguments.publish.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(target_files, Publish(target_paths, arguments.publish));
-  }
-  std::vector<postgres::NewTask> tasks;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> target_files, FilesOfTargets(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, MakeIndexer(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const SharedPart shared, MakeSharedPart(arguments, target_files, indexer));
   std::vector<DescribedVideo> videos;
-  std::optional<Error> failure;
+  LeftOutVideos left_out;
   for (Expected<DescribedVideo>& described : DescribeVideos(arguments.videos, arguments.publish)) {
-    if (!described) {  // the others are submitted all the same
-      if (described.error().code == ErrorCode::kCancelled) return std::unexpected(described.error());
-      if (failure) LogWarning("left out: {}", OneLine(failure->message));
-      failure = std::move(described).error();
+    if (described) {
+      videos.push_back(*std::move(described));
+    } else if (described.error().code == ErrorCode::kCancelled) {
+      return std::unexpected(described.error());
+    } else {
+      left_out.Add(std::move(described).error());
+    }
+  }
+  if (videos.empty()) return left_out.ToStatus();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
+                              postgres::TaskQueue::Open(arguments.db, {.worker = "submit", .program = shared.program}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const FinishedSearches finished, FinishedSearches::Read(indexer.targets(), *store));
+  const Redo redo = arguments.redo ? Redo::kIfDifferent : Redo::kNever;
+  std::vector<postgres::NewTask> tasks;
+  std::int64_t live = 0;
+  // In the order given, which is that of the results, whichever worker is first.
+  for (const DescribedVideo& video : videos) {
+    VICTORIOUS_ASSIGN_OR_RETURN(postgres::NewTask task, MakeTask(video, shared, arguments));
+    if (video.is_live) VICTORIOUS_RETURN_IF_ERROR(CheckLiveSource(task, video.record.name, *queue));
+    const Expected<bool> is_undone = PutUndone(video, indexer, redo, finished, *store);
+    if (!is_undone && is_undone.error().code != ErrorCode::kInvalidArgument) return std::unexpected(is_undone.error());
+    if (!is_undone) {
+      left_out.Add(is_undone.error());
       continue;
     }
-    IndexTask task{.video = described->record.name,
-                   .options = IndexOptionsOf(arguments),
-                   .program = program,
-                   .targets = content_ids,
-                   .content_id = described->record.content_id,
-                   .files = described->files,
-                   .segment_s = described->is_live ? 0 : arguments.segment_s,
-                   .is_live = described->is_live};
-    task.files.insert(task.files.end(), target_files.begin(), target_files.end());
-    const std::string content = described->is_live ? task.video : task.content_id;
-    VICTORIOUS_ASSIGN_OR_RETURN(postgres::NewTask queued, ToQueue(task, fmt::format("{} {}", content, targets),
-                                                                  PriorityOf(*described, arguments.urgent)));
-    tasks.push_back(std::move(queued));
-    videos.push_back(*std::move(described));
+    task.is_undone = *is_undone;
+    live += video.is_live ? 1 : 0;
+    tasks.push_back(std::move(task));
   }
-  if (tasks.empty()) return std::unexpected(*std::move(failure));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
-  // In the order given, which is that of the results, whichever worker is first.
-  VICTORIOUS_ASSIGN_OR_RETURN(const FinishedSearches finished, FinishedSearches::Read(records, *store));
-  for (std::size_t i = 0; i < videos.size(); ++i) {
-    tasks[i].is_undone = true;
-    if (videos[i].is_live) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord stored, store->PutVideo(videos[i].record));
-    tasks[i].is_undone = !finished.HasAllOf(stored.id);
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
-                              postgres::TaskQueue::Open(arguments.db, {.worker = "submit", .program = program}));
-  for (std::size_t i = 0; i < videos.size(); ++i) {
-    if (videos[i].is_live) VICTORIOUS_RETURN_IF_ERROR(CheckLiveSource(tasks[i], videos[i].record.name, *queue));
-  }
+  if (tasks.empty()) return left_out.ToStatus();
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::Submission submission, queue->Submit(tasks));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   // The same video given twice is one task.
   const std::int64_t open = std::max<std::int64_t>(0, std::ssize(tasks) - submission.added - submission.done);
-  const auto live = std::ranges::count_if(videos, &DescribedVideo::is_live);
   LogInfo("{} submitted{}{}{}; {} queued, {} running", CountText(submission.added, "video"),
           live > 0 ? fmt::format(", with {}", CountText(live, "live source")) : "",
           open > 0 ? fmt::format(", {} submitted before", open) : "",
@@ -294,8 +338,7 @@ Status Run(const SubmitArguments& arguments) {
                                          {"running", counts.running}};
     VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", DumpJson(line) + "\n"));
   }
-  if (failure) return std::unexpected(*std::move(failure));
-  return {};
+  return left_out.ToStatus();
 }
 
 }  // namespace
@@ -310,9 +353,7 @@ Action SetUpSubmit(ArgumentParser& parser) {
   parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
   parser.Add("--categories", arguments->categories, "A category model, searched for as well").TypeName("FILE");
   parser.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
-  AddParams(parser, arguments->params, "index");
-  parser.Add("--quality", arguments->quality, "fast, normal or thorough, as of `victorious index`").TypeName("NAME");
-  parser.Add("--every", arguments->every, "Search every N-th frame completely").TypeName("N");
+  AddSearchSettings(parser, arguments->search);
   parser
       .Add("--publish", arguments->publish,
            "Put the videos, models and categories also here, by their content: workers fetch what they do not have "
@@ -324,6 +365,9 @@ Action SetUpSubmit(ArgumentParser& parser) {
       .ShowDefault()
       .Range(0.0, 86'400.0)
       .TypeName("SECONDS");
+  parser.AddFlag("--redo", arguments->redo,
+                 "Delete results of these models and categories that were made with other parameters, and search those "
+                 "videos again");
   parser.AddFlag("--urgent", arguments->urgent, "Before what was submitted without this flag");
   parser.AddFlag("--json", arguments->json,
                  "Print one JSON object: the videos submitted now, before and done already, and the tasks of all");

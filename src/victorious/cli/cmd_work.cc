@@ -96,14 +96,20 @@ Status Run(const WorkArguments& arguments) {
     if (queued > 0) inform(fmt::format("{} of live sources queued, from recordings", CountText(queued, "gap")));
     return {};
   };
-  RunTask run = RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, inform);
+  const auto warn = [](const std::string& warning) { LogWarning(OneLine(warning)); };
+  RunTask run = RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, warn);
   if (cache) run = RunWithContent(std::move(run), *cache);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::int64_t done,
       Work(*queue, *segments, run, {.until_empty = arguments.until_empty, .queue_more = queue_gaps, .inform = inform},
            interrupt));
   LogInfo("{} done", CountText(done, "task"));
-  return {};
+  if (!arguments.until_empty || interrupt.IsCancelled()) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts ended, queue->Count());
+  if (ended.failed <= counts.failed) return {};
+  return Fail(ErrorCode::kInternal,
+              fmt::format("{} failed: `victorious cluster status` says why, `victorious submit` queues them again",
+                          CountText(ended.failed - counts.failed, "video")));
 }
 
 }  // namespace
@@ -139,8 +145,10 @@ Action SetUpWork(ArgumentParser& parser) {
       .TypeName("GB");
   parser.AddFlag("--live", arguments->live,
                  "Index live sources only: this worker is free when the one of another source is lost");
-  parser.AddFlag("--until-empty", arguments->until_empty,
-                 "Index no live sources, and end once no video is queued or being indexed");
+  parser.AddFlag(
+      "--until-empty", arguments->until_empty,
+      "Index no live sources, and end once no video is queued or being indexed: with exit status 1 if any failed "
+      "meanwhile");
   return [=] { return Run(*arguments); };
 }
 

@@ -29,6 +29,7 @@ nlohmann::ordered_json PayloadOf(const IndexTask& task) {
   }
   if (task.segment_s > 0) payload["segment_s"] = task.segment_s;
   if (!task.covers.empty()) payload["covers"] = task.covers;
+  if (task.redo_other) payload["redo_other"] = true;
   if (task.part) {
     payload["cut"] = task.part->cut;
     payload["from"] = task.part->frames.from;
@@ -178,6 +179,10 @@ Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
   if (fields->contains("covers")) {
     if (!is_argument("covers")) return invalid("covers must be a text");
     task.covers = (*fields)["covers"];
+  }
+  if (fields->contains("redo_other")) {
+    if (!(*fields)["redo_other"].is_boolean()) return invalid("redo_other must be true or false");
+    task.redo_other = (*fields)["redo_other"];
   }
   if (fields->contains("files")) {
     Expected<std::vector<ContentFile>> files = FilesOf((*fields)["files"]);

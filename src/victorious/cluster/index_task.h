@@ -44,6 +44,8 @@ struct IndexTask {
   /// The live source of which the video is a recording (victorious index --covers); empty: none.
   std::string covers = {};
   bool is_live = false;  ///< a live source: it has no end, no content and no segments
+  /// Results that were made with other parameters are deleted, and the video is searched again (Redo::kIfDifferent).
+  bool redo_other = false;
   /// Under which a worker does it; not in the payload, nor is what follows.
   std::optional<TaskAttempt> attempt = std::nullopt;
   /// The worker has the files below this folder, at their paths (TaskFiles::root); empty: at their paths.

@@ -24,6 +24,12 @@ TEST(IndexTask, ComesBackAsItWasSubmitted) {
   EXPECT_EQ(read->program, "1-x");
   EXPECT_EQ(read->segment_s, 0);
   EXPECT_FALSE(read->part);
+  EXPECT_FALSE(read->redo_other);
+  IndexTask redone = task;
+  redone.redo_other = true;
+  const auto again = ToQueue(redone, "0123", postgres::TaskPriority::kPerson);
+  EXPECT_EQ(again->key, queued->key) << "the same results are wanted";
+  EXPECT_TRUE(FromQueue(again->kind, again->payload)->redo_other);
 }
 
 TEST(IndexTask, OpenSegmentsAreItsParts) {

@@ -325,8 +325,8 @@ void Pause(std::chrono::milliseconds time, const CancelToken& cancel) {
 
 }  // namespace
 
-RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform) {
-  return [more = std::move(more), inform = std::move(inform)](
+RunTask RunIndex(std::vector<std::string> more, WarningSink warn) {
+  return [more = std::move(more), warn = std::move(warn)](
              const IndexTask& task, const std::function<ChildControl()>& keep_lease) -> Expected<TaskEnd> {
     std::vector<std::string> arguments = {"index"};
     // Of the options, those that are absolute paths are the files of the task (cli/cmd_submit.cc).
@@ -345,13 +345,14 @@ RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::st
     }
     if (!task.content_id.empty()) arguments.insert(arguments.end(), {"--content-id", task.content_id});
     if (!task.covers.empty()) arguments.insert(arguments.end(), {"--covers", task.covers});
+    if (task.redo_other) arguments.emplace_back("--redo-other");
     const bool is_moved = !task.root.empty() && !task.is_live && task.covers.empty();
     if (is_moved) arguments.insert(arguments.end(), {"--stored-as", task.video});
     // "--" ends the options, so that the name of a file may begin with a dash.
     arguments.insert(arguments.end(), {"--", is_moved ? task.root + task.video : task.video});
     TaskEnd end;
     const auto read = [&](const ProgramEvent& event) {
-      if (const auto* const warning = std::get_if<WarningEvent>(&event)) inform("warning: " + warning->message);
+      if (const auto* const warning = std::get_if<WarningEvent>(&event)) warn(warning->message);
       end.is_left |= std::holds_alternative<VideoLeftEvent>(event);
       if (const auto* const cut = std::get_if<VideoCutEvent>(&event)) end.cut = cut->cut;
     };

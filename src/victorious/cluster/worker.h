@@ -19,6 +19,7 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/child_task.h"
 #include "victorious/base/error.h"
+#include "victorious/base/warning_sink.h"
 #include "victorious/cluster/content_cache.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/store/postgres/task_queue.h"
@@ -56,8 +57,9 @@ struct WorkerOptions {
 using RunTask =
     std::function<Expected<TaskEnd>(const IndexTask& task, const std::function<ChildControl()>& keep_lease)>;
 
-/// Runs `victorious index` of this executable with `more` after the task's options. Its warnings go to `inform`.
-RunTask RunIndex(std::vector<std::string> more, std::function<void(const std::string&)> inform);
+/// Runs `victorious index` of this executable with `more` after the task's options.
+/// @param warn  receives its warnings
+RunTask RunIndex(std::vector<std::string> more, WarningSink warn);
 
 /// Runs a task by `run` where its files are (ContentCache::Provide), and ends it with the error if they cannot be had.
 /// The cache outlives it.

@@ -53,7 +53,7 @@ class IndexCategoriesTest : public ::testing::Test {
     return OpenSqliteStore(folder_ / name, StoreMode::kCreate).value();
   }
 
-  Expected<IndexReport> TryIndex(IndexStore& store, const IndexOptions& options = {}, bool redo = false,
+  Expected<IndexReport> TryIndex(IndexStore& store, const IndexOptions& options = {}, Redo redo = Redo::kNever,
                                  std::uint64_t seed = 1, const CancelToken& cancel = {}) const {
     VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create({}, options, TrainedModel(seed)));
     return indexer.Index({.video = video_, .telemetry = {}, .redo = redo, .threads = 2}, cancel, store);
@@ -111,7 +111,7 @@ TEST_F(IndexCategoriesTest, ResumedSearchEqualsUninterruptedSearch) {
     cancel.Cancel();
     return {};
   });
-  ASSERT_FALSE(TryIndex(hooked, options, false, 1, cancel));
+  ASSERT_FALSE(TryIndex(hooked, options, Redo::kNever, 1, cancel));
   const std::int64_t done = parts->FindSearch(1, 1).value().value().next_frame;
   EXPECT_GT(done, 0);
   EXPECT_LT(done, kFrames);
@@ -123,7 +123,7 @@ TEST_F(IndexCategoriesTest, ResumedSearchEqualsUninterruptedSearch) {
   const auto again = TryIndex(*parts, options);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->frames_searched, 0);
-  ASSERT_TRUE(TryIndex(*parts, options, /*redo=*/true));
+  ASSERT_TRUE(TryIndex(*parts, options, Redo::kAlways));
   EXPECT_EQ(SightingsOf(*parts).size(), SightingsOf(*whole).size());
 }
 
@@ -140,7 +140,7 @@ TEST_F(IndexCategoriesTest, OtherParametersNeedRedo) {
 TEST_F(IndexCategoriesTest, ChangedModelReplacesItsSightings) {
   const auto store = Store("index.db");
   ASSERT_TRUE(TryIndex(*store));
-  const auto report = TryIndex(*store, {}, false, 2);
+  const auto report = TryIndex(*store, {}, Redo::kNever, 2);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->frames_searched, kFrames);
   std::set<std::pair<std::int64_t, std::int64_t>> seen;

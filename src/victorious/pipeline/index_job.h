@@ -14,6 +14,13 @@
 
 namespace victorious {
 
+/// What becomes of results that the index has already, of the same models in the same video.
+enum class Redo {
+  kNever,        ///< they stay, and are completed; if they were made with other parameters, that is an error
+  kIfDifferent,  ///< if they were made with other parameters, they are deleted, and the video is searched again
+  kAlways,       ///< they are deleted, and the video is searched again
+};
+
 /// One video to index, and how.
 struct IndexJob {
   std::string video;            ///< path or URL
@@ -23,10 +30,10 @@ struct IndexJob {
   /// entered as covered (CoveredTime). Each `from_s` makes a video of its own. Empty: of none.
   std::string covers = {};
   std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
-  bool redo = false;                     ///< drop the stored results of these models in this video, and search again
-  int threads = 0;                       ///< 0: one per hardware thread
-  std::optional<double> from_s = {};     ///< only frames at this time or later are searched
-  std::optional<double> to_s = {};       ///< only frames up to this time
+  Redo redo = Redo::kNever;
+  int threads = 0;                    ///< 0: one per hardware thread
+  std::optional<double> from_s = {};  ///< only frames at this time or later are searched
+  std::optional<double> to_s = {};    ///< only frames up to this time
   /// Time that the search may take a frame of the video, on average: searches are left out to hold it. What is found
   /// then depends on the machine. std::nullopt: any.
   std::optional<std::chrono::duration<double, std::milli>> frame_budget = {};

@@ -16,6 +16,7 @@
 #include "victorious/associate/update_objects.h"
 #include "victorious/base/absolute_path.h"
 #include "victorious/base/check.h"
+#include "victorious/base/credentials.h"
 #include "victorious/base/json.h"
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
@@ -100,33 +101,34 @@ struct StoredParameters {
   }
 };
 
-// Fails if a model was searched for with other parameters, before anything is changed.
+StoredParameters ParametersOf(const IndexOptions& options, const SearchIntervals& intervals, const IndexJob& job) {
+  return {.models = SearchOptionsText(options, intervals.models, job),
+          .categories = SearchOptionsText(options, intervals.categories, job),
+          .features = OptionsToJsonText(MakeKeptFeatureOptions(options.features))};
+}
+
+// How the parameters of the first search that differs, of those that are sought, differ from those of now; empty: none
+// does.
 // @param defaults  what they are if nothing is set
-Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>& sought, const StoredParameters& now,
-                       const StoredParameters& defaults, IndexStore& store) {
-  const auto check = [&](const std::string& before, const std::string& wanted, const std::string& unset) -> Status {
-    if (before == wanted) return {};
+Expected<std::string> FindDifference(const VideoRecord& video, const std::vector<ModelRecord>& sought,
+                                     const StoredParameters& now, const StoredParameters& defaults, IndexStore& store) {
+  const auto compare = [](const std::string& before, const std::string& wanted,
+                          const std::string& unset) -> std::string {
+    if (before.empty() || before == wanted) return "";
     const std::optional<ComparedParameters> compared = Compare(before, wanted, unset);
-    if (compared && compared->before == compared->now) return {};
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format(
-            "{}: was indexed with other parameters ({}): give the same parameters, or --redo to delete its results and "
-            "search it again",
-            ShownName(video), DescribeDifference(compared)));
+    return compared && compared->before == compared->now ? "" : DescribeDifference(compared);
   };
-  if (!video.features_json.empty())
-    VICTORIOUS_RETURN_IF_ERROR(check(video.features_json, now.features, defaults.features));
+  std::string difference = compare(video.features_json, now.features, defaults.features);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
-  for (const ModelRecord& record : stored) {
-    const bool is_searched = std::ranges::any_of(sought, [&](const ModelRecord& one) {
-      return one.name == record.name && one.content_id == record.content_id;  // other content is searched anew
+  for (auto record = stored.begin(); difference.empty() && record != stored.end(); ++record) {
+    const bool is_sought = std::ranges::any_of(sought, [&](const ModelRecord& one) {
+      return one.name == record->name && one.content_id == record->content_id;  // other content is searched anew
     });
-    if (!is_searched) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record.id));
-    if (before) VICTORIOUS_RETURN_IF_ERROR(check(before->options_json, now.Of(record), defaults.Of(record)));
+    if (!is_sought) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record->id));
+    if (before) difference = compare(before->options_json, now.Of(*record), defaults.Of(*record));
   }
-  return {};
+  return difference;
 }
 
 // The folder that a relative name is relative to; empty for absolute names and URLs.
@@ -244,6 +246,24 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   return indexer;
 }
 
+Expected<bool> Indexer::IsRedone(const IndexJob& job, const VideoInfo& info, const std::string& content_id,
+                                 IndexStore& store) const {
+  if (job.redo == Redo::kAlways) return true;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoRecord> before, store.VideoOfContent(content_id));
+  if (!before) return false;
+  const SearchIntervals intervals = MakeSearchIntervals(options_, info);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string difference,
+                              FindDifference(*before, targets_, ParametersOf(options_, intervals, job),
+                                             ParametersOf({}, intervals, {}), store));
+  if (difference.empty() || job.redo == Redo::kIfDifferent) return !difference.empty();
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format(
+          "{}: was indexed with other parameters ({}): give the same parameters, or --redo to delete its results and "
+          "search it again",
+          WithoutCredentials(job.StoredName()), difference));
+}
+
 Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                      const WarningSink& warn) const {
   const WarningSink emit_warning = warn ? warn : [](const std::string&) {};
@@ -317,9 +337,13 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
                 fmt::format("{}: not the video that was submitted: put that one back, or submit this one", job.video));
   }
   if (!job.covers.empty()) content_id += fmt::format(" from {:.6f} s", job.from_s.value_or(0));
+  VICTORIOUS_ASSIGN_OR_RETURN(video.is_redone, IsRedone(job, info, content_id, store));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::string> telemetry, GivenTelemetry(job, content_id, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, telemetry, options_.telemetry,
                                                                 "nothing will get a place", warn));
+  if (video.cameras.trajectory() == nullptr && !info.live && job.inform) {
+    job.inform("no telemetry: nothing will get a place; --telemetry FILE names a file of another name");
+  }
   if (options_.objects.ground && video.cameras.HasStates()) {
     const auto underground = DescribeUnderground(video.cameras.trajectory()->states(), *options_.objects.ground);
     if (underground) warn("telemetry: " + *underground);
@@ -350,25 +374,15 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
 Expected<std::vector<Indexer::PlannedPass>> Indexer::PlanPasses(const IndexJob& job, const OpenedVideo& video,
                                                                 const std::vector<ModelRecord>& models_before,
                                                                 IndexStore& store, const WarningSink& warn) const {
-  const SearchIntervals& intervals = video.intervals;
-  const auto parameters_of = [&](const IndexOptions& options, const IndexJob& of_job) {
-    return StoredParameters{SearchOptionsText(options, intervals.models, of_job),
-                            SearchOptionsText(options, intervals.categories, of_job),
-                            OptionsToJsonText(MakeKeptFeatureOptions(options.features))};
-  };
-  const StoredParameters parameters = parameters_of(options_, job);
-  if (job.redo) {
-    // The frames to be kept, and their features, may now be others.
-    VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.record.id));
-  } else {
-    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(video.record, targets_, parameters, parameters_of({}, {}), store));
-  }
+  const StoredParameters parameters = ParametersOf(options_, video.intervals, job);
+  // The frames to be kept, and their features, may now be others.
+  if (video.is_redone) VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.record.id));
   std::map<std::int64_t, PlannedPass> passes;  // by first frame
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const ModelRecord& target = targets_[t];
     WarnIfChanged(target, models_before, warn);
     VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored, store.PutModel(target));
-    if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(video.record.id, stored.id));
+    if (video.is_redone) VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(video.record.id, stored.id));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.record.id, stored.id));
     if (before && before->finished) continue;
     const std::int64_t next_frame = before ? before->next_frame : 0;

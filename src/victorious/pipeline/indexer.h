@@ -47,6 +47,14 @@ class Indexer {
                                                 std::optional<CategoryModel> categories = {},
                                                 const WarningSink& warn = {});
 
+  /// Whether Index deletes the results that the store has of the targets in a video, and searches it again.
+  /// @param info        of the job's video
+  /// @param content_id  of it (VideoReader::ContentId)
+  /// Errors: kInvalidArgument if they were made with other parameters and the job's `redo` is kNever; those of the
+  /// store.
+  [[nodiscard]] Expected<bool> IsRedone(const IndexJob& job, const VideoInfo& info, const std::string& content_id,
+                                        IndexStore& store) const;
+
   /// What is searched for, models before categories, as the store has it but for the ids.
   [[nodiscard]] std::span<const ModelRecord> targets() const { return targets_; }
 
@@ -54,10 +62,9 @@ class Indexer {
   /// stores nothing twice. Commits results and progress together every 2 s, so that a kill loses no more than that. At
   /// the end, finished or cancelled, updates the objects of the whole index (update_objects.h).
   /// The video is stored by its name as given, with the current folder if that is relative.
-  /// Errors: those of VideoReader, IndexStore, and of a telemetry file that was given; kInvalidArgument if the video
-  /// was indexed with other parameters and `redo` is false; kConflict if another process is indexing the same video;
-  /// kCancelled, after what was done is stored. A cancelled live source, which cannot be resumed, ends normally,
-  /// without an error. One indexer serves one index.
+  /// Errors: those of VideoReader, IndexStore and of a telemetry file that was given; that of IsRedone, before anything
+  /// is changed; kConflict if another process is indexing the same video; kCancelled, after what was done is stored. A
+  /// cancelled live source, which cannot be resumed, ends normally, without an error. One indexer serves one index.
   [[nodiscard]] Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                             const WarningSink& warn = {}) const;
 

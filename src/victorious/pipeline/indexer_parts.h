@@ -20,6 +20,7 @@ struct Indexer::OpenedVideo {
   CameraStates cameras;
   VideoRecord record;
   SearchIntervals intervals;
+  bool is_redone = false;  // Indexer::IsRedone
 };
 
 // The searches of one pass over the video.

@@ -1,4 +1,4 @@
-#include "victorious/pipeline/indexer.h"
+#include "victorious/pipeline/indexer_test.h"
 
 #include <map>
 #include <set>
@@ -31,42 +31,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
-
-IndexOptions SearchingEveryFrame() {
-  IndexOptions options;
-  options.every = 1;
-  return options;
-}
-
-struct RunSetup {
-  IndexOptions options = SearchingEveryFrame();
-  bool redo = false;
-  int threads = 2;
-  std::optional<std::string> telemetry = {};
-};
-
-Expected<IndexReport> TryIndex(const std::string& video, std::vector<ObjectModel> models, IndexStore& store,
-                               const RunSetup& run = {}, const WarningSink& warn = {}) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create(std::move(models), run.options));
-  return indexer.Index({.video = video, .telemetry = run.telemetry, .redo = run.redo, .threads = run.threads},
-                       CancelToken(), store, warn);
-}
-
-IndexReport Index(const std::string& video, std::vector<ObjectModel> models, IndexStore& store,
-                  const RunSetup& run = {}, const WarningSink& warn = {}) {
-  const Expected<IndexReport> report = TryIndex(video, std::move(models), store, run, warn);
-  EXPECT_TRUE(report) << report.error().message;
-  return report.value_or(IndexReport{});
-}
-
-// A commit every 32 kept frames and every two seconds: with all frames kept, and passed on soon, these runs have
-// several.
-RunSetup ManyCommits() {
-  RunSetup run;
-  run.options.keep.interval_s = 0;
-  run.options.follow.restart_interval_frames = 8;
-  return run;
-}
 
 TEST(Indexer, FindsObjectsAtTheirTruePosition) {
   const DrawnFlight flight(ShortFlight());
@@ -165,53 +129,6 @@ TEST(Indexer, ChangedModelReplacesItsSightings) {
     }
     EXPECT_THAT(ObjectsOf(*store, filter), SizeIs(ObjectsOf(*fresh, filter).size()));
   }
-}
-
-TEST(Indexer, OtherParametersAreRefusedAndChangeNothing) {
-  const DrawnFlight flight(ShortFlight(12));
-  const auto store = flight.Store("index.db");
-  Index(flight.video(), flight.Models(), *store);
-  const std::string before = Contents(*store);
-
-  RunSetup ratio;
-  ratio.options.recognize.match.ratio = 0.7;
-  RunSetup edge;
-  edge.options.features.edge_threshold = 12;
-  edge.options.tracklets.gap_s = 3;
-  for (const auto& [run, difference] : {std::pair<RunSetup, std::string>{ratio, "match.ratio was 0.8, is 0.7"},
-                                        std::pair<RunSetup, std::string>{edge, "edge_threshold was 20.0, is 12.0"}}) {
-    // A changed model does not drop stored results before it has been searched for.
-    const Expected<IndexReport> report = TryIndex(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *store, run);
-    ASSERT_FALSE(report);
-    EXPECT_EQ(report.error().code, ErrorCode::kInvalidArgument);
-    EXPECT_THAT(report.error().message,
-                AllOf(HasSubstr(flight.video()), HasSubstr(difference), HasSubstr("--redo"), Not(HasSubstr("\n"))));
-    EXPECT_EQ(Contents(*store), before);
-  }
-}
-
-TEST(Indexer, RedoSearchesAgainWithOtherParameters) {
-  const DrawnFlight flight(ShortFlight());
-  RunSetup other = ManyCommits();
-  other.options.every = 2;
-  other.options.recognize.match.ratio = 0.7;
-  const auto fresh = flight.Store("fresh.db");
-  Index(flight.video(), flight.Models(), *fresh, other);
-
-  const auto store = flight.Store("index.db");
-  Index(flight.video(), flight.Models(), *store, ManyCommits());
-  other.redo = true;
-  const IndexReport report = Index(flight.video(), flight.Models(), *store, other);
-  EXPECT_EQ(report.frames_searched, flight.flight().options().frames / 2);
-  EXPECT_EQ(SightingsOf(*store).size(), SightingsOf(*fresh).size());
-  EXPECT_EQ(ObjectsOf(*store).size(), ObjectsOf(*fresh).size());
-  int kept = 0;
-  ASSERT_TRUE(store->VisitKeptFrames({}, [&](const KeptFrame& frame) {
-    EXPECT_EQ(frame.frame % 2, 0) << "kept by the previous run";
-    ++kept;
-    return true;
-  }));
-  EXPECT_EQ(kept, flight.flight().options().frames / 2);
 }
 
 TEST(Indexer, SearchesEveryNthFrame) {
@@ -500,7 +417,8 @@ TEST(Indexer, TelemetryThatWasGivenIsUsedAgain) {
   }
   std::filesystem::remove(table);
   std::string warnings;
-  Index(flight.video(), {flight.Model(0, 0.5)}, *store, {.redo = true}, [&](const auto& said) { warnings += said; });
+  Index(flight.video(), {flight.Model(0, 0.5)}, *store, {.redo = Redo::kAlways},
+        [&](const auto& said) { warnings += said; });
   EXPECT_THAT(warnings, HasSubstr(table.string() + " that was given for the video is gone"));
 }
 
