@@ -21,6 +21,10 @@ PROGRESS = re.compile(r"^.+: \d+( of \d+)? \w+, [\d.]+ a second(, [\d:]+ left|, 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 
+os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="victorious-e2e-cache-")
+atexit.register(shutil.rmtree, os.environ["XDG_CACHE_HOME"], ignore_errors=True)
+
+
 def path_from_environment(name: str) -> Path:
     if name not in os.environ:
         sys.exit(f"{name} is not set: run this by ctest, or set it to the built program")

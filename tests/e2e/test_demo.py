@@ -61,6 +61,24 @@ class DemoTest(program.ProgramTest):
         changed = {name for name, content in self.files().items() if made.get(name) != content}
         self.assertLessEqual(changed, {"demo/index.db"})
 
+        self.templates_are_kept_for_the_next_search(folder)
+
+    def templates_are_kept_for_the_next_search(self, folder):
+        """They do not change what is found, and are not made again."""
+        cache = self.scratch / "cache"
+        found = []
+        for place in ("none", cache, cache):
+            db = self.scratch / f"again{len(found)}.db"
+            flags = ("--models", folder / "models", "--db", db, "--cache", place)
+            self.succeeds("index", folder / "flight" / "video.mp4", *flags)
+            found.append(self.export(db, "sightings"))
+            files = {path: path.stat().st_mtime_ns for path in cache.rglob("*") if path.is_file()}
+            self.assertEqual(len(files) > 3, place == cache)
+            if len(found) == 2:
+                kept = files
+        self.assertEqual([found[0]] * 3, found)
+        self.assertEqual(files, kept)
+
     def finds_the_jet_where_it_is(self, folder):
         truth = [json.loads(line) for line in (folder / "flight" / "truth.jsonl").read_text().splitlines()]
         sightings = [json.loads(line) for line in self.export(folder / "index.db", "sightings").splitlines()]

@@ -45,6 +45,7 @@ struct IndexArguments {
   SearchSettings search;
   std::optional<std::string> telemetry;
   std::string keep_features;
+  std::string cache;
   std::optional<double> from_s;
   std::optional<double> to_s;
   std::optional<double> budget_ms;
@@ -121,6 +122,12 @@ Expected<IndexOptions> ReadOptions(const IndexArguments& arguments, const std::v
   VICTORIOUS_RETURN_IF_ERROR(ApplyCamera(arguments.camera, options.telemetry));
   ApplyGround(arguments.ground, options.ground);
   return options;
+}
+
+// @param cache  of --cache
+std::shared_ptr<const RelitTemplateFolder> OpenRelitTemplates(const std::string& cache) {
+  if (cache == "none") return nullptr;
+  return cache.empty() ? OpenUsersRelitTemplates() : RelitTemplateFolder::Open(cache);
 }
 
 Redo RedoOf(const IndexArguments& arguments) {
@@ -294,10 +301,11 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadOptions(arguments, models));
+  const std::shared_ptr<const RelitTemplateFolder> relit_folder = OpenRelitTemplates(arguments.cache);
   // Videos of one flight have the same sun.
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
   if (arguments.videos.size() > 1) {
-    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models));
+    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models, relit_folder.get()));
   }
   std::optional<CategoryModel> categories;
   if (!arguments.categories.empty()) {
@@ -339,7 +347,8 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
                        .frame_budget = arguments.budget_ms.transform(
                            [](double ms) { return std::chrono::duration<double, std::milli>(ms); }),
                        .inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); },
-                       .relit_templates = relit_templates};
+                       .relit_templates = relit_templates,
+                       .relit_folder = relit_folder.get()};
     const Expected<SegmentedReport> report = IndexVideo(indexer, job, work, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
       LogInfo("{}; the video is left to it", OneLine(report.error().message));
@@ -404,6 +413,11 @@ Action SetUpIndex(ArgumentParser& parser) {
       .Add("--keep-features", arguments->keep_features,
            "Seconds between the frames whose features are kept for `search --image` (default 1), or none")
       .TypeName("SECONDS");
+  parser
+      .Add("--cache", arguments->cache,
+           "Folder where later searches find what this one made of the models for the sun's direction, up to 2 GB "
+           "(default: victorious/templates in $XDG_CACHE_HOME or ~/.cache), or none")
+      .TypeName("DIR");
   parser
       .Add("--cut", arguments->cut_s,
            "For workers: cut a long video into segments of so many seconds and end; once they are searched, join them")

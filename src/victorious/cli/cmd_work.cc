@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -97,7 +98,9 @@ Status Run(const WorkArguments& arguments) {
     return {};
   };
   const auto warn = [](const std::string& warning) { LogWarning(OneLine(warning)); };
-  RunTask run = RunIndex({"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)}, warn);
+  std::vector<std::string> options = {"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)};
+  if (cache) options.insert(options.end(), {"--cache", arguments.cache + "/templates"});
+  RunTask run = RunIndex(std::move(options), warn);
   if (cache) run = RunWithContent(std::move(run), *cache);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::int64_t done,

@@ -7,6 +7,7 @@
 #include <exception>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,11 +57,13 @@ struct Slot {
 class RelitViews : public RelitTemplateSource {
  public:
   RelitViews(const ObjectModel& model, const CadModelOptions& options,
-             std::shared_ptr<const FeatureExtractor> extractor, std::shared_ptr<RelitViewCache> cache)
+             std::shared_ptr<const FeatureExtractor> extractor, std::shared_ptr<RelitViewCache> cache,
+             std::unique_ptr<const StoredRelitTemplates> stored)
       : model_(model),
         options_(options),
         extractor_(std::move(extractor)),
         cache_(std::move(cache)),
+        stored_(std::move(stored)),
         number_(cache_->AddModel()) {}
 
   Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(const RelitTemplateKey& wanted) const override {
@@ -68,7 +71,7 @@ class RelitViews : public RelitTemplateSource {
     return Get<RelitTemplate>(
         {number_, wanted.half_resolution ? kHalfTemplate : kTemplate, wanted.view, wanted.sun_view}, [&] {
           const StageScope scope(Stage::kRelitTemplates);
-          return MakeTemplate(wanted);
+          return FindOrMakeTemplate(wanted);
         });
   }
 
@@ -152,6 +155,14 @@ class RelitViews : public RelitTemplateSource {
     return ShownPart{part->Surface(), part->origin, part->rendering_px};
   }
 
+  [[nodiscard]] Expected<RelitTemplate> FindOrMakeTemplate(const RelitTemplateKey& wanted) const {
+    if (!stored_) return MakeTemplate(wanted);
+    if (std::optional<RelitTemplate> found = stored_->Find(wanted)) return *std::move(found);
+    Expected<RelitTemplate> made = MakeTemplate(wanted);
+    if (made) stored_->Put(wanted, *made);
+    return made;
+  }
+
   [[nodiscard]] Expected<RelitTemplate> MakeTemplate(const RelitTemplateKey& wanted) const {
     VICTORIOUS_ASSIGN_OR_RETURN(const ShownPart part, GetShownPart(wanted));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const SurfacePart> from_sun, GetRendering(wanted.sun_view));
@@ -186,7 +197,8 @@ class RelitViews : public RelitTemplateSource {
   CadModelOptions options_;
   std::shared_ptr<const FeatureExtractor> extractor_;
   std::shared_ptr<RelitViewCache> cache_;
-  std::uint32_t number_;  // of the model in the cache
+  std::unique_ptr<const StoredRelitTemplates> stored_;  // null: none
+  std::uint32_t number_;                                // of the model in the cache
 };
 
 bool HasSurface(const ModelView& view) { return view.angles && !view.surface.empty(); }
@@ -209,6 +221,7 @@ class SharedExtractors {
 
 Expected<std::unique_ptr<const RelitTemplateSource>> MakeViews(const ObjectModel& model,
                                                                std::shared_ptr<RelitViewCache> cache,
+                                                               const RelitTemplateFolder* folder,
                                                                SharedExtractors& extractors) {
   if (model.views.empty() || !std::ranges::all_of(model.views, HasSurface)) return nullptr;
   CadModelOptions options;
@@ -216,7 +229,8 @@ Expected<std::unique_ptr<const RelitTemplateSource>> MakeViews(const ObjectModel
     return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, extractors.Of(options.features));
-  return std::make_unique<const RelitViews>(model, options, std::move(extractor), std::move(cache));
+  return std::make_unique<const RelitViews>(model, options, std::move(extractor), std::move(cache),
+                                            folder == nullptr ? nullptr : folder->Of(model.id));
 }
 
 }  // namespace
@@ -224,15 +238,16 @@ Expected<std::unique_ptr<const RelitTemplateSource>> MakeViews(const ObjectModel
 Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(const ObjectModel& model,
                                                                     std::shared_ptr<RelitViewCache> cache) {
   SharedExtractors extractors;
-  return MakeViews(model, std::move(cache), extractors);
+  return MakeViews(model, std::move(cache), nullptr, extractors);
 }
 
-Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(std::span<const ObjectModel> models) {
+Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(std::span<const ObjectModel> models,
+                                                                                 const RelitTemplateFolder* folder) {
   const auto cache = std::make_shared<RelitViewCache>();
   SharedExtractors extractors;
   std::vector<std::shared_ptr<const RelitTemplateSource>> views;
   for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(views.emplace_back(), MakeViews(model, cache, extractors));
+    VICTORIOUS_ASSIGN_OR_RETURN(views.emplace_back(), MakeViews(model, cache, folder, extractors));
   }
   return views;
 }

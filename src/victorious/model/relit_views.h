@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/model/relit_template_folder.h"
 #include "victorious/model/relit_view_cache.h"
 #include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
@@ -22,8 +23,9 @@ namespace victorious {
     const ObjectModel& model, std::shared_ptr<RelitViewCache> cache = std::make_shared<RelitViewCache>());
 
 /// The relit views of all models of a search, one entry per model, within one budget of RelitViewCache.
+/// @param folder  of templates that were made before, and for those that are made; null: none
 /// Errors: those of one model.
 [[nodiscard]] Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(
-    std::span<const ObjectModel> models);
+    std::span<const ObjectModel> models, const RelitTemplateFolder* folder = nullptr);
 
 }  // namespace victorious

@@ -408,7 +408,7 @@ Expected<Recognizer> Indexer::MakeRecognizer(const PlannedPass& plan, const Inde
     if (!job.relit_templates.empty()) relit_templates.push_back(job.relit_templates[target]);
   }
   if (job.relit_templates.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models));
+    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models, job.relit_folder));
   }
   return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, relit_templates);
 }
