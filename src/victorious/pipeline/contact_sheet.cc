@@ -54,20 +54,33 @@ void Caption(cv::Mat& image, const std::string& text, const cv::Point& at, doubl
   cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar::all(235), 1, cv::LINE_AA);
 }
 
-// Keeps the best moment of each part of the sightings, which are in order of time.
+// Keeps one moment of each part of the sightings, which are in order of time: the best one at least half a part away
+// from those kept of the other parts, beginning with the best of all.
 void SelectMoments(Tile& tile, int count) {
   const std::size_t all = tile.moments.size();
   const std::size_t parts = std::min(all, static_cast<std::size_t>(count));
-  std::vector<Moment> selected;
-  for (std::size_t part = 0; part < parts; ++part) {
-    const auto first = tile.moments.begin() + static_cast<std::ptrdiff_t>(part * all / parts);
-    const auto last = tile.moments.begin() + static_cast<std::ptrdiff_t>((part + 1) * all / parts);
-    selected.push_back(std::move(
-        *std::max_element(first, last, [](const Moment& a, const Moment& b) { return a.Rank() < b.Rank(); })));
+  const std::size_t min_distance = all / parts / 2;
+  std::vector<std::size_t> kept;
+  const auto is_near_kept = [&](std::size_t i) {
+    return std::ranges::any_of(kept,
+                               [&](std::size_t one) { return std::max(i, one) - std::min(i, one) < min_distance; });
+  };
+  const auto rank = [&](std::size_t i) { return std::pair(!is_near_kept(i), tile.moments[i].Rank()); };
+  std::vector<bool> is_done(parts);
+  for (std::size_t round = 0; round < parts; ++round) {
+    std::optional<std::size_t> best;
+    for (std::size_t i = 0; i < all; ++i) {
+      if (!is_done[i * parts / all] && (!best || rank(i) > rank(*best))) best = i;
+    }
+    is_done[*best * parts / all] = true;
+    kept.push_back(*best);
   }
+  const std::size_t best_of_all = kept.front();
+  std::ranges::sort(kept);
+  tile.best = static_cast<std::size_t>(std::ranges::find(kept, best_of_all) - kept.begin());
+  std::vector<Moment> selected;
+  for (const std::size_t i : kept) selected.push_back(std::move(tile.moments[i]));
   tile.moments = std::move(selected);
-  tile.best =
-      static_cast<std::size_t>(std::ranges::max_element(tile.moments, {}, &Moment::Rank) - tile.moments.begin());
 }
 
 // The frame, scaled to the tile, with the outline drawn onto it.
