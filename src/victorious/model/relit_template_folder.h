@@ -66,8 +66,8 @@ class RelitTemplateFolder {
   std::string build_;
 };
 
-/// The folder of this user, for this build: victorious/templates in $XDG_CACHE_HOME, or in ~/.cache. Null if there is no
-/// such place.
+/// The folder of this user, for this build: victorious/templates in $XDG_CACHE_HOME, or in ~/.cache. Null if there is
+/// no such place.
 [[nodiscard]] std::shared_ptr<const RelitTemplateFolder> OpenUsersRelitTemplates();
 
 }  // namespace victorious

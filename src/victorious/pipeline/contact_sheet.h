@@ -20,8 +20,8 @@ struct ContactSheetOptions {
 };
 
 /// Returns a CV_8UC3 image with the tiles in rows, best objects first. The moments of an object are spread over its
-/// sightings: of each part one with many matches, away from those of the other parts. A cut-out is square, fills its place in the tile with the
-/// object and a quarter of its size around it, and is enlarged at most 4 times.
+/// sightings: of each part one with many matches, away from those of the other parts. A cut-out is square, fills its
+/// place in the tile with the object and a quarter of its size around it, and is enlarged at most 4 times.
 /// Errors: kInvalidArgument if no object passes the filter; those of reading the videos, which must still be at their
 /// paths.
 [[nodiscard]] Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSheetOptions& options,
