@@ -101,6 +101,7 @@ def measure(arguments, server: Server, folder: Path) -> list[dict]:
             videos.append(copy_video(video, place / str(i), number))
         succeed("submit", *videos, "--models", arguments.models, "--db", database.url, *options)
         server.query("VACUUM ANALYZE", database.url)
+        os.environ["XDG_CACHE_HOME"] = str(place / "cache")  # templates are made again, as for other videos
         before, begun = database.sample(), time.monotonic()
         worker = Worker(database.url, folder / "worker.log", "--until-empty")
         worker.process.wait()

@@ -13,6 +13,7 @@ objects. Exit status 1 at a difference.
 
 import argparse
 import json
+import os
 import shutil
 import sys
 import tempfile
@@ -43,11 +44,13 @@ def compare(arguments, video: Path, server: Server, folder: Path, number: int) -
     place = folder / str(number)
     place.mkdir()
     link = place_video(video, place)
+    os.environ["XDG_CACHE_HOME"] = str(place / "cache")
     begun = time.monotonic()
     succeed("index", link, *options, "--db", place / "one.db", "--threads", 1)
     one_s = time.monotonic() - begun
     url = server.make_database(f"segments{number}")
     succeed("submit", link, *options, "--db", url, "--segment", arguments.segment)
+    os.environ["XDG_CACHE_HOME"] = str(place / "cache_of_workers")
     begun = time.monotonic()
     workers = [Worker(url, place / f"worker{i}.log", "--until-empty") for i in range(arguments.workers)]
     for worker in workers:

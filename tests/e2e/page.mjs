@@ -1,7 +1,7 @@
 // Drives the page in Chromium for test_page.py: node page.mjs SCENARIO URL. Prints what fails and exits with 1; exits with
 // 77 if there is no browser.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { spawnSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
@@ -1265,7 +1265,8 @@ async function workers(page, [program, db]) {
   await panel.getByText(/known once the queued videos are cut/).waitFor();
   await checkAccessible(page, "the panel of workers");
 
-  execFileSync(program, ["work", "--db", db, "--until-empty", "--retry-delay", "0"], { stdio: "pipe" });
+  const worked = spawnSync(program, ["work", "--db", db, "--until-empty", "--retry-delay", "0"]);
+  assert.equal(worked.status, 1, String(worked.stderr));
   await becomes(() => videos.innerText(), /^Videos\s+0\s+0\s+0\s+1\s+1$/, "one is done, one has failed");
   const failed = panel.getByRole("listitem").filter({ hasText: "gone.mp4" });
   await becomes(() => failed.innerText(), /no such file|does not exist|cannot open/i);

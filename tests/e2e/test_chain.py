@@ -261,7 +261,7 @@ class IndexTest(program.ProgramTest):
         first = self.succeeds("index", video, "--models", models, "--db", db)
         self.assertEqual(first.out, "")
         self.assertEqual(len(first.messages()), 2, first.err)
-        self.assertIn("no telemetry: nothing will get a place", first.err)
+        self.assertIn("no telemetry in it or beside it: nothing will get a place", first.err)
         self.assertIn(f"{program.SEARCHED_FRAMES} frames searched", first.err)
         trucks = self.export(db, "sightings")
 

@@ -191,7 +191,8 @@ class ServePostgresTest(test_serve.ServerCase):
             (live,) = queued["sources"]
             self.assertEqual((live["source"], live["state"], live["covered"]), ("udp://127.0.0.1:9", "queued", None))
             gone.unlink()
-            self.succeeds("work", "--db", self.url, "--until-empty", "--retry-delay", "0", "--threads", 1)
+            worked = program.run("work", "--db", self.url, "--until-empty", "--retry-delay", "0", "--threads", 1)
+            self.assertEqual(worked.status, 1, worked.err)
             ended = status()
             self.assertEqual((ended["videos"]["done"], ended["videos"]["failed"], ended["workers"]), (1, 1, 0))
             self.assertGreater(ended["video_s"], 0)

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "victorious/base/log.h"
 #include "victorious/base/program_events.h"
 #include "victorious/base/text.h"
+#include "victorious/base/write_access.h"
 #include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -81,7 +84,7 @@ Error CombineErrors(const std::optional<Error>& one, const Error& other) {
 Status CheckVideo(const std::string& video, std::optional<double> from_s) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<VideoReader> opened, VideoReader::Open(video, {}));
   const std::optional<double> end_s = opened->info().duration_s;
-  if (!from_s || !end_s || *from_s < *end_s) return {};
+  if (!from_s || !end_s || opened->info().is_duration_estimated || *from_s < *end_s) return {};
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("{}: --from {:g} is after its end, {:.2f} s: give an earlier time", video, *from_s, *end_s));
 }
@@ -124,10 +127,18 @@ Expected<IndexOptions> ReadOptions(const IndexArguments& arguments, const std::v
   return options;
 }
 
+// A folder that was named must be there to be written; the user's own may be missing.
 // @param cache  of --cache
-std::shared_ptr<const RelitTemplateFolder> OpenRelitTemplates(const std::string& cache) {
+Expected<std::shared_ptr<const RelitTemplateFolder>> OpenRelitTemplates(const std::string& cache) {
   if (cache == "none") return nullptr;
-  return cache.empty() ? OpenUsersRelitTemplates() : RelitTemplateFolder::Open(cache);
+  if (cache.empty()) return OpenUsersRelitTemplates();
+  std::error_code ignored;
+  std::filesystem::create_directories(cache, ignored);
+  if (!std::filesystem::is_directory(cache, ignored) || !IsWritable(cache)) {
+    return Fail(ErrorCode::kPermissionDenied,
+                fmt::format("--cache {}: not a folder that can be written: give one, or none", OneLine(cache)));
+  }
+  return RelitTemplateFolder::Open(cache);
 }
 
 Redo RedoOf(const IndexArguments& arguments) {
@@ -301,7 +312,8 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadOptions(arguments, models));
-  const std::shared_ptr<const RelitTemplateFolder> relit_folder = OpenRelitTemplates(arguments.cache);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const RelitTemplateFolder> relit_folder,
+                              OpenRelitTemplates(arguments.cache));
   // Videos of one flight have the same sun.
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
   if (arguments.videos.size() > 1) {
@@ -415,8 +427,8 @@ Action SetUpIndex(ArgumentParser& parser) {
       .TypeName("SECONDS");
   parser
       .Add("--cache", arguments->cache,
-           "Folder where later searches find what this one made of the models for the sun's direction, up to 2 GB "
-           "(default: victorious/templates in $XDG_CACHE_HOME or ~/.cache), or none")
+           "Folder where later searches find what this one made of the models for the sun's direction (default: "
+           "victorious/templates in $XDG_CACHE_HOME or ~/.cache), or none")
       .TypeName("DIR");
   parser
       .Add("--cut", arguments->cut_s,

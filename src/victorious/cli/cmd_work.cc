@@ -138,7 +138,9 @@ Action SetUpWork(ArgumentParser& parser) {
            "What `victorious submit --publish` wrote, as a folder or by its address: files that this machine does not "
            "have are fetched from it")
       .TypeName("DIR|URL");
-  parser.Add("--cache", arguments->cache, "Folder of this machine for fetched files; workers may share it")
+  parser
+      .Add("--cache", arguments->cache,
+           "Folder of this machine for fetched files and for templates of models; workers may share it")
       .TypeName("DIR");
   parser
       .Add("--cache-size", arguments->cache_size_gb,
@@ -148,10 +150,9 @@ Action SetUpWork(ArgumentParser& parser) {
       .TypeName("GB");
   parser.AddFlag("--live", arguments->live,
                  "Index live sources only: this worker is free when the one of another source is lost");
-  parser.AddFlag(
-      "--until-empty", arguments->until_empty,
-      "Index no live sources, and end once no video is queued or being indexed: with exit status 1 if any failed "
-      "meanwhile");
+  parser.AddFlag("--until-empty", arguments->until_empty,
+                 "Index no live sources, and end once no video is queued or being indexed: with exit status 1 if more "
+                 "have failed than at the start");
   return [=] { return Run(*arguments); };
 }
 

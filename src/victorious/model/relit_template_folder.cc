@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
 #include <unistd.h>
 
 #include "victorious/base/file.h"
@@ -68,7 +69,7 @@ void Tidy(const fs::path& folder, std::int64_t max_bytes) {
   std::error_code error;
   const fs::file_time_type last = fs::last_write_time(mark, error);
   if (!error && fs::file_time_type::clock::now() - last < kTidyInterval) return;
-  std::ofstream(mark).flush();
+  std::ofstream(mark) << "when the folder was looked through last: the time of this file\n";
   std::vector<ModelFolder> models;
   std::int64_t bytes = 0;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
@@ -156,7 +157,9 @@ RelitTemplateFolder::RelitTemplateFolder(fs::path folder, std::string build, std
 
 std::shared_ptr<const RelitTemplateFolder> RelitTemplateFolder::Open(fs::path folder) {
   const Expected<std::string> build = ProgramId();
-  return build ? std::make_shared<const RelitTemplateFolder>(std::move(folder), *build) : nullptr;
+  if (!build) return nullptr;
+  return std::make_shared<const RelitTemplateFolder>(std::move(folder),
+                                                     fmt::format("{} {}", *build, cv::getVersionString()));
 }
 
 std::unique_ptr<const StoredRelitTemplates> RelitTemplateFolder::Of(std::string_view model_id) const {

@@ -4,9 +4,9 @@
 //   FOLDER/HASH/SUN_VIEW-VIEW[h]  one template (h: at half resolution); HASH is that of the build and of the model
 //   FOLDER/tidied                 written when the folder was last looked through for what to remove
 //
-// Only the build that made a template reads it, so that a search finds the same with and without the folder. Whatever
-// cannot be read or written, or is damaged, is no error: the template is made again. Several processes may share the
-// folder.
+// Only the build that made a template reads it, with the same version of OpenCV, so that a search finds the same with
+// and without the folder. Whatever cannot be read or written, or is damaged, is no error: the template is made again.
+// Several processes may share the folder.
 #pragma once
 
 #include <cstddef>

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/pipeline/choose_moments.h"
 #include "victorious/store/catalogue.h"
 #include "victorious/video/video_reader.h"
 
@@ -39,7 +40,7 @@ struct Moment {
   double score = 0;
   cv::Mat cut_out;
 
-  [[nodiscard]] std::pair<int, double> Rank() const { return {matches, score}; }
+  [[nodiscard]] MomentRank Rank() const { return {matches, score}; }
 };
 
 struct Tile {
@@ -54,33 +55,16 @@ void Caption(cv::Mat& image, const std::string& text, const cv::Point& at, doubl
   cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar::all(235), 1, cv::LINE_AA);
 }
 
-// Keeps one moment of each part of the sightings, which are in order of time: the best one at least half a part away
-// from those kept of the other parts, beginning with the best of all.
 void SelectMoments(Tile& tile, int count) {
-  const std::size_t all = tile.moments.size();
-  const std::size_t parts = std::min(all, static_cast<std::size_t>(count));
-  const std::size_t min_distance = all / parts / 2;
-  std::vector<std::size_t> kept;
-  const auto is_near_kept = [&](std::size_t i) {
-    return std::ranges::any_of(kept,
-                               [&](std::size_t one) { return std::max(i, one) - std::min(i, one) < min_distance; });
-  };
-  const auto rank = [&](std::size_t i) { return std::pair(!is_near_kept(i), tile.moments[i].Rank()); };
-  std::vector<bool> is_done(parts);
-  for (std::size_t round = 0; round < parts; ++round) {
-    std::optional<std::size_t> best;
-    for (std::size_t i = 0; i < all; ++i) {
-      if (!is_done[i * parts / all] && (!best || rank(i) > rank(*best))) best = i;
-    }
-    is_done[*best * parts / all] = true;
-    kept.push_back(*best);
-  }
-  const std::size_t best_of_all = kept.front();
-  std::ranges::sort(kept);
-  tile.best = static_cast<std::size_t>(std::ranges::find(kept, best_of_all) - kept.begin());
+  std::vector<MomentRank> ranks;
+  for (const Moment& moment : tile.moments) ranks.push_back(moment.Rank());
   std::vector<Moment> selected;
-  for (const std::size_t i : kept) selected.push_back(std::move(tile.moments[i]));
+  for (const std::size_t i : ChooseMoments(ranks, static_cast<std::size_t>(count))) {
+    selected.push_back(std::move(tile.moments[i]));
+  }
   tile.moments = std::move(selected);
+  tile.best =
+      static_cast<std::size_t>(std::ranges::max_element(tile.moments, {}, &Moment::Rank) - tile.moments.begin());
 }
 
 // The frame, scaled to the tile, with the outline drawn onto it.

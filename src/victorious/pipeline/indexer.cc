@@ -342,7 +342,7 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, telemetry, options_.telemetry,
                                                                 "nothing will get a place", warn));
   if (video.cameras.trajectory() == nullptr && !info.live && job.inform) {
-    job.inform("no telemetry: nothing will get a place; --telemetry FILE names a file of another name");
+    job.inform("no telemetry in it or beside it: nothing will get a place; --telemetry FILE names a file");
   }
   if (options_.objects.ground && video.cameras.HasStates()) {
     const auto underground = DescribeUnderground(video.cameras.trajectory()->states(), *options_.objects.ground);

@@ -44,14 +44,17 @@ Expected<CameraStates> LoadCameras(const std::string& video, const VideoInfo& in
                             [&](const std::string& warning) { warn(fmt::format("{}: {}", video, warning)); });
 }
 
-// A box that the video cannot have: it need not be read to find that out.
+std::unexpected<Error> EndsBefore(const std::string& video, double end_s, const std::string& why, std::size_t box,
+                                  double at_s) {
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: ends at {:.3f} s{}, before {} at {:g} s: give a time in it",
+                                                       video, end_s, why, BoxName(box), at_s));
+}
+
+// Boxes that the video cannot have: it need not be read to find that out.
 Status CheckBoxes(std::span<const UserBox> boxes, const std::string& video, const VideoInfo& info) {
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    if (info.duration_s && boxes[i].at_s > *info.duration_s) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: ends at {:.3f} s, before {} at {:g} s: give a time in it", video, *info.duration_s,
-                              BoxName(i), boxes[i].at_s));
-    }
+    const bool is_late = info.duration_s && boxes[i].at_s > *info.duration_s + kSameTime_s;
+    if (is_late && !info.is_duration_estimated) return EndsBefore(video, *info.duration_s, "", i, boxes[i].at_s);
     const Expected<Box> box = BoxTracker::ClipToFrame(boxes[i].box, {info.width, info.height});
     if (!box) return std::unexpected(Error(box.error()).WithContext(BoxName(i)));
   }
@@ -154,9 +157,7 @@ Expected<FirstVideoTracks> TrackForward(const TrackContext& context, TrackPass& 
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (started[i]) continue;
     const std::string why = reader->warnings().empty() ? "" : fmt::format(" ({})", reader->warnings().back());
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: ends at {:.3f} s{}, before {} at {:g} s: give a time in it", video, last_time_s, why,
-                            BoxName(i), boxes[i].at_s));
+    return EndsBefore(video, last_time_s, why, i, boxes[i].at_s);
   }
   return tracks;
 }

@@ -89,6 +89,9 @@ TEST_F(TrackJobTest, ErrorsNameTheProblem) {
   EXPECT_EQ(Run({}).error().code, ErrorCode::kInvalidArgument);
   cancel_.Cancel();
   EXPECT_EQ(Run({UserBoxAt(0)}).error().code, ErrorCode::kCancelled);
+  // Found out before the video is read.
+  EXPECT_THAT(Run({{{10, 10, 30, 30}, 99.0}}).error().message, HasSubstr("ends at"));
+  EXPECT_THAT(Run({{{900, 10, 30, 30}, 0.0}}).error().message, HasSubstr("outside the frame"));
 }
 
 TEST_F(TrackJobTest, ReportsWhyThereIsNoPlace) {

@@ -26,12 +26,12 @@ bool IsPathSuffix(const std::vector<fs::path>& whole, const std::vector<fs::path
 
 std::vector<VideoRecord> FindVideosByName(const std::vector<VideoRecord>& videos, std::string_view name) {
   std::vector<VideoRecord> found;
-  std::ranges::copy_if(videos, std::back_inserter(found),
-                       [&](const VideoRecord& video) { return video.name == name || ShownName(video) == name; });
+  std::ranges::copy_if(videos, std::back_inserter(found), [&](const VideoRecord& video) { return video.name == name; });
   if (!found.empty()) return found;
   const std::vector<fs::path> end = PathComponents(name);
-  std::ranges::copy_if(videos, std::back_inserter(found),
-                       [&](const VideoRecord& video) { return IsPathSuffix(PathComponents(video.name), end); });
+  std::ranges::copy_if(videos, std::back_inserter(found), [&](const VideoRecord& video) {
+    return ShownName(video) == name || IsPathSuffix(PathComponents(video.name), end);
+  });
   return found;
 }
 

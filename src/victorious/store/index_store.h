@@ -267,8 +267,8 @@ struct ReviewedObject {
   Review review;
 };
 
-/// Returns the videos whose name, as stored or as shown (ShownName), equals `name`; if there is none, those whose path
-/// ends in the path components of `name`: "flight/video.mp4" matches "/data/flight/video.mp4", "deo.mp4" does not.
+/// Returns the videos whose name equals `name`; if there is none, those whose name is shown so (ShownName), or whose
+/// path ends in the path components of `name`: "flight/video.mp4" matches "/data/flight/video.mp4", "deo.mp4" does not.
 std::vector<VideoRecord> FindVideosByName(const std::vector<VideoRecord>& videos, std::string_view name);
 
 /// The name as every output shows it: that of a live source without its credentials (base/credentials.h).

@@ -351,8 +351,7 @@ void MediaReader::Finish() {
 void MediaReader::LogPrematureEnd(std::string_view what, double end_s) {
   const double rate = info_.frame_rate > 0 ? info_.frame_rate : 10;
   const double tolerance_s = std::max(IsVideoDuration() ? 0.25 : 1.0, 2.5 / rate);
-  const bool is_estimate = demuxer_->container().duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
-  const bool ends_early = info_.duration_s && !is_estimate && end_s + tolerance_s < *info_.duration_s;
+  const bool ends_early = info_.duration_s && !info_.is_duration_estimated && end_s + tolerance_s < *info_.duration_s;
   if (!ends_early && stop_reason_.empty()) return;
   const std::string of = info_.duration_s ? fmt::format(" of {:.2f} s", *info_.duration_s) : "";
   damage_.AddLine(fmt::format("{} stopped at {:.2f} s{}: {}", what, end_s, of,
@@ -387,6 +386,7 @@ void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   info_.live = demuxer_->IsLive();
   if (info_.live) info_.live_since = demuxer_->analysed_since();
   info_.duration_s = VideoDuration();
+  info_.is_duration_estimated = demuxer_->container().duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
   if (video.nb_frames > 0) {
     info_.frame_count = video.nb_frames;
   } else if (info_.duration_s && info_.frame_rate > 0) {

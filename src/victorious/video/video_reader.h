@@ -60,6 +60,7 @@ struct VideoInfo {
   double pixel_aspect = 1;                  ///< sample aspect ratio as stored: pixel width over height
   double frame_rate = 0;                    ///< average, frames/s; 0 if unknown
   std::optional<double> duration_s;         ///< as given by the container
+  bool is_duration_estimated = false;       ///< from the bitrate: the video may be longer or shorter
   std::optional<std::int64_t> frame_count;  ///< as given by the container, or an estimate; for progress display only
   bool live = false;                        ///< true for a URL of unknown length, which cannot be read twice
   /// Of a live source: when its first frames may have come, which wait while it is opened.

@@ -88,7 +88,8 @@ Expected<Submission> TaskQueue::Submit(std::span<const NewTask> tasks) {
           "not_before = NULL, "
           "payload = excluded.payload, program = excluded.program, "
           "priority = least(tasks.priority, excluded.priority) WHERE tasks.state = 'failed' OR "
-          "(tasks.state = 'queued' AND (tasks.program <> excluded.program OR excluded.priority < tasks.priority)) OR "
+          "(tasks.state = 'queued' AND (tasks.program <> excluded.program OR tasks.payload <> excluded.payload OR "
+          "excluded.priority < tasks.priority)) OR "
           "(tasks.state = 'waiting' AND tasks.program <> excluded.program)"));
   // The parts that another build was to do.
   VICTORIOUS_RETURN_IF_ERROR(connection_->Query(

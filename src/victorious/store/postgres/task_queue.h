@@ -46,7 +46,7 @@ struct NewTask {
 
 /// What became of submitted tasks.
 struct Submission {
-  std::int64_t added = 0;  ///< new, or queued again, or changed: another program, a higher priority
+  std::int64_t added = 0;  ///< new, or queued again, or changed: another program or payload, a higher priority
   std::int64_t done = 0;   ///< done before, and still
 };
 
@@ -124,8 +124,8 @@ class TaskQueue {
   [[nodiscard]] std::chrono::seconds lease() const { return options_.lease; }
 
   /// Adds the tasks, in one transaction. One that has failed, or is done and NewTask::is_undone, is queued again; a
-  /// queued one gets the new program; an open one and its parts get the higher priority. One that is being ended goes
-  /// on.
+  /// queued one gets the new program and payload; an open one and its parts get the higher priority. One that is being
+  /// ended goes on.
   [[nodiscard]] Expected<Submission> Submit(std::span<const NewTask> tasks);
 
   /// Claims the queued task of this program with the highest priority, of these the one that was added first, or whose

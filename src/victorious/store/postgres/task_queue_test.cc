@@ -172,6 +172,18 @@ TEST_F(PostgresTaskQueueTest, FailedPartFailsItsTaskUntilItIsSubmittedAgain) {
   EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1}));
 }
 
+TEST_F(PostgresTaskQueueTest, QueuedTaskIsDoneAsItWasSubmittedLast) {
+  const auto submit = [&](const char* payload) {
+    return queue_->Submit(std::vector<NewTask>{{"index", "a", TaskPriority::kBatch, payload, ""}})->added;
+  };
+  EXPECT_EQ(submit("{}"), 1);
+  EXPECT_EQ(submit("{}"), 0);
+  EXPECT_EQ(submit(R"({"redo_other":true})"), 1);
+  const Task task = ClaimOrDie(*queue_);
+  EXPECT_EQ(task.payload, R"({"redo_other":true})");
+  EXPECT_EQ(submit("{}"), 0) << "it runs";
+}
+
 // The program was updated while a video was cut.
 TEST_F(PostgresTaskQueueTest, AnotherBuildTakesOverAWaitingTask) {
   Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
