@@ -207,6 +207,9 @@ class ClusterTest(program.ProgramTest):
         self.assertIn(", is 7)", done.messages()[-1])
         self.assertIn("--redo", done.messages()[-1])
         self.assertEqual(self.rows(), found)
+        done = program.run(*submit[:-2])
+        self.assertEqual(done.status, 2, done.err)
+        self.assertEqual(len([line for line in done.messages() if "is queued with other options (--every 7)" in line]), 2)
         self.finish(self.start_worker("--until-empty"))  # the other videos
         self.assertIn("1 video submitted, 2 done already;", self.succeeds(*submit, "--redo").err)
         self.finish(self.start_worker("--until-empty"))

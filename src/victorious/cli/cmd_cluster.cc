@@ -1,5 +1,6 @@
 // victorious cluster status|end --db postgresql://…: what workers do, and the end of a live source
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <ranges>
@@ -52,7 +53,7 @@ std::string ToText(const ListedTask& task) {
                        OneLine(record.reason));
   }
   return fmt::format("running  {}  {}, {}, attempt {}, lease {:.0f} s{}\n", OneLine(task.video),
-                     segment.empty() ? fmt::format("{} frames", task.next_frame.value_or(0)) : segment,
+                     segment.empty() ? CountText(task.next_frame.value_or(0), "frame") : segment,
                      OneLine(record.worker), record.attempt, record.lease_left_s.value_or(0),
                      record.reason.empty() ? "" : "; last: " + OneLine(record.reason));
 }
@@ -188,7 +189,9 @@ Status Run(const ClusterArguments& arguments) {
                         segments.running);
     if (status.segment_s) text += fmt::format("; {:.0f} s a segment", *status.segment_s);
   }
-  if (hours_left) text += fmt::format(", about {:.1f} hours left", *hours_left);
+  if (hours_left)
+    text += *hours_left < 1 ? fmt::format(", about {:.0f} min left", std::ceil(60 * *hours_left))
+                            : fmt::format(", about {:.1f} hours left", *hours_left);
   text += "\n";
   for (const ListedSource& source : status.sources) text += ToText(source);
   for (const ListedTask& task : status.tasks) text += ToText(task);

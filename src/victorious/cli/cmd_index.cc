@@ -135,7 +135,7 @@ Expected<std::shared_ptr<const RelitTemplateFolder>> OpenRelitTemplates(const st
   std::error_code ignored;
   std::filesystem::create_directories(cache, ignored);
   if (!std::filesystem::is_directory(cache, ignored) || !IsWritable(cache)) {
-    return Fail(ErrorCode::kPermissionDenied,
+    return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--cache {}: not a folder that can be written: give one, or none", OneLine(cache)));
   }
   return RelitTemplateFolder::Open(cache);
@@ -213,8 +213,9 @@ void LogReport(const std::string& video, const IndexReport& report) {
             report.frames_left_out == 1 ? "was" : "were");
   }
   const bool is_indexed = report.frames_searched == 0 && !report.stopped_live;
-  LogInfo("{}: {} searched, {}{}", OneLine(video), CountText(report.frames_searched, "frame"),
-          CountText(report.sightings, "sighting"), is_indexed ? " (already indexed)" : "");
+  LogInfo("{}: {} searched, {}{}{}", OneLine(video), CountText(report.frames_searched, "frame"),
+          CountText(report.sightings, "sighting"), is_indexed ? " (already indexed)" : "",
+          report.has_telemetry ? "" : "; there is no telemetry, so that nothing gets a place");
 }
 
 nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& report) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <oneapi/tbb/parallel_for.h>
 
@@ -272,6 +273,50 @@ Expected<postgres::NewTask> MakeTask(const DescribedVideo& video, const SharedPa
   return ToQueue(task, fmt::format("{} {}", content, shared.targets), PriorityOf(video, arguments.urgent));
 }
 
+// How a task searches: its options without what it searches for.
+std::vector<std::string> HowOf(const std::vector<std::string>& options) {
+  std::vector<std::string> how;
+  for (std::size_t i = 0; i < options.size(); ++i) {
+    if (options[i] == "--models" || options[i] == "--categories") {
+      ++i;  // and its value
+    } else {
+      how.push_back(options[i]);
+    }
+  }
+  return how;
+}
+
+// The options of the tasks that are open, by the content of their video: its results would be those of one of them, and
+// the others would fail.
+Expected<std::multimap<std::string, std::vector<std::string>>> OptionsOfOpenTasks(
+    const std::vector<DescribedVideo>& videos, postgres::TaskQueue& queue) {
+  std::vector<std::string> contents;
+  for (const DescribedVideo& video : videos) {
+    if (!video.is_live) contents.push_back(video.record.content_id);
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<postgres::TaskRecord> open, queue.FindOpen(kIndexTaskKind, contents));
+  std::multimap<std::string, std::vector<std::string>> options;
+  for (const postgres::TaskRecord& record : open) {
+    const Expected<IndexTask> task = FromQueue(record.kind, record.payload);
+    if (task) options.emplace(task->content_id, HowOf(task->options));
+  }
+  return options;
+}
+
+Status CheckOpenTasks(const DescribedVideo& video, const SubmitArguments& arguments,
+                      const std::multimap<std::string, std::vector<std::string>>& open) {
+  const std::vector<std::string> wanted = HowOf(IndexOptionsOf(arguments));
+  const auto [first, last] = open.equal_range(video.record.content_id);
+  for (auto one = first; one != last; ++one) {
+    if (one->second == wanted) continue;
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: is queued with other options ({}): wait until it is done, or give the same",
+                            OneLine(video.record.name),
+                            one->second.empty() ? "none" : OneLine(fmt::format("{}", fmt::join(one->second, " ")))));
+  }
+  return {};
+}
+
 // Stores the video, and returns whether anything is left to be done with it.
 Expected<bool> PutUndone(const DescribedVideo& video, const Indexer& indexer, Redo redo,
                          const FinishedSearches& finished, IndexStore& store) {
@@ -304,6 +349,7 @@ Status Run(const SubmitArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto queue,
                               postgres::TaskQueue::Open(arguments.db, {.worker = "submit", .program = shared.program}));
   VICTORIOUS_ASSIGN_OR_RETURN(const FinishedSearches finished, FinishedSearches::Read(indexer.targets(), *store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto open, OptionsOfOpenTasks(videos, *queue));
   const Redo redo = arguments.redo ? Redo::kIfDifferent : Redo::kNever;
   std::vector<postgres::NewTask> tasks;
   std::int64_t live = 0;
@@ -311,7 +357,9 @@ Status Run(const SubmitArguments& arguments) {
   for (const DescribedVideo& video : videos) {
     VICTORIOUS_ASSIGN_OR_RETURN(postgres::NewTask task, MakeTask(video, shared, arguments));
     if (video.is_live) VICTORIOUS_RETURN_IF_ERROR(CheckLiveSource(task, video.record.name, *queue));
-    const Expected<bool> is_undone = PutUndone(video, indexer, redo, finished, *store);
+    const Status is_consistent = video.is_live ? Status() : CheckOpenTasks(video, arguments, open);
+    const Expected<bool> is_undone =
+        is_consistent ? PutUndone(video, indexer, redo, finished, *store) : std::unexpected(is_consistent.error());
     if (!is_undone && is_undone.error().code != ErrorCode::kInvalidArgument) return std::unexpected(is_undone.error());
     if (!is_undone) {
       left_out.Add(is_undone.error());
@@ -325,14 +373,14 @@ Status Run(const SubmitArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::Submission submission, queue->Submit(tasks));
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   // The same video given twice is one task.
-  const std::int64_t open = std::max<std::int64_t>(0, std::ssize(tasks) - submission.added - submission.done);
+  const std::int64_t before = std::max<std::int64_t>(0, std::ssize(tasks) - submission.added - submission.done);
   LogInfo("{} submitted{}{}{}; {} queued, {} running", CountText(submission.added, "video"),
           live > 0 ? fmt::format(", with {}", CountText(live, "live source")) : "",
-          open > 0 ? fmt::format(", {} submitted before", open) : "",
+          before > 0 ? fmt::format(", {} submitted before", before) : "",
           submission.done > 0 ? fmt::format(", {} done already", submission.done) : "", counts.queued, counts.running);
   if (arguments.json) {
     const nlohmann::ordered_json line = {{"submitted", submission.added},
-                                         {"submitted_before", open},
+                                         {"submitted_before", before},
                                          {"done", submission.done},
                                          {"queued", counts.queued},
                                          {"running", counts.running}};

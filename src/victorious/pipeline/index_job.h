@@ -49,6 +49,7 @@ struct IndexJob {
 
 /// What one call of Indexer::Index did.
 struct IndexReport {
+  bool has_telemetry = true;         ///< or may have it, as a live source: else nothing gets a place
   std::int64_t frames_searched = 0;  ///< number of frames searched as a whole by this call
   std::int64_t frames_left_out = 0;  ///< number that were due for it, but tracked only: to keep a budget, or live
   std::int64_t sightings = 0;        ///< number found by this call

@@ -297,7 +297,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans, PlanPasses(job, video, models_before, store, warn));
   if (!plans.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectTelemetryOf(job, cancel, store, warn, video));
-  IndexReport report;
+  IndexReport report{.has_telemetry = video.cameras.trajectory() != nullptr || video.reader->info().live};
   for (const PlannedPass& plan : plans) {
     VICTORIOUS_RETURN_IF_ERROR(RunPass(plan, job, video, cancel, store, warn, report));
   }
@@ -341,9 +341,6 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::string> telemetry, GivenTelemetry(job, content_id, store, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, telemetry, options_.telemetry,
                                                                 "nothing will get a place", warn));
-  if (video.cameras.trajectory() == nullptr && !info.live && job.inform) {
-    job.inform("no telemetry in it or beside it: nothing will get a place; --telemetry FILE names a file");
-  }
   if (options_.objects.ground && video.cameras.HasStates()) {
     const auto underground = DescribeUnderground(video.cameras.trajectory()->states(), *options_.objects.ground);
     if (underground) warn("telemetry: " + *underground);

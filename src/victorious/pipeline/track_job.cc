@@ -53,7 +53,7 @@ std::unexpected<Error> EndsBefore(const std::string& video, double end_s, const 
 // Boxes that the video cannot have: it need not be read to find that out.
 Status CheckBoxes(std::span<const UserBox> boxes, const std::string& video, const VideoInfo& info) {
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const bool is_late = info.duration_s && boxes[i].at_s > *info.duration_s + kSameTime_s;
+    const bool is_late = info.duration_s && boxes[i].at_s >= *info.duration_s + kSameTime_s;
     if (is_late && !info.is_duration_estimated) return EndsBefore(video, *info.duration_s, "", i, boxes[i].at_s);
     const Expected<Box> box = BoxTracker::ClipToFrame(boxes[i].box, {info.width, info.height});
     if (!box) return std::unexpected(Error(box.error()).WithContext(BoxName(i)));

@@ -391,7 +391,8 @@ function Empty() {
 export function ObjectList() {
   const project = state.project.value;
   const list = objects.list.value;
-  const all = objects.counts.value?.objects ?? 0;
+  const known = objects.counts.value;
+  const all = known?.objects ?? 0;
   const hasLess = isFiltered(state.filters.value);
   const shown = objects.matching.value;
   const isNew = objects.listedAll.value !== null && all > objects.listedAll.value;
@@ -400,7 +401,7 @@ export function ObjectList() {
       <div class="above">
         <div class="count">
           <h2>
-            {hasLess ? `${shown === null ? "…" : shown.toLocaleString("en")} of ${plural(all, "object")}` : plural(all, "object")}
+            {hasLess ? `${shown === null ? "…" : shown.toLocaleString("en")} of ${plural(all, "object")}` : known ? plural(all, "object") : "…"}
           </h2>
           {isChosen(state.filters.value) && (
             <button class="link" onClick={() => state.setFilters({ ...NO_FILTERS, thresholds: state.filters.value.thresholds })}>

@@ -1,6 +1,7 @@
 #include "victorious/store/postgres/task_queue.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "victorious/store/postgres/migrations.h"
 
@@ -363,6 +364,17 @@ Expected<std::vector<TaskRecord>> TaskQueue::List(std::int64_t limit) {
                            ToText(state), limit));
     while (rows.Next()) tasks.push_back(ReadTaskRecord(rows));
   }
+  return tasks;
+}
+
+Expected<std::vector<TaskRecord>> TaskQueue::FindOpen(std::string_view kind, std::span<const std::string> words) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result rows, connection_->Query(fmt::format("{}WHERE kind = ? AND state IN ('queued', 'waiting', 'running') AND "
+                                                  "split_part(key, ' ', 1) = ANY (?::text::text[]) ORDER BY id",
+                                                  kSelectRecords),
+                                      kind, fmt::format("{{{}}}", fmt::join(words, ","))));
+  std::vector<TaskRecord> tasks;
+  while (rows.Next()) tasks.push_back(ReadTaskRecord(rows));
   return tasks;
 }
 

@@ -188,6 +188,11 @@ class TaskQueue {
   /// Returns the other tasks that run, then those that have failed, by id; at most `limit` of each.
   [[nodiscard]] Expected<std::vector<TaskRecord>> List(std::int64_t limit);
 
+  /// Returns the tasks of a kind that are queued, wait or run, and whose key begins with one of these words and a
+  /// blank, by id.
+  /// @param words  without blanks, commas, quotes, braces and backslashes, as hashes are
+  [[nodiscard]] Expected<std::vector<TaskRecord>> FindOpen(std::string_view kind, std::span<const std::string> words);
+
   /// Whether a task of this program and choice is open.
   [[nodiscard]] Expected<bool> HasOpenTasks();
 

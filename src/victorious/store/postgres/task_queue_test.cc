@@ -184,6 +184,23 @@ TEST_F(PostgresTaskQueueTest, QueuedTaskIsDoneAsItWasSubmittedLast) {
   EXPECT_EQ(submit("{}"), 0) << "it runs";
 }
 
+TEST_F(PostgresTaskQueueTest, FindsOpenTasksByTheFirstWordOfTheirKey) {
+  Submit({{"index", "a1 x", TaskPriority::kBatch, "{}", ""},
+          {"index", "a1 y", TaskPriority::kBatch, "{}", ""},
+          {"index", "a12 x", TaskPriority::kBatch, "{}", ""},
+          {"live", "a1 z", TaskPriority::kBatch, "{}", ""}});
+  const auto keys = [&](std::vector<std::string> words) {
+    std::vector<std::string> found;
+    const auto open = queue_->FindOpen("index", words);
+    for (const TaskRecord& one : *open) found.push_back(one.key);
+    return found;
+  };
+  EXPECT_THAT(keys({"a1", "b"}), ElementsAre("a1 x", "a1 y"));
+  ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
+  EXPECT_THAT(keys({"a1", "a12"}), ElementsAre("a1 y", "a12 x"));
+  EXPECT_THAT(keys({}), ElementsAre());
+}
+
 // The program was updated while a video was cut.
 TEST_F(PostgresTaskQueueTest, AnotherBuildTakesOverAWaitingTask) {
   Submit({{"index", "a", TaskPriority::kBatch, "{}", ""}});
