@@ -86,6 +86,8 @@ class ArgumentsTest(program.ProgramTest):
             ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "big")),
             ("--step = 0", ("model", "add", "x", "x.glb", "--models", out, "--step", "0")),
             ("--max-off-nadir = 200", ("model", "add", "x", "x.glb", "--models", out, "--max-off-nadir", "200")),
+            (("grid", "even"), ("model", "add", "x", "x.glb", "--models", out, "--layout", "odd")),
+            ("--layout", ("model", "add", "x", CRATE, "--models", out, "--layout", "even")),
             ("--directions = 1", ("model", "show", "crate", "--models", MODELS, "--findable", "--directions", "1")),
             (("one of objects, sightings", "gpkg, video"), ("export", "--db", INDEX, "--format", "excel")),
             ("one of objects, sightings", ("export", "--db", INDEX, "--format", "")),

@@ -32,6 +32,7 @@ struct ModelAddArguments {
   std::optional<double> length_m;
   std::optional<double> step_deg;
   std::optional<double> max_off_nadir_deg;
+  std::string layout;
   std::string up;
   std::string front;
   std::string params;
@@ -67,9 +68,10 @@ void LogUncroppedPhotos(const std::vector<Photo>& photos) {
 }
 
 Expected<ObjectModel> FromPhotos(const ModelAddArguments& arguments) {
-  if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.up.empty() || !arguments.front.empty()) {
+  if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.layout.empty() || !arguments.up.empty() ||
+      !arguments.front.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                "--step, --max-off-nadir, --up and --front apply to CAD files, not to photos");
+                "--step, --max-off-nadir, --layout, --up and --front apply to CAD files, not to photos");
   }
   if (!arguments.boxes.empty() && arguments.boxes.size() != arguments.inputs.size()) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -102,6 +104,7 @@ Expected<ObjectModel> FromCad(const ModelAddArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.step_deg) options.sphere.step_deg = *arguments.step_deg;
   if (arguments.max_off_nadir_deg) options.sphere.max_off_nadir_deg = *arguments.max_off_nadir_deg;
+  if (!arguments.layout.empty()) options.sphere.layout = FromText(kViewLayoutTexts, arguments.layout).value();
   VICTORIOUS_RETURN_IF_ERROR(
       CheckFlags(CollectFields(options), {{"sphere.step", "--step"}, {"sphere.max_off_nadir", "--max-off-nadir"}}));
   LoadMeshOptions load{.up = {}, .front = {}, .length_m = arguments.length_m};
@@ -194,6 +197,12 @@ Action SetUpModelAdd(ArgumentParser& parser) {
       .Add("--max-off-nadir", arguments->max_off_nadir_deg,
            "CAD: largest off-nadir angle of the views, degrees (default 70)")
       .TypeName("DEG");
+  parser
+      .Add("--layout", arguments->layout,
+           "CAD: views on a grid of azimuth and off-nadir angle (default), or equally dense in all directions, which "
+           "are "
+           "fewer")
+      .OneOf(kViewLayoutTexts);
   parser.Add("--up", arguments->up, "CAD: the file's axis that points up, as in +y (default: by format)")
       .TypeName("AXIS");
   parser.Add("--front", arguments->front, "CAD: the file's axis that points to the front (default: by format)")

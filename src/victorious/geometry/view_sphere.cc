@@ -41,6 +41,71 @@ struct Grid {
   }
 };
 
+constexpr double kTolerance = 1e-9;  // of numbers of views and of rings
+
+ViewSphere MakeGrid(int rings, int views_per_ring, double step_deg) {
+  const Grid grid{.rings = rings, .views_per_ring = views_per_ring};
+  ViewSphere sphere;
+  sphere.views.push_back({{}, grid.FindPoleNeighbours()});
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int place = 0; place < views_per_ring; ++place) {
+      const ViewDirection direction{.azimuth_rad = RadiansFromDegrees(place * step_deg),
+                                    .off_nadir_rad = RadiansFromDegrees((ring + 1) * step_deg)};
+      sphere.views.push_back({direction, grid.FindNeighbours(ring, place)});
+    }
+  }
+  return sphere;
+}
+
+// The place of a view in rings of different sizes. The pole is ring 0.
+struct RingPlace {
+  int ring = 0;
+  int place = 0;
+  int views_in_ring = 1;
+};
+
+// Radius of the neighbourhood in the rings beside a view's, in steps: a little more than the diagonal of the grid,
+// since the views of rings of different sizes are not in line.
+constexpr double kNeighbourSteps = 1.5;
+
+bool AreNeighbours(const RingPlace& a, const RingPlace& b, double angle_rad, double step_rad) {
+  if (a.ring != b.ring) return std::abs(a.ring - b.ring) == 1 && angle_rad <= kNeighbourSteps * step_rad;
+  const int apart = std::abs(a.place - b.place);
+  return apart == 1 || apart == a.views_in_ring - 1;
+}
+
+double AngleBetween(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+ViewSphere MakeEven(int rings, double step_deg) {
+  constexpr int kMinViewsInRing = 3;  // around the pole
+  ViewSphere sphere;
+  std::vector<RingPlace> places;
+  std::vector<Vector3d> to_camera;
+  const auto add = [&](const RingPlace& at) {
+    const ViewDirection direction{.azimuth_rad = 2 * kPi * at.place / at.views_in_ring,
+                                  .off_nadir_rad = RadiansFromDegrees(at.ring * step_deg)};
+    sphere.views.push_back({direction, {}});
+    places.push_back(at);
+    to_camera.push_back(DirectionToCamera(direction));
+  };
+  add({});
+  for (int ring = 1; ring <= rings; ++ring) {
+    const double circumference_deg = 360.0 * std::sin(RadiansFromDegrees(ring * step_deg));
+    const int count = std::max(static_cast<int>(std::ceil(circumference_deg / step_deg - kTolerance)), kMinViewsInRing);
+    for (int place = 0; place < count; ++place) add({.ring = ring, .place = place, .views_in_ring = count});
+  }
+  // In this order each view's neighbours come ascending.
+  const double step_rad = RadiansFromDegrees(step_deg);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t j = i + 1; j < places.size() && places[j].ring <= places[i].ring + 1; ++j) {
+      if (!AreNeighbours(places[i], places[j], AngleBetween(to_camera[i], to_camera[j]), step_rad)) continue;
+      sphere.views[i].neighbours.push_back(static_cast<int>(j));
+      sphere.views[j].neighbours.push_back(static_cast<int>(i));
+    }
+  }
+  return sphere;
+}
+
 }  // namespace
 
 void ViewSphereOptions::ListFields(FieldList& fields) {
@@ -54,28 +119,22 @@ void ViewSphereOptions::ListFields(FieldList& fields) {
               .max = 180,
               .unit = "deg",
               .reason = "maximum off-nadir angle of a view; an airborne camera hardly sees larger ones"});
+  fields.Add("layout", layout, kViewLayoutTexts,
+             {.reason = "views of a ring of equal off-nadir angle: grid, one each step of azimuth; even, one each step "
+                        "along the ring, so that views are as dense near the nadir as elsewhere"});
 }
 
 Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  constexpr double kTolerance = 1e-9;
+  const double below = options.max_off_nadir_deg < 180.0 ? options.max_off_nadir_deg : 180.0 - options.step_deg;
+  const int rings = static_cast<int>(below / options.step_deg + kTolerance);
+  if (options.layout == ViewLayout::kEven) return MakeEven(rings, options.step_deg);
   const double views_per_ring = 360.0 / options.step_deg;
   if (std::abs(views_per_ring - std::round(views_per_ring)) > kTolerance) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("step {} degrees: must divide 360", options.step_deg));
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("step {} degrees: must divide 360 for the layout grid", options.step_deg));
   }
-  const double below = options.max_off_nadir_deg < 180.0 ? options.max_off_nadir_deg : 180.0 - options.step_deg;
-  const Grid grid{.rings = static_cast<int>(below / options.step_deg + kTolerance),
-                  .views_per_ring = static_cast<int>(std::lround(views_per_ring))};
-  ViewSphere sphere;
-  sphere.views.push_back({{}, grid.FindPoleNeighbours()});
-  for (int ring = 0; ring < grid.rings; ++ring) {
-    for (int place = 0; place < grid.views_per_ring; ++place) {
-      const ViewDirection direction{.azimuth_rad = RadiansFromDegrees(place * options.step_deg),
-                                    .off_nadir_rad = RadiansFromDegrees((ring + 1) * options.step_deg)};
-      sphere.views.push_back({direction, grid.FindNeighbours(ring, place)});
-    }
-  }
-  return sphere;
+  return MakeGrid(rings, static_cast<int>(std::lround(views_per_ring)), options.step_deg);
 }
 
 Expected<PosedCamera> CameraForView(const ViewDirection& direction, const Sphere& sphere, const ViewFraming& framing) {

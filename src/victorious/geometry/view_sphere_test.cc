@@ -1,7 +1,11 @@
 #include "victorious/geometry/view_sphere.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +47,63 @@ TEST(ViewSphere, NeighboursAreMutualAdjacentAndComplete) {
       EXPECT_LT(AngleBetween(DirectionToCamera(views[static_cast<std::size_t>(i)].direction),
                              DirectionToCamera(other.direction)),
                 RadiansFromDegrees(14.2));
+    }
+  }
+}
+
+// The numbers of views in the rings, from the pole on.
+std::vector<int> CountInRings(const ViewSphere& sphere) {
+  std::map<double, int> rings;
+  for (const ViewSphere::View& view : sphere.views) ++rings[view.direction.off_nadir_rad];
+  std::vector<int> counts;
+  for (const auto& [off_nadir_rad, count] : rings) counts.push_back(count);
+  return counts;
+}
+
+TEST(ViewSphere, OfEqualDensityHasAsManyViewsInARingAsItsCircumferenceNeeds) {
+  const auto sphere = MakeViewSphere({.layout = ViewLayout::kEven});
+  ASSERT_TRUE(sphere);
+  EXPECT_EQ(CountInRings(*sphere), (std::vector<int>{1, 7, 13, 18, 24, 28, 32, 34}));
+  EXPECT_EQ(sphere->views.size(), 157);
+  EXPECT_EQ(sphere->views[1].direction.azimuth_rad, 0);
+  EXPECT_DOUBLE_EQ(sphere->views[9].direction.azimuth_rad, 2 * kPi / 13);
+  EXPECT_DOUBLE_EQ(sphere->views[9].direction.off_nadir_rad, RadiansFromDegrees(20));
+  EXPECT_DOUBLE_EQ(sphere->views.back().direction.off_nadir_rad, RadiansFromDegrees(70));
+  EXPECT_EQ(MakeViewSphere({.max_off_nadir_deg = 0, .layout = ViewLayout::kEven})->views.size(), 1);
+  const auto whole = MakeViewSphere({.step_deg = 30, .max_off_nadir_deg = 180, .layout = ViewLayout::kEven});
+  EXPECT_EQ(CountInRings(*whole), (std::vector<int>{1, 6, 11, 12, 11, 6}));
+  EXPECT_TRUE(MakeViewSphere({.step_deg = 7, .layout = ViewLayout::kEven})) << "need not divide 360";
+}
+
+TEST(ViewSphere, OfEqualDensityHasNeighboursOnAllSides) {
+  for (const double step_deg : {3.0, 7.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 45.0, 60.0, 90.0}) {
+    SCOPED_TRACE(step_deg);
+    const auto sphere = MakeViewSphere({.step_deg = step_deg, .max_off_nadir_deg = 180, .layout = ViewLayout::kEven});
+    ASSERT_TRUE(sphere);
+    const auto& views = sphere->views;
+    const auto ring_of = [&](std::size_t i) {
+      return static_cast<int>(std::lround(DegreesFromRadians(views[i].direction.off_nadir_rad) / step_deg));
+    };
+    const int last_ring = ring_of(views.size() - 1);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      std::map<int, int> rings;
+      const auto& neighbours = views[i].neighbours;
+      EXPECT_EQ(std::ranges::adjacent_find(neighbours, std::ranges::greater_equal{}), neighbours.end()) << i;
+      for (const int neighbour : neighbours) {
+        const auto j = static_cast<std::size_t>(neighbour);
+        ASSERT_NE(i, j);
+        EXPECT_TRUE(std::ranges::binary_search(views[j].neighbours, static_cast<int>(i))) << i << ", " << j;
+        const double angle_rad =
+            AngleBetween(DirectionToCamera(views[i].direction), DirectionToCamera(views[j].direction));
+        EXPECT_LE(angle_rad, RadiansFromDegrees(1.5 * step_deg) + 1e-12) << i << ", " << j;
+        ++rings[ring_of(j)];
+      }
+      if (i == 0) continue;  // the pole has the whole first ring
+      const int ring = ring_of(i);
+      EXPECT_EQ(rings[ring], 2) << i;
+      EXPECT_GE(rings[ring - 1], 1) << i;
+      EXPECT_GE(rings[ring + 1], ring == last_ring ? 0 : 1) << i;
+      EXPECT_LE(neighbours.size(), 9U) << i;
     }
   }
 }

@@ -1,4 +1,5 @@
 // The methods that search a CAD model, on scenes with a rendered object: recognize/ cannot render.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -9,10 +10,13 @@
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
+#include "testing/data.h"
 #include "testing/small_cad_model.h"
 #include "testing/textured_scenes.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/box.h"
+#include "victorious/geometry/view_sphere.h"
+#include "victorious/model/model_library.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/model/view_surface.h"
 #include "victorious/recognize/recognizer.h"
@@ -23,6 +27,19 @@ namespace {
 // 97 views, every 15 degrees.
 const ObjectModel& ModelOfManyViews() {
   static const ObjectModel model = testing::MakeSmallCadModel({.step_deg = 15, .max_off_nadir_deg = 60});
+  return model;
+}
+
+// 51 views of equal density, as they are read from their file.
+const ObjectModel& ModelOfEvenViews() {
+  static const ObjectModel model = [] {
+    const testing::ScratchFolder folder;
+    const ModelLibrary library(folder.path());
+    const Status added =
+        library.Add(testing::MakeSmallCadModel({.step_deg = 15, .max_off_nadir_deg = 60, .layout = ViewLayout::kEven}));
+    EXPECT_TRUE(added) << added.error().message;
+    return library.Load("slab").value();
+  }();
   return model;
 }
 
@@ -46,8 +63,8 @@ cv::Mat SceneWith(std::size_t number) {
   return scene;
 }
 
-std::vector<Detection> Find(const cv::Mat& scene, const RecognizeOptions& options, const FrameConditions& conditions) {
-  const ObjectModel& model = ModelOfManyViews();
+std::vector<Detection> Find(const cv::Mat& scene, const RecognizeOptions& options, const FrameConditions& conditions,
+                            const ObjectModel& model = ModelOfManyViews()) {
   std::shared_ptr<const RelitTemplateSource> relit = MakeRelitViews(model).value();
   return Recognizer::Create({model}, model.engine, options, {std::move(relit)})
       .value()
@@ -94,6 +111,31 @@ TEST(SearchMethods, ShortlistIsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(together[0].view, alone[0].view);
   EXPECT_EQ(together[0].neg_log10_nfa, alone[0].neg_log10_nfa);
   EXPECT_EQ(together[0].outline, alone[0].outline);
+}
+
+TEST(SearchMethods, FindAModelOfEvenViewsAsOneOfAGrid) {
+  const ObjectModel& even = ModelOfEvenViews();
+  EXPECT_LT(even.views.size(), 0.6 * static_cast<double>(ModelOfManyViews().views.size()));
+  EXPECT_NE(even.id, ModelOfManyViews().id);
+  EXPECT_NE(even.options_json, ModelOfManyViews().options_json);
+  const ViewSphere sphere =
+      MakeViewSphere({.step_deg = 15, .max_off_nadir_deg = 60, .layout = ViewLayout::kEven}).value();
+  ASSERT_EQ(even.views.size(), sphere.views.size());
+  for (std::size_t i = 0; i < even.views.size(); ++i) {
+    EXPECT_TRUE(std::ranges::equal(even.views[i].neighbours, sphere.views[i].neighbours)) << i;
+  }
+  for (const std::size_t number : {2, 5}) {
+    const cv::Mat scene = SceneWith(number);
+    for (const FrameConditions& conditions : {FrameConditions{}, ConditionsWithSun()}) {
+      for (const SearchMethod method : {SearchMethod::kVotes, SearchMethod::kShortlist}) {
+        const std::vector<Detection> expected = Find(scene, By(method), conditions);
+        const std::vector<Detection> found = Find(scene, By(method), conditions, even);
+        ASSERT_EQ(expected.size(), 1U) << number;
+        ASSERT_EQ(found.size(), 1U) << number;
+        EXPECT_GT(IntersectionOverUnion(found[0].box, expected[0].box), 0.8) << number;
+      }
+    }
+  }
 }
 
 }  // namespace
