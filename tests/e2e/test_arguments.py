@@ -86,6 +86,7 @@ class ArgumentsTest(program.ProgramTest):
             ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "big")),
             ("--step = 0", ("model", "add", "x", "x.glb", "--models", out, "--step", "0")),
             ("--max-off-nadir = 200", ("model", "add", "x", "x.glb", "--models", out, "--max-off-nadir", "200")),
+            (("--device", "auto, cpu, cuda"), ("index", VIDEO, "--models", MODELS, "--db", out, "--device", "gpu")),
             (("grid", "even"), ("model", "add", "x", "x.glb", "--models", out, "--layout", "odd")),
             ("--layout", ("model", "add", "x", CRATE, "--models", out, "--layout", "even")),
             ("--directions = 1", ("model", "show", "crate", "--models", MODELS, "--findable", "--directions", "1")),
@@ -95,6 +96,12 @@ class ArgumentsTest(program.ProgramTest):
         ):
             with self.subTest(arguments):
                 self.refuses_unchanged(words, *arguments)
+
+    def test_device_that_is_not_there(self):
+        hidden = {**os.environ, "CUDA_VISIBLE_DEVICES": ""}  # where there is one
+        self.refuses(2, ("--device cuda", "cpu"), "index", VIDEO, "--models", MODELS, "--db", self.scratch / "x.db",
+                     "--device", "cuda", env=hidden)
+        self.assertEqual(self.files(), {})
 
     def test_times(self):
         for command in (("export", "--format", "sightings"), ("search",), ("search", "--image", CRATE)):

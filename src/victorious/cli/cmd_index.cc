@@ -26,6 +26,7 @@
 #include "victorious/cli/output_files.h"
 #include "victorious/cluster/index_task.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/kernels/nearest_device.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/drawn_video.h"
@@ -49,6 +50,7 @@ struct IndexArguments {
   std::optional<std::string> telemetry;
   std::string keep_features;
   std::string cache;
+  std::string device = "auto";
   std::optional<double> from_s;
   std::optional<double> to_s;
   std::optional<double> budget_ms;
@@ -296,6 +298,19 @@ Status WarnOfRejectedPlaces(IndexStore& store) {
   return {};
 }
 
+// @param choice  of --device
+// @return null: the processor computes
+// Errors: kUnsupported if "cuda" was asked for, and there is no device.
+Expected<std::shared_ptr<kernels::NearestDevice>> OpenDevice(const std::string& choice) {
+  if (choice == "cpu") return nullptr;
+  std::string why_not;
+  std::shared_ptr<kernels::NearestDevice> device = kernels::OpenNearestDevice(why_not);
+  if (!device && choice == "cuda") {
+    return Fail(ErrorCode::kUnsupported, fmt::format("--device cuda: {}; leave the option out, or give cpu", why_not));
+  }
+  return device;
+}
+
 Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(
       CheckOutputs(parser, {{"--db", arguments.db, std::nullopt}, {"--draw", arguments.draw, FileKind::kVideo}}));
@@ -313,6 +328,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadOptions(arguments, models));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<kernels::NearestDevice> device, OpenDevice(arguments.device));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const RelitTemplateFolder> relit_folder,
                               OpenRelitTemplates(arguments.cache));
   // Videos of one flight have the same sun.
@@ -361,7 +377,8 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
                            [](double ms) { return std::chrono::duration<double, std::milli>(ms); }),
                        .inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); },
                        .relit_templates = relit_templates,
-                       .relit_folder = relit_folder.get()};
+                       .relit_folder = relit_folder.get(),
+                       .device = device};
     const Expected<SegmentedReport> report = IndexVideo(indexer, job, work, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
       LogInfo("{}; the video is left to it", OneLine(report.error().message));
@@ -379,6 +396,10 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
       return {};
     }
     LogReport(video, report->index);
+    if (device && !device->last_error().empty()) {
+      LogWarning("{} failed ({}): the processor did its work, with the same results", device->name(),
+                 device->last_error());
+    }
     if (arguments.json) VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", DumpJson(ToJson(video, report->index)) + "\n"));
   }
   if (failure) return std::unexpected(*std::move(failure));
@@ -431,6 +452,12 @@ Action SetUpIndex(ArgumentParser& parser) {
            "Folder where later searches find what this one made of the models for the sun's direction (default: "
            "victorious/templates in $XDG_CACHE_HOME or ~/.cache), or none")
       .TypeName("DIR");
+  parser
+      .Add("--device", arguments->device,
+           "What compares descriptors, with the same results: a CUDA device (cuda), the processor (cpu), or the first "
+           "if the machine and the program have it (auto, the default)")
+      .OneOf({"auto", "cpu", "cuda"})
+      .TypeName("DEVICE");
   parser
       .Add("--cut", arguments->cut_s,
            "For workers: cut a long video into segments of so many seconds and end; once they are searched, join them")

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <memory>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <hwy/targets.h>
 
 #include "victorious/base/random.h"
+#include "victorious/kernels/nearest_device.h"
 
 namespace victorious::kernels {
 namespace {
@@ -63,6 +65,37 @@ std::vector<Neighbour> ExpectedK(std::span<const std::uint8_t> queries, std::spa
   return result;
 }
 
+// Opened once for all tests; null: none.
+NearestDevice* Device() {
+  static std::string why_not;
+  static const std::shared_ptr<NearestDevice> device = OpenNearestDevice(why_not);
+  return device.get();
+}
+
+// The queries as two templates, of which the second may be empty.
+void FindNearestKOnDevice(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
+                          std::span<Neighbour> out) {
+  const std::size_t half = (queries.count + 1) / 2;
+  const PackedQueries first{half,
+                            {queries.rows.begin(), queries.rows.begin() + half * kDescriptorBytes},
+                            {queries.squared.begin(), queries.squared.begin() + half}};
+  const PackedQueries second{queries.count - half,
+                             {queries.rows.begin() + half * kDescriptorBytes, queries.rows.end()},
+                             {queries.squared.begin() + half, queries.squared.end()}};
+  const auto on_device = Device()->Upload(std::vector{first, second});
+  const auto set_there = Device()->Upload(set);
+  ASSERT_TRUE(on_device && set_there && Device()->FindNearestK(*on_device, *set_there, k, out))
+      << Device()->last_error();
+}
+
+void FindNearestTwoOnDevice(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
+  std::vector<Neighbour> two(2 * queries.count);
+  FindNearestKOnDevice(queries, set, 2, two);
+  for (std::size_t i = 0; i < queries.count; ++i) {
+    out[i] = {two[2 * i].index, two[2 * i].distance2, two[2 * i + 1].distance2};
+  }
+}
+
 struct Implementation {
   std::string name;
   Find find;
@@ -72,10 +105,12 @@ struct Implementation {
   friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
 };
 
-// The reference, VNNI, the dispatched one, and Highway's code for every instruction set of this machine.
+// The reference, VNNI, the CUDA device, the dispatched one, and Highway's code for every instruction set of this
+// machine.
 std::vector<Implementation> Implementations() {
   std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestKRef},
                                      {"vnni", &FindNearestTwoVnni, &FindNearestKVnni},
+                                     {"device", &FindNearestTwoOnDevice, &FindNearestKOnDevice},
                                      {"best", &FindNearestTwo, &FindNearestK}};
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     std::string name = "simd_" + std::string(hwy::TargetName(target));
@@ -95,6 +130,7 @@ class NearestTest : public ::testing::TestWithParam<Implementation> {
  protected:
   void SetUp() override {
     if (GetParam().name == "vnni" && !HasVnni()) GTEST_SKIP() << "SKIPPED: no AVX-512 VNNI here";
+    if (GetParam().name == "device" && Device() == nullptr) GTEST_SKIP() << "SKIPPED: no CUDA device here";
     LetHighwayChooseFrom(GetParam().highway_target);
   }
   void TearDown() override { LetHighwayChooseFrom(0); }
@@ -120,6 +156,13 @@ TEST_P(NearestTest, MatchesReferenceOverOddSizes) {
       Check(RandomRows(random, queries, 256), RandomRows(random, set, 256));
     }
   }
+}
+
+TEST_P(NearestTest, MatchesReferenceInALargeSet) {
+  Random random(9);
+  // Few levels: many equal distances, at any places of the set.
+  Check(RandomRows(random, 70, 256), RandomRows(random, 1'500, 256));
+  Check(RandomRows(random, 70, 2), RandomRows(random, 1'500, 2));
 }
 
 TEST_P(NearestTest, BreaksTiesByLowestIndex) {

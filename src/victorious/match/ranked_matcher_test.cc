@@ -1,7 +1,10 @@
 #include "victorious/match/ranked_matcher.h"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
+#include "testing/processor_device.h"
 #include "victorious/base/random.h"
 
 namespace victorious {
@@ -42,6 +45,26 @@ TEST(RankedMatcher, TooFewSceneKeypointsGiveNoMatches) {
   const FeatureSet model = RandomFeatures(random, 5);
   EXPECT_TRUE(RankedMatcher(scene.View()).Match(kernels::PackQueries(model.descriptors), 4).empty());
   EXPECT_TRUE(RankedMatcher(FeatureSet().View()).Match(kernels::PackQueries(model.descriptors), 1).empty());
+}
+
+TEST(RankedMatcher, MatchesAllTemplatesAsEachAlone) {
+  Random random(5);
+  const FeatureSet scene = RandomFeatures(random, 100);
+  std::vector<kernels::PackedQueries> templates;
+  for (const std::size_t count : {7, 0, 20}) {
+    templates.push_back(kernels::PackQueries(RandomFeatures(random, count).descriptors));
+  }
+  const RankedMatcher matcher(scene.View());
+  std::vector<std::vector<RankedMatch>> expected;
+  for (const kernels::PackedQueries& one : templates) expected.push_back(matcher.Match(one, 4));
+  EXPECT_EQ(matcher.MatchAll(templates, 4), expected);
+  testing::ProcessorDevice device;
+  EXPECT_EQ(RankedMatcher(scene.View(), &device).MatchAll(templates, 4), expected);
+  EXPECT_EQ(device.query_count(), 27U);
+  testing::ProcessorDevice broken(false);
+  EXPECT_EQ(RankedMatcher(scene.View(), &broken).MatchAll(templates, 4), expected);
+  EXPECT_EQ(RankedMatcher(FeatureSet().View(), &device).MatchAll(templates, 4),
+            std::vector<std::vector<RankedMatch>>(3));
 }
 
 }  // namespace

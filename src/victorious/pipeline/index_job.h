@@ -10,6 +10,7 @@
 
 #include "victorious/base/warning_sink.h"
 #include "victorious/geometry/sun.h"
+#include "victorious/kernels/nearest_device.h"
 #include "victorious/model/relit_template_folder.h"
 #include "victorious/recognize/relit_templates.h"
 
@@ -42,7 +43,8 @@ struct IndexJob {
   /// Relit templates (MakeRelitViews), one entry per model. The caller keeps them, to share them between jobs with the
   /// same models. If empty, they are made for this video and released after it.
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates = {};
-  const RelitTemplateFolder* relit_folder = nullptr;  ///< of those that are made for this video; null: none
+  const RelitTemplateFolder* relit_folder = nullptr;    ///< of those that are made for this video; null: none
+  std::shared_ptr<kernels::NearestDevice> device = {};  ///< computes distances of descriptors; null: the processor
 
   [[nodiscard]] const std::string& StoredName() const { return name.empty() ? video : name; }
 };

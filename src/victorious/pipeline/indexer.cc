@@ -407,7 +407,8 @@ Expected<Recognizer> Indexer::MakeRecognizer(const PlannedPass& plan, const Inde
   if (job.relit_templates.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models, job.relit_folder));
   }
-  return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, relit_templates);
+  return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, relit_templates,
+                            job.device);
 }
 
 std::vector<std::optional<std::int64_t>> Indexer::CategoryIds(const PlannedPass& plan) const {

@@ -169,22 +169,24 @@ class VoteEvidence {
  private:
   // @param relative_azimuth_rad  of the cell that the templates are relit for; nullopt: diffuse light
   Expected<MatchEvidence> GatherInLight(std::optional<double> relative_azimuth_rad) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const MatchedTemplate matched, Match(view_, relative_azimuth_rad));
+    const TemplateVariant variant = VariantOf(view_, relative_azimuth_rad);
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MatchedTemplate> one, matcher_.Match({&variant, 1}));
+    const MatchedTemplate& matched = one.front();
     const ComparedTemplate own = matched.Compared();
     const std::vector<PlanarFit> fits = matcher_.Vote(matched.variant, own);
     const auto pose = PoseOf(own, fits);
     if ((pose && *fits[pose->fit].neg_log10_nfa >= kInstanceNegLog10Nfa) || own.points_in_model.empty()) {
       return Stages(own, fits, pose);
     }
-    std::vector<MatchedTemplate> beside;
+    std::vector<TemplateVariant> neighbours;
     for (const std::uint32_t neighbour : model_.views[view_].neighbours) {
       const ModelView& view = model_.views[neighbour];
       if (view.feature_count == 0 || (relative_azimuth_rad && !HasObservableHeading(view))) continue;
-      VICTORIOUS_ASSIGN_OR_RETURN(MatchedTemplate one, Match(neighbour, relative_azimuth_rad));
-      beside.push_back(std::move(one));
+      neighbours.push_back(VariantOf(neighbour, relative_azimuth_rad));
     }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MatchedTemplate> beside, matcher_.Match(neighbours));
     std::vector<ComparedTemplate> compared;
-    for (const MatchedTemplate& one : beside) compared.push_back(one.Compared());
+    for (const MatchedTemplate& other : beside) compared.push_back(other.Compared());
     if (compared.empty()) return Stages(own, fits, pose);
     const PooledTemplate pool = PoolTemplates(own, compared);
     const ComparedTemplate pooled{pool.keypoints, pool.points_in_model, pool.matches};
@@ -198,10 +200,10 @@ class VoteEvidence {
     return evidence;
   }
 
-  Expected<MatchedTemplate> Match(std::size_t view, std::optional<double> relative_azimuth_rad) const {
-    if (!relative_azimuth_rad) return matcher_.Match({.view = view, .sun_view = {}});
-    return matcher_.Match(
-        MakeRelitVariant(model_, view, *relative_azimuth_rad, *conditions_.relative_sun, options_.search.sun_step_rad));
+  TemplateVariant VariantOf(std::size_t view, std::optional<double> relative_azimuth_rad) const {
+    if (!relative_azimuth_rad) return {.view = view, .sun_view = {}};
+    return MakeRelitVariant(model_, view, *relative_azimuth_rad, *conditions_.relative_sun,
+                            options_.search.sun_step_rad);
   }
 
   std::optional<FoundPose> PoseOf(const ComparedTemplate& compared, std::span<const PlanarFit> fits) const {

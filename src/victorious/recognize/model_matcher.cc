@@ -52,10 +52,11 @@ void ModelMatcher::Prepare(std::span<const TemplateVariant> variants) const {
 
 Expected<std::vector<double>> ModelMatcher::Evaluate(std::span<const TemplateVariant> variants) {
   Prepare(variants);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<MatchedTemplate> matched, matcher_.Match(variants));
   std::vector<double> neg_log10_nfa;
-  for (const TemplateVariant& variant : variants) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const double best, Evaluate(variant));
-    neg_log10_nfa.push_back(best);
+  for (MatchedTemplate& one : matched) {
+    neg_log10_nfa.push_back(Vote(one.variant, one.Compared()));
+    matched_.push_back({std::move(one), neg_log10_nfa.back()});
   }
   return neg_log10_nfa;
 }
@@ -74,10 +75,10 @@ Status ModelMatcher::EvaluateBest(std::span<const TemplateVariant> variants, std
     std::size_t index;  // in matched_
   };
   std::vector<Proposed> proposed;
-  for (const TemplateVariant& variant : variants) {
-    VICTORIOUS_ASSIGN_OR_RETURN(MatchedTemplate matched, matcher_.Match(variant));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<MatchedTemplate> all, matcher_.Match(variants));
+  for (MatchedTemplate& matched : all) {
     const StageScope scope(Stage::kPoses);
-    const ModelView& view = model_.views[variant.view];
+    const ModelView& view = model_.views[matched.variant.view];
     std::vector<RankedMatch> nearest;
     std::ranges::copy_if(matched.matches, std::back_inserter(nearest),
                          [](const RankedMatch& match) { return match.rank <= kMaxProposalRank; });
@@ -126,13 +127,6 @@ bool ModelMatcher::HasInstancesOutOfViewOnly(double min_in_view) const {
     has_instance = true;
   }
   return has_instance;
-}
-
-Expected<double> ModelMatcher::Evaluate(const TemplateVariant& variant) {
-  VICTORIOUS_ASSIGN_OR_RETURN(MatchedTemplate matched, matcher_.Match(variant));
-  const double neg_log10_nfa = Vote(variant, matched.Compared());
-  matched_.push_back({std::move(matched), neg_log10_nfa});
-  return neg_log10_nfa;
 }
 
 // Adds the poses of a template to the candidates; returns their highest -log10 NFA.

@@ -81,7 +81,6 @@ class ModelMatcher {
   };
 
   void Prepare(std::span<const TemplateVariant> variants) const;
-  [[nodiscard]] Expected<double> Evaluate(const TemplateVariant& variant);
   double Vote(const TemplateVariant& variant, const ComparedTemplate& compared);
   [[nodiscard]] bool AreNeighbours(const TemplateVariant& one, const TemplateVariant& other) const;
 

@@ -8,6 +8,7 @@
 
 #include "victorious/geometry/vertical.h"
 #include "victorious/kernels/nearest.h"
+#include "victorious/kernels/nearest_device.h"
 #include "victorious/match/ranked_matcher.h"
 #include "victorious/match/upright_matcher.h"
 #include "victorious/pose/pose_proposal.h"
@@ -20,8 +21,10 @@ class PreparedScene {
  public:
   /// @param features  must outlive this
   /// @param vertical  in the camera frame; nullopt: unknown
-  explicit PreparedScene(const FeatureSet& features, const std::optional<Vertical>& vertical = {})
-      : features_(features), vertical_(vertical) {}
+  /// @param device    of ranked_matcher(); null: the processor. Must outlive this
+  explicit PreparedScene(const FeatureSet& features, const std::optional<Vertical>& vertical = {},
+                         kernels::NearestDevice* device = nullptr)
+      : features_(features), vertical_(vertical), device_(device) {}
   PreparedScene(const PreparedScene&) = delete;
   PreparedScene& operator=(const PreparedScene&) = delete;
 
@@ -36,7 +39,7 @@ class PreparedScene {
 
   /// For ranked matches, which compare each template keypoint with all scene keypoints.
   [[nodiscard]] const RankedMatcher& ranked_matcher() const {
-    std::call_once(ranked_once_, [&] { ranked_matcher_.emplace(features_.View()); });
+    std::call_once(ranked_once_, [&] { ranked_matcher_.emplace(features_.View(), device_); });
     return *ranked_matcher_;
   }
 
@@ -62,6 +65,7 @@ class PreparedScene {
  private:
   const FeatureSet& features_;
   std::optional<Vertical> vertical_;
+  kernels::NearestDevice* device_;
   mutable std::once_flag queries_once_;
   mutable std::optional<kernels::PackedQueries> queries_;
   mutable std::once_flag ranked_once_;

@@ -40,19 +40,23 @@ Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine)
   return {};
 }
 
-Expected<Recognizer> Recognizer::Create(
-    std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
-    const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates) {
+Expected<Recognizer> Recognizer::Create(std::vector<ObjectModel> models, const std::string& engine,
+                                        const RecognizeOptions& options,
+                                        const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates,
+                                        std::shared_ptr<kernels::NearestDevice> device) {
   VICTORIOUS_CHECK(relit_templates.empty() || relit_templates.size() == models.size());
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_CHECK(options.ncc.min_neg_log10_nfa <= options.ncc.max_neg_log10_nfa);
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
-  return Recognizer(std::move(models), options, relit_templates);
+  return Recognizer(std::move(models), options, relit_templates, std::move(device));
 }
 
 Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options,
-                       const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates)
-    : models_(std::make_shared<const std::vector<ObjectModel>>(std::move(models))), options_(options) {
+                       const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates,
+                       std::shared_ptr<kernels::NearestDevice> device)
+    : models_(std::make_shared<const std::vector<ObjectModel>>(std::move(models))),
+      options_(options),
+      device_(std::move(device)) {
   for (std::size_t m = 0; m < models_->size(); ++m) {
     shortened_.push_back(std::make_shared<const ShortenedViews>((*models_)[m]));
     searchers_.push_back(MakeModelSearcher((*models_)[m], shortened_.back(),
@@ -90,7 +94,7 @@ Status Recognizer::RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& det
 
 Expected<std::vector<Detection>> Recognizer::Recognize(const FeatureSet& features, const FrameConditions& conditions,
                                                        const cv::Mat& grey, const ViewPart& part) const {
-  const PreparedScene scene(features, conditions.vertical);
+  const PreparedScene scene(features, conditions.vertical, device_.get());
   std::vector<Expected<std::vector<Candidate>>> found(searchers_.size());
   oneapi::tbb::this_task_arena::isolate([&] {  // else a waiting thread could start on another frame
     oneapi::tbb::parallel_for(std::size_t{0}, searchers_.size(),
@@ -118,7 +122,7 @@ Expected<std::vector<Detection>> Recognizer::Recognize(const FeatureSet& feature
 Expected<std::vector<Detection>> Recognizer::RecognizeViews(const FeatureSet& features, std::size_t model,
                                                             std::span<const std::size_t> views,
                                                             const FrameConditions& conditions) const {
-  const PreparedScene scene(features);
+  const PreparedScene scene(features, {}, device_.get());
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Candidate> candidates,
                               searchers_[model]->SearchViews(scene, conditions, views));
   for (Candidate& candidate : candidates) candidate.model_index = model;
@@ -136,8 +140,8 @@ Expected<std::optional<SunEstimate>> Recognizer::EstimateSun(const FeatureSet& f
     if (const RelitTemplateSource* const templates = searchers_[m]->relit_templates())
       relightable.push_back({&(*models_)[m], templates, shortened_[m].get()});
   }
-  return victorious::EstimateSun(relightable, PreparedScene(features, vertical), vertical, options_.search,
-                                 options_.pose);
+  return victorious::EstimateSun(relightable, PreparedScene(features, vertical, device_.get()), vertical,
+                                 options_.search, options_.pose);
 }
 
 StagedMatches Recognizer::MatchView(const FeatureSet& features, std::size_t model, std::size_t view) const {

@@ -16,6 +16,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/error.h"
+#include "victorious/kernels/nearest_device.h"
 #include "victorious/recognize/grammar_search.h"
 #include "victorious/recognize/model_searcher.h"
 #include "victorious/recognize/recognize_options.h"
@@ -38,10 +39,12 @@ class Recognizer {
  public:
   /// @param engine           feature engine of the scenes (CheckEngine)
   /// @param relit_templates  one source of relit templates per model, null for a model without; empty: none
+  /// @param device           computes distances of descriptors where it is faster; null: none. Not with other results
   /// Errors: kInvalidArgument for options out of range or models of another engine.
   [[nodiscard]] static Expected<Recognizer> Create(
       std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
-      const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {});
+      const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {},
+      std::shared_ptr<kernels::NearestDevice> device = {});
 
   [[nodiscard]] const std::vector<ObjectModel>& models() const { return *models_; }
 
@@ -78,7 +81,8 @@ class Recognizer {
 
  private:
   Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options,
-             const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates);
+             const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates,
+             std::shared_ptr<kernels::NearestDevice> device);
 
   [[nodiscard]] Status RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& detections) const;
 
@@ -86,6 +90,7 @@ class Recognizer {
   std::vector<std::shared_ptr<const ShortenedViews>> shortened_;  // one per model
   std::vector<std::shared_ptr<const ModelSearcher>> searchers_;   // one per model
   RecognizeOptions options_;
+  std::shared_ptr<kernels::NearestDevice> device_;  // null: none
 };
 
 }  // namespace victorious

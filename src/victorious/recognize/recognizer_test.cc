@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/flat_view_source.h"
+#include "testing/processor_device.h"
 #include "testing/textured_scenes.h"
 #include "victorious/base/random.h"
 #include "victorious/features/feature_extractor.h"
@@ -406,6 +407,30 @@ TEST(Recognizer, RefusesModelsOfAnotherEngine) {
 }
 
 // What each parameter changes.
+
+// The device computes the same distances; one that fails is done without.
+TEST(RecognizeDevice, FindsTheSameAsTheProcessor) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(crate, 1.0, 0.5, {150, 120}, scene);
+  const FeatureSet features = FeaturesOf(scene);
+  for (const SearchMethod method : {SearchMethod::kVotes, SearchMethod::kShortlist}) {
+    const auto nfas = [&](const std::shared_ptr<kernels::NearestDevice>& device) {
+      const Recognizer recognizer =
+          Recognizer::Create({ModelOf("crate", crate)}, FeatureOptions().engine, By(method), {}, device).value();
+      std::vector<double> all;
+      const std::vector<Detection> detections = recognizer.Recognize(features).value();
+      for (const Detection& detection : detections) all.push_back(detection.neg_log10_nfa);
+      return all;
+    };
+    const auto device = std::make_shared<testing::ProcessorDevice>();
+    const std::vector<double> expected = nfas(nullptr);
+    EXPECT_EQ(expected.size(), 1U);
+    EXPECT_EQ(nfas(device), expected);
+    EXPECT_GT(device->query_count(), 0U);
+    EXPECT_EQ(nfas(std::make_shared<testing::ProcessorDevice>(false)), expected);
+  }
+}
 
 // Only the vote search sets a fit's own -log10 NFA.
 TEST(RecognizeParameter, MethodAutoIsVotesForCadModelsOfFewViewsAndTheGrammarForPhotos) {

@@ -46,7 +46,23 @@ TemplateMatcher::TemplateMatcher(const ObjectModel& model, const RelitTemplateSo
       vertical_(vertical),
       cells_(MakeAzimuthCells(scene, options, vertical)) {}
 
-Expected<MatchedTemplate> TemplateMatcher::Match(const TemplateVariant& variant) const {
+Expected<std::vector<MatchedTemplate>> TemplateMatcher::Match(std::span<const TemplateVariant> variants) const {
+  std::vector<MatchedTemplate> matched;
+  matched.reserve(variants.size());
+  for (const TemplateVariant& variant : variants) {
+    VICTORIOUS_ASSIGN_OR_RETURN(MatchedTemplate one, MakeTemplate(variant));
+    matched.push_back(std::move(one));
+  }
+  const StageScope scope(Stage::kMatching);
+  std::vector<kernels::PackedQueries> queries;
+  queries.reserve(matched.size());
+  for (const MatchedTemplate& one : matched) queries.push_back(kernels::PackQueries(one.features.descriptors));
+  std::vector<std::vector<RankedMatch>> matches = scene_.ranked_matcher().MatchAll(queries, options_.nearest);
+  for (std::size_t i = 0; i < matched.size(); ++i) matched[i].matches = std::move(matches[i]);
+  return matched;
+}
+
+Expected<MatchedTemplate> TemplateMatcher::MakeTemplate(const TemplateVariant& variant) const {
   MatchedTemplate matched{.variant = variant,
                           .relit = {},
                           .features = model_.ViewFeatures(variant.view),
@@ -58,8 +74,6 @@ Expected<MatchedTemplate> TemplateMatcher::Match(const TemplateVariant& variant)
     matched.features = matched.relit->features.View();
     matched.points_in_model = matched.relit->points_in_model;
   }
-  const StageScope scope(Stage::kMatching);
-  matched.matches = scene_.ranked_matcher().Match(kernels::PackQueries(matched.features.descriptors), options_.nearest);
   return matched;
 }
 

@@ -61,14 +61,16 @@ class TemplateMatcher {
   /// The azimuth cells of the searched region.
   [[nodiscard]] const AzimuthCells& cells() const { return cells_; }
 
-  /// Errors: those of RelitTemplateSource.
-  [[nodiscard]] Expected<MatchedTemplate> Match(const TemplateVariant& variant) const;
+  /// In the order of the variants. Errors: those of RelitTemplateSource.
+  [[nodiscard]] Expected<std::vector<MatchedTemplate>> Match(std::span<const TemplateVariant> variants) const;
 
   /// The poses that a template's matches vote for; of a relit template only those in the azimuth cell of its sun.
   /// @param compared  the template itself, or pooled with its neighbours
   [[nodiscard]] std::vector<PlanarFit> Vote(const TemplateVariant& variant, const ComparedTemplate& compared) const;
 
  private:
+  // Without matches.
+  [[nodiscard]] Expected<MatchedTemplate> MakeTemplate(const TemplateVariant& variant) const;
   [[nodiscard]] bool HasSunOfItsCell(const TemplateVariant& variant, const PlanarFit& fit) const;
 
   const ObjectModel& model_;

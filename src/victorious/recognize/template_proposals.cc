@@ -43,7 +43,8 @@ void ConfirmInScene(const PreparedScene& scene, std::span<const UprightTemplate>
       std::ranges::copy(templates[i].features.Descriptor(inlier.template_keypoint), std::back_inserter(rows));
     }
   }
-  const std::vector<RankedMatch> matches = scene.ranked_matcher().Match(kernels::PackQueries(rows), kMaxSceneRank);
+  const kernels::PackedQueries inliers = kernels::PackQueries(rows);
+  const std::vector<RankedMatch> matches = scene.ranked_matcher().MatchAll({&inliers, 1}, kMaxSceneRank).front();
   std::size_t first = 0;  // of the pose's inliers' matches
   for (std::optional<PoseProposal>& pose : poses) {
     if (!is_confirmed(pose) || matches.empty()) continue;
