@@ -1,3 +1,6 @@
+#include <array>
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -5,6 +8,10 @@
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/features2d.hpp>
+
+extern "C" {
+#include <vl/sift.h>
+}
 
 #include "bench/benchmarks.h"
 #include "bench/workloads.h"
@@ -19,6 +26,35 @@ FeatureOptions SharedOptions() {
   options.engine = "sift";
   options.impulse_fraction = 1;
   return options;
+}
+
+// Keypoints and descriptors of the same settings by VLFeat, which has no threads. The first octave is of the doubled
+// image.
+double CountByVlFeat(const cv::Mat& frame) {
+  const FeatureOptions options = SharedOptions();
+  cv::Mat values;
+  frame.convertTo(values, CV_32F);
+  const std::unique_ptr<VlSiftFilt, void (*)(VlSiftFilt*)> filter(
+      vl_sift_new(frame.cols, frame.rows, -1, kOctaveLayers, -1), &vl_sift_delete);
+  vl_sift_set_peak_thresh(filter.get(), 255 * options.contrast_threshold / kOctaveLayers);
+  vl_sift_set_edge_thresh(filter.get(), options.edge_threshold);
+  std::size_t count = 0;
+  std::array<float, kDescriptorSize> descriptor{};
+  for (int state = vl_sift_process_first_octave(filter.get(), values.ptr<float>()); state != VL_ERR_EOF;
+       state = vl_sift_process_next_octave(filter.get())) {
+    vl_sift_detect(filter.get());
+    const VlSiftKeypoint* const keypoints = vl_sift_get_keypoints(filter.get());
+    for (int i = 0; i < vl_sift_get_nkeypoints(filter.get()); ++i) {
+      std::array<double, 4> angles{};
+      const int angle_count = vl_sift_calc_keypoint_orientations(filter.get(), angles.data(), keypoints + i);
+      for (int a = 0; a < angle_count; ++a) {
+        vl_sift_calc_keypoint_descriptor(filter.get(), descriptor.data(), keypoints + i,
+                                         angles[static_cast<std::size_t>(a)]);
+        ++count;
+      }
+    }
+  }
+  return static_cast<double>(count);
 }
 
 Result CompareEngines(const std::string& name, const cv::Mat& frame, int threads, const Settings& settings) {
@@ -39,8 +75,11 @@ Result CompareEngines(const std::string& name, const cv::Mat& frame, int threads
   cv::setNumThreads(threads);
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(threads));
-  Result result = Compare(name, {"victorious", run}, {{"opencv", run_opencv}}, settings.effort());
+  std::vector<Implementation> peers = {{"opencv", run_opencv}};
+  if (threads == 1) peers.push_back({"vlfeat", [&] { return CountByVlFeat(frame); }});
+  Result result = Compare(name, {"victorious", run}, peers, settings.effort());
   result.figures = {{"keypoints", run()}, {"opencv_keypoints", run_opencv()}, {"threads", threads}};
+  if (threads == 1) result.figures.emplace_back("vlfeat_keypoints", CountByVlFeat(frame));
   cv::setNumThreads(threads_before);
   return result;
 }

@@ -19,12 +19,23 @@ struct Settings {
 };
 
 /// Feature extraction by the engine `sift` from frames of 640 x 480 and 1920 x 1080 px, on one and on two threads;
-/// peer: cv::SIFT with the same settings and threads.
+/// peers: cv::SIFT with the same settings and threads, and on one thread VLFeat.
 std::vector<Result> BenchSift(const Settings& settings);
 
 /// Matching of a frame against 4 models x 253 views of about 100 features; peer: cv::BFMatcher, view by view. Also a
 /// part of that by each of our kernels.
 std::vector<Result> BenchMatch(const Settings& settings);
+
+/// The four nearest of the descriptors of four frames for those of 44 templates. Peers: cv::BFMatcher, faiss (flat,
+/// inverted file, HNSW), hnswlib, and FLANN's k-d trees. The figures have the time that each index takes to build,
+/// which the medians leave out, and the fraction of queries whose nearest it finds.
+std::vector<Result> BenchNeighbours(const Settings& settings);
+
+/// The four nearest descriptors of a frame, and of four frames together, for every descriptor of 25 models x 253 views,
+/// on a CUDA device; the frame's travel to it, the templates' are there. Peers: the same with the results copied back,
+/// and the processor, on one core. Errors: kUnsupported without a device; kInternal for other results than the
+/// processor's.
+[[nodiscard]] Expected<std::vector<Result>> BenchDevice(const Settings& settings);
 
 /// The cascade on one template's matches in a scene of about 1300 keypoints; as many matches as in the thesis's
 /// tables 3.2 and 3.3 for ratios 0.8 and 0.95; peer: the reference implementation.

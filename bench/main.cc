@@ -35,6 +35,8 @@ Expected<std::vector<Result>> Generated(const Settings& settings) {
 
 constexpr std::array kBenchmarks = {Benchmark{"sift", &Generated<&BenchSift>},
                                     Benchmark{"match", &Generated<&BenchMatch>},
+                                    Benchmark{"neighbours", &Generated<&BenchNeighbours>},
+                                    Benchmark{"device", &BenchDevice},
                                     Benchmark{"cascade", &Generated<&BenchCascade>},
                                     Benchmark{"mlesac", &Generated<&BenchMlesac>},
                                     Benchmark{"frame", &Generated<&BenchFrame>},

@@ -9,7 +9,11 @@ import sys
 import unittest
 
 PROGRAM = ""
-NO_SERVER = ("no PostgreSQL server", "no PostGIS")  # the reasons of tools/scratch_postgres.sh
+# Why a benchmark cannot run here: the reasons of tools/scratch_postgres.sh and of OpenNearestDevice.
+ABSENT = {
+    "queue": ("no PostgreSQL server", "no PostGIS"),
+    "device": ("built without CUDA", "no CUDA device"),
+}
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess:
@@ -27,7 +31,7 @@ class Smoke(unittest.TestCase):
         self.assertIn("cascade", names())
         for name in names():
             done = run(name, "--quick", "--json")
-            if name == "queue" and any(reason in done.stderr for reason in NO_SERVER):
+            if any(reason in done.stderr for reason in ABSENT.get(name, ())):
                 print(f"SKIPPED: {name}: {done.stderr.strip()}")
                 continue
             self.assertEqual(done.returncode, 0, done.stderr)

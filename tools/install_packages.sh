@@ -12,6 +12,7 @@ packages=(
   libsqlite3-dev libpq-dev libexif-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
   libboost-dev libsodium-dev libssl-dev
   libgtest-dev libgmock-dev libbenchmark-dev
+  libfaiss-dev libhnswlib-dev libvlfeat-dev
 )
 case "${1:-}" in
   "") ;;
