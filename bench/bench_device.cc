@@ -65,7 +65,7 @@ class DeviceSearch {
   kernels::PackedDescriptors scene_;
   std::vector<kernels::PackedQueries> templates_;
   std::size_t descriptors_ = 0;
-  std::unique_ptr<const kernels::DeviceMemory> queries_;
+  std::unique_ptr<const kernels::DeviceQueries> queries_;
   std::vector<kernels::Neighbour> found_;
 };
 
@@ -84,26 +84,22 @@ Expected<std::vector<Result>> BenchDevice(const Settings& settings) {
 
   std::vector<Result> results;
   for (const int frames : {1, 4}) {  // the keypoints of so many frames together
-    FeatureSet scene;
-    for (int i = 0; i < frames; ++i) {
-      const FeatureSet one = ExtractFeatures(GreyFrame(flight, i));
-      scene.keypoints.insert(scene.keypoints.end(), one.keypoints.begin(), one.keypoints.end());
-      scene.descriptors.insert(scene.descriptors.end(), one.descriptors.begin(), one.descriptors.end());
-    }
+    const FeatureSet scene = ExtractFromFrames(flight, frames);
     DeviceSearch search(*device, scene, models);
     if (!search.Agrees()) {
       return Fail(ErrorCode::kInternal,
                   fmt::format("{}: other results than the processor's ({})", device->name(), device->last_error()));
     }
-    Result result = Compare(fmt::format("device_{}x{}_{}", count, models.front().views.size(), scene.size()),
-                            {"device", [&] { return search.OnDevice(false); }},
-                            {{"device_with_results_copied", [&] { return search.OnDevice(true); }},
-                             {"processor", [&] { return search.OnProcessor(); }}},
-                            settings.effort());
+    Result result = Compare(
+        fmt::format("device_{}x{}_{}", count, models.front().views.size(), frames == 1 ? "1_frame" : "4_frames"),
+        {"device", [&] { return search.OnDevice(false); }},
+        {{"device_with_results_copied", [&] { return search.OnDevice(true); }},
+         {"processor", [&] { return search.OnProcessor(); }}},
+        settings.effort());
     result.figures = {{"keypoints", static_cast<double>(scene.size())},
                       {"views", static_cast<double>(search.views())},
                       {"descriptors", static_cast<double>(search.descriptors())},
-                      {"frames_per_s", 1000 / result.median_ms}};
+                      {"scenes_per_s", 1000 / result.median_ms}};
     results.push_back(std::move(result));
   }
   return results;

@@ -15,7 +15,6 @@
 #include <faiss/IndexHNSW.h>
 #include <faiss/IndexIVFFlat.h>
 #include <hnswlib/hnswlib.h>
-#include <omp.h>
 #include <opencv2/features2d.hpp>
 #include <opencv2/flann.hpp>
 
@@ -23,12 +22,18 @@
 #include "bench/workloads.h"
 #include "victorious/kernels/nearest.h"
 
+// Of the OpenMP that faiss is compiled with.
+extern "C" {
+int omp_get_max_threads();
+void omp_set_num_threads(int count);
+}
+
 namespace victorious::bench {
 namespace {
 
 constexpr std::size_t kNearest = 4;
 constexpr auto kDimensions = static_cast<int>(kDescriptorSize);
-// Of the approximate indexes: with these, each finds the nearest in about nine of ten cases.
+// Of the approximate indexes: with these, each finds the nearest in nearly nine of ten cases.
 constexpr std::size_t kCells = 64;  // of the inverted file
 constexpr std::size_t kProbedCells = 5;
 constexpr int kLinks = 12;  // of a node in the graph
@@ -138,20 +143,13 @@ double Recall(const Found& found, const Found& exact) {
 
 std::vector<Result> BenchNeighbours(const Settings& settings) {
   const testing::SyntheticFlight flight = MakeSyntheticFlight();
-  FeatureSet scene;
-  for (int frame = 0; frame < (settings.quick ? 1 : 4); ++frame) {  // together as many as one sharp frame has
-    const FeatureSet one = ExtractFeatures(GreyFrame(flight, frame));
-    scene.keypoints.insert(scene.keypoints.end(), one.keypoints.begin(), one.keypoints.end());
-    scene.descriptors.insert(scene.descriptors.end(), one.descriptors.begin(), one.descriptors.end());
-  }
-  FeatureSet templates;
-  for (const FeatureView& view : CollectViews(MakeAllRoundModels(flight, 25))) {
-    templates.keypoints.insert(templates.keypoints.end(), view.keypoints.begin(), view.keypoints.end());
-    templates.descriptors.insert(templates.descriptors.end(), view.descriptors.begin(), view.descriptors.end());
-  }
+  const FeatureSet scene = ExtractFromFrames(flight, settings.quick ? 1 : 4);
+  const std::vector<ObjectModel> models = MakeAllRoundModels(flight, 25);
+  const FeatureSet templates = Concatenate(CollectViews(models));
   const cv::Mat set = FloatDescriptors(scene.View());
   const cv::Mat queries = FloatDescriptors(templates.View());
 
+  const int threads_before = omp_get_max_threads();
   omp_set_num_threads(1);  // of faiss
   const auto quantizer = std::make_shared<faiss::IndexFlatL2>(kDimensions);
   const auto inverted = std::make_shared<faiss::IndexIVFFlat>(quantizer.get(), kDimensions, kCells);
@@ -186,6 +184,7 @@ std::vector<Result> BenchNeighbours(const Settings& settings) {
     result.figures.emplace_back("build_ms_" + peer.name, peer.build_ms);
     result.figures.emplace_back("recall_" + peer.name, Recall(peer.find(), exact));
   }
+  omp_set_num_threads(threads_before);
   return {result};
 }
 

@@ -12,7 +12,7 @@ PROGRAM = ""
 # Why a benchmark cannot run here: the reasons of tools/scratch_postgres.sh and of OpenNearestDevice.
 ABSENT = {
     "queue": ("no PostgreSQL server", "no PostGIS"),
-    "device": ("built without CUDA", "no CUDA device"),
+    "device": ("built without CUDA", "no CUDA device", "compute capability"),
 }
 
 

@@ -131,6 +131,23 @@ std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models) {
   return views;
 }
 
+FeatureSet Concatenate(const std::vector<FeatureView>& views) {
+  FeatureSet all;
+  for (const FeatureView& view : views) {
+    all.keypoints.insert(all.keypoints.end(), view.keypoints.begin(), view.keypoints.end());
+    all.descriptors.insert(all.descriptors.end(), view.descriptors.begin(), view.descriptors.end());
+  }
+  return all;
+}
+
+FeatureSet ExtractFromFrames(const testing::SyntheticFlight& flight, int frames) {
+  std::vector<FeatureSet> sets;
+  for (int i = 0; i < frames; ++i) sets.push_back(ExtractFeatures(GreyFrame(flight, i)));
+  std::vector<FeatureView> views;
+  for (const FeatureSet& one : sets) views.push_back(one.View());
+  return Concatenate(views);
+}
+
 cv::Mat FloatDescriptors(const FeatureView& features) {
   cv::Mat descriptors(static_cast<int>(features.size()), static_cast<int>(kDescriptorSize), CV_32F);
   std::ranges::copy(features.descriptors, descriptors.begin<float>());

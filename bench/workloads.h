@@ -44,6 +44,12 @@ ObjectModel MakeAllRoundModel(std::uint64_t seed, int every = 1);
 /// The views of all models, concatenated.
 std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models);
 
+/// The same as one set.
+FeatureSet Concatenate(const std::vector<FeatureView>& views);
+
+/// The features of the first frames of a flight together: four have as many as one frame of a sharp camera.
+FeatureSet ExtractFromFrames(const testing::SyntheticFlight& flight, int frames);
+
 /// One row per keypoint as 32-bit floats (CV_32F), the fastest type for OpenCV's matcher.
 cv::Mat FloatDescriptors(const FeatureView& features);
 

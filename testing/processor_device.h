@@ -1,6 +1,7 @@
 // A device (kernels/nearest_device.h) for tests without one: computes on the processor, by the reference.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -12,52 +13,62 @@
 
 namespace victorious::testing {
 
-/// Not thread-safe.
 class ProcessorDevice : public kernels::NearestDevice {
  public:
-  /// @param works  false: each call fails
-  explicit ProcessorDevice(bool works = true) : works_(works) {}
+  enum class Failing { kNothing, kSets, kQueries, kSearches };
+
+  explicit ProcessorDevice(Failing failing = Failing::kNothing) : failing_(failing) {}
 
   [[nodiscard]] std::string_view name() const override { return "processor"; }
-  [[nodiscard]] std::string last_error() const override { return works_ ? "" : "out of order"; }
+  [[nodiscard]] std::size_t failed_calls() const override { return failed_calls_; }
+  [[nodiscard]] std::string last_error() const override { return failed_calls_ == 0 ? "" : "out of order"; }
 
   /// Queries that were searched.
   [[nodiscard]] std::size_t query_count() const { return query_count_; }
 
-  [[nodiscard]] std::unique_ptr<const kernels::DeviceMemory> Upload(const kernels::PackedDescriptors& set) override {
-    if (!works_) return nullptr;
-    auto memory = std::make_unique<Memory>();
-    memory->set = set;
-    return memory;
+  [[nodiscard]] std::unique_ptr<const kernels::DeviceSet> Upload(const kernels::PackedDescriptors& set) override {
+    if (Fails(Failing::kSets)) return nullptr;
+    auto copy = std::make_unique<Set>();
+    copy->descriptors = set;
+    return copy;
   }
 
-  [[nodiscard]] std::unique_ptr<const kernels::DeviceMemory> Upload(
+  [[nodiscard]] std::unique_ptr<const kernels::DeviceQueries> Upload(
       std::span<const kernels::PackedQueries> templates) override {
-    if (!works_) return nullptr;
-    auto memory = std::make_unique<Memory>();
-    memory->templates.assign(templates.begin(), templates.end());
-    return memory;
+    if (Fails(Failing::kQueries)) return nullptr;
+    auto copy = std::make_unique<Queries>();
+    copy->templates.assign(templates.begin(), templates.end());
+    return copy;
   }
 
-  [[nodiscard]] bool FindNearestK(const kernels::DeviceMemory& queries, const kernels::DeviceMemory& set, std::size_t k,
+  [[nodiscard]] bool FindNearestK(const kernels::DeviceQueries& queries, const kernels::DeviceSet& set, std::size_t k,
                                   std::span<kernels::Neighbour> out) override {
+    if (Fails(Failing::kSearches)) return false;
     std::size_t first = 0;
-    for (const kernels::PackedQueries& one : static_cast<const Memory&>(queries).templates) {
-      kernels::FindNearestKRef(one, static_cast<const Memory&>(set).set, k, out.subspan(first * k, one.count * k));
+    for (const kernels::PackedQueries& one : static_cast<const Queries&>(queries).templates) {
+      kernels::FindNearestKRef(one, static_cast<const Set&>(set).descriptors, k, out.subspan(first * k, one.count * k));
       first += one.count;
     }
     query_count_ += first;
-    return works_;
+    return true;
   }
 
  private:
-  struct Memory : kernels::DeviceMemory {
-    kernels::PackedDescriptors set;
+  struct Set : kernels::DeviceSet {
+    kernels::PackedDescriptors descriptors;
+  };
+  struct Queries : kernels::DeviceQueries {
     std::vector<kernels::PackedQueries> templates;
   };
 
-  bool works_;
-  std::size_t query_count_ = 0;
+  bool Fails(Failing call) {
+    if (failing_ == call) ++failed_calls_;
+    return failing_ == call;
+  }
+
+  Failing failing_;
+  std::atomic<std::size_t> failed_calls_ = 0;
+  std::atomic<std::size_t> query_count_ = 0;
 };
 
 }  // namespace victorious::testing

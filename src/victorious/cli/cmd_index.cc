@@ -1,5 +1,6 @@
 // victorious index VIDEO... --models DIR --categories FILE --db DB
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/count_text.h"
+#include "victorious/base/enum_text.h"
 #include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/base/program_events.h"
@@ -40,6 +42,11 @@
 
 namespace victorious::cli {
 namespace {
+
+// What computes the distances of descriptors.
+enum class DeviceChoice { kAuto, kCpu, kCuda };
+constexpr auto kDeviceTexts = std::to_array<EnumText<DeviceChoice>>(
+    {{DeviceChoice::kAuto, "auto"}, {DeviceChoice::kCpu, "cpu"}, {DeviceChoice::kCuda, "cuda"}});
 
 struct IndexArguments {
   std::vector<std::string> videos;
@@ -298,18 +305,35 @@ Status WarnOfRejectedPlaces(IndexStore& store) {
   return {};
 }
 
-// @param choice  of --device
 // @return null: the processor computes
-// Errors: kUnsupported if "cuda" was asked for, and there is no device.
-Expected<std::shared_ptr<kernels::NearestDevice>> OpenDevice(const std::string& choice) {
-  if (choice == "cpu") return nullptr;
+// Errors: kUnsupported if a CUDA device was asked for, and there is none.
+Expected<std::shared_ptr<kernels::NearestDevice>> OpenDevice(const IndexArguments& arguments) {
+  const DeviceChoice choice = FromText(kDeviceTexts, arguments.device).value();
+  if (choice == DeviceChoice::kCpu) return nullptr;
   std::string why_not;
   std::shared_ptr<kernels::NearestDevice> device = kernels::OpenNearestDevice(why_not);
-  if (!device && choice == "cuda") {
+  if (!device && choice == DeviceChoice::kCuda) {
     return Fail(ErrorCode::kUnsupported, fmt::format("--device cuda: {}; leave the option out, or give cpu", why_not));
   }
   return device;
 }
+
+// Warns of a device whose calls failed, when it goes.
+class DeviceWarning {
+ public:
+  explicit DeviceWarning(const kernels::NearestDevice* device) : device_(device) {}
+  DeviceWarning(const DeviceWarning&) = delete;
+  DeviceWarning& operator=(const DeviceWarning&) = delete;
+  ~DeviceWarning() {
+    const auto failed = static_cast<std::int64_t>(device_ == nullptr ? 0 : device_->failed_calls());
+    if (failed == 0) return;
+    LogWarning("{}: {} failed ({}): the processor did the work, with the same results", device_->name(),
+               CountText(failed, "call"), device_->last_error());
+  }
+
+ private:
+  const kernels::NearestDevice* device_;  // null: none
+};
 
 Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(
@@ -328,7 +352,6 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadOptions(arguments, models));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<kernels::NearestDevice> device, OpenDevice(arguments.device));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const RelitTemplateFolder> relit_folder,
                               OpenRelitTemplates(arguments.cache));
   // Videos of one flight have the same sun.
@@ -354,12 +377,14 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   for (const auto& [video, error] : unsearchable) LogWarning("left out: {}", OneLine(error.message));
   // Read here although the search reads it again: a wrong file leaves no new index.
   if (arguments.telemetry) VICTORIOUS_RETURN_IF_ERROR(ReadTelemetry(*arguments.telemetry, options.telemetry));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<kernels::NearestDevice> device, OpenDevice(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                               OpenStore(arguments.db, StoreMode::kCreate, task));
   std::unique_ptr<SegmentStore> segments;
   if (arguments.cut_s || frames) {
     VICTORIOUS_ASSIGN_OR_RETURN(segments, OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate, task));
   }
+  const DeviceWarning device_warning(device.get());
   const Work work{.store = *store, .segments = segments.get(), .cut_s = arguments.cut_s, .frames = frames};
   for (const std::string& video : arguments.videos) {
     if (!can_be_searched(video)) continue;
@@ -396,13 +421,10 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
       return {};
     }
     LogReport(video, report->index);
-    if (device && !device->last_error().empty()) {
-      LogWarning("{} failed ({}): the processor did its work, with the same results", device->name(),
-                 device->last_error());
-    }
     if (arguments.json) VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", DumpJson(ToJson(video, report->index)) + "\n"));
   }
   if (failure) return std::unexpected(*std::move(failure));
+  if (device) LogInfo("descriptors were compared on {}", device->name());
   if (!arguments.draw.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const IndexedDrawing drawing,
                                 ListIndexedDrawing({.video_name = arguments.videos.front()}, *store));
@@ -456,7 +478,7 @@ Action SetUpIndex(ArgumentParser& parser) {
       .Add("--device", arguments->device,
            "What compares descriptors, with the same results: a CUDA device (cuda), the processor (cpu), or the first "
            "if the machine and the program have it (auto, the default)")
-      .OneOf({"auto", "cpu", "cuda"})
+      .OneOf(kDeviceTexts)
       .TypeName("DEVICE");
   parser
       .Add("--cut", arguments->cut_s,

@@ -199,9 +199,7 @@ Action SetUpModelAdd(ArgumentParser& parser) {
       .TypeName("DEG");
   parser
       .Add("--layout", arguments->layout,
-           "CAD: views on a grid of azimuth and off-nadir angle (default), or equally dense in all directions, which "
-           "are "
-           "fewer")
+           "CAD: views on a grid of azimuth and off-nadir angle (default), or equally dense in all directions: fewer")
       .OneOf(kViewLayoutTexts);
   parser.Add("--up", arguments->up, "CAD: the file's axis that points up, as in +y (default: by format)")
       .TypeName("AXIS");

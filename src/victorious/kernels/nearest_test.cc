@@ -5,6 +5,7 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -65,11 +66,14 @@ std::vector<Neighbour> ExpectedK(std::span<const std::uint8_t> queries, std::spa
   return result;
 }
 
-// Opened once for all tests; null: none.
-NearestDevice* Device() {
-  static std::string why_not;
-  static const std::shared_ptr<NearestDevice> device = OpenNearestDevice(why_not);
-  return device.get();
+// Opened once for all tests.
+struct OpenedDevice {
+  std::string why_not;
+  std::shared_ptr<NearestDevice> device = OpenNearestDevice(why_not);  ///< null: none
+};
+const OpenedDevice& Opened() {
+  static const OpenedDevice opened;
+  return opened;
 }
 
 // The queries as two templates, of which the second may be empty.
@@ -82,10 +86,10 @@ void FindNearestKOnDevice(const PackedQueries& queries, const PackedDescriptors&
   const PackedQueries second{queries.count - half,
                              {queries.rows.begin() + half * kDescriptorBytes, queries.rows.end()},
                              {queries.squared.begin() + half, queries.squared.end()}};
-  const auto on_device = Device()->Upload(std::vector{first, second});
-  const auto set_there = Device()->Upload(set);
-  ASSERT_TRUE(on_device && set_there && Device()->FindNearestK(*on_device, *set_there, k, out))
-      << Device()->last_error();
+  NearestDevice& device = *Opened().device;
+  const auto on_device = device.Upload(std::vector{first, second});
+  const auto set_there = device.Upload(set);
+  ASSERT_TRUE(on_device && set_there && device.FindNearestK(*on_device, *set_there, k, out)) << device.last_error();
 }
 
 void FindNearestTwoOnDevice(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
@@ -130,7 +134,7 @@ class NearestTest : public ::testing::TestWithParam<Implementation> {
  protected:
   void SetUp() override {
     if (GetParam().name == "vnni" && !HasVnni()) GTEST_SKIP() << "SKIPPED: no AVX-512 VNNI here";
-    if (GetParam().name == "device" && Device() == nullptr) GTEST_SKIP() << "SKIPPED: no CUDA device here";
+    if (GetParam().name == "device" && !Opened().device) GTEST_SKIP() << "SKIPPED: " << Opened().why_not;
     LetHighwayChooseFrom(GetParam().highway_target);
   }
   void TearDown() override { LetHighwayChooseFrom(0); }
@@ -141,7 +145,7 @@ class NearestTest : public ::testing::TestWithParam<Implementation> {
     GetParam().find(packed, Pack(set), out);
     EXPECT_EQ(out, Expected(queries, set))
         << packed.count << " queries, " << set.size() / kDescriptorBytes << " in set";
-    for (const std::size_t k : {std::size_t{1}, std::size_t{3}, kMaxNeighbours}) {
+    for (const std::size_t k : {std::size_t{1}, std::size_t{3}, std::size_t{4}, kMaxNeighbours}) {
       std::vector<Neighbour> neighbours(packed.count * k);
       GetParam().find_k(packed, Pack(set), k, neighbours);
       EXPECT_EQ(neighbours, ExpectedK(queries, set, k)) << k << " of " << set.size() / kDescriptorBytes;
@@ -160,9 +164,11 @@ TEST_P(NearestTest, MatchesReferenceOverOddSizes) {
 
 TEST_P(NearestTest, MatchesReferenceInALargeSet) {
   Random random(9);
-  // Few levels: many equal distances, at any places of the set.
-  Check(RandomRows(random, 70, 256), RandomRows(random, 1'500, 256));
-  Check(RandomRows(random, 70, 2), RandomRows(random, 1'500, 2));
+  Check(RandomRows(random, 300, 256), RandomRows(random, 1'500, 256));
+  // Of two levels: many equal distances, at any places of the set.
+  for (const std::size_t queries : {127, 128, 129}) {
+    Check(RandomRows(random, queries, 2), RandomRows(random, 700, 2));
+  }
 }
 
 TEST_P(NearestTest, BreaksTiesByLowestIndex) {
@@ -182,6 +188,25 @@ TEST_P(NearestTest, IsExactAtTheExtremes) {
   Check(white, black);
   Check(white, white);
   Check(black, black);
+}
+
+TEST_P(NearestTest, ServesSeveralThreads) {
+  Random random(10);
+  const std::vector<std::uint8_t> queries = RandomRows(random, 200, 256);
+  std::vector<std::vector<std::uint8_t>> sets;
+  for (const std::size_t count : {900, 100, 500, 1'300}) sets.push_back(RandomRows(random, count, 256));
+  std::vector<std::vector<Neighbour>> found(sets.size(), std::vector<Neighbour>(200 * 4));
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      threads.emplace_back([&, i] {
+        for (int repetition = 0; repetition < 3; ++repetition) {
+          GetParam().find_k(PackQueries(queries), Pack(sets[i]), 4, found[i]);
+        }
+      });
+    }
+  }
+  for (std::size_t i = 0; i < sets.size(); ++i) EXPECT_EQ(found[i], ExpectedK(queries, sets[i], 4)) << i;
 }
 
 INSTANTIATE_TEST_SUITE_P(Implementations, NearestTest, ::testing::ValuesIn(Implementations()),

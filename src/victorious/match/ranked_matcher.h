@@ -42,7 +42,7 @@ class RankedMatcher {
   kernels::PackedDescriptors scene_;
   kernels::NearestDevice* device_;
   mutable std::once_flag uploaded_;
-  mutable std::unique_ptr<const kernels::DeviceMemory> scene_on_device_;  // null: failed
+  mutable std::unique_ptr<const kernels::DeviceSet> scene_on_device_;  // null: failed
 };
 
 }  // namespace victorious

@@ -61,8 +61,12 @@ TEST(RankedMatcher, MatchesAllTemplatesAsEachAlone) {
   testing::ProcessorDevice device;
   EXPECT_EQ(RankedMatcher(scene.View(), &device).MatchAll(templates, 4), expected);
   EXPECT_EQ(device.query_count(), 27U);
-  testing::ProcessorDevice broken(false);
-  EXPECT_EQ(RankedMatcher(scene.View(), &broken).MatchAll(templates, 4), expected);
+  using enum testing::ProcessorDevice::Failing;
+  for (const auto failing : {kSets, kQueries, kSearches}) {
+    testing::ProcessorDevice broken(failing);
+    EXPECT_EQ(RankedMatcher(scene.View(), &broken).MatchAll(templates, 4), expected);
+    EXPECT_EQ(broken.failed_calls(), 1U);
+  }
   EXPECT_EQ(RankedMatcher(FeatureSet().View(), &device).MatchAll(templates, 4),
             std::vector<std::vector<RankedMatch>>(3));
 }

@@ -28,6 +28,8 @@ class RelitViewCache {
   };
 
   static constexpr std::size_t kDefaultMaxBytes = 120'000'000;
+  /// Where what is evicted is read again from a folder (relit_template_folder.h), which takes no longer with half.
+  static constexpr std::size_t kMaxBytesWithFolder = 64'000'000;
   /// Renderings that take more than this fraction of the budget are evicted before templates.
   static constexpr double kRenderingsFraction = 0.25;
 

@@ -243,7 +243,8 @@ Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(const Object
 
 Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(std::span<const ObjectModel> models,
                                                                                  const RelitTemplateFolder* folder) {
-  const auto cache = std::make_shared<RelitViewCache>();
+  const auto cache = std::make_shared<RelitViewCache>(folder == nullptr ? RelitViewCache::kDefaultMaxBytes
+                                                                        : RelitViewCache::kMaxBytesWithFolder);
   SharedExtractors extractors;
   std::vector<std::shared_ptr<const RelitTemplateSource>> views;
   for (const ObjectModel& model : models) {

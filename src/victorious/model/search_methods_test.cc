@@ -30,7 +30,7 @@ const ObjectModel& ModelOfManyViews() {
   return model;
 }
 
-// 51 views of equal density, as they are read from their file.
+// 58 views of equal density, as they are read from their file.
 const ObjectModel& ModelOfEvenViews() {
   static const ObjectModel model = [] {
     const testing::ScratchFolder folder;

@@ -39,7 +39,7 @@ class Recognizer {
  public:
   /// @param engine           feature engine of the scenes (CheckEngine)
   /// @param relit_templates  one source of relit templates per model, null for a model without; empty: none
-  /// @param device           computes distances of descriptors where it is faster; null: none. Not with other results
+  /// @param device           computes distances of descriptors; null: the processor. The results do not depend on it
   /// Errors: kInvalidArgument for options out of range or models of another engine.
   [[nodiscard]] static Expected<Recognizer> Create(
       std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,

@@ -428,7 +428,7 @@ TEST(RecognizeDevice, FindsTheSameAsTheProcessor) {
     EXPECT_EQ(expected.size(), 1U);
     EXPECT_EQ(nfas(device), expected);
     EXPECT_GT(device->query_count(), 0U);
-    EXPECT_EQ(nfas(std::make_shared<testing::ProcessorDevice>(false)), expected);
+    EXPECT_EQ(nfas(std::make_shared<testing::ProcessorDevice>(testing::ProcessorDevice::Failing::kQueries)), expected);
   }
 }
 

@@ -6,10 +6,15 @@
 // others, about k ln(set / k) a query, are inserted by the four lanes that share the query, each of which keeps the
 // whole list.
 #include <algorithm>
-#include <climits>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <cuda_runtime.h>
@@ -29,6 +34,7 @@ constexpr int kRowsPerBlock = kWarps * kRowsPerWarp;
 constexpr int kGroupColumns = 8;   // descriptors of one product
 constexpr int kTileColumns = 128;  // descriptors in shared memory at a time
 constexpr int kTileGroups = kTileColumns / kGroupColumns;
+constexpr std::size_t kMaxDescriptors = std::size_t{1} << 24;  // of a call: an int counts their words
 constexpr int kWordsPerRow = static_cast<int>(kDescriptorBytes) / 4;
 constexpr int kGroupVectors = kGroupColumns * static_cast<int>(kDescriptorBytes) / 16;  // of 16 bytes
 constexpr int kTileVectors = kTileGroups * kGroupVectors;
@@ -201,20 +207,19 @@ __global__ void __launch_bounds__(kWarps* kLanes)
   }
 }
 
-// A block of device memory, or of host memory that the device can copy from; grows, never shrinks.
-class Buffer {
+// Memory of the device, from its pool: taken and given back without waiting for other streams. Grows, never shrinks.
+class DeviceBuffer {
  public:
-  enum class Kind { kDevice, kHost };
+  DeviceBuffer() = default;
+  DeviceBuffer(const DeviceBuffer&) = delete;
+  DeviceBuffer& operator=(const DeviceBuffer&) = delete;
+  ~DeviceBuffer() { Free(); }
 
-  explicit Buffer(Kind kind) : kind_(kind) {}
-  Buffer(const Buffer&) = delete;
-  Buffer& operator=(const Buffer&) = delete;
-  ~Buffer() { Free(); }
-
-  [[nodiscard]] cudaError_t Reserve(std::size_t bytes) {
+  // @param stream  of what uses it first; other streams must wait until that is done
+  [[nodiscard]] cudaError_t Reserve(std::size_t bytes, cudaStream_t stream) {
     if (bytes <= capacity_) return cudaSuccess;
     Free();
-    const cudaError_t error = kind_ == Kind::kDevice ? cudaMalloc(&data_, bytes) : cudaMallocHost(&data_, bytes);
+    const cudaError_t error = cudaMallocAsync(&data_, bytes, stream);
     capacity_ = error == cudaSuccess ? bytes : 0;
     return error;
   }
@@ -226,41 +231,67 @@ class Buffer {
 
  private:
   void Free() {
-    if (capacity_ == 0) return;
-    if (kind_ == Kind::kDevice) {
-      cudaFree(data_);
-    } else {
-      cudaFreeHost(data_);
-    }
-    data_ = nullptr;
+    if (capacity_ != 0) cudaFreeAsync(data_, nullptr);
     capacity_ = 0;
   }
 
-  Kind kind_;
   void* data_ = nullptr;
   std::size_t capacity_ = 0;
 };
 
-struct DeviceSet : DeviceMemory {
-  Buffer vectors{Buffer::Kind::kDevice};
-  Buffer constants{Buffer::Kind::kDevice};
+// Memory of the host that the device copies from and to. Grows, never shrinks.
+class HostBuffer {
+ public:
+  HostBuffer() = default;
+  HostBuffer(const HostBuffer&) = delete;
+  HostBuffer& operator=(const HostBuffer&) = delete;
+  ~HostBuffer() { Free(); }
+
+  [[nodiscard]] cudaError_t Reserve(std::size_t bytes) {
+    if (bytes <= capacity_) return cudaSuccess;
+    Free();
+    const cudaError_t error = cudaMallocHost(&data_, bytes);
+    capacity_ = error == cudaSuccess ? bytes : 0;
+    return error;
+  }
+
+  template <typename T>
+  [[nodiscard]] T* As() const {
+    return static_cast<T*>(data_);
+  }
+
+ private:
+  void Free() {
+    if (capacity_ != 0) cudaFreeHost(data_);
+    capacity_ = 0;
+  }
+
+  void* data_ = nullptr;
+  std::size_t capacity_ = 0;
+};
+
+struct CudaSet : DeviceSet {
+  DeviceBuffer vectors;
+  DeviceBuffer constants;
   int tiles = 0;
 };
 
-struct DeviceQueries : DeviceMemory {
-  Buffer rows{Buffer::Kind::kDevice};
-  Buffer squared{Buffer::Kind::kDevice};
+struct CudaQueries : DeviceQueries {
+  DeviceBuffer rows;
+  DeviceBuffer squared;
   int count = 0;
 };
 
 // What one call needs: calls of several threads have one each.
-struct Lane {
+struct CallResources {
   cudaStream_t stream = nullptr;
-  Buffer host{Buffer::Kind::kHost};
-  Buffer device{Buffer::Kind::kDevice};
+  HostBuffer host;
+  DeviceBuffer device;
 
-  ~Lane() {
-    if (stream != nullptr) cudaStreamDestroy(stream);
+  ~CallResources() {
+    if (stream == nullptr) return;
+    cudaStreamSynchronize(stream);  // a call that failed may have left copies under way
+    cudaStreamDestroy(stream);
   }
 };
 
@@ -270,136 +301,163 @@ class CudaNearestDevice final : public NearestDevice {
 
   [[nodiscard]] std::string_view name() const override { return name_; }
 
+  [[nodiscard]] std::size_t failed_calls() const override {
+    const std::scoped_lock lock(mutex_);
+    return failed_calls_;
+  }
+
   [[nodiscard]] std::string last_error() const override {
     const std::scoped_lock lock(mutex_);
     return last_error_;
   }
 
-  [[nodiscard]] std::unique_ptr<const DeviceMemory> Upload(const PackedDescriptors& set) override {
-    auto made = std::make_unique<DeviceSet>();
-    return WithLane([&](Lane& lane) { return UploadSet(set, lane, *made); }) ? std::move(made) : nullptr;
+  [[nodiscard]] std::unique_ptr<const DeviceSet> Upload(const PackedDescriptors& set) override {
+    auto made = std::make_unique<CudaSet>();
+    return Call([&](CallResources& call) { return UploadSet(set, call, *made); }) ? std::move(made) : nullptr;
   }
 
-  [[nodiscard]] std::unique_ptr<const DeviceMemory> Upload(std::span<const PackedQueries> templates) override {
-    auto made = std::make_unique<DeviceQueries>();
-    return WithLane([&](Lane& lane) { return UploadQueries(templates, lane, *made); }) ? std::move(made) : nullptr;
+  [[nodiscard]] std::unique_ptr<const DeviceQueries> Upload(std::span<const PackedQueries> templates) override {
+    auto made = std::make_unique<CudaQueries>();
+    return Call([&](CallResources& call) { return UploadQueries(templates, call, *made); }) ? std::move(made) : nullptr;
   }
 
-  [[nodiscard]] bool FindNearestK(const DeviceMemory& queries, const DeviceMemory& set, std::size_t k,
+  [[nodiscard]] bool FindNearestK(const DeviceQueries& queries, const DeviceSet& set, std::size_t k,
                                   std::span<Neighbour> out) override {
-    return WithLane([&](Lane& lane) {
-      return Find(static_cast<const DeviceQueries&>(queries), static_cast<const DeviceSet&>(set), static_cast<int>(k),
-                  out, lane);
+    return Call([&](CallResources& call) {
+      return Find(static_cast<const CudaQueries&>(queries), static_cast<const CudaSet&>(set), static_cast<int>(k), out,
+                  call);
     });
   }
 
  private:
-  // Runs `use` with a lane of its own; false if it fails.
+  // Runs `use` with resources of its own; false if it fails.
   template <typename Use>
-  bool WithLane(const Use& use) {
-    std::unique_ptr<Lane> lane;
+  bool Call(const Use& use) {
+    std::unique_ptr<CallResources> call;
     {
       const std::scoped_lock lock(mutex_);
       if (!idle_.empty()) {
-        lane = std::move(idle_.back());
+        call = std::move(idle_.back());
         idle_.pop_back();
       }
     }
     cudaError_t error = cudaSetDevice(0);  // of this thread
-    if (!lane) lane = std::make_unique<Lane>();
-    if (error == cudaSuccess && lane->stream == nullptr) {
-      error = cudaStreamCreateWithFlags(&lane->stream, cudaStreamNonBlocking);
+    if (!call) call = std::make_unique<CallResources>();
+    if (error == cudaSuccess && call->stream == nullptr) {
+      error = cudaStreamCreateWithFlags(&call->stream, cudaStreamNonBlocking);
     }
-    if (error == cudaSuccess) error = use(*lane);
+    if (error == cudaSuccess) error = use(*call);
+    if (error != cudaSuccess) {
+      cudaGetLastError();  // else the next launch of this thread would return it
+      call.reset();
+    }
     const std::scoped_lock lock(mutex_);
-    if (error != cudaSuccess) last_error_ = cudaGetErrorString(error);
-    if (lane->stream != nullptr) idle_.push_back(std::move(lane));
+    if (call) {
+      idle_.push_back(std::move(call));
+    } else {
+      ++failed_calls_;
+      last_error_ = cudaGetErrorString(error);
+    }
     return error == cudaSuccess;
   }
 
-  static cudaError_t UploadSet(const PackedDescriptors& set, Lane& lane, DeviceSet& made) {
+  static cudaError_t UploadSet(const PackedDescriptors& set, CallResources& call, CudaSet& made) {
+    if (set.count > kMaxDescriptors) return cudaErrorInvalidValue;
     made.tiles = static_cast<int>((set.count + kTileColumns - 1) / kTileColumns);
     if (made.tiles == 0) return cudaSuccess;
     const int padded = made.tiles * kTileColumns;
     const std::size_t constant_bytes = static_cast<std::size_t>(padded) * sizeof(int);
-    cudaError_t error = lane.host.Reserve(set.blocks.size() + constant_bytes);
-    if (error == cudaSuccess) error = lane.device.Reserve(set.blocks.size());
-    if (error == cudaSuccess) error = made.vectors.Reserve(static_cast<std::size_t>(padded) * kDescriptorBytes);
-    if (error == cudaSuccess) error = made.constants.Reserve(constant_bytes);
+    cudaError_t error = call.host.Reserve(set.blocks.size() + constant_bytes);
+    if (error == cudaSuccess) error = call.device.Reserve(set.blocks.size(), call.stream);
+    if (error == cudaSuccess) {
+      error = made.vectors.Reserve(static_cast<std::size_t>(padded) * kDescriptorBytes, call.stream);
+    }
+    if (error == cudaSuccess) error = made.constants.Reserve(constant_bytes, call.stream);
     if (error != cudaSuccess) return error;
-    int* const constants = lane.host.As<int>();
+    int* const constants = call.host.As<int>();
     std::copy(set.constant.begin(), set.constant.end(), constants);
     std::fill(constants + set.constant.size(), constants + padded, kPaddingDistance);
-    std::uint8_t* const blocks = lane.host.As<std::uint8_t>() + constant_bytes;
+    std::uint8_t* const blocks = call.host.As<std::uint8_t>() + constant_bytes;
     std::copy(set.blocks.begin(), set.blocks.end(), blocks);
-    error = cudaMemcpyAsync(made.constants.As<int>(), constants, constant_bytes, cudaMemcpyHostToDevice, lane.stream);
+    error = cudaMemcpyAsync(made.constants.As<int>(), constants, constant_bytes, cudaMemcpyHostToDevice, call.stream);
     if (error != cudaSuccess) return error;
     error =
-        cudaMemcpyAsync(lane.device.As<std::uint8_t>(), blocks, set.blocks.size(), cudaMemcpyHostToDevice, lane.stream);
+        cudaMemcpyAsync(call.device.As<std::uint8_t>(), blocks, set.blocks.size(), cudaMemcpyHostToDevice, call.stream);
     if (error != cudaSuccess) return error;
     constexpr int kThreads = 256;
     const int words = padded * kWordsPerRow;
-    ReorderKernel<<<(words + kThreads - 1) / kThreads, kThreads, 0, lane.stream>>>(
-        lane.device.As<std::uint32_t>(), static_cast<int>(set.count), made.vectors.As<std::uint32_t>(), padded);
+    ReorderKernel<<<(words + kThreads - 1) / kThreads, kThreads, 0, call.stream>>>(
+        call.device.As<std::uint32_t>(), static_cast<int>(set.count), made.vectors.As<std::uint32_t>(), padded);
     error = cudaGetLastError();
-    return error == cudaSuccess ? cudaStreamSynchronize(lane.stream) : error;
+    return error == cudaSuccess ? cudaStreamSynchronize(call.stream) : error;
   }
 
-  static cudaError_t UploadQueries(std::span<const PackedQueries> templates, Lane& lane, DeviceQueries& made) {
+  static cudaError_t UploadQueries(std::span<const PackedQueries> templates, CallResources& call, CudaQueries& made) {
     std::size_t count = 0;
     for (const PackedQueries& one : templates) count += one.count;
+    if (count > kMaxDescriptors) return cudaErrorInvalidValue;
     made.count = static_cast<int>(count);
     if (count == 0) return cudaSuccess;
     const std::size_t row_bytes = count * kDescriptorBytes;
     const std::size_t squared_bytes = count * sizeof(int);
-    cudaError_t error = lane.host.Reserve(row_bytes + squared_bytes);
-    if (error == cudaSuccess) error = made.rows.Reserve(row_bytes);
-    if (error == cudaSuccess) error = made.squared.Reserve(squared_bytes);
+    cudaError_t error = call.host.Reserve(row_bytes + squared_bytes);
+    if (error == cudaSuccess) error = made.rows.Reserve(row_bytes, call.stream);
+    if (error == cudaSuccess) error = made.squared.Reserve(squared_bytes, call.stream);
     if (error != cudaSuccess) return error;
-    std::int8_t* row = lane.host.As<std::int8_t>();
+    std::int8_t* row = call.host.As<std::int8_t>();
     std::int32_t* squared = reinterpret_cast<std::int32_t*>(row + row_bytes);
     for (const PackedQueries& one : templates) {
       row = std::copy(one.rows.begin(), one.rows.end(), row);
       squared = std::copy(one.squared.begin(), one.squared.end(), squared);
     }
-    const std::uint8_t* const host = lane.host.As<std::uint8_t>();
-    error = cudaMemcpyAsync(made.rows.As<void>(), host, row_bytes, cudaMemcpyHostToDevice, lane.stream);
+    const std::uint8_t* const host = call.host.As<std::uint8_t>();
+    error = cudaMemcpyAsync(made.rows.As<void>(), host, row_bytes, cudaMemcpyHostToDevice, call.stream);
     if (error != cudaSuccess) return error;
     error =
-        cudaMemcpyAsync(made.squared.As<void>(), host + row_bytes, squared_bytes, cudaMemcpyHostToDevice, lane.stream);
-    return error == cudaSuccess ? cudaStreamSynchronize(lane.stream) : error;
+        cudaMemcpyAsync(made.squared.As<void>(), host + row_bytes, squared_bytes, cudaMemcpyHostToDevice, call.stream);
+    return error == cudaSuccess ? cudaStreamSynchronize(call.stream) : error;
   }
 
-  static cudaError_t Find(const DeviceQueries& queries, const DeviceSet& set, int k, std::span<Neighbour> out,
-                          Lane& lane) {
+  static cudaError_t Find(const CudaQueries& queries, const CudaSet& set, int k, std::span<Neighbour> out,
+                          CallResources& call) {
     if (queries.count == 0 || set.tiles == 0) {
       std::ranges::fill(out, Neighbour{});
       return cudaSuccess;
     }
     const std::size_t bytes = static_cast<std::size_t>(queries.count) * k * sizeof(Neighbour);
-    cudaError_t error = lane.device.Reserve(bytes);
-    if (error == cudaSuccess && !out.empty()) error = lane.host.Reserve(bytes);
+    cudaError_t error = call.device.Reserve(bytes, call.stream);
+    if (error == cudaSuccess && !out.empty()) error = call.host.Reserve(bytes);
     if (error != cudaSuccess) return error;
     constexpr int kFew = 4;
     const int blocks = (queries.count + kRowsPerBlock - 1) / kRowsPerBlock;
     const auto kernel = k <= kFew ? &FindNearestKernel<kFew> : &FindNearestKernel<static_cast<int>(kMaxNeighbours)>;
-    kernel<<<blocks, kWarps * kLanes, 0, lane.stream>>>(queries.rows.As<std::uint32_t>(), queries.squared.As<int>(),
+    kernel<<<blocks, kWarps * kLanes, 0, call.stream>>>(queries.rows.As<std::uint32_t>(), queries.squared.As<int>(),
                                                         queries.count, set.vectors.As<uint4>(), set.constants.As<int>(),
-                                                        set.tiles, k, lane.device.As<Neighbour>());
+                                                        set.tiles, k, call.device.As<Neighbour>());
     error = cudaGetLastError();
     if (error == cudaSuccess && !out.empty()) {
-      error = cudaMemcpyAsync(lane.host.As<void>(), lane.device.As<void>(), bytes, cudaMemcpyDeviceToHost, lane.stream);
+      error = cudaMemcpyAsync(call.host.As<void>(), call.device.As<void>(), bytes, cudaMemcpyDeviceToHost, call.stream);
     }
-    if (error == cudaSuccess) error = cudaStreamSynchronize(lane.stream);
-    if (error == cudaSuccess && !out.empty()) std::memcpy(out.data(), lane.host.As<void>(), bytes);
+    if (error == cudaSuccess) error = cudaStreamSynchronize(call.stream);
+    if (error == cudaSuccess && !out.empty()) std::memcpy(out.data(), call.host.As<void>(), bytes);
     return error;
   }
 
   std::string name_;
   mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<Lane>> idle_;
+  std::vector<std::unique_ptr<CallResources>> idle_;
+  std::size_t failed_calls_ = 0;
   std::string last_error_;
 };
+
+// Lets the first device keep what is freed, for the next call.
+cudaError_t KeepFreedMemory() {
+  cudaMemPool_t pool = nullptr;
+  const cudaError_t error = cudaDeviceGetDefaultMemPool(&pool, 0);
+  if (error != cudaSuccess) return error;
+  std::uint64_t all = UINT64_MAX;
+  return cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all);
+}
 
 }  // namespace
 
@@ -416,6 +474,11 @@ std::shared_ptr<NearestDevice> OpenNearestDevice(std::string& why_not) {
   constexpr int kMinMajor = 8;
   if (properties.major < kMinMajor) {
     why_not = std::string(properties.name) + " has a compute capability below 8.0";
+    return nullptr;
+  }
+  error = KeepFreedMemory();
+  if (error != cudaSuccess) {
+    why_not = std::string(properties.name) + " has no pool of memory (" + cudaGetErrorString(error) + ")";
     return nullptr;
   }
   return std::make_shared<CudaNearestDevice>(properties.name);
