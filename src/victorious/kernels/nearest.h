@@ -24,8 +24,8 @@ inline constexpr std::uint32_t kNoDistance = 0xFFFFFFFF;
 /// A packed set of descriptors. The last block is padded; padding is never returned.
 struct PackedDescriptors {
   std::size_t count = 0;
-  std::vector<std::uint8_t> blocks;    ///< kBlockBytes a block (64-byte alignment is not needed: loads are unaligned)
-  std::vector<std::int32_t> constant;  ///< per descriptor: |b|^2 - 256 sum(b); for padding: kPaddingDistance
+  BlockVector<std::uint8_t> blocks;    ///< kBlockBytes a block
+  BlockVector<std::int32_t> constant;  ///< per descriptor: |b|^2 - 256 sum(b); for padding: kPaddingDistance
 
   [[nodiscard]] std::size_t block_count() const { return constant.size() / kBlockDescriptors; }
 };

@@ -33,8 +33,8 @@ inline constexpr std::uint32_t kNoNeighbour = 0xFFFFFFFF;
 /// A packed set of shortened descriptors. The last block is padded; padding is never nearest.
 struct ShortSet {
   std::size_t count = 0;
-  std::vector<std::uint8_t> blocks;
-  std::vector<std::int32_t> half_constant;  ///< per descriptor: floor(|b|^2 / 2) - 64 sum(b)
+  BlockVector<std::uint8_t> blocks;
+  BlockVector<std::int32_t> half_constant;  ///< per descriptor: floor(|b|^2 / 2) - 64 sum(b)
 
   [[nodiscard]] std::size_t block_count() const { return half_constant.size() / kBlockDescriptors; }
 };
