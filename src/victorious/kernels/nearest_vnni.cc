@@ -21,7 +21,7 @@ namespace {
 
 #define VICTORIOUS_VNNI __attribute__((target("avx512f,avx512bw,avx512vnni")))
 
-constexpr std::size_t kTile = 8;  // queries per tile: 8 sums and 24 running results fill the 32 registers
+constexpr std::size_t kTile = 8;  // queries at a time: with two blocks 16 of the 32 registers are sums
 
 // _mm512_dpbusd_epi32(sum, bytes, words) in place: GCC 12 copies the sum before and after each.
 VICTORIOUS_VNNI inline void AddProducts(__m512i& sum, __m512i bytes, __m512i words) {
