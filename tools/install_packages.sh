@@ -17,7 +17,7 @@ packages=(
 case "${1:-}" in
   "") ;;
   --test) packages+=(clang-format-19 chromium openssl postgresql-15 postgresql-15-postgis-3) ;;
-  --tidy) packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev) ;;
+  --tidy) packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev libomp-19-dev) ;;
   --cluster) packages+=(postgresql-15 postgresql-15-postgis-3 slurm-wlm munge) ;;
   *)
     echo "install_packages.sh: unknown: $1; give --test, --tidy, --cluster or nothing" >&2

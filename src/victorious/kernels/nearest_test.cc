@@ -76,18 +76,19 @@ const OpenedDevice& Opened() {
   return opened;
 }
 
+// The queries from `first` on.
+PackedQueries Part(const PackedQueries& queries, std::size_t first, std::size_t count) {
+  const auto rows = std::span(queries.rows).subspan(first * kDescriptorBytes, count * kDescriptorBytes);
+  const auto squared = std::span(queries.squared).subspan(first, count);
+  return {count, {rows.begin(), rows.end()}, {squared.begin(), squared.end()}};
+}
+
 // The queries as two templates, of which the second may be empty.
 void FindNearestKOnDevice(const PackedQueries& queries, const PackedDescriptors& set, std::size_t k,
                           std::span<Neighbour> out) {
   const std::size_t half = (queries.count + 1) / 2;
-  const PackedQueries first{half,
-                            {queries.rows.begin(), queries.rows.begin() + half * kDescriptorBytes},
-                            {queries.squared.begin(), queries.squared.begin() + half}};
-  const PackedQueries second{queries.count - half,
-                             {queries.rows.begin() + half * kDescriptorBytes, queries.rows.end()},
-                             {queries.squared.begin() + half, queries.squared.end()}};
   NearestDevice& device = *Opened().device;
-  const auto on_device = device.Upload(std::vector{first, second});
+  const auto on_device = device.Upload(std::vector{Part(queries, 0, half), Part(queries, half, queries.count - half)});
   const auto set_there = device.Upload(set);
   ASSERT_TRUE(on_device && set_there && device.FindNearestK(*on_device, *set_there, k, out)) << device.last_error();
 }
@@ -195,7 +196,7 @@ TEST_P(NearestTest, ServesSeveralThreads) {
   const std::vector<std::uint8_t> queries = RandomRows(random, 200, 256);
   std::vector<std::vector<std::uint8_t>> sets;
   for (const std::size_t count : {900, 100, 500, 1'300}) sets.push_back(RandomRows(random, count, 256));
-  std::vector<std::vector<Neighbour>> found(sets.size(), std::vector<Neighbour>(200 * 4));
+  std::vector<std::vector<Neighbour>> found(sets.size(), std::vector<Neighbour>(std::size_t{200} * 4));
   {
     std::vector<std::jthread> threads;
     for (std::size_t i = 0; i < sets.size(); ++i) {
