@@ -120,7 +120,7 @@ Expected<double> TimeUpdate(IndexStore& store) {
   const auto start = std::chrono::steady_clock::now();
   VICTORIOUS_RETURN_IF_ERROR(
       UpdateObjects(ObjectOptions(), store, CancelToken(), [](const VideoRecord&, const std::string&) {}));
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return MillisecondsSince(start);
 }
 
 Expected<Result> TimeIndexOf(const Archive& archive) {

@@ -1,7 +1,5 @@
 // The exhaustive search for the four nearest descriptors on a CUDA device: 25 models of 253 views in one frame.
-#include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -78,9 +76,7 @@ Expected<std::vector<Result>> BenchDevice(const Settings& settings) {
   const std::size_t count = settings.quick ? 1 : 25;
   const int every = settings.quick ? 50 : 1;
   const testing::SyntheticFlight flight = MakeSyntheticFlight();
-  std::vector<ObjectModel> models = MakeAllRoundModels(flight, every);
-  models.resize(std::min(models.size(), count));
-  for (std::uint64_t seed = 1; models.size() < count; ++seed) models.push_back(MakeAllRoundModel(seed, every));
+  const std::vector<ObjectModel> models = MakeAllRoundModels(flight, every, count);
 
   std::vector<Result> results;
   for (const int frames : {1, 4}) {  // the keypoints of so many frames together

@@ -1,8 +1,6 @@
 // How the search of one frame grows: with the number of models, with the size of the frame, and beside what a plain
 // OpenCV program does for the same job.
-#include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -104,9 +102,7 @@ std::vector<Result> BenchGrowth(const Settings& settings) {
   const testing::SyntheticFlight flight = MakeSyntheticFlight();
   const cv::Mat frame = GreyFrame(flight);
   const int every = settings.quick ? 50 : 1;
-  std::vector<ObjectModel> all = MakeAllRoundModels(flight, every);
-  all.resize(std::min(all.size(), counts.back()));
-  for (std::uint64_t seed = 1; all.size() < counts.back(); ++seed) all.push_back(MakeAllRoundModel(seed, every));
+  const std::vector<ObjectModel> all = MakeAllRoundModels(flight, every, counts.back());
 
   std::vector<Result> results;
   for (const std::size_t count : counts) {

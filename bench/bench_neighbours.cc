@@ -55,7 +55,7 @@ struct Peer {
 double Milliseconds(const std::function<void()>& run) {
   const auto start = std::chrono::steady_clock::now();
   run();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return MillisecondsSince(start);
 }
 
 Found FromLabels(std::span<const faiss::Index::idx_t> labels) { return {labels.begin(), labels.end()}; }

@@ -13,10 +13,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double MillisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
 // The mean time of `repetitions` calls.
 double TimeMs(const Implementation& implementation, int repetitions) {
   volatile double sink = 0;
@@ -39,6 +35,10 @@ std::string TimeText(double ms) {
 }
 
 }  // namespace
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 Result Compare(std::string name, const Implementation& ours, const std::vector<Implementation>& peers,
                const Effort& effort) {

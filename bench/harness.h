@@ -2,6 +2,7 @@
 // medians of their times are compared. Disturbances of the machine then affect all of them equally.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
@@ -36,6 +37,9 @@ struct Result {
   std::vector<std::pair<std::string, double>> peer_median_ms;
   std::vector<std::pair<std::string, double>> figures;  ///< sizes of the input, and other measurements
 };
+
+/// Of the wall clock.
+[[nodiscard]] double MillisecondsSince(std::chrono::steady_clock::time_point start);
 
 /// Times our implementation and each peer alternately, round by round. Calls each once before to set the number of
 /// repetitions; this call is not counted.

@@ -123,6 +123,13 @@ ObjectModel MakeAllRoundModel(std::uint64_t seed, int every) {
   return AllRoundModel(fmt::format("{} {}", testing::Name(kind), seed), testing::DrawObject(kind, seed).image, every);
 }
 
+std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flight, int every, std::size_t count) {
+  std::vector<ObjectModel> models = MakeAllRoundModels(flight, every);
+  models.resize(std::min(models.size(), count));
+  for (std::uint64_t seed = 1; models.size() < count; ++seed) models.push_back(MakeAllRoundModel(seed, every));
+  return models;
+}
+
 std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models) {
   std::vector<FeatureView> views;
   for (const ObjectModel& model : models) {

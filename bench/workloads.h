@@ -41,6 +41,9 @@ std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flig
 /// The same views of an object of its own for each seed, which is not in the flight.
 ObjectModel MakeAllRoundModel(std::uint64_t seed, int every = 1);
 
+/// So many models: those of the flight's objects, and then of others.
+std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flight, int every, std::size_t count);
+
 /// The views of all models, concatenated.
 std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models);
 

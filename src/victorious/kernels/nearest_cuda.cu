@@ -207,19 +207,34 @@ __global__ void __launch_bounds__(kWarps* kLanes)
   }
 }
 
-// Memory of the device, from its pool: taken and given back without waiting for other streams. Grows, never shrinks.
-class DeviceBuffer {
- public:
-  DeviceBuffer() = default;
-  DeviceBuffer(const DeviceBuffer&) = delete;
-  DeviceBuffer& operator=(const DeviceBuffer&) = delete;
-  ~DeviceBuffer() { Free(); }
+// From the device's pool: taken and given back without waiting for other streams. What uses it first is in `stream`;
+// other streams must wait until that is done.
+struct DeviceMemory {
+  static cudaError_t Allocate(void** data, std::size_t bytes, cudaStream_t stream) {
+    return cudaMallocAsync(data, bytes, stream);
+  }
+  static void Free(void* data) { cudaFreeAsync(data, nullptr); }
+};
 
-  // @param stream  of what uses it first; other streams must wait until that is done
+// Of the host, which the device copies from and to.
+struct HostMemory {
+  static cudaError_t Allocate(void** data, std::size_t bytes, cudaStream_t) { return cudaMallocHost(data, bytes); }
+  static void Free(void* data) { cudaFreeHost(data); }
+};
+
+// Grows, never shrinks.
+template <typename Memory>
+class Buffer {
+ public:
+  Buffer() = default;
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  ~Buffer() { Free(); }
+
   [[nodiscard]] cudaError_t Reserve(std::size_t bytes, cudaStream_t stream) {
     if (bytes <= capacity_) return cudaSuccess;
     Free();
-    const cudaError_t error = cudaMallocAsync(&data_, bytes, stream);
+    const cudaError_t error = Memory::Allocate(&data_, bytes, stream);
     capacity_ = error == cudaSuccess ? bytes : 0;
     return error;
   }
@@ -231,44 +246,15 @@ class DeviceBuffer {
 
  private:
   void Free() {
-    if (capacity_ != 0) cudaFreeAsync(data_, nullptr);
+    if (capacity_ != 0) Memory::Free(data_);
     capacity_ = 0;
   }
 
   void* data_ = nullptr;
   std::size_t capacity_ = 0;
 };
-
-// Memory of the host that the device copies from and to. Grows, never shrinks.
-class HostBuffer {
- public:
-  HostBuffer() = default;
-  HostBuffer(const HostBuffer&) = delete;
-  HostBuffer& operator=(const HostBuffer&) = delete;
-  ~HostBuffer() { Free(); }
-
-  [[nodiscard]] cudaError_t Reserve(std::size_t bytes) {
-    if (bytes <= capacity_) return cudaSuccess;
-    Free();
-    const cudaError_t error = cudaMallocHost(&data_, bytes);
-    capacity_ = error == cudaSuccess ? bytes : 0;
-    return error;
-  }
-
-  template <typename T>
-  [[nodiscard]] T* As() const {
-    return static_cast<T*>(data_);
-  }
-
- private:
-  void Free() {
-    if (capacity_ != 0) cudaFreeHost(data_);
-    capacity_ = 0;
-  }
-
-  void* data_ = nullptr;
-  std::size_t capacity_ = 0;
-};
+using DeviceBuffer = Buffer<DeviceMemory>;
+using HostBuffer = Buffer<HostMemory>;
 
 struct CudaSet : DeviceSet {
   DeviceBuffer vectors;
@@ -367,7 +353,7 @@ class CudaNearestDevice final : public NearestDevice {
     if (made.tiles == 0) return cudaSuccess;
     const int padded = made.tiles * kTileColumns;
     const std::size_t constant_bytes = static_cast<std::size_t>(padded) * sizeof(int);
-    cudaError_t error = call.host.Reserve(set.blocks.size() + constant_bytes);
+    cudaError_t error = call.host.Reserve(set.blocks.size() + constant_bytes, call.stream);
     if (error == cudaSuccess) error = call.device.Reserve(set.blocks.size(), call.stream);
     if (error == cudaSuccess) {
       error = made.vectors.Reserve(static_cast<std::size_t>(padded) * kDescriptorBytes, call.stream);
@@ -400,7 +386,7 @@ class CudaNearestDevice final : public NearestDevice {
     if (count == 0) return cudaSuccess;
     const std::size_t row_bytes = count * kDescriptorBytes;
     const std::size_t squared_bytes = count * sizeof(int);
-    cudaError_t error = call.host.Reserve(row_bytes + squared_bytes);
+    cudaError_t error = call.host.Reserve(row_bytes + squared_bytes, call.stream);
     if (error == cudaSuccess) error = made.rows.Reserve(row_bytes, call.stream);
     if (error == cudaSuccess) error = made.squared.Reserve(squared_bytes, call.stream);
     if (error != cudaSuccess) return error;
@@ -426,7 +412,7 @@ class CudaNearestDevice final : public NearestDevice {
     }
     const std::size_t bytes = static_cast<std::size_t>(queries.count) * k * sizeof(Neighbour);
     cudaError_t error = call.device.Reserve(bytes, call.stream);
-    if (error == cudaSuccess && !out.empty()) error = call.host.Reserve(bytes);
+    if (error == cudaSuccess && !out.empty()) error = call.host.Reserve(bytes, call.stream);
     if (error != cudaSuccess) return error;
     constexpr int kFew = 4;
     const int blocks = (queries.count + kRowsPerBlock - 1) / kRowsPerBlock;
