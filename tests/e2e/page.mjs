@@ -42,6 +42,18 @@ async function becomes(read, wanted, what) {
 const shownFrame = (page) => page.evaluate(() => Number(document.querySelector(".stage canvas").dataset.frame ?? NaN));
 const selectedId = async (page) => Number((await page.locator(SELECTED).getAttribute("id")).replace("object-", ""));
 
+/**
+ * Answers requests of the page by `handler` from now on. The browser intercepts some time after it was told to, and lets
+ * pass what the page asks meanwhile: requests are tried until one is intercepted.
+ */
+async function intercept(page, pattern, handler, options) {
+  const probe = "**/intercepted";
+  await page.route(pattern, handler, options);
+  await page.route(probe, (route) => route.fulfill({ status: 204 }));
+  await becomes(() => page.evaluate(async () => (await fetch("/intercepted")).status), 204, "requests are intercepted");
+  await page.unroute(probe);
+}
+
 async function waitForFrame(page, frame) {
   await page.waitForFunction(
     (wanted) => document.querySelector(".stage canvas")?.dataset.frame === String(wanted), frame, { timeout: 60_000 },
@@ -215,7 +227,7 @@ async function checkEvidence(page, object) {
   await page.keyboard.press("Escape");
   await page.waitForSelector("dialog.why[open]", { state: "detached" });
   // An error says what is missing.
-  await page.route("**/evidence*", (route) => route.fulfill({ status: 404, json: { code: "not_found", message: "the video is not there", field: null } }));
+  await intercept(page, "**/evidence*", (route) => route.fulfill({ status: 404, json: { code: "not_found", message: "the video is not there", field: null } }));
   await page.getByRole("button", { name: "why", exact: true }).click();
   await page.locator("dialog.why [role=alert]", { hasText: "the video is not there" }).waitFor();
   await page.unroute("**/evidence*");
@@ -277,7 +289,7 @@ async function checkLostServer(page, object) {
   await page.evaluate(() => document.activeElement.blur());
   await page.click(`#object-${object.id}`);
   const hang = () => {};
-  await page.route("**/api/v1/**", hang);
+  await intercept(page, "**/api/v1/**", hang);
   await page.keyboard.press("x");
   const banner = page.locator(".lost");
   await banner.waitFor();
@@ -289,7 +301,7 @@ async function checkLostServer(page, object) {
   await page.keyboard.press("u");
   await until(page, `/objects/${object.id}`, ({ review }) => review?.verdict !== "rejected");
   // A picture that cannot be had leaves no broken image.
-  await page.route("**/thumbnail*", (route) => route.fulfill({ status: 404, body: "" }));
+  await intercept(page, "**/thumbnail*", (route) => route.fulfill({ status: 404, body: "" }));
   await page.goto(page.url());
   await page.locator(".crop .none", { hasText: "no picture" }).waitFor();
   await page.unroute("**/thumbnail*");
@@ -1226,7 +1238,7 @@ async function accounts(page, [password]) {
   await becomes(() => selectedId(page), objects[1].id);
   // It ends with the decision: another request that is refused before it opens the form, which takes the key.
   const reviews = "**/api/v1/objects/*/review";
-  await page.route(reviews, async (route) => {
+  await intercept(page, reviews, async (route) => {
     await page.context().clearCookies();
     const { cookie: _, ...headers } = await route.request().allHeaders();
     const refused = await route.fetch({ headers });
