@@ -13,6 +13,7 @@
 namespace victorious::kernels {
 
 inline constexpr std::size_t kBlockDescriptors = 16;
+inline constexpr std::size_t kGroupBytes = 4;
 
 /// Aligns to cache lines: a load of 64 bytes that crosses from one into the next takes twice as long.
 template <typename T>
@@ -38,9 +39,10 @@ using BlockVector = std::vector<T, BlockAllocator<T>>;
 /// Writes a descriptor to its place in the blocks.
 inline void InterleaveRow(std::span<const std::uint8_t> row, std::size_t descriptor, std::uint8_t* blocks) {
   std::uint8_t* const lane =
-      blocks + (descriptor / kBlockDescriptors) * kBlockDescriptors * row.size() + (descriptor % kBlockDescriptors) * 4;
-  for (std::size_t group = 0; group < row.size() / 4; ++group) {
-    std::memcpy(lane + group * 4 * kBlockDescriptors, row.data() + group * 4, 4);
+      blocks + (descriptor / kBlockDescriptors) * kBlockDescriptors * row.size() +
+      (descriptor % kBlockDescriptors) * kGroupBytes;
+  for (std::size_t at = 0; at < row.size(); at += kGroupBytes) {
+    std::memcpy(lane + at * kBlockDescriptors, row.data() + at, kGroupBytes);
   }
 }
 

@@ -1,15 +1,29 @@
 #include "victorious/kernels/short_nearest.h"
 
+#include <cstring>
+
 #include "victorious/kernels/nearest.h"
 
 namespace victorious::kernels {
 
-ShortSet PackShort(std::span<const std::uint8_t> rows) {
+namespace {
+
+constexpr std::size_t kShortBlockBytes = kBlockDescriptors * kShortBytes;
+
+// A set whose descriptors are to be written.
+ShortSet MakeShortSet(std::size_t count) {
   ShortSet set;
-  set.count = rows.size() / kShortBytes;
-  const std::size_t blocks = (set.count + kBlockDescriptors - 1) / kBlockDescriptors;
-  set.blocks.assign(blocks * kBlockDescriptors * kShortBytes, 0);
+  set.count = count;
+  const std::size_t blocks = (count + kBlockDescriptors - 1) / kBlockDescriptors;
+  set.blocks.resize(blocks * kShortBlockBytes);
   set.half_constant.assign(blocks * kBlockDescriptors, kShortPadding);
+  return set;
+}
+
+}  // namespace
+
+ShortSet PackShort(std::span<const std::uint8_t> rows) {
+  ShortSet set = MakeShortSet(rows.size() / kShortBytes);
   for (std::size_t i = 0; i < set.count; ++i) {
     const std::uint8_t* row = rows.data() + i * kShortBytes;
     std::int32_t squared = 0;
@@ -22,6 +36,22 @@ ShortSet PackShort(std::span<const std::uint8_t> rows) {
     set.half_constant[i] = squared / 2 - kShortCentre * sum;
   }
   return set;
+}
+
+ShortSet SelectShort(const ShortSet& set, std::span<const std::uint32_t> numbers) {
+  ShortSet selected = MakeShortSet(numbers.size());
+  const auto lane = [](auto* blocks, std::size_t number) {
+    return blocks + number / kBlockDescriptors * kShortBlockBytes + number % kBlockDescriptors * kGroupBytes;
+  };
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::uint8_t* const from = lane(set.blocks.data(), numbers[i]);
+    std::uint8_t* const to = lane(selected.blocks.data(), i);
+    for (std::size_t at = 0; at < kShortBlockBytes; at += kBlockDescriptors * kGroupBytes) {
+      std::memcpy(to + at, from + at, kGroupBytes);
+    }
+    selected.half_constant[i] = set.half_constant[numbers[i]];
+  }
+  return selected;
 }
 
 void FindShortNearest(std::span<const std::int8_t* const> queries, const ShortSet& set, std::size_t k,

@@ -42,6 +42,10 @@ struct ShortSet {
 /// @param rows  of Shorten()
 ShortSet PackShort(std::span<const std::uint8_t> rows);
 
+/// Some descriptors of a set, in this order.
+/// @param numbers  of descriptors, below set.count
+ShortSet SelectShort(const ShortSet& set, std::span<const std::uint32_t> numbers);
+
 /// The blocks [first, last) of a set.
 struct BlockRange {
   std::size_t first = 0;

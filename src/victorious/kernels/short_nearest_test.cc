@@ -103,6 +103,22 @@ TEST(ShortNearest, HalfDistancesAreDistances) {
   EXPECT_EQ(half_distances.back(), kShortPadding);
 }
 
+TEST(ShortNearest, SelectsAsIfPackedFromTheirRows) {
+  Random random(11);
+  const std::vector<std::uint8_t> rows = RandomRows(random, 70, kLevels);
+  const std::vector<std::uint32_t> numbers = {69, 0, 15, 16, 17, 3, 3, 40, 41, 2, 68, 30, 31, 32, 33, 34, 35};
+  std::vector<std::uint8_t> selected_rows;
+  for (const std::uint32_t number : numbers) {
+    const auto row = std::span(rows).subspan(number * kShortBytes, kShortBytes);
+    selected_rows.insert(selected_rows.end(), row.begin(), row.end());
+  }
+  const ShortSet selected = SelectShort(PackShort(rows), numbers);
+  const ShortSet packed = PackShort(selected_rows);
+  EXPECT_EQ(selected.count, numbers.size());
+  EXPECT_EQ(selected.blocks, packed.blocks);
+  EXPECT_EQ(selected.half_constant, packed.half_constant);
+}
+
 // The nearest is found, and the third nearest of one lane is not.
 TEST(ShortNearest, ConsidersTwoOfEachLane) {
   std::vector<std::uint8_t> rows(4 * kBlockDescriptors * kShortBytes, 100);

@@ -95,12 +95,15 @@ UprightMatcher::UprightMatcher(const FeatureView& scene, std::span<const float> 
   std::iota(order_.begin(), order_.end(), 0U);
   std::ranges::stable_sort(order_, {}, [&](std::uint32_t i) { return relative_rad_[i]; });
   const std::vector<std::uint8_t> rows = kernels::Shorten(scene.descriptors);
-  shortened_.reserve(rows.size());
+  std::vector<std::uint8_t> sorted;
+  sorted.reserve(rows.size());
+  bins_.reserve(order_.size());
   for (const std::uint32_t i : order_) {
     const auto row = std::span(rows).subspan(i * kernels::kShortBytes, kernels::kShortBytes);
-    shortened_.insert(shortened_.end(), row.begin(), row.end());
+    sorted.insert(sorted.end(), row.begin(), row.end());
+    bins_.push_back(static_cast<std::uint8_t>(BinOf(relative_rad_[i], kOrientationBins)));
   }
-  packed_ = kernels::PackShort(shortened_);
+  packed_ = kernels::PackShort(sorted);
 }
 
 const UprightMatcher::CellList& UprightMatcher::ListOf(std::size_t cell) const {
@@ -114,18 +117,22 @@ UprightMatcher::CellList UprightMatcher::MakeList(std::size_t cell) const {
   half_distances.resize(packed_.count);
   const std::size_t wanted = std::max(kMinListed, packed_.count / kListedFraction);
   const std::int32_t max_distance = ChooseMaxDistance(half_distances, wanted);
+  std::vector<std::uint32_t> near(order_.size());  // places in order_
+  std::size_t count = 0;
+  for (std::uint32_t k = 0; k < order_.size(); ++k) {  // no branches: a quarter of them is near, in no pattern
+    near[count] = k;
+    count += static_cast<std::size_t>(half_distances[k] <= max_distance);
+  }
+  near.resize(std::min(count, kernels::kMaxShortSet));
   CellList list;
   list.first.fill(0);
-  std::vector<std::uint8_t> rows;
-  for (std::size_t k = 0; k < order_.size() && list.keypoints.size() < kernels::kMaxShortSet; ++k) {
-    if (half_distances[k] > max_distance) continue;
+  list.keypoints.reserve(near.size());
+  for (const std::uint32_t k : near) {
     list.keypoints.push_back(order_[k]);
-    const auto row = std::span(shortened_).subspan(k * kernels::kShortBytes, kernels::kShortBytes);
-    rows.insert(rows.end(), row.begin(), row.end());
-    ++list.first[BinOf(relative_rad_[order_[k]], kOrientationBins) + 1];
+    ++list.first[bins_[k] + 1U];
   }
   std::partial_sum(list.first.begin(), list.first.end(), list.first.begin());
-  list.descriptors = kernels::PackShort(rows);
+  list.descriptors = kernels::SelectShort(packed_, near);
   return list;
 }
 

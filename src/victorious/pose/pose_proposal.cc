@@ -173,7 +173,9 @@ class Proposer {
       if (count <= expected) continue;
       seeds.push_back({count * std::log(count / expected) - (count - expected), i});
     }
-    std::ranges::stable_sort(seeds, std::greater{}, &Seed::log_likelihood);
+    std::ranges::sort(seeds, [](const Seed& a, const Seed& b) {
+      return a.log_likelihood != b.log_likelihood ? a.log_likelihood > b.log_likelihood : a.vote < b.vote;
+    });
     return seeds;
   }
 
@@ -204,7 +206,7 @@ class Proposer {
       for (int round = 0; round < kRefits; ++round) {
         if (!Refit(factor, map)) return best;
       }
-      const std::vector<Inlier> inliers = GatherInliers(map, factor * RadiusPx(map));
+      const std::span<const Inlier> inliers = GatherInliers(map, factor * RadiusPx(map));
       if (inliers.size() < kMinInliers) return best;
       PoseProposal proposal = Test(map, inliers, factor * RadiusPx(map));
       if (!best || proposal.neg_log10_nfa > best->neg_log10_nfa) best = std::move(proposal);
@@ -231,15 +233,15 @@ class Proposer {
 
   // Refits to the inliers of a window; false if there are too few.
   [[nodiscard]] bool Refit(double factor, Similarity2& map) {
-    const std::vector<Inlier> inliers = GatherInliers(map, factor * RadiusPx(map));
+    const std::span<const Inlier> inliers = GatherInliers(map, factor * RadiusPx(map));
     if (inliers.size() < kMinFitted) return false;
-    std::vector<PointPair> pairs;
+    pairs_.clear();
     for (const Inlier& inlier : inliers) {
       const std::size_t vote = inlier.vote;
-      pairs.push_back(
+      pairs_.push_back(
           {{votes_.template_x[vote], votes_.template_y[vote]}, {votes_.scene_x[vote], votes_.scene_y[vote]}});
     }
-    const std::optional<Similarity2> fitted = SolveSimilarity(pairs);
+    const std::optional<Similarity2> fitted = SolveSimilarity(pairs_);
     if (!fitted || fitted->scale <= 0) return false;
     map = *fitted;
     return true;
@@ -250,8 +252,8 @@ class Proposer {
            SimilarityEstimator({}, {.noise_px = kKeypointNoise_px, .shape_px = kShapeFraction * size_px_}).SigmaPx(map);
   }
 
-  // The votes that agree in position, scale and rotation, one-to-one by rising error.
-  [[nodiscard]] std::vector<Inlier> GatherInliers(const Similarity2& map, double radius_px) {
+  // The votes that agree in position, scale and rotation, one-to-one by rising error. Valid until the next call.
+  [[nodiscard]] std::span<const Inlier> GatherInliers(const Similarity2& map, double radius_px) {
     const auto log_scale = static_cast<float>(std::log(map.scale));
     const auto turn_rad = static_cast<float>(map.rotation_rad);
     const auto max_log = static_cast<float>(std::log(kVoteScaleFactor));
@@ -266,22 +268,24 @@ class Proposer {
          .shift_x = static_cast<float>(map.translation.x()),
          .shift_y = static_cast<float>(map.translation.y())},
         static_cast<float>(radius_px * radius_px), near_.data(), near_error2_px2_.data());
-    std::vector<Inlier> near;
+    agreeing_.clear();
     for (std::size_t k = 0; k < count; ++k) {
-      if (AngleBetween(votes_.turn_rad[near_[k]], turn_rad) > kTurn_rad) continue;
-      near.push_back({near_error2_px2_[k], near_[k]});
+      if (AngleBetween(votes_.turn_rad[near_[k]], turn_rad) <= kTurn_rad)
+        agreeing_.push_back({near_error2_px2_[k], near_[k]});
     }
-    std::ranges::stable_sort(near, {}, &Inlier::error2_px2);
-    std::vector<Inlier> kept;
-    for (const Inlier& inlier : near) {
-      const RankedMatch& match = MatchOf(inlier);
-      const bool taken = std::ranges::any_of(kept, [&](const Inlier& other) {
+    std::ranges::sort(agreeing_, [](const Inlier& a, const Inlier& b) {
+      return a.error2_px2 != b.error2_px2 ? a.error2_px2 < b.error2_px2 : a.vote < b.vote;
+    });
+    inliers_.clear();
+    for (const Inlier& one : agreeing_) {
+      const RankedMatch& match = MatchOf(one);
+      const bool taken = std::ranges::any_of(inliers_, [&](const Inlier& other) {
         return MatchOf(other).template_keypoint == match.template_keypoint ||
                MatchOf(other).scene_keypoint == match.scene_keypoint;
       });
-      if (!taken) kept.push_back(inlier);
+      if (!taken) inliers_.push_back(one);
     }
-    return kept;
+    return inliers_;
   }
 
   [[nodiscard]] const RankedMatch& MatchOf(const Inlier& inlier) const { return matches_[votes_.match[inlier.vote]]; }
@@ -298,8 +302,12 @@ class Proposer {
   double area_px2_ = 1;
   double turn_chance_ = 1;  // of two allowed rotations to agree
   Votes votes_;
+  // Memory of GatherInliers and Refit.
   std::vector<std::uint32_t> near_;  // of FindAgreeingPairs
   std::vector<float> near_error2_px2_;
+  std::vector<Inlier> agreeing_;
+  std::vector<Inlier> inliers_;
+  std::vector<PointPair> pairs_;
 };
 
 }  // namespace
