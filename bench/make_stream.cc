@@ -1,5 +1,5 @@
 // make-stream VIDEO FILE.ts [TIMES]: the frames of a video, TIMES times one after the other, as a camera sends them: an
-// MPEG transport stream with a key frame a second and without B-frames. For live_delay.py.
+// MPEG transport stream with a key frame a second and without B-frames. For live_delay.py and real_time.py.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>

@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""Measures whether a long video at 30 frames/s is indexed faster than it plays, and its memory while it is.
+
+Usage: real_time.py --models DIR [--passes N] [--program FILE] [--make-stream FILE] [--work DIR]
+
+Simulates a flight of a minute over a town in which twelve of the CAD models of DIR (NAME.glb) stand, into WORK/flight
+unless that folder exists, and N times one after the other (make-stream; default 1, which is the flight itself). All
+models of DIR are made into WORK/models unless they are there. The video is indexed by default twice: `first` makes the
+relit templates, `again` finds them on disk. Prints JSON; of each run:
+
+  real_time    duration of the video / wall time of `victorious index`, opening it and its start included
+  processor_s  processor time
+  peak_mb      largest resident memory
+  memory_mb    its course: [s since the start, resident, of this private], each second; files that are mapped, the
+               models and the libraries, are resident, but not private: the system can drop them
+
+`accuracy` is what `victorious evaluate` says of a single pass.
+"""
+
+import argparse
+import json
+import re
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(REPOSITORY / "bench/accuracy"))
+from movies import Program
+
+PASS_S, FPS = 60, 30
+PATH_M = 600
+NAMES = ["abrams", "humvee", "fire_truck", "mig29", "apache", "tanker_truck", "police_car", "jeep", "blackhawk",
+         "semi_tractor", "pickup", "ambulance"]  # fmt: skip
+ACCURACY = ("found", "findable", "false_objects", "sighting_recall", "sighting_precision", "cep50_m")
+
+
+def scene(models: Path) -> dict:
+    step_m = PATH_M / len(NAMES)
+    objects = [
+        {
+            "id": f"{name}-1", "model": name, "file": str((models / f"{name}.glb").resolve()),
+            "x_m": -PATH_M / 2 + (i + 0.5) * step_m, "y_m": [3, -4, 5][i % 3], "heading_deg": i * 73 % 360,
+        }
+        for i, name in enumerate(NAMES)
+    ]  # fmt: skip
+    return {
+        "assets": str(REPOSITORY / "assets"),
+        "seed": 5,
+        "video": {"frames": PASS_S * FPS, "fps": FPS, "width": 640, "height": 480, "hfov_deg": 16, "grain": 2},
+        "origin": {"latitude_deg": 48.137, "longitude_deg": 11.575, "altitude_m": 565, "heading_deg": 17},
+        "sun": {"azimuth_deg": 112, "elevation_deg": 52, "strength": 0.5, "sky": 0.58, "ground": 0.3},
+        "camera": {
+            "path": "linear", "aim_m": [[-PATH_M / 2, 0], [PATH_M / 2, 0]], "from_deg": 186, "off_nadir_deg": 35,
+            "range_m": 125, "roll_deg": 2,
+        },
+        "objects": objects,
+        "town": {"seed": 11, "density": 0.6},
+    }  # fmt: skip
+
+
+def repeat_telemetry(rows: list[str], passes: int) -> str:
+    lines = [rows[0]]
+    for number in range(passes):
+        for row in rows[1:]:
+            seconds, rest = row.split(",", 1)
+            lines.append(f"{float(seconds) + number * PASS_S:.6f},{rest}")
+    return "\n".join(lines) + "\n"
+
+
+def make_video(program: Program, make_stream: Path, models: Path, work: Path, passes: int) -> tuple[Path, Path]:
+    flight = work / "flight"
+    if not (flight / "video.mp4").exists():  # written last
+        file = work / "flight.json"
+        file.write_text(json.dumps(scene(models)))
+        print(f"simulating {file}", file=sys.stderr, flush=True)
+        program("simulate", file, "--out", flight)
+    telemetry = flight / "telemetry.csv"
+    if passes == 1:
+        return flight / "video.mp4", telemetry
+    stream, long_telemetry = work / f"{passes}.ts", work / f"{passes}.csv"
+    subprocess.run([make_stream, flight / "video.mp4", stream, str(passes)], check=True)
+    long_telemetry.write_text(repeat_telemetry(telemetry.read_text().splitlines(), passes))
+    return stream, long_telemetry
+
+
+def resident_mb(process: int) -> tuple[float, float] | None:
+    """All, and of this private; None once the process has ended."""
+    try:
+        status = Path(f"/proc/{process}/status").read_text()
+    except OSError:
+        return None
+    found = [re.search(rf"^{name}:\s+(\d+)", status, re.MULTILINE) for name in ("VmRSS", "RssAnon")]
+    return tuple(int(one[1]) / 1024 for one in found) if all(found) else None
+
+
+def index(program: Program, video: Path, telemetry: Path, library: Path, work: Path, db: Path) -> dict:
+    for leftover in work.glob(f"{db.name}*"):
+        leftover.unlink()
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    begun = time.monotonic()
+    process = subprocess.Popen(
+        [program.path, "index", video, "--telemetry", telemetry, "--models", library, "--db", db, "--cache", work / "cache"],
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    course = []
+    while process.poll() is None:
+        time.sleep(1)
+        if (memory := resident_mb(process.pid)) is not None:
+            course.append([round(time.monotonic() - begun), *(round(one) for one in memory)])
+    if process.returncode != 0:
+        sys.exit(f"index {video}: {process.stderr.read().strip()}")
+    wall_s = time.monotonic() - begun
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return {
+        "wall_s": round(wall_s, 1),
+        "processor_s": round(used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime, 1),
+        "peak_mb": max(memory for _, memory, _ in course),
+        "memory_mb": course,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--models", type=Path, required=True)
+    parser.add_argument("--passes", type=int, default=1)
+    parser.add_argument("--program", default=str(REPOSITORY / "build/victorious"))
+    parser.add_argument("--make-stream", type=Path, default=REPOSITORY / "build/make-stream")
+    parser.add_argument("--work", type=Path, default=REPOSITORY / "build/real_time")
+    arguments = parser.parse_args()
+    program, work = Program(arguments.program), arguments.work
+    library = work / "models"
+    library.mkdir(parents=True, exist_ok=True)
+    files = sorted(arguments.models.glob("*.glb"))
+    for file in files:
+        if not (library / f"{file.stem}.vmodel").exists():
+            print(f"adding {file.stem}", file=sys.stderr, flush=True)
+            program("model", "add", file.stem, file, "--models", library)
+    video, telemetry = make_video(program, arguments.make_stream, arguments.models, work, arguments.passes)
+    result = {"models": len(files), "passes": arguments.passes, "video_s": arguments.passes * PASS_S, "frames_per_s": FPS}
+    for name in ("first", "again"):
+        print(f"indexing {video}: {name}", file=sys.stderr, flush=True)
+        run = index(program, video, telemetry, library, work, work / f"{name}.db")
+        result[name] = {"real_time": round(result["video_s"] / run["wall_s"], 2)} | run
+    if arguments.passes == 1:
+        truth = work / "flight/truth.jsonl"
+        scored = json.loads(program("evaluate", "--db", work / "again.db", "--truth", truth, "--json"))
+        result["accuracy"] = {name: scored[name] for name in ACCURACY}
+    print(json.dumps(result))
+
+
+if __name__ == "__main__":
+    main()
