@@ -38,9 +38,8 @@ using BlockVector = std::vector<T, BlockAllocator<T>>;
 
 /// Writes a descriptor to its place in the blocks.
 inline void InterleaveRow(std::span<const std::uint8_t> row, std::size_t descriptor, std::uint8_t* blocks) {
-  std::uint8_t* const lane =
-      blocks + (descriptor / kBlockDescriptors) * kBlockDescriptors * row.size() +
-      (descriptor % kBlockDescriptors) * kGroupBytes;
+  std::uint8_t* const lane = blocks + (descriptor / kBlockDescriptors) * kBlockDescriptors * row.size() +
+                             (descriptor % kBlockDescriptors) * kGroupBytes;
   for (std::size_t at = 0; at < row.size(); at += kGroupBytes) {
     std::memcpy(lane + at * kBlockDescriptors, row.data() + at, kGroupBytes);
   }

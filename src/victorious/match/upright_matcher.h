@@ -62,10 +62,10 @@ class UprightMatcher {
   [[nodiscard]] static kernels::QueryBlocks BlocksOf(const CellList& list, float orientation_rad, float max_turn_rad);
 
   FeatureView scene_;
-  std::vector<float> relative_rad_;      // orientation minus lean, in [-pi, pi], of scene_'s keypoints
-  std::vector<std::uint32_t> order_;     // indices into scene_ by rising relative_rad_
-  std::vector<std::uint8_t> bins_;       // of orientation, in that order
-  kernels::ShortSet packed_;             // the shortened descriptors, in that order
+  std::vector<float> relative_rad_;   // orientation minus lean, in [-pi, pi], of scene_'s keypoints
+  std::vector<std::uint32_t> order_;  // indices into scene_ by rising relative_rad_
+  std::vector<std::uint8_t> bins_;    // of orientation, in that order
+  kernels::ShortSet packed_;          // the shortened descriptors, in that order
   struct Lists {
     std::array<std::once_flag, kDescriptorCells> once;
     std::array<CellList, kDescriptorCells> lists;
