@@ -101,9 +101,10 @@ def index(program: Program, video: Path, telemetry: Path, library: Path, work: P
         leftover.unlink()
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begun = time.monotonic()
+    log = work / f"{db.stem}.log"  # not a pipe, which an hour's progress would fill
     process = subprocess.Popen(
         [program.path, "index", video, "--telemetry", telemetry, "--models", library, "--db", db, "--cache", work / "cache"],
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        stdout=subprocess.DEVNULL, stderr=log.open("w"),
     )  # fmt: skip
     course = []
     while process.poll() is None:
@@ -111,7 +112,7 @@ def index(program: Program, video: Path, telemetry: Path, library: Path, work: P
         if (memory := resident_mb(process.pid)) is not None:
             course.append([round(time.monotonic() - begun), *(round(one) for one in memory)])
     if process.returncode != 0:
-        sys.exit(f"index {video}: {process.stderr.read().strip()}")
+        sys.exit(f"index {video}: {log.read_text().strip()}")
     wall_s = time.monotonic() - begun
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return {
