@@ -51,15 +51,16 @@ class LeaseKeeper {
   /// How the process goes on.
   ChildControl Keep() {
     const std::scoped_lock lock(mutex_);
-    if (!failure_.empty()) inform_(fmt::format("{}: {}", video_, std::exchange(failure_, {})));
+    SayFailure();
     if (lease_.IsLost(Clock::now())) return ChildControl::kKill;
     return cancel_.IsCancelled() || is_ending_ ? ChildControl::kInterrupt : ChildControl::kContinue;
   }
 
-  /// Ends the thread, which may wait for an answer. The queue can then be used again.
+  /// Ends the thread, which may wait for an answer, and says what it failed at. The queue can then be used again.
   void Stop() {
     renewer_.request_stop();
     if (renewer_.joinable()) renewer_.join();
+    SayFailure();
   }
 
   /// After Stop(): whether the task is to be ended.
@@ -95,13 +96,16 @@ class LeaseKeeper {
     return {};
   }
 
-  // Says once for all failures in a row why.
+  void SayFailure() {
+    if (!failure_.empty()) inform_(fmt::format("{}: {}", video_, std::exchange(failure_, {})));
+  }
+
+  // Keeps the first of failures in a row, to be said.
   void Enter(const Status& status, Clock::time_point asked) {
     if (!status && !has_failed_) failure_ = status.error().message;
     has_failed_ = !status;
     const bool is_unanswered = !status && status.error().code == ErrorCode::kUnavailable;
-    // What a late answer says of a lost lease is not why it was lost.
-    if (is_unanswered || !lease_.IsLost(Clock::now())) is_cut_off_ = is_unanswered;
+    is_cut_off_ = is_unanswered || lease_.IsLost(Clock::now());  // whatever an answer says that came too late
     lease_.Enter(status, asked);
   }
 
