@@ -18,6 +18,7 @@
 #include "victorious/base/json.h"
 #include "victorious/evaluate/place_score.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/view_direction.h"
 
 namespace victorious {
 namespace {
@@ -323,12 +324,6 @@ std::optional<double> Percentile(std::vector<double> values, double percent) {
   const auto below = static_cast<std::size_t>(at);
   const std::size_t above = std::min(below + 1, values.size() - 1);
   return values[below] + (values[above] - values[below]) * (at - static_cast<double>(below));
-}
-
-double AngleBetween(const ViewDirection& a, const ViewDirection& b) {
-  const double cosine = std::cos(a.off_nadir_rad) * std::cos(b.off_nadir_rad) +
-                        std::sin(a.off_nadir_rad) * std::sin(b.off_nadir_rad) * std::cos(a.azimuth_rad - b.azimuth_rad);
-  return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
 std::vector<std::optional<std::size_t>> PairSightings(std::span<const TruthRow> truth,

@@ -56,9 +56,6 @@ struct ReportedObject {
 [[nodiscard]] std::vector<std::optional<std::size_t>> PairSightings(std::span<const TruthRow> truth,
                                                                     std::span<const ReportedSighting> sightings);
 
-/// The angle between two directions to the camera, radians, 0 to pi.
-[[nodiscard]] double AngleBetween(const ViewDirection& a, const ViewDirection& b);
-
 /// Linear interpolation between the two nearest sorted values; std::nullopt for an empty vector.
 /// @param percent  0 to 100
 [[nodiscard]] std::optional<double> Percentile(std::vector<double> values, double percent);

@@ -30,6 +30,12 @@ ViewDirection DirectionFromVector(const Vector3d& object_to_camera) {
           .off_nadir_rad = std::atan2(sideways, object_to_camera.z())};
 }
 
+double AngleBetween(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+double AngleBetween(const ViewDirection& a, const ViewDirection& b) {
+  return AngleBetween(DirectionToCamera(a), DirectionToCamera(b));
+}
+
 Eigen::Quaterniond CameraFromModel(const ViewDirection& direction) {
   const Vector3d to_camera = DirectionToCamera(direction);
   const Vector3d up = ImageUp(direction);

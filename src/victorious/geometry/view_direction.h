@@ -23,6 +23,10 @@ struct ViewDirection {
 [[nodiscard]] Eigen::Vector3d DirectionToCamera(const ViewDirection& direction);
 [[nodiscard]] ViewDirection DirectionFromVector(const Eigen::Vector3d& object_to_camera);
 
+/// The angle between two vectors, or two directions, radians, 0 to pi.
+[[nodiscard]] double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+[[nodiscard]] double AngleBetween(const ViewDirection& a, const ViewDirection& b);
+
 /// Rotation of a camera that looks at the object from a direction, with the image's up as defined above.
 [[nodiscard]] Eigen::Quaterniond CameraFromModel(const ViewDirection& direction);
 

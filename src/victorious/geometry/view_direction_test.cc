@@ -30,5 +30,13 @@ TEST(ViewDirection, VectorsAndAnglesAreInverse) {
   }
 }
 
+TEST(ViewDirection, AnglesBetweenDirections) {
+  const ViewDirection above{.azimuth_rad = 2, .off_nadir_rad = 0};
+  EXPECT_EQ(AngleBetween(above, above), 0);
+  EXPECT_NEAR(AngleBetween(above, {.azimuth_rad = 1, .off_nadir_rad = 0.7}), 0.7, 1e-12);
+  EXPECT_NEAR(AngleBetween(ViewDirection{0, 0.3}, ViewDirection{kPi, 0.4}), 0.7, 1e-12);
+  EXPECT_NEAR(AngleBetween(Vector3d(2, 0, 0), Vector3d(-1, 0, 0)), kPi, 1e-12);
+}
+
 }  // namespace
 }  // namespace victorious

@@ -74,8 +74,6 @@ bool AreNeighbours(const RingPlace& a, const RingPlace& b, double angle_rad, dou
   return apart == 1 || apart == a.views_in_ring - 1;
 }
 
-double AngleBetween(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 ViewSphere MakeEven(int rings, double step_deg) {
   constexpr int kMinViewsInRing = 3;  // around the pole
   ViewSphere sphere;

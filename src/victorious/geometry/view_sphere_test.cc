@@ -17,8 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-double AngleBetween(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 TEST(ViewSphere, HasTheViewsOfTheThesis) {
   const auto sphere = MakeViewSphere({});
   ASSERT_TRUE(sphere);
