@@ -163,7 +163,7 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
   std::optional<Sun> sun;
   if (cameras.trajectory() != nullptr) {
     VICTORIOUS_ASSIGN_OR_RETURN(
-        sun, EstimateSunDirection({*cameras.trajectory(), recognizer, *extractor, options.sun_direction}, *whole,
+        sun, EstimateSunDirection({*cameras.trajectory(), recognizer, *extractor, options.sun_direction, 1}, *whole,
                                   CancelToken(), ignore));
   }
   const std::array<double, kStageCount> start_s = StageTimes();

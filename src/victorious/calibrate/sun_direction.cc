@@ -27,6 +27,9 @@ constexpr std::int64_t kFramesPerSample = 100;
 constexpr std::int64_t kMinSamples = 24;
 constexpr std::int64_t kMaxSamples = 200;
 constexpr std::int64_t kUnknownLengthStep = 25;  // frames between samples if the length of the video is unknown
+// Samples that are farther apart are sought, else all frames in between are decoded: of common encoders' key frames, at
+// most 250 frames apart, none may be nearer to the next sample than the reader is.
+constexpr std::int64_t kMinSkippedFrames = 250;
 
 // Frames estimated in parallel, and between two tests for a consensus; independent of the number of threads, so that
 // the result is.
@@ -118,23 +121,36 @@ Expected<std::optional<SunDirectionEstimate>> EstimateSunFromFrame(const SunDire
 // Selects the frames to sample: the middle one of each of the equal parts of the video.
 class SampleSelector {
  public:
-  explicit SampleSelector(std::optional<std::int64_t> frame_count) {
-    const std::int64_t frames = frame_count.value_or(0);
+  explicit SampleSelector(const VideoInfo& info) : frame_rate_(info.frame_rate) {
+    const std::int64_t frames = info.frame_count.value_or(0);
     const std::int64_t wanted = std::clamp(frames / kFramesPerSample, kMinSamples, kMaxSamples);
     step_ = frames > 0 ? std::max<std::int64_t>(1, frames / wanted) : kUnknownLengthStep;
+    next_ = step_ / 2;
   }
 
-  bool IsSelected(std::int64_t index) {
-    const bool selected = !IsDone() && index % step_ == step_ / 2;
-    sampled_ += selected ? 1 : 0;
-    return selected;
+  bool IsSelected(const Frame& frame) {
+    at_ = has_sought_ ? std::llround(frame.time_s * frame_rate_) : frame.index;
+    if (IsDone() || at_ < next_) return false;
+    while (next_ <= at_) next_ += step_;
+    ++sampled_;
+    return true;
   }
 
   [[nodiscard]] bool IsDone() const { return sampled_ >= kMaxSamples; }
 
+  // Seeks to the next sample if it is far.
+  void SkipToNext(VideoReader& reader) {
+    if (next_ - at_ < kMinSkippedFrames || !(frame_rate_ > 0) || IsDone()) return;
+    has_sought_ |= reader.SeekTo(static_cast<double>(next_) / frame_rate_);
+  }
+
  private:
+  double frame_rate_;
   std::int64_t step_ = 1;
+  std::int64_t at_ = 0;    // number of the last frame seen
+  std::int64_t next_ = 0;  // number of the next frame to sample, counted as if the frame rate were constant
   std::int64_t sampled_ = 0;
+  bool has_sought_ = false;  // the index of a frame is not its number any more
 };
 
 // Collects the estimates in frame order until enough agree.
@@ -205,12 +221,14 @@ Expected<std::optional<Sun>> EstimateSunDirection(const SunDirectionInput& input
   if (const CameraState* timed = FindTimedState(input.cameras)) return SunFromEphemeris(*timed);
   if (reader.info().live) return std::nullopt;  // a live source cannot be read again for the search
 
-  SampleSelector selector(reader.info().frame_count);
+  SampleSelector selector(reader.info());
   SunCollector collector;
-  FrameLoop loop(reader, cancel, {.max_in_flight = kBatchSize});
+  FrameLoop loop(reader, cancel, {.threads = input.threads, .max_in_flight = kBatchSize});
+  selector.SkipToNext(reader);
   const auto select = [&](Frame frame) -> std::optional<SampledFrame> {
     if (selector.IsDone()) loop.Stop();
-    if (!selector.IsSelected(frame.index)) return std::nullopt;
+    if (!selector.IsSelected(frame)) return std::nullopt;
+    selector.SkipToNext(reader);
     return SampledFrame{.frame = std::move(frame), .estimate = std::nullopt};
   };
   const auto estimate = [&](SampledFrame& sample) -> Status {

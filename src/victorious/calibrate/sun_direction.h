@@ -46,6 +46,7 @@ struct SunDirectionInput {
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
   const SunDirectionOptions& options;
+  int threads = 0;               ///< 0: one per processor
   bool only_if_certain = false;  ///< three estimates must agree, with their evidence; two at the end do not suffice
 };
 
@@ -54,7 +55,7 @@ struct SunDirectionInput {
 /// decades of evidence, twice that of all others; at the end two agreeing estimates of most evidence suffice, or one if
 /// it is the only one. The evidence is the gain over diffuse light. std::nullopt at night, under overcast, or if no
 /// frame determines it. Deterministic.
-/// @param reader  at its first frame; reads as far as needed
+/// @param reader  at its first frame; reads as far as needed, and seeks in a long video
 /// @param warn    receives read errors, which end the sampling, and errors of feature extraction, which skip a frame
 /// Errors: kCancelled.
 [[nodiscard]] Expected<std::optional<Sun>> EstimateSunDirection(const SunDirectionInput& input, VideoReader& reader,

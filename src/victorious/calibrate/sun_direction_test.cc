@@ -1,5 +1,6 @@
 #include "victorious/calibrate/sun_direction.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -30,7 +31,10 @@ constexpr std::int64_t kHalfDay_us = 43'200'000'000;
 // The same scene in every frame, or in every second sampled frame another one; 10 frames per second.
 class SceneReader final : public VideoReader {
  public:
-  explicit SceneReader(cv::Mat scene) : scene_(std::move(scene)) { description.frame_count = kFrames; }
+  explicit SceneReader(cv::Mat scene, int frames = kFrames) : scene_(std::move(scene)), frames_(frames) {
+    description.frame_rate = 10;
+    description.frame_count = frames;
+  }
 
   [[nodiscard]] const VideoInfo& info() const override { return description; }
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& /*cancel*/,
@@ -39,24 +43,30 @@ class SceneReader final : public VideoReader {
   }
   Expected<std::optional<Frame>> NextFrame() override {
     if (next == broken_at) return Fail(ErrorCode::kDataLoss, "broken");
-    if (next == kFrames) return std::nullopt;
+    if (next == frames_) return std::nullopt;
     const std::int64_t index = next++;
+    ++read;
     cv::Mat image = (!other_scene.empty() && index / 3 % 2 == 1 ? other_scene : scene_).clone();
     image.at<std::uint8_t>(0, 0) = static_cast<std::uint8_t>(index);  // FailingExtractor reads it
     return Frame{.index = index, .time_s = 0.1 * static_cast<double>(index), .image = std::move(image)};
   }
   std::vector<DataPacket> TakeDataPackets() override { return {}; }
-  bool SeekTo(double /*time_s*/) override { return false; }
-  void SkipToEnd() override { next = kFrames; }
+  bool SeekTo(double time_s) override {
+    next = std::max<std::int64_t>(0, std::llround(10 * time_s) - 20);  // a key frame before it
+    return true;
+  }
+  void SkipToEnd() override { next = frames_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
 
   VideoInfo description;
   std::int64_t next = 0;
+  std::int64_t read = 0;
   std::int64_t broken_at = -1;
   cv::Mat other_scene;
 
  private:
   cv::Mat scene_;
+  std::int64_t frames_;
   std::vector<std::string> warnings_;
 };
 
@@ -80,9 +90,9 @@ cv::Mat SunlitScene(std::size_t sun_view = kSunView) {
 }
 
 // A camera that looks at the object, with a clock or without.
-CameraTrajectory Cameras(std::optional<std::int64_t> utc_us = std::nullopt) {
+CameraTrajectory Cameras(std::optional<std::int64_t> utc_us = std::nullopt, int frames = kFrames) {
   std::vector<CameraState> states;
-  for (int i = 0; i <= kFrames; ++i) {
+  for (int i = 0; i <= frames; ++i) {
     states.push_back({.time_s = 0.1 * i,
                       .place = {RadiansFromDegrees(48), RadiansFromDegrees(11), 500},
                       .attitude = Attitude{kYaw_rad, testing::kOffNadir_rad - kPi / 2, 0},
@@ -121,6 +131,17 @@ TEST_F(EstimateSunDirectionTest, FindsTheSunThatTheFramesAgreeOnAndReadsNoFurthe
   EXPECT_GT(sun->elevation_rad, 0.1);
   EXPECT_LT(reader.next, kFrames) << "three samples agree";
   EXPECT_THAT(warnings_, IsEmpty());
+}
+
+TEST_F(EstimateSunDirectionTest, ReadsLittleOfALongVideo) {
+  constexpr int kLong = 36'000;  // an hour, of which 200 frames are sampled: 90, 270, ...
+  SceneReader reader(SunlitScene(), kLong);
+  EXPECT_TRUE(Estimate(reader, Cameras({}, kLong)).value());
+  EXPECT_LT(reader.read, 1000);
+  SceneReader longer(SunlitScene(), 3 * kLong);  // 270, 810, ... are sought
+  EXPECT_TRUE(Estimate(longer, Cameras({}, 3 * kLong)).value());
+  EXPECT_LT(longer.read, 21 * 8) << "of four samples, and one or two batches read ahead";
+  EXPECT_GT(longer.next, 3 * 540);
 }
 
 TEST_F(EstimateSunDirectionTest, SamplesOnWhileTheEvidenceIsDivided) {

@@ -47,7 +47,7 @@ std::vector<std::uint8_t> Shorten(std::span<const std::uint8_t> rows) {
   std::vector<std::uint8_t> out(count * kShortBytes);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint8_t* bytes = rows.data() + i * kDescriptorBytes;
-    // Floats hold integers here, at most 255 * 128 * 10 * 10 * 8 / 16 < 2^24: exact in any order.
+    // Floats hold integers here, at most 255 * 32 * 32 * 48 < 2^24: exact in any order.
     float values[kDescriptorBytes];
     for (std::size_t k = 0; k < kDescriptorBytes; ++k) values[k] = bytes[k];
     float by_row[kCells][kRowValues] = {};        // row frequency; column, bin

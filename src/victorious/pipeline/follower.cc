@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <oneapi/tbb/parallel_for_each.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include "victorious/geometry/angles.h"
 #include "victorious/image/impulse_noise.h"
@@ -223,8 +224,10 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
   }
   std::vector<Region> regions;
   for (TrackStep& step : open) regions.push_back({.step = std::move(step)});
-  oneapi::tbb::parallel_for_each(regions, [&](Region& region) {
-    if (IsSearchDue(region.step, frame, searches)) Search(clean, conditions, region);
+  oneapi::tbb::this_task_arena::isolate([&] {  // else a waiting thread could start on another frame
+    oneapi::tbb::parallel_for_each(regions, [&](Region& region) {
+      if (IsSearchDue(region.step, frame, searches)) Search(clean, conditions, region);
+    });
   });
   for (Region& region : regions) {
     if (!region.features) return std::unexpected(std::move(region.features).error());

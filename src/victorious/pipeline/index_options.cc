@@ -12,8 +12,8 @@ void KeepOptions::ListFields(FieldList& fields) {
              {.min = -1,
               .max = 1e6,
               .unit = "s",
-              .reason = "interval at which the features of a frame are kept for search by example image; 0 keeps every "
-                        "searched frame, -1 none (docs/formats/index.md gives their size)"});
+              .reason = "interval at which the features of a frame are kept for search by example image; 0 keeps each "
+                        "frame at the interval of searches, -1 none (docs/formats/index.md gives their size)"});
 }
 
 FeatureOptions MakeKeptFeatureOptions(const FeatureOptions& search) {

@@ -20,7 +20,7 @@ namespace victorious {
 
 /// Which frames' features the index keeps for search by example image.
 struct KeepOptions {
-  double interval_s = 1.0;  ///< between kept frames, s; 0 keeps every searched frame, below 0 none
+  double interval_s = 1.0;  ///< between kept frames, s; 0 keeps each frame at the interval of searches, below 0 none
 
   void ListFields(FieldList& fields);
 };

@@ -476,9 +476,9 @@ Status Indexer::AssumeSun(const Recognizer& recognizer, const IndexJob& job, Ope
     std::vector<CameraState> states = AssumeAttitudes(*motions, off_nadir_rad);
     if (states.empty()) return {};
     const CameraTrajectory assumed(states, kMaxDuration_s);
-    VICTORIOUS_ASSIGN_OR_RETURN(report.sun,
-                                EstimateSunDirection({assumed, recognizer, *extractor_, options_.sun_direction, true},
-                                                     *video.reader, cancel, warn));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        report.sun, EstimateSunDirection({assumed, recognizer, *extractor_, options_.sun_direction, job.threads, true},
+                                         *video.reader, cancel, warn));
     VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
     if (!report.sun) continue;
     video.cameras.SetAssumedAttitudes(std::move(states));
@@ -504,8 +504,8 @@ Status Indexer::EstimateSun(const Recognizer& recognizer, const IndexJob& job, O
     if (report.sun || trajectory == nullptr) return {};
   }
   VICTORIOUS_ASSIGN_OR_RETURN(
-      report.sun, EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.sun_direction}, *video.reader,
-                                       cancel, warn));
+      report.sun, EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.sun_direction, job.threads},
+                                       *video.reader, cancel, warn));
   if (video.reader->info().live) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
   return {};

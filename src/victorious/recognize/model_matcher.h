@@ -1,4 +1,4 @@
-// recognize/, for VoteSearch and EstimateSun: matches templates of one model with one scene (template_matcher.h), pools
+// recognize/, for VoteSearch, ShortlistSearch and EstimateSun: matches templates of one model with one scene (template_matcher.h), pools
 // the best with their neighbours, and collects the poses.
 #pragma once
 

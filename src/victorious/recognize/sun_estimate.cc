@@ -34,7 +34,7 @@ constexpr std::size_t kMaxSunViews = 8;
 // Relit templates of each grid that are made at full resolution and matched in full: those of the most significant
 // proposals at half resolution.
 constexpr std::size_t kMaxMatchedSuns = 12;
-constexpr double kMinMatchedSunNegLog10Nfa = -1;  // of the proposals of the coarse grid, as in ShortlistOptions
+constexpr double kMinMatchedSunNegLog10Nfa = -1;  // of the proposals of the coarse grid
 // Scene keypoints per template keypoint in proposals, as in ShortlistOptions.
 constexpr int kNearestOfProposals = 2;
 // Minimum -log10 NFA of a pose whose shading determines the sun's direction: that of a certain instance (vote_poses.h).

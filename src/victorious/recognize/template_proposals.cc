@@ -25,7 +25,8 @@ constexpr double kSamePlaceFraction = 0.5;
 // A proposal of this -log10 NFA is certain to show an instance: half of the others at its place suffice.
 constexpr double kCertainNegLog10Nfa = 10;
 
-// Proposals from this -log10 NFA on are confirmed by ranks in the whole scene: any other one is dropped.
+// Proposals from this -log10 NFA on are confirmed by ranks in the whole scene: any other one is too
+// insignificant to be refined or verified (ShortlistOptions).
 constexpr double kMinConfirmedNegLog10Nfa = -1;
 constexpr int kMaxSceneRank = 8;
 
