@@ -4,11 +4,11 @@
 // of descriptors need not be compared.
 //
 // Descriptors are partitioned into cells (descriptor_cells.h). Each cell has a list: the quarter of the scene's
-// keypoints that is nearest to its centre, sorted by orientation relative to the vertical's image there. A template
-// keypoint is compared with the list of its cell, in the ranges of allowed rotations: with some 300 of 6,000 scene
-// keypoints. The nearest four by shortened descriptors (kernels/short_nearest.h) are found, and of them the nearest k
-// by whole descriptors, unless these are too different to be of one point (docs/adr/0018). A list is made at the first
-// use.
+// keypoints that is nearest to its centre (of more than 16,384, as of large frames, 4,096), sorted by orientation
+// relative to the vertical's image there. A template keypoint is compared with the list of its cell, in the ranges of
+// allowed rotations: with some 300 of 6,000 scene keypoints. The nearest four by shortened descriptors
+// (kernels/short_nearest.h) are found, and of them the nearest k by whole descriptors, unless these are too different
+// to be of one point (docs/adr/0018). A list is made at the first use.
 #pragma once
 
 #include <array>

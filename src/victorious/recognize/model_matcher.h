@@ -1,5 +1,5 @@
-// recognize/, for VoteSearch, ShortlistSearch and EstimateSun: matches templates of one model with one scene (template_matcher.h), pools
-// the best with their neighbours, and collects the poses.
+// recognize/, for VoteSearch, ShortlistSearch and EstimateSun: matches templates of one model with one scene
+// (template_matcher.h), pools the best with their neighbours, and collects the poses.
 #pragma once
 
 #include <cstddef>
