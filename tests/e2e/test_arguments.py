@@ -161,6 +161,11 @@ class ArgumentsTest(program.ProgramTest):
         self.succeeds("index", VIDEO, "--models", MODELS, "--db", db, "--keep-features", "none", "--to", "0")
         self.refuses(2, ["--keep-features none", "--redo"], "search", "--db", db, "--image", CRATE)
 
+    def test_doctor_says_how_far_a_part_was_searched(self):
+        db = self.scratch / "part.db"
+        self.succeeds("index", VIDEO, "--models", MODELS, "--db", db, "--to", "0")
+        self.assertIn("searched up to frame 1\n", self.succeeds("doctor", db).out)
+
     def test_an_object_that_is_not_in_the_index_is_refused(self):
         for command in (
             ("search",),

@@ -260,9 +260,11 @@ Expected<Report> DescribeIndex(const std::string& db) {
     ordered_json searches = ordered_json::array();
     for (const ModelRecord& model : models) {
       VICTORIOUS_ASSIGN_OR_RETURN(const auto search, store->FindSearch(video.id, model.id));
-      const std::string progress = !search            ? "not searched"
-                                   : search->finished ? "searched to the end"
-                                                      : fmt::format("searched up to frame {}", search->next_frame);
+      // Of a search that ended at --to the number of the video's frames is unknown.
+      const std::string progress = !search ? "not searched"
+                                   : search->finished && video.frame_count
+                                       ? "searched to the end"
+                                       : fmt::format("searched up to frame {}", search->next_frame);
       state += fmt::format("    {}: {}\n", model.name, progress);
       searches.push_back({{"model", model.name},
                           {"next_frame", search ? search->next_frame : 0},
