@@ -1,6 +1,7 @@
 // Shows exact frames of a video. Whatever the browser presents is copied to a canvas together with the number of its
 // frame, looked up by its time stamp in the table of presentation times; everything drawn over it uses that number, so
-// that box and picture cannot part. Of a video that the browser cannot play, the server makes a copy; until it is there,
+// that box and picture cannot part. The time stamp is that of the copied picture: the browser may have gone on to
+// another one since it announced a frame. Of a video that the browser cannot play, the server makes a copy; until it is there,
 // the video is shown frame by frame as images.
 import { batch, effect, signal } from "@preact/signals";
 
@@ -18,6 +19,15 @@ export const playbackRate = signal(1);
 
 /** The picture of state.shownFrame, in the video's pixels. */
 export const frameCanvas = document.createElement("canvas");
+
+/** The picture that the element shows now; null: the browser cannot hold it (it lacks WebCodecs, or nothing is decoded). */
+function holdPicture(element: HTMLVideoElement): VideoFrame | null {
+  try {
+    return new VideoFrame(element);
+  } catch {
+    return null;
+  }
+}
 
 class Player {
   private element: HTMLVideoElement | null = null;
@@ -96,14 +106,16 @@ class Player {
     const element = this.element;
     if (!element) return;
     element.requestVideoFrameCallback(this.onFrame);
+    const picture = holdPicture(element);
+    const time = picture ? picture.timestamp / 1e6 : metadata.mediaTime;
     // The first frame that a video presents is its first one.
     const isFirst = this.origin === null;
-    this.origin ??= metadata.mediaTime;
+    this.origin ??= time;
     const table = this.table();
     // If the table arrives later, the frame is asked for again then.
-    if (!table) return;
-    this.show(element, table.nearest(metadata.mediaTime - this.origin), metadata.width, metadata.height);
-    if (isFirst) this.seekOn();
+    if (table) this.show(picture ?? element, table.nearest(time - this.origin), metadata.width, metadata.height);
+    picture?.close();
+    if (table && isFirst) this.seekOn();
   };
 
   private show(picture: CanvasImageSource, frame: number, width: number, height: number) {
