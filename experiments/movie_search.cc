@@ -11,6 +11,7 @@
 #include "experiments/indexed_movie.h"
 #include "experiments/video_frames.h"
 #include "victorious/evaluate/score.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/video/video_reader.h"
@@ -77,7 +78,8 @@ Expected<SearchedFrame> SearchFrame(const SearchContext& search, const Frame& fr
   searched.conditions = MakeFrameConditions(searched.camera, frame.image.size(), search.sun);
   VICTORIOUS_ASSIGN_OR_RETURN(searched.features, search.extractor->Extract(frame.image));
   VICTORIOUS_ASSIGN_OR_RETURN(searched.detections,
-                              search.recognizer.Recognize(searched.features, searched.conditions, frame.image));
+                              search.recognizer.Recognize(searched.features, searched.conditions,
+                                                          RemoveImpulses(frame.image, kDefaultImpulseFraction)));
   searched.truth = PairDetections(search, searched);
   return searched;
 }

@@ -19,6 +19,7 @@
 #include "victorious/base/stage_time.h"
 #include "victorious/calibrate/sun_direction.h"
 #include "victorious/evaluate/score.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_track.h"
@@ -129,6 +130,7 @@ Expected<std::vector<Tally>> SearchFrames(const std::string& movie, std::span<co
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     settings.progress(fmt::format("{}: frame {}", movie, frame.index));
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor.Extract(frame.image));
+    const cv::Mat clean = RemoveImpulses(frame.image, kDefaultImpulseFraction);
     const FrameConditions conditions = MakeFrameConditions(all.cameras.At(frame.time_s), frame.image.size(), all.sun);
     std::vector<TruthRow> rows;
     std::ranges::copy_if(truth, std::back_inserter(rows),
@@ -137,7 +139,7 @@ Expected<std::vector<Tally>> SearchFrames(const std::string& movie, std::span<co
     for (std::size_t i = 0; i < recognizers.size(); ++i) {
       MeasureStages(true);
       VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections,
-                                  recognizers[i].Recognize(features, conditions, frame.image));
+                                  recognizers[i].Recognize(features, conditions, clean));
       MeasureStages(false);
       Tally& tally = tallies[i];
       tally.matching_s += StageTimes()[static_cast<std::size_t>(Stage::kMatching)];

@@ -155,7 +155,9 @@ class ModelsTest(program.ProgramTest):
                 self.assertFalse(db.exists())
         self.succeeds("model", "show", "truck", "--models", self.scratch / "models")
         self.succeeds("model", "remove", "crate", "--models", self.scratch / "models")
-        self.succeeds("model", "list", "--models", self.scratch / "models")
+        self.assertNotIn("no models", self.succeeds("model", "list", "--models", self.scratch / "models").err)
+        self.succeeds("model", "remove", "truck", "--models", self.scratch / "models")
+        self.assertIn("no models", self.succeeds("model", "list", "--models", self.scratch / "models").err)
 
 
 class IndexesTest(program.ProgramTest):

@@ -10,7 +10,9 @@
 
 #include "victorious/base/count_text.h"
 #include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/base/median.h"
+#include "victorious/base/one_line.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/cmd_model.h"
 #include "victorious/cli/output_files.h"
@@ -73,6 +75,7 @@ std::string SizeText(const ObjectModel& model) {
 
 Status List(const ListArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectModel> models, ModelLibrary(arguments.folder).LoadAll());
+  if (models.empty()) LogInfo("{}: no models: `victorious model add` makes one", OneLine(arguments.folder));
   std::string text;
   if (!arguments.json)
     text = fmt::format("{:<24} {:<7} {:>6} {:>9}  {:<9} {}\n", "name", "kind", "views", "features", "length", "engine");
@@ -121,7 +124,7 @@ Status Show(const ShowArguments& arguments, const ArgumentParser& parser) {
     return WriteOutput("", DumpJson(json) + "\n");
   }
   if (findable) return WriteOutput("", model.name + "\n" + ToText(*findable));
-  std::string text = fmt::format(
+  const std::string text = fmt::format(
       "{}\n  from      {}\n  length    {}\n  features  {} in {}\n  engine    {}, version {}\n  options   {}\n",
       model.name, ToText(model.kind), SizeText(model), model.features.size(), CountText(model.views.size(), "view"),
       model.engine, model.program_version, model.options_json);

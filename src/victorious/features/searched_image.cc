@@ -23,7 +23,7 @@ Expected<cv::Mat> MakeSearchedImage(const cv::Mat& grey, const FeatureOptions& o
   const cv::Size size(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink));
   if (std::min(size.width, size.height) < kMinSidePx) return cv::Mat();
   try {
-    const cv::Mat clean = options.impulse_fraction < 1 ? RemoveImpulses(grey, options.impulse_fraction) : grey;
+    cv::Mat clean = RemoveImpulses(grey, options.impulse_fraction);
     if (size == grey.size()) return clean;
     cv::Mat small;
     cv::resize(clean, small, size, 0, 0, cv::INTER_AREA);

@@ -163,7 +163,7 @@ uchar InterpolatePixel(const cv::Mat& grey, const cv::Mat& impulses, int x, int 
 }  // namespace
 
 cv::Mat RemoveImpulses(const cv::Mat& grey, double min_fraction) {
-  if (std::min(grey.rows, grey.cols) < 5) return grey;
+  if (min_fraction >= 1 || std::min(grey.rows, grey.cols) < 5) return grey;
   cv::Mat median;
   cv::medianBlur(grey, median, 3);
   if (ImpulseFraction(grey, median) < min_fraction) return grey;

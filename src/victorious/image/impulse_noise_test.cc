@@ -44,6 +44,11 @@ TEST(ImpulseNoise, RemovesSaltAndPepper) {
   }
 }
 
+TEST(ImpulseNoise, FromAFractionOfOneOnNothingIsRemoved) {
+  const cv::Mat noisy = WithSaltAndPepper(Hills(), 0.15);
+  EXPECT_EQ(RemoveImpulses(noisy, 1).data, noisy.data);
+}
+
 // In a dark image only salt differs from the background.
 TEST(ImpulseNoise, IsDetectedInDarkImages) {
   const cv::Mat clean = Hills() / 6;

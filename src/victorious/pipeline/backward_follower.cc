@@ -14,9 +14,8 @@ std::size_t HeldFrameCount(const FollowOptions& options, std::size_t frame_bytes
   return std::min(static_cast<std::size_t>(options.backward_frames), fitting);
 }
 
-Status FollowBackward(const Recognizer& recognizer, const FeatureExtractor& extractor, double impulse_fraction,
-                      const FollowOptions& options, const FollowedFrame& now, const FeatureSet& features,
-                      std::span<FollowedFrame* const> before) {
+Status FollowBackward(const Recognizer& recognizer, const FeatureExtractor& extractor, const FollowOptions& options,
+                      const FollowedFrame& now, const FeatureSet& features, std::span<FollowedFrame* const> before) {
   std::vector<Detection> started;
   std::vector<std::int64_t> tracks;  // of the detections
   for (const ObservedObject& object : now.objects) {
@@ -25,8 +24,8 @@ Status FollowBackward(const Recognizer& recognizer, const FeatureExtractor& extr
     tracks.push_back(object.track.value());
   }
   if (started.empty() || before.empty()) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      Follower follower, Follower::Create(recognizer, extractor, impulse_fraction, options, FrameOrder::kBackward));
+  VICTORIOUS_ASSIGN_OR_RETURN(Follower follower,
+                              Follower::Create(recognizer, extractor, options, FrameOrder::kBackward));
   std::map<std::int64_t, std::int64_t> track_of;  // by the track of `follower`
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> at_start,
                               follower.Follow(now.frame, FullFrameResult{features, started}, now.conditions));

@@ -25,7 +25,7 @@ namespace victorious {
 
 /// A frame that was followed, and the objects known in it.
 struct FollowedFrame {
-  Frame frame;
+  Frame frame;  ///< without impulse noise
   FrameConditions conditions;
   std::vector<ObservedObject> objects;
 };
@@ -40,7 +40,7 @@ struct FollowedFrame {
 /// @param before    the frames before `now`, the nearest first, without gaps
 /// Errors: those of feature extraction.
 [[nodiscard]] Status FollowBackward(const Recognizer& recognizer, const FeatureExtractor& extractor,
-                                    double impulse_fraction, const FollowOptions& options, const FollowedFrame& now,
-                                    const FeatureSet& features, std::span<FollowedFrame* const> before);
+                                    const FollowOptions& options, const FollowedFrame& now, const FeatureSet& features,
+                                    std::span<FollowedFrame* const> before);
 
 }  // namespace victorious

@@ -42,7 +42,7 @@ class BackwardFollowerTest : public ::testing::Test {
   [[nodiscard]] Status Follow() {
     std::vector<FollowedFrame*> nearest_first;
     for (int i = kFrames - 2; i >= 0; --i) nearest_first.push_back(&before_[static_cast<std::size_t>(i)]);
-    return FollowBackward(recognizer_, *extractor_, 0.01, {}, now_, features_, nearest_first);
+    return FollowBackward(recognizer_, *extractor_, {}, now_, features_, nearest_first);
   }
 
   void SetUp() override {
@@ -111,11 +111,11 @@ TEST_F(BackwardFollowerTest, FollowsOnlyWhatStartsATrack) {
 TEST(HeldFrameCount, IsBoundedByOptionAndMemory) {
   FollowOptions options;
   options.backward_frames = 20;
-  EXPECT_EQ(HeldFrameCount(options, 640 * 480), 20);
-  EXPECT_EQ(HeldFrameCount(options, 3840 * 2160), 7) << "64 MB";
+  EXPECT_EQ(HeldFrameCount(options, 640UL * 480), 20);
+  EXPECT_EQ(HeldFrameCount(options, 3840UL * 2160), 7) << "64 MB";
   EXPECT_EQ(HeldFrameCount(options, 1'000'000'000), 1);
   options.backward_frames = 0;
-  EXPECT_EQ(HeldFrameCount(options, 640 * 480), 0);
+  EXPECT_EQ(HeldFrameCount(options, 640UL * 480), 0);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include "victorious/geometry/angles.h"
-#include "victorious/image/impulse_noise.h"
 #include "victorious/pipeline/region_features.h"
 
 namespace victorious {
@@ -43,12 +42,6 @@ constexpr double kTimeRounding_s = 0.002;
 
 Box StepBox(const TrackStep& step) { return step.seen() ? step.box : BoundingBox(step.outline); }
 
-Frame RemoveImpulseNoise(const Frame& frame, double impulse_fraction) {
-  Frame clean = frame;
-  if (impulse_fraction < 1) clean.image = RemoveImpulses(frame.image, impulse_fraction);
-  return clean;
-}
-
 FeatureSet WithoutDescriptors(const FeatureSet& features) {
   return {.keypoints = features.keypoints,
           .descriptors = {},
@@ -60,10 +53,10 @@ FeatureSet WithoutDescriptors(const FeatureSet& features) {
 }  // namespace
 
 Expected<Follower> Follower::Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
-                                    double impulse_fraction, const FollowOptions& options, FrameOrder order) {
+                                    const FollowOptions& options, FrameOrder order) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker tracker, RegionTracker::Create(options.track));
-  return Follower(recognizer, extractor, impulse_fraction, options, order, std::move(tracker));
+  return Follower(recognizer, extractor, options, order, std::move(tracker));
 }
 
 void Follower::Stop(std::int64_t track) {
@@ -211,9 +204,7 @@ ObservedObject Follower::MakeTrackedObject(const TrackStep& step, const Frame& f
 
 Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const std::optional<FullFrameResult>& whole,
                                                        const FrameConditions& conditions, RegionSearches searches) {
-  const Frame clean =
-      RemoveImpulseNoise(frame, impulse_fraction_);  // over the whole frame: a region has too few pixels for it
-  std::vector<TrackStep> open = Step(clean);
+  std::vector<TrackStep> open = Step(frame);
   std::vector<ObservedObject> seen;
   if (whole) {
     const std::vector<std::optional<std::uint64_t>> tracks = FindTracks(whole->detections, open);
@@ -226,7 +217,7 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
   for (TrackStep& step : open) regions.push_back({.step = std::move(step)});
   oneapi::tbb::this_task_arena::isolate([&] {  // else a waiting thread could start on another frame
     oneapi::tbb::parallel_for_each(regions, [&](Region& region) {
-      if (IsSearchDue(region.step, frame, searches)) Search(clean, conditions, region);
+      if (IsSearchDue(region.step, frame, searches)) Search(frame, conditions, region);
     });
   });
   for (Region& region : regions) {

@@ -84,10 +84,10 @@ class Follower {
  public:
   /// The references outlive it. Errors: options out of range.
   [[nodiscard]] static Expected<Follower> Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
-                                                 double impulse_fraction, const FollowOptions& options,
-                                                 FrameOrder order = FrameOrder::kForward);
+                                                 const FollowOptions& options, FrameOrder order = FrameOrder::kForward);
 
   /// Processes the next frame.
+  /// @param frame  without impulse noise (RemoveImpulses), which a region has too few pixels to be recognised by
   /// @param whole  result of the full-frame search; std::nullopt if only regions are searched
   /// @return the objects in the frame: first those of the full-frame search, then by track
   /// Errors: those of feature extraction.
@@ -118,11 +118,10 @@ class Follower {
     std::optional<Detection> found;
   };
 
-  Follower(const Recognizer& recognizer, const FeatureExtractor& extractor, double impulse_fraction,
-           const FollowOptions& options, FrameOrder order, RegionTracker tracker)
+  Follower(const Recognizer& recognizer, const FeatureExtractor& extractor, const FollowOptions& options,
+           FrameOrder order, RegionTracker tracker)
       : recognizer_(recognizer),
         extractor_(extractor),
-        impulse_fraction_(impulse_fraction),
         options_(options),
         order_(order),
         tracker_(std::move(tracker)) {}
@@ -141,7 +140,6 @@ class Follower {
 
   const Recognizer& recognizer_;
   const FeatureExtractor& extractor_;
-  double impulse_fraction_;
   FollowOptions options_;
   FrameOrder order_;
   RegionTracker tracker_;

@@ -29,7 +29,7 @@ class FollowerTest : public ::testing::Test {
   Frames FollowAll(int every, const FollowOptions& options, double frame_rate = 10,
                    RegionSearches searches = RegionSearches::kAllDue) {
     Frames result;
-    Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, options).value();
+    Follower follower = Follower::Create(recognizer_, *extractor_, options).value();
     for (int i = 0; i < kFrames; ++i) {
       cv::Mat grey;
       cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
@@ -114,7 +114,7 @@ TEST_F(FollowerTest, WithoutTimeOnlyUnconfirmedTracksAreSearched) {
 // A detection in a predicted region confirms the position; its score is capped by the full-frame score.
 TEST_F(FollowerTest, RegionScoreIsCappedByFullFrameScore) {
   constexpr double kScore = 0.85;
-  Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, {}).value();
+  Follower follower = Follower::Create(recognizer_, *extractor_, {}).value();
   int between = 0;
   for (int i = 0; i < kFrames; ++i) {
     cv::Mat grey;
@@ -211,7 +211,7 @@ TEST_F(FollowerTest, DetectionsTakeTracksByOverlap) {
   std::vector<Detection> detections = recognizer_.Recognize(features).value();
   ASSERT_FALSE(detections.empty());
   detections.resize(1);
-  Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, {}).value();
+  Follower follower = Follower::Create(recognizer_, *extractor_, {}).value();
   const auto follow = [&](std::int64_t index) {
     return follower.Follow({.index = index, .time_s = 0, .image = grey}, FullFrameResult{features, detections}, {})
         .value();
@@ -233,7 +233,7 @@ TEST_F(FollowerTest, RestartDiscardsEarlierState) {
   FollowOptions options;
   options.restart_interval_frames = 12;
   const Frames all = FollowAll(6, options);
-  Follower late = Follower::Create(recognizer_, *extractor_, 0.01, options).value();
+  Follower late = Follower::Create(recognizer_, *extractor_, options).value();
   for (int i = 12; i < kFrames; ++i) {
     cv::Mat grey;
     cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);

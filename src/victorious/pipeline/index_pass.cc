@@ -14,6 +14,7 @@
 #include "victorious/base/count_text.h"
 #include "victorious/base/stage_time.h"
 #include "victorious/calibrate/sun_direction.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/backward_follower.h"
@@ -191,7 +192,8 @@ Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Fr
   return extractor.Extract(frame.image);
 }
 
-// Features, recognition and categories of full frames. Parallel.
+// Features, recognition and categories of full frames. The image is left without impulse noise: objects are tracked in
+// it. Parallel.
 Status Search(const IndexPass& pass, FrameTask& work) {
   if (work.classify) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->Find(work.now.frame.image));
@@ -200,10 +202,15 @@ Status Search(const IndexPass& pass, FrameTask& work) {
   if (work.keep) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.kept, ExtractFeatures(pass.kept_extractor, work.now.frame));
   }
-  if (!work.whole || pass.recognizer.models().empty()) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      work.detections, pass.recognizer.Recognize(work.features, work.now.conditions, work.now.frame.image, work.views));
+  if (work.motion_only || pass.recognizer.models().empty()) return {};
+  if (work.whole) {
+    VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
+  }
+  cv::Mat& image = work.now.frame.image;
+  image = RemoveImpulses(image, pass.options.features.impulse_fraction);  // not before: the extractors do it themselves
+  if (!work.whole) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(work.detections,
+                              pass.recognizer.Recognize(work.features, work.now.conditions, image, work.views));
   return {};
 }
 
@@ -402,16 +409,14 @@ class TrackingStage {
   [[nodiscard]] static Expected<TrackingStage> Create(const IndexPass& pass, bool is_live, ResultWriter& writer) {
     TrackingStage stage(pass, is_live, writer);
     if (IsTrackingEnabled(pass)) {
-      VICTORIOUS_ASSIGN_OR_RETURN(
-          Follower follower,
-          Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_fraction, pass.follow));
+      VICTORIOUS_ASSIGN_OR_RETURN(Follower follower, Follower::Create(pass.recognizer, pass.extractor, pass.follow));
       stage.follower_.emplace(std::move(follower));
     }
     return stage;
   }
 
   Status Add(FrameTask& task) {
-    FollowedFrame& now = task.now;
+    const FollowedFrame& now = task.now;
     if (now.frame.index % pass_.follow.restart_interval_frames == 0) VICTORIOUS_RETURN_IF_ERROR(Finish());
     {
       const StageScope scope(Stage::kTracking);
@@ -450,8 +455,7 @@ class TrackingStage {
     VICTORIOUS_ASSIGN_OR_RETURN(now.objects, follower_->Follow(now.frame, whole, now.conditions, searches));
     std::vector<FollowedFrame*> before;
     for (FrameTask& held : held_ | std::views::reverse) before.push_back(&held.now);
-    return FollowBackward(pass_.recognizer, pass_.extractor, pass_.options.features.impulse_fraction, pass_.follow, now,
-                          task.features, before);
+    return FollowBackward(pass_.recognizer, pass_.extractor, pass_.follow, now, task.features, before);
   }
 
   // Makes the sightings of the oldest held frame.
@@ -476,6 +480,14 @@ class TrackingStage {
   std::optional<Follower> follower_;
   std::deque<FrameTask> held_;  // oldest first
 };
+
+std::string MissedBudgetText(std::chrono::duration<double> budget, std::chrono::duration<double> mean) {
+  constexpr double kMsPerS = 1e3;
+  return fmt::format(
+      "a frame took {:.3g} ms on average, more than the budget of {:.3g} ms: the first frame, and tracking, take what "
+      "they need",
+      kMsPerS * mean.count(), kMsPerS * budget.count());
+}
 
 }  // namespace
 
@@ -510,6 +522,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
        }),
        InOrder<FrameTask>([&](FrameTask& task) { return tracking.Add(task); })});
   if (warn) {
+    if (const auto mean = pace.MissedBudget()) warn(MissedBudgetText(*pass.frame_budget, *mean));
     std::ranges::for_each(reader.warnings(), warn);
     for (const std::string& warning : pass.cameras.LiveWarnings()) warn("telemetry: " + warning);
   }

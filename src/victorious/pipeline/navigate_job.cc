@@ -13,6 +13,7 @@
 
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/model_engine.h"
@@ -130,12 +131,14 @@ class Pass {
     FeatureSet features;
     std::vector<Detection> detections;
     std::optional<FullFrameResult> searched;
+    Frame clean = frame;
+    clean.image = RemoveImpulses(frame.image, context_.options.features.impulse_fraction);
     if (whole) {
       VICTORIOUS_ASSIGN_OR_RETURN(features, context_.extractor.Extract(frame.image));
-      VICTORIOUS_ASSIGN_OR_RETURN(detections, context_.recognizer.Recognize(features, conditions, frame.image));
+      VICTORIOUS_ASSIGN_OR_RETURN(detections, context_.recognizer.Recognize(features, conditions, clean.image));
       searched.emplace(features, detections);
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> all, follower_.Follow(frame, searched, conditions));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> all, follower_.Follow(clean, searched, conditions));
     landmarks_last_ = all.size();
     for (const ObservedObject& seen : all) AddSighting(seen, camera);
     frames_.push_back({frame.time_s, std::nullopt});
@@ -197,8 +200,7 @@ Expected<Pass> RunPass(const PassContext& context, const Source& source, const C
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Follower follower,
-                              Follower::Create(context.recognizer, context.extractor,
-                                               context.options.features.impulse_fraction, context.options.follow));
+                              Follower::Create(context.recognizer, context.extractor, context.options.follow));
   Pass pass(context, std::move(follower), cameras, known);
   FrameLoop loop(*reader, cancel, {.label = source.video});
   VICTORIOUS_ASSIGN_OR_RETURN(const FrameLoopEnd end,

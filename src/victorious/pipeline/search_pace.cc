@@ -26,4 +26,11 @@ bool SearchPace::HasTime() const {
   return !frame_budget_ || now_() - *start_ <= *frame_budget_ * static_cast<double>(frames_);
 }
 
+std::optional<std::chrono::duration<double>> SearchPace::MissedBudget() const {
+  constexpr double kAllowance = 1.1;  // the last search begins before the budget is spent, and ends after it
+  if (!frame_budget_ || frames_ == 0) return std::nullopt;
+  const std::chrono::duration<double> mean = (now_() - *start_) / static_cast<double>(frames_);
+  return mean > kAllowance * *frame_budget_ ? std::optional(mean) : std::nullopt;
+}
+
 }  // namespace victorious

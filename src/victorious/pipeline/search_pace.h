@@ -31,6 +31,9 @@ class SearchPace {
   /// True if the whole of it can be searched. Of a live source one frame at a time is: the later ones wait for it.
   [[nodiscard]] bool HasTimeForAll() const { return HasTime() && !(is_live_ && full_searches_ > 0); }
 
+  /// What a frame took on average until now, where that is a tenth more than the budget, or worse.
+  [[nodiscard]] std::optional<std::chrono::duration<double>> MissedBudget() const;
+
   void BeginFullSearch() { ++full_searches_; }
   void EndFullSearch() { --full_searches_; }
 

@@ -56,6 +56,19 @@ TEST(SearchPace, HoldsItsBudget) {
   }
   EXPECT_LE(now - SearchPace::Clock::time_point{}, kBudget * kFrames + kSearch + kTracking);
   EXPECT_NEAR(searched, (kBudget - kTracking) * kFrames / kSearch, 1);
+  EXPECT_FALSE(pace.MissedBudget());
+}
+
+TEST(SearchPace, SaysWhatAFrameTookIfTrackingAloneTakesLonger) {
+  constexpr milliseconds kTracking{50};
+  SearchPace::Clock::time_point now{};
+  SearchPace pace(milliseconds{33}, false, [&] { return now; });
+  EXPECT_FALSE(pace.MissedBudget());
+  for (int frame = 0; frame < 10; ++frame) {
+    pace.Enter(0);
+    now += kTracking;
+  }
+  EXPECT_EQ(pace.MissedBudget(), kTracking);
 }
 
 }  // namespace

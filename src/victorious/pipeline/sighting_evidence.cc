@@ -53,14 +53,13 @@ Expected<FeatureSet> SearchedFeatures(const SightingRecord& sighting, const cv::
   const Box& box = sighting.box;
   const Box region{box.x - margin * box.width, box.y - margin * box.height, (1 + 2 * margin) * box.width,
                    (1 + 2 * margin) * box.height};
-  const double impulse_fraction = options.features.impulse_fraction;
-  return FeaturesIn(impulse_fraction < 1 ? RemoveImpulses(grey, impulse_fraction) : grey, region, *extractor);
+  return FeaturesIn(RemoveImpulses(grey, options.features.impulse_fraction), region, *extractor);
 }
 
 }  // namespace
 
 Expected<TelemetryOptions> TelemetryOptionsOf(const std::string& options_json) {
-  VICTORIOUS_ASSIGN_OR_RETURN(IndexOptions options, ParseSearchOptions(options_json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ParseSearchOptions(options_json));
   return options.telemetry;
 }
 

@@ -12,7 +12,6 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/image/impulse_noise.h"
 
 namespace victorious {
 
@@ -262,8 +261,7 @@ double MeanRadiusPx(const ViewAppearance& appearance, double scale) {
 
 cv::Mat PrepareSceneForNcc(const cv::Mat& grey) {
   cv::Mat scene;
-  const cv::Mat clean = RemoveImpulses(grey, kDefaultImpulseFraction);
-  clean.convertTo(scene, CV_32F);
+  grey.convertTo(scene, CV_32F);
   cv::GaussianBlur(scene, scene, {}, kAppearanceBlur_px);
   return scene;
 }

@@ -34,8 +34,8 @@ struct NccOptions {
   double neutral_z_score = 2.3;      ///< z that leaves the -log10 NFA unchanged; fitted as said above
 };
 
-/// Prepares a scene for NCC: removes impulse noise and blurs by kAppearanceBlur_px.
-/// @param grey  CV_8UC1
+/// Prepares a scene for NCC: blurs by kAppearanceBlur_px.
+/// @param grey  CV_8UC1, without impulse noise
 /// @return CV_32FC1 of the same size
 [[nodiscard]] cv::Mat PrepareSceneForNcc(const cv::Mat& grey);
 

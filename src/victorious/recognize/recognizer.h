@@ -51,7 +51,8 @@ class Recognizer {
   /// The detections of all models, by falling score. Deterministic.
   /// @param conditions  known priors: restrict models with known view angles to upright poses, and relight their
   ///                    templates for the sun
-  /// @param grey        the scene's image, CV_8UC1, for the NCC rescoring of uncertain detections; empty: no rescoring
+  /// @param grey        the scene's image, CV_8UC1, without impulse noise (RemoveImpulses), for the NCC rescoring of
+  ///                    uncertain detections; empty: no rescoring
   /// @param part        of the views, for the frames of a video
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<std::vector<Detection>> Recognize(const FeatureSet& scene,
