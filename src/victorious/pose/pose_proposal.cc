@@ -1,6 +1,7 @@
 #include "victorious/pose/pose_proposal.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -123,16 +124,16 @@ class Proposer {
   }
 
   void CollectVotes() {
-    std::vector<std::pair<float, std::uint32_t>> order;  // log scale and match
+    std::vector<std::uint64_t> order;  // the ratio of scales, whose bits rise with it, then the match
     order.reserve(matches_.size());
     for (std::uint32_t i = 0; i < matches_.size(); ++i) {
       const float scale =
           scene_.keypoints[matches_[i].scene_keypoint].scale_px / model_[matches_[i].template_keypoint].scale_px;
-      order.emplace_back(std::log(scale), i);
+      order.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(scale)} << 32 | i);
     }
     std::ranges::sort(order);
     for (std::size_t k = 0; k < order.size(); ++k) {
-      const auto [log_scale, i] = order[k];
+      const auto i = static_cast<std::uint32_t>(order[k]);
       const Keypoint& s = scene_.keypoints[matches_[i].scene_keypoint];
       const Keypoint& m = model_[matches_[i].template_keypoint];
       const float scale = s.scale_px / m.scale_px;
@@ -143,7 +144,7 @@ class Proposer {
       const float d = scale * std::sin(turn_rad);
       const float x = static_cast<float>(centre_.x()) - m.x;
       const float y = static_cast<float>(centre_.y()) - m.y;
-      votes_.log_scale[k] = log_scale;
+      votes_.log_scale[k] = std::log(scale);
       votes_.turn_rad[k] = turn_rad;
       votes_.centre_x[k] = s.x + c * x - d * y;
       votes_.centre_y[k] = s.y + d * x + c * y;

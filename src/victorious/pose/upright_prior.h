@@ -37,7 +37,8 @@ class UprightPrior {
   /// @param centre_px  object centre in the scene
   /// @param turn_rad   in-plane rotation from view to scene, clockwise
   [[nodiscard]] bool IsAllowed(const Eigen::Vector2d& centre_px, double turn_rad) const {
-    const Eigen::Vector3d up = ViewUpVector(off_nadir_rad_, turn_rad);
+    const double across = up_in_view_.y();
+    const Eigen::Vector3d up(-across * std::sin(turn_rad), across * std::cos(turn_rad), up_in_view_.z());
     return (vertical_ ? up.dot(vertical_->UpVectorAt(centre_px)) : -up.y()) >= min_component_;
   }
 
@@ -70,13 +71,15 @@ class UprightPrior {
                double allowed_fraction)
       : vertical_(vertical),
         off_nadir_rad_(off_nadir_rad),
+        up_in_view_(ViewUpVector(off_nadir_rad, 0)),
         min_component_(min_component),
         allowed_fraction_(allowed_fraction) {}
 
   std::optional<Vertical> vertical_;
   double off_nadir_rad_;
-  double min_component_;     // minimum component of the object's up axis along the vertical, or upwards in the image
-  double allowed_fraction_;  // fraction of views x rotations that is allowed
+  Eigen::Vector3d up_in_view_;  // the object's up axis, in the y-z plane of the view's camera
+  double min_component_;        // minimum component of the object's up axis along the vertical, or upwards in the image
+  double allowed_fraction_;     // fraction of views x rotations that is allowed
 };
 
 }  // namespace victorious

@@ -59,15 +59,75 @@ constexpr int kTriesPerNullSample = 4;
 // Bound of the null distribution's standard deviation from below, in a frame without texture.
 constexpr double kMinNullDeviation = 0.02;
 
+// Weak perspective of hypotheses that differ in few parameters: the rotation of an angle is computed only when the angle
+// changes.
+class Projector {
+ public:
+  explicit Projector(const Eigen::Quaterniond& camera_from_model) : camera_from_model_(camera_from_model) {}
+
+  // From positions relative to the samples' centroid, m, to the scene relative to its projection, px.
+  Eigen::Matrix<float, 2, 3> At(const PoseHypothesis& hypothesis) {
+    turn_.Set(hypothesis.turn_rad, Eigen::Vector3d::UnitZ());
+    tip_.Set(hypothesis.tip_rad, Eigen::Vector3d::UnitX());
+    yaw_.Set(hypothesis.yaw_rad, Eigen::Vector3d::UnitZ());
+    const Eigen::Matrix3d turned =
+        (turn_.rotation * tip_.rotation * camera_from_model_ * yaw_.rotation).toRotationMatrix();
+    return (std::exp(hypothesis.log_scale) * turned.topRows<2>()).cast<float>();
+  }
+
+ private:
+  struct Turn {
+    double angle_rad = 0;
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+
+    void Set(double new_angle_rad, const Eigen::Vector3d& axis) {
+      if (new_angle_rad == angle_rad) return;
+      angle_rad = new_angle_rad;
+      rotation = Eigen::AngleAxisd(angle_rad, axis);
+    }
+  };
+
+  Eigen::Quaterniond camera_from_model_;
+  Turn turn_;
+  Turn tip_;
+  Turn yaw_;
+};
+
+// The sums of a correlation between brightness a of the samples and b of the scene.
+struct Correlation {
+  double n = 0;
+  double sum_a = 0;
+  double sum_b = 0;
+  double sum_aa = 0;
+  double sum_bb = 0;
+  double sum_ab = 0;
+
+  [[nodiscard]] double Fisher() const {
+    const double variance_a = sum_aa / n - sum_a * sum_a / (n * n) + kVarianceFloor;
+    const double variance_b = sum_bb / n - sum_b * sum_b / (n * n) + kVarianceFloor;
+    const double r = (sum_ab / n - sum_a * sum_b / (n * n)) / std::sqrt(variance_a * variance_b);
+    return std::atanh(std::clamp(r, -kMaxCorrelation, kMaxCorrelation));
+  }
+};
+
 class NccEvaluator {
  public:
   // @param min_samples  minimum number of samples in the frame
   NccEvaluator(const cv::Mat& scene, const ViewAppearance& appearance, double min_samples)
-      : scene_(scene), appearance_(appearance), min_samples_(min_samples) {}
+      : scene_(scene), appearance_(appearance), min_samples_(min_samples), projector_(appearance.camera_from_model) {
+    float radius2_m2 = 0;
+    for (const SurfaceSample& point : appearance.points) {
+      all_.n += 1;
+      all_.sum_a += point.brightness;
+      all_.sum_aa += static_cast<double>(point.brightness) * point.brightness;
+      radius2_m2 = std::max(radius2_m2, point.position_m.squaredNorm());
+    }
+    radius_m_ = std::sqrt(static_cast<double>(radius2_m2));
+  }
 
   // The samples that project into the frame.
-  [[nodiscard]] std::vector<SurfaceSample> SamplesInFrame(const PoseHypothesis& hypothesis) const {
-    const Eigen::Matrix<float, 2, 3> project = Projection(hypothesis);
+  [[nodiscard]] std::vector<SurfaceSample> SamplesInFrame(const PoseHypothesis& hypothesis) {
+    const Eigen::Matrix<float, 2, 3> project = projector_.At(hypothesis);
     const Eigen::Vector2f middle = Centre(hypothesis);
     std::vector<SurfaceSample> samples_in_frame;
     for (const SurfaceSample& point : appearance_.points) {
@@ -77,36 +137,38 @@ class NccEvaluator {
   }
 
   // atanh of the correlation; std::nullopt if too few samples are in the frame.
-  [[nodiscard]] std::optional<double> ScoreAt(const PoseHypothesis& hypothesis) const {
-    const Eigen::Matrix<float, 2, 3> project = Projection(hypothesis);
+  [[nodiscard]] std::optional<double> ScoreAt(const PoseHypothesis& hypothesis) {
+    const Eigen::Matrix<float, 2, 3> project = projector_.At(hypothesis);
     const Eigen::Vector2f middle = Centre(hypothesis);
-    double n = 0;
-    double sum_a = 0;
-    double sum_b = 0;
-    double sum_aa = 0;
-    double sum_bb = 0;
-    double sum_ab = 0;
-    for (const SurfaceSample& point : appearance_.points) {
-      const Eigen::Vector2f at = project * point.position_m + middle;
-      if (!IsInFrame(at)) continue;
-      const double a = point.brightness;
-      const double b = scene_.at<float>(static_cast<int>(at.y()), static_cast<int>(at.x()));
-      n += 1;
-      sum_a += a;
-      sum_b += b;
-      sum_aa += a * a;
-      sum_bb += b * b;
-      sum_ab += a * b;
+    Correlation sums;
+    if (AreAllInFrame(hypothesis)) {
+      sums = all_;
+      for (const SurfaceSample& point : appearance_.points) {
+        const double b = SceneAt(project * point.position_m + middle);
+        sums.sum_b += b;
+        sums.sum_bb += b * b;
+        sums.sum_ab += point.brightness * b;
+      }
+    } else {
+      for (const SurfaceSample& point : appearance_.points) {
+        const Eigen::Vector2f at = project * point.position_m + middle;
+        if (!IsInFrame(at)) continue;
+        const double a = point.brightness;
+        const double b = SceneAt(at);
+        sums.n += 1;
+        sums.sum_a += a;
+        sums.sum_b += b;
+        sums.sum_aa += a * a;
+        sums.sum_bb += b * b;
+        sums.sum_ab += a * b;
+      }
     }
-    if (n < min_samples_) return std::nullopt;
-    const double variance_a = sum_aa / n - sum_a * sum_a / (n * n) + kVarianceFloor;
-    const double variance_b = sum_bb / n - sum_b * sum_b / (n * n) + kVarianceFloor;
-    const double r = (sum_ab / n - sum_a * sum_b / (n * n)) / std::sqrt(variance_a * variance_b);
-    return std::atanh(std::clamp(r, -kMaxCorrelation, kMaxCorrelation));
+    if (sums.n < min_samples_) return std::nullopt;
+    return sums.Fisher();
   }
 
   // The maximum NCC score by hill climbing from a hypothesis.
-  [[nodiscard]] std::optional<double> MaximiseScore(PoseHypothesis hypothesis) const {
+  [[nodiscard]] std::optional<double> MaximiseScore(PoseHypothesis hypothesis) {
     std::optional<double> best = ScoreAt(hypothesis);
     if (!best) return std::nullopt;
     std::array<Step, 6> steps = {
@@ -122,20 +184,22 @@ class NccEvaluator {
   }
 
  private:
-  [[nodiscard]] Eigen::Matrix<float, 2, 3> Projection(const PoseHypothesis& hypothesis) const {
-    const Eigen::Matrix3d turned =
-        (Eigen::AngleAxisd(hypothesis.turn_rad, Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(hypothesis.tip_rad, Eigen::Vector3d::UnitX()) * appearance_.camera_from_model *
-         Eigen::AngleAxisd(hypothesis.yaw_rad, Eigen::Vector3d::UnitZ()))
-            .toRotationMatrix();
-    return (std::exp(hypothesis.log_scale) * turned.topRows<2>()).cast<float>();
-  }
   static Eigen::Vector2f Centre(const PoseHypothesis& hypothesis) {
     return {static_cast<float>(hypothesis.x), static_cast<float>(hypothesis.y)};
   }
   [[nodiscard]] bool IsInFrame(const Eigen::Vector2f& at) const {
     return at.x() >= 0 && at.y() >= 0 && at.x() < static_cast<float>(scene_.cols) &&
            at.y() < static_cast<float>(scene_.rows);
+  }
+  // True only if all samples project into the frame: no projection is longer than the position.
+  [[nodiscard]] bool AreAllInFrame(const PoseHypothesis& hypothesis) const {
+    constexpr double kRounding_px = 1;
+    const double reach_px = std::exp(hypothesis.log_scale) * radius_m_ + kRounding_px;
+    return hypothesis.x >= reach_px && hypothesis.y >= reach_px && hypothesis.x + reach_px < scene_.cols &&
+           hypothesis.y + reach_px < scene_.rows;
+  }
+  [[nodiscard]] double SceneAt(const Eigen::Vector2f& at) const {
+    return scene_.at<float>(static_cast<int>(at.y()), static_cast<int>(at.x()));
   }
 
   struct Step {
@@ -144,7 +208,7 @@ class NccEvaluator {
   };
 
   // Tries each step in both directions and accepts improvements; false if there is none.
-  bool TryImprovingSteps(const std::array<Step, 6>& steps, PoseHypothesis& hypothesis, double& best) const {
+  bool TryImprovingSteps(const std::array<Step, 6>& steps, PoseHypothesis& hypothesis, double& best) {
     bool any = false;
     for (const Step& step : steps) {
       for (const double sign : {-1.0, 1.0}) {
@@ -163,6 +227,9 @@ class NccEvaluator {
   const cv::Mat& scene_;
   const ViewAppearance& appearance_;
   double min_samples_;
+  Projector projector_;
+  Correlation all_;  // without sum_b, sum_bb and sum_ab
+  double radius_m_;  // of the samples around their centroid
 };
 
 // The surface samples of a view, and its in-plane rotation relative to the matched view.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "victorious/geometry/angles.h"
 
@@ -46,12 +47,19 @@ bool HasObservableHeading(const ModelView& view) {
 }
 
 std::size_t NearestViewToSun(const ObjectModel& model, double azimuth_rad, double elevation_rad) {
-  const auto closeness = [&](const ModelView& view) {
-    const ViewDirection& angles = *view.angles;
-    return std::cos(angles.off_nadir_rad) * std::sin(elevation_rad) +
-           std::sin(angles.off_nadir_rad) * std::cos(elevation_rad) * std::cos(angles.azimuth_rad - azimuth_rad);
-  };
-  return static_cast<std::size_t>(std::ranges::max_element(model.views, {}, closeness) - model.views.begin());
+  const double up = std::sin(elevation_rad);
+  const double along = std::cos(elevation_rad);
+  std::size_t nearest = 0;
+  double highest = -std::numeric_limits<double>::infinity();  // cosine of the angle to the sun
+  for (std::size_t view = 0; view < model.views.size(); ++view) {
+    const ViewDirection& angles = *model.views[view].angles;
+    const double cosine = std::cos(angles.off_nadir_rad) * up +
+                          std::sin(angles.off_nadir_rad) * along * std::cos(angles.azimuth_rad - azimuth_rad);
+    if (cosine <= highest) continue;
+    nearest = view;
+    highest = cosine;
+  }
+  return nearest;
 }
 
 double RelativeSunAzimuth(double view_azimuth_rad, double sun_in_model_rad) {
