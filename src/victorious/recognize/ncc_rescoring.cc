@@ -59,7 +59,7 @@ constexpr int kTriesPerNullSample = 4;
 // Bound of the null distribution's standard deviation from below, in a frame without texture.
 constexpr double kMinNullDeviation = 0.02;
 
-// Weak perspective of hypotheses that differ in few parameters: the rotation of an angle is computed only when the angle
+// Weak perspective of hypotheses that differ in few parameters: the rotation by an angle is computed only when it
 // changes.
 class Projector {
  public:
