@@ -127,7 +127,7 @@ def memory_plot(data: dict) -> str:
 
 def plot(rows: dict[str, dict]) -> str:
     """Stacked bars, one a workload, as SVG."""
-    left, width, bar, gap, top = 190, 620, 22, 12, 60
+    left, width, bar, gap, top = 240, 570, 22, 12, 60
     longest = max(sum(row[f"{stage}_ms"] for stage, _, _ in STAGES) for row in rows.values())
     height = top + len(rows) * (bar + gap) + 30
     parts = [
