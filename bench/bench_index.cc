@@ -39,7 +39,7 @@ double ProcessTimeMs() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS
 // Of at least a hundred frames; of fewer the slowest.
 double Percentile99(std::vector<double> values) {
   std::ranges::sort(values);
-  return values[(values.size() - 1) * 99 / 100];
+  return values[(99 * values.size() + 99) / 100 - 1];
 }
 
 // Of the frames that were searched as a whole: none of the others takes as long.

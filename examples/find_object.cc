@@ -27,7 +27,7 @@ Status FindObjects(const std::string& image_file, const std::string& models_fold
   VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(image_file));
   const cv::Mat grey = GreyFromBgr(image.bgr);
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor->Extract(grey));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, recognizer.Recognize(scene, {}, grey));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, recognizer.Recognize(scene));
   for (const Detection& detection : detections) {
     const Box& box = detection.box;
     fmt::print("{} {:.3f} {:.0f},{:.0f},{:.0f},{:.0f}\n", recognizer.models()[detection.model_index].name,

@@ -55,7 +55,7 @@ def ms(value: float) -> str:
 def table(rows: dict[str, dict]) -> str:
     columns = ["workload", "median", "99th percentile", "mean", "slowest", "searched", "whole frame", *(stage.replace("_", " ") for stage, _, _ in STAGES)]
     columns += ["OpenCV's SIFT", "searched / SIFT", "whole frame / SIFT", "start, s", "sightings"]
-    text = "\nMilliseconds a frame, by stage the mean:\n\n"
+    text = "\nMilliseconds a frame; by stage the mean over all frames that are read:\n\n"
     text += "| " + " | ".join(columns) + " |\n|" + " --- |" * len(columns) + "\n"
     for name, row in rows.items():
         cells = [f"`{name.removeprefix('index_')}`", ms(row["median_ms"])]
@@ -69,7 +69,7 @@ def table(rows: dict[str, dict]) -> str:
         text += "| " + " | ".join(cells) + " |\n"
     text += "\nStages:\n\n" + "".join(f"- {name.replace('_', ' ')}: {what}\n" for name, what, _ in STAGES)
     text += "- searched: the mean of the frames that are searched as a whole\n"
-    text += "- whole frame: of these features, matching, poses, relit templates, detection and NCC: nothing is tracked\n"
+    text += "- whole frame: features, matching, poses, relit templates, detection and NCC of a frame that is searched as a whole, without tracking\n"
     text += "- start: estimate of the sun's direction, before the first frame is searched\n"
     return text
 

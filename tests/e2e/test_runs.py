@@ -174,6 +174,7 @@ class RunsTest(program.ProgramTest):
         self.assertEqual(row["frames_searched"] + row["frames_left_out"], program.SEARCHED_FRAMES)
         self.assertLess(row["frames_searched"], 6, "the first, and those that began with it")
         self.assertIn("only tracked, to keep pace", done.err)
+        self.assertIn("more than the budget of 0.001 ms", done.err)
         self.assertTrue(any(sighting["frame"] % 60 for sighting in self.rows()), "objects are tracked in between")
 
     def test_kept_features(self):

@@ -20,6 +20,9 @@ export const playbackRate = signal(1);
 /** The picture of state.shownFrame, in the video's pixels. */
 export const frameCanvas = document.createElement("canvas");
 
+/** Of one time: the browser rounds time stamps to microseconds. */
+const SAME_TIME_S = 1e-3;
+
 /** The picture that the element shows now; null: the browser cannot hold it (it lacks WebCodecs, or nothing is decoded). */
 function holdPicture(element: HTMLVideoElement): VideoFrame | null {
   try {
@@ -35,6 +38,8 @@ class Player {
   private isCopy = false;
   /** Videos whose file this browser cannot play. */
   private readonly unplayableFiles = new Set<number>();
+  /** Whether this browser gives a held picture its own time stamp: some give it another time, or none. */
+  private holdsTimes = false;
   /** Time stamp of the first frame; null until the browser has presented it. */
   private origin: number | null = null;
   private wanted: number | null = null;
@@ -107,16 +112,28 @@ class Player {
     if (!element) return;
     element.requestVideoFrameCallback(this.onFrame);
     const picture = holdPicture(element);
-    const time = picture ? picture.timestamp / 1e6 : metadata.mediaTime;
+    try {
+      this.showPresented(element, picture, metadata);
+    } finally {
+      picture?.close();
+    }
+  };
+
+  private showPresented(element: HTMLVideoElement, picture: VideoFrame | null, metadata: VideoFrameCallbackMetadata) {
+    const held = picture === null ? NaN : picture.timestamp / 1e6;
+    this.holdsTimes ||= metadata.mediaTime > SAME_TIME_S && Math.abs(held - metadata.mediaTime) < SAME_TIME_S / 2;
+    const time = picture && this.holdsTimes ? held : metadata.mediaTime;
     // The first frame that a video presents is its first one.
     const isFirst = this.origin === null;
     this.origin ??= time;
     const table = this.table();
     // If the table arrives later, the frame is asked for again then.
-    if (table) this.show(picture ?? element, table.nearest(time - this.origin), metadata.width, metadata.height);
-    picture?.close();
-    if (table && isFirst) this.seekOn();
-  };
+    if (!table) return;
+    const width = picture?.displayWidth ?? metadata.width;
+    const height = picture?.displayHeight ?? metadata.height;
+    this.show(picture ?? element, table.nearest(time - this.origin), width, height);
+    if (isFirst) this.seekOn();
+  }
 
   private show(picture: CanvasImageSource, frame: number, width: number, height: number) {
     if (frameCanvas.width !== width) frameCanvas.width = width;

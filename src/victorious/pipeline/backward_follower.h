@@ -25,7 +25,7 @@ namespace victorious {
 
 /// A frame that was followed, and the objects known in it.
 struct FollowedFrame {
-  Frame frame;  ///< without impulse noise
+  Frame frame;  ///< without impulse noise, where it is followed
   FrameConditions conditions;
   std::vector<ObservedObject> objects;
 };

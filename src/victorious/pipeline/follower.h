@@ -87,7 +87,7 @@ class Follower {
                                                  const FollowOptions& options, FrameOrder order = FrameOrder::kForward);
 
   /// Processes the next frame.
-  /// @param frame  without impulse noise (RemoveImpulses), which a region has too few pixels to be recognised by
+  /// @param frame  without impulse noise (RemoveImpulses): a region has too few pixels to detect it
   /// @param whole  result of the full-frame search; std::nullopt if only regions are searched
   /// @return the objects in the frame: first those of the full-frame search, then by track
   /// Errors: those of feature extraction.

@@ -192,8 +192,8 @@ Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Fr
   return extractor.Extract(frame.image);
 }
 
-// Features, recognition and categories of full frames. The image is left without impulse noise: objects are tracked in
-// it. Parallel.
+// Features, recognition and categories of full frames. Where objects are tracked, or rescored in the image, it is left
+// without impulse noise. Parallel.
 Status Search(const IndexPass& pass, FrameTask& work) {
   if (work.classify) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->Find(work.now.frame.image));
@@ -207,7 +207,10 @@ Status Search(const IndexPass& pass, FrameTask& work) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
   }
   cv::Mat& image = work.now.frame.image;
-  image = RemoveImpulses(image, pass.options.features.impulse_fraction);  // not before: the extractors do it themselves
+  {
+    const StageScope scope(Stage::kFeatures);
+    image = RemoveImpulses(image, pass.options.features.impulse_fraction);  // extractors do it, of the frame as filmed
+  }
   if (!work.whole) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(work.detections,
                               pass.recognizer.Recognize(work.features, work.now.conditions, image, work.views));
@@ -484,8 +487,8 @@ class TrackingStage {
 std::string MissedBudgetText(std::chrono::duration<double> budget, std::chrono::duration<double> mean) {
   constexpr double kMsPerS = 1e3;
   return fmt::format(
-      "a frame took {:.3g} ms on average, more than the budget of {:.3g} ms: the first frame, and tracking, take what "
-      "they need",
+      "a frame took {:.3g} ms on average, more than the budget of {:.3g} ms: reading, the first frame's search and "
+      "tracking are never left out",
       kMsPerS * mean.count(), kMsPerS * budget.count());
 }
 
@@ -495,6 +498,9 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
                     const WarningSink& warn, IndexReport& report) {
   ResultWriter sink(pass, reader.info(), store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
+  if (pass.frame_budget && reader.info().live && pass.inform) {
+    pass.inform("a live source keeps its pace by itself: its budget is not used");
+  }
   SearchPace pace(pass.frame_budget, reader.info().live);
   FrameSelector selector(pass, reader.info(), pace, sink.FirstRequiredFrame());
   VICTORIOUS_ASSIGN_OR_RETURN(TrackingStage tracking, TrackingStage::Create(pass, reader.info().live, sink));

@@ -13,7 +13,7 @@ constexpr double kMaxBehind_s = 0.1;
 
 SearchPace::SearchPace(std::optional<std::chrono::duration<double>> frame_budget, bool is_live,
                        std::function<Clock::time_point()> now)
-    : frame_budget_(frame_budget), is_live_(is_live), now_(std::move(now)) {}
+    : frame_budget_(is_live ? std::nullopt : frame_budget), is_live_(is_live), now_(std::move(now)) {}
 
 void SearchPace::Enter(std::optional<double> behind_s) {
   if (!start_) start_ = now_();

@@ -15,7 +15,8 @@ class SearchPace {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param frame_budget  time that the pass may take a frame, on average; std::nullopt: any
+  /// @param frame_budget  time that the pass may take a frame, on average; std::nullopt: any. A live source, for whose
+  ///                      frames the pass waits, has none
   /// @param is_live       the frames come as they are filmed
   explicit SearchPace(std::optional<std::chrono::duration<double>> frame_budget, bool is_live,
                       std::function<Clock::time_point()> now = Clock::now);
@@ -31,7 +32,7 @@ class SearchPace {
   /// True if the whole of it can be searched. Of a live source one frame at a time is: the later ones wait for it.
   [[nodiscard]] bool HasTimeForAll() const { return HasTime() && !(is_live_ && full_searches_ > 0); }
 
-  /// What a frame took on average until now, where that is a tenth more than the budget, or worse.
+  /// Mean time of a frame until now, if it is more than a tenth above the budget.
   [[nodiscard]] std::optional<std::chrono::duration<double>> MissedBudget() const;
 
   void BeginFullSearch() { ++full_searches_; }

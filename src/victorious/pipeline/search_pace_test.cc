@@ -25,6 +25,17 @@ TEST(SearchPace, LiveSourceThatIsBehindIsNotSearched) {
   EXPECT_TRUE(pace.HasTime());
 }
 
+TEST(SearchPace, LiveSourceHasNoBudget) {
+  SearchPace::Clock::time_point now{};
+  SearchPace pace(milliseconds{33}, true, [&] { return now; });
+  for (int frame = 0; frame < 10; ++frame) {
+    pace.Enter(0);
+    now += milliseconds{40};  // until the next frame is filmed
+    EXPECT_TRUE(pace.HasTime());
+  }
+  EXPECT_FALSE(pace.MissedBudget());
+}
+
 TEST(SearchPace, OneFrameOfALiveSourceIsSearchedAtATime) {
   for (const bool is_live : {false, true}) {
     SearchPace pace(std::nullopt, is_live);

@@ -124,7 +124,7 @@ class Proposer {
   }
 
   void CollectVotes() {
-    std::vector<std::uint64_t> order;  // the ratio of scales, whose bits rise with it, then the match
+    std::vector<std::uint64_t> order;  // ratio of scales (the bits of a positive float rise with its value), match
     order.reserve(matches_.size());
     for (std::uint32_t i = 0; i < matches_.size(); ++i) {
       const float scale =

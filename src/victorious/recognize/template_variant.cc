@@ -1,6 +1,5 @@
 #include "victorious/recognize/template_variant.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
