@@ -105,7 +105,9 @@ class LeaseKeeper {
     if (!status && !has_failed_) failure_ = status.error().message;
     has_failed_ = !status;
     const bool is_unanswered = !status && status.error().code == ErrorCode::kUnavailable;
-    is_cut_off_ = is_unanswered || lease_.IsLost(Clock::now());  // whatever an answer says that came too late
+    const bool is_late = lease_.IsLost(Clock::now());
+    if (status && is_late) failure_ = "the database has not answered before the lease ended";
+    is_cut_off_ = is_unanswered || is_late;  // whatever an answer says that came too late
     lease_.Enter(status, asked);
   }
 
