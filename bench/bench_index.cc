@@ -21,8 +21,10 @@
 #include "bench/benchmarks.h"
 #include "bench/index_input.h"
 #include "testing/data.h"
+#include "victorious/base/median.h"
 #include "victorious/base/stage_time.h"
 #include "victorious/calibrate/sun_direction.h"
+#include "victorious/evaluate/score.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/pipeline/index_pass.h"
 #include "victorious/store/index_store.h"
@@ -36,22 +38,11 @@ constexpr std::int64_t kFramesByDefault = 100;  // the fewest with a 99th percen
 
 double ProcessTimeMs() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// Of at least a hundred frames; of fewer the slowest.
-double Percentile99(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[(99 * values.size() + 99) / 100 - 1];
-}
-
 // Of the frames that were searched as a whole: none of the others takes as long.
 double MeanOfLongest(std::vector<double> times_ms, std::int64_t count) {
   std::ranges::sort(times_ms, std::greater());
   const auto end = times_ms.begin() + std::clamp<std::int64_t>(count, 1, std::ssize(times_ms));
   return std::accumulate(times_ms.begin(), end, 0.0) / static_cast<double>(end - times_ms.begin());
-}
-
-double Median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 // The frames [first, first + count) of a reader. Those before it are decoded by the constructor. On one thread a frame
@@ -205,7 +196,7 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
                 .median_ms = Median(times_ms),
                 .peer_median_ms = {{"opencv_sift", OpenCvSiftMs(clip->frames(), options.features)}},
                 .figures = {{"mean_ms", mean_ms},
-                            {"percentile99_ms", Percentile99(times_ms)},
+                            {"percentile99_ms", Percentile(times_ms, 99).value()},
                             {"slowest_ms", std::ranges::max(times_ms)},
                             {"searched_ms", MeanOfLongest(times_ms, report.frames_searched)}}};
   for (const auto& [stage, name] : kStageTexts) {

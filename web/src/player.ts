@@ -1,8 +1,8 @@
 // Shows exact frames of a video. Whatever the browser presents is copied to a canvas together with the number of its
 // frame, looked up by its time stamp in the table of presentation times; everything drawn over it uses that number, so
 // that box and picture cannot part. The time stamp is that of the copied picture: the browser may have gone on to
-// another one since it announced a frame. Of a video that the browser cannot play, the server makes a copy; until it is there,
-// the video is shown frame by frame as images.
+// another one since it announced a frame. Of a video that the browser cannot play, the server makes a copy; until it is
+// there, the video is shown frame by frame as images.
 import { batch, effect, signal } from "@preact/signals";
 
 import { frameUrl, videoCopyUrl, videoFileUrl } from "./api/client";

@@ -202,7 +202,8 @@ Status Search(const IndexPass& pass, FrameTask& work) {
   if (work.keep) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.kept, ExtractFeatures(pass.kept_extractor, work.now.frame));
   }
-  if (work.motion_only || pass.recognizer.models().empty()) return {};
+  const bool is_followed = IsTrackingEnabled(pass) && !work.motion_only;
+  if (pass.recognizer.models().empty() || !(work.whole || is_followed)) return {};
   if (work.whole) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -66,13 +67,14 @@ class Projector {
   explicit Projector(const Eigen::Quaterniond& camera_from_model) : camera_from_model_(camera_from_model) {}
 
   // From positions relative to the samples' centroid, m, to the scene relative to its projection, px.
-  Eigen::Matrix<float, 2, 3> At(const PoseHypothesis& hypothesis) {
+  // @param scale  exp(hypothesis.log_scale), px / m
+  Eigen::Matrix<float, 2, 3> At(const PoseHypothesis& hypothesis, double scale) {
     turn_.Set(hypothesis.turn_rad, Eigen::Vector3d::UnitZ());
     tip_.Set(hypothesis.tip_rad, Eigen::Vector3d::UnitX());
     yaw_.Set(hypothesis.yaw_rad, Eigen::Vector3d::UnitZ());
     const Eigen::Matrix3d turned =
         (turn_.rotation * tip_.rotation * camera_from_model_ * yaw_.rotation).toRotationMatrix();
-    return (std::exp(hypothesis.log_scale) * turned.topRows<2>()).cast<float>();
+    return (scale * turned.topRows<2>()).cast<float>();
   }
 
  private:
@@ -127,7 +129,7 @@ class NccEvaluator {
 
   // The samples that project into the frame.
   [[nodiscard]] std::vector<SurfaceSample> SamplesInFrame(const PoseHypothesis& hypothesis) {
-    const Eigen::Matrix<float, 2, 3> project = projector_.At(hypothesis);
+    const Eigen::Matrix<float, 2, 3> project = projector_.At(hypothesis, std::exp(hypothesis.log_scale));
     const Eigen::Vector2f middle = Centre(hypothesis);
     std::vector<SurfaceSample> samples_in_frame;
     for (const SurfaceSample& point : appearance_.points) {
@@ -138,10 +140,11 @@ class NccEvaluator {
 
   // atanh of the correlation; std::nullopt if too few samples are in the frame.
   [[nodiscard]] std::optional<double> ScoreAt(const PoseHypothesis& hypothesis) {
-    const Eigen::Matrix<float, 2, 3> project = projector_.At(hypothesis);
+    const double scale = std::exp(hypothesis.log_scale);
+    const Eigen::Matrix<float, 2, 3> project = projector_.At(hypothesis, scale);
     const Eigen::Vector2f middle = Centre(hypothesis);
     Correlation sums;
-    if (AreAllInFrame(hypothesis)) {
+    if (AreAllInFrame(hypothesis, scale)) {
       sums = all_;
       for (const SurfaceSample& point : appearance_.points) {
         const double b = SceneAt(project * point.position_m + middle);
@@ -192,9 +195,9 @@ class NccEvaluator {
            at.y() < static_cast<float>(scene_.rows);
   }
   // True only if all samples project into the frame: no projection is longer than the position.
-  [[nodiscard]] bool AreAllInFrame(const PoseHypothesis& hypothesis) const {
+  [[nodiscard]] bool AreAllInFrame(const PoseHypothesis& hypothesis, double scale) const {
     constexpr double kRounding_px = 1;
-    const double reach_px = std::exp(hypothesis.log_scale) * radius_m_ + kRounding_px;
+    const double reach_px = scale * radius_m_ + kRounding_px;
     return hypothesis.x >= reach_px && hypothesis.y >= reach_px && hypothesis.x + reach_px < scene_.cols &&
            hypothesis.y + reach_px < scene_.rows;
   }
@@ -306,12 +309,12 @@ void KeepSamplesInFrame(const cv::Mat& scene, const ViewPlacement& place,
   }
 }
 
-std::optional<double> MaxNccScore(const cv::Mat& scene, const std::vector<NeighbourAppearance>& appearances,
+// @param evaluators  of the appearances
+std::optional<double> MaxNccScore(std::span<NccEvaluator> evaluators, std::span<const NeighbourAppearance> appearances,
                                   const ViewPlacement& place) {
   std::optional<double> highest;
-  for (const NeighbourAppearance& beside : appearances) {
-    const std::optional<double> found =
-        NccEvaluator(scene, *beside.appearance, beside.min_samples).MaximiseScore(HypothesisAt(place, beside));
+  for (std::size_t i = 0; i < appearances.size(); ++i) {
+    const std::optional<double> found = evaluators[i].MaximiseScore(HypothesisAt(place, appearances[i]));
     if (found && (!highest || *found > *highest)) highest = found;
   }
   return highest;
@@ -347,7 +350,9 @@ Expected<std::optional<double>> ComputeNccZScore(const cv::Mat& scene, const Obj
       .turn_rad = scene_from_template.rotation_rad};
   const double min_distance_px = MeanRadiusPx(*beside.front().appearance, hypothesis.scale);
   KeepSamplesInFrame(scene, hypothesis, beside);
-  const std::optional<double> score = MaxNccScore(scene, beside, hypothesis);
+  std::vector<NccEvaluator> evaluators;
+  for (const NeighbourAppearance& one : beside) evaluators.emplace_back(scene, *one.appearance, one.min_samples);
+  const std::optional<double> score = MaxNccScore(evaluators, beside, hypothesis);
   if (!score) return std::nullopt;
 
   Random random(1);
@@ -358,7 +363,7 @@ Expected<std::optional<double>> ComputeNccZScore(const cv::Mat& scene, const Obj
     other.centre_px.y() = random.Uniform(0, scene.rows);
     other.turn_rad = random.Uniform(-kPi, kPi);
     if ((other.centre_px - hypothesis.centre_px).norm() < min_distance_px) continue;
-    if (const std::optional<double> found = MaxNccScore(scene, beside, other)) elsewhere.push_back(*found);
+    if (const std::optional<double> found = MaxNccScore(evaluators, beside, other)) elsewhere.push_back(*found);
   }
   if (std::ssize(elsewhere) < kNullSamples / 2) return std::nullopt;
   const auto n = static_cast<double>(elsewhere.size());
