@@ -94,7 +94,10 @@ void ScaleSpace::Allocate(const cv::Size& size) {
     total += kernels::kLevels * LevelStride(octave.width) * static_cast<std::size_t>(octave.height);
   }
   total += LevelStride(2 * size.width) + kernels::kRowMultiple;  // kernels may read past the last row
-  if (pixels_.size() < total) pixels_.resize(total);
+  if (pixels_.size() < total) {
+    pixels_ = {};  // else growing would copy them
+    pixels_.resize(total);
+  }
   octaves_.resize(sizes.size());
   std::int16_t* next = pixels_.data();
   for (std::size_t o = 0; o < sizes.size(); ++o) {

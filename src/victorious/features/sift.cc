@@ -45,6 +45,34 @@ struct Workspace {
   std::vector<std::uint32_t> order;
 };
 
+// Thread-safe.
+class WorkspacePool {
+ public:
+  std::unique_ptr<Workspace> Take() {
+    const std::scoped_lock lock(mutex_);
+    if (free_.empty()) return std::make_unique<Workspace>();
+    std::unique_ptr<Workspace> workspace = std::move(free_.back());
+    free_.pop_back();
+    return workspace;
+  }
+
+  void Return(std::unique_ptr<Workspace> workspace) {
+    const std::scoped_lock lock(mutex_);
+    if (free_.size() < kMaxKept) free_.push_back(std::move(workspace));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Workspace>> free_;
+};
+
+// Of all extractors of the process: memory grows with the images that are searched at the same time, not with the
+// extractors: a search has one for its frames, one for the features that are kept, and those of relit templates.
+WorkspacePool& Workspaces() {
+  static WorkspacePool pool;
+  return pool;
+}
+
 // Runs body(i) for all i below count, in any order and on any thread.
 template <typename Body>
 void ForEach(std::size_t count, const Body& body) {
@@ -65,30 +93,17 @@ class Sift final : public FeatureExtractor {
     features.image_height = grey.rows;
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat searched, MakeSearchedImage(grey, options_));
     if (searched.empty()) return features;
-    std::unique_ptr<Workspace> workspace = Take();
+    std::unique_ptr<Workspace> workspace = Workspaces().Take();
     Detect(searched, *workspace);
     Orient(*workspace);
     KeepStrongest(*workspace);
     Describe(*workspace, features);
-    if (searched.total() <= kMaxKeptPixels) Return(std::move(workspace));
+    if (searched.total() <= kMaxKeptPixels) Workspaces().Return(std::move(workspace));
     ScaleKeypoints(searched.size(), grey.size(), features);
     return features;
   }
 
  private:
-  std::unique_ptr<Workspace> Take() const {
-    const std::scoped_lock lock(mutex_);
-    if (free_.empty()) return std::make_unique<Workspace>();
-    std::unique_ptr<Workspace> workspace = std::move(free_.back());
-    free_.pop_back();
-    return workspace;
-  }
-
-  void Return(std::unique_ptr<Workspace> workspace) const {
-    const std::scoped_lock lock(mutex_);
-    if (free_.size() < kMaxKept) free_.push_back(std::move(workspace));
-  }
-
   void Detect(const cv::Mat& grey, Workspace& work) const {
     work.scale_space.Build(grey, kCandidateFraction * options_.contrast_threshold / kOctaveLayers * 255);
     const auto& octaves = work.scale_space.octaves();
@@ -166,8 +181,6 @@ class Sift final : public FeatureExtractor {
 
   FeatureOptions options_;
   OrientationWindows windows_;
-  mutable std::mutex mutex_;
-  mutable std::vector<std::unique_ptr<Workspace>> free_;
 };
 
 }  // namespace
