@@ -105,6 +105,7 @@ Expected<ObjectModel> ModelLibrary::Load(std::string_view name) const {
 Expected<std::vector<ObjectModel>> ModelLibrary::LoadAll() const {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> names, Names());
   std::vector<ObjectModel> models;
+  models.reserve(names.size());
   for (const std::string& name : names) {
     VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, Load(name));
     models.push_back(std::move(model));

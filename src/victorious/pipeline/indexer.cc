@@ -215,12 +215,12 @@ std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& j
 Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
                  std::unique_ptr<const FeatureExtractor> extractor,
                  std::unique_ptr<const FeatureExtractor> kept_extractor, std::optional<CategoryFinder> categories)
-    : models_(std::move(models)),
+    : models_(std::make_shared<const std::vector<ObjectModel>>(std::move(models))),
       options_(options),
       extractor_(std::move(extractor)),
       kept_extractor_(std::move(kept_extractor)),
       categories_(std::move(categories)) {
-  for (const ObjectModel& model : models_)
+  for (const ObjectModel& model : *models_)
     targets_.push_back({.name = model.name, .content_id = model.id, .kind = model.kind});
   if (!categories_) return;
   for (const std::string& name : categories_->names())
@@ -288,7 +288,7 @@ Status Indexer::CheckNamesOf(const std::vector<ModelRecord>& models_before) cons
 
 Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                       const WarningSink& warn) const {
-  VICTORIOUS_CHECK(job.relit_templates.empty() || job.relit_templates.size() == models_.size());
+  VICTORIOUS_CHECK(job.relit_templates.empty() || job.relit_templates.size() == models_->size());
   if (cancel.IsCancelled()) {
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to resume", job.video));
   }
@@ -396,25 +396,31 @@ Expected<std::vector<Indexer::PlannedPass>> Indexer::PlanPasses(const IndexJob& 
   return std::vector<PlannedPass>(plans.begin(), plans.end());
 }
 
+std::shared_ptr<const std::vector<ObjectModel>> Indexer::SearchedModels(const PlannedPass& plan) const {
+  const auto is_model = [this](std::size_t target) { return target < models_->size(); };  // else a category
+  if (std::ranges::count_if(plan.targets, is_model) == std::ssize(*models_)) return models_;
+  std::vector<ObjectModel> some;
+  for (const std::size_t target : plan.targets | std::views::filter(is_model)) some.push_back((*models_)[target]);
+  return std::make_shared<const std::vector<ObjectModel>>(std::move(some));
+}
+
 Expected<Recognizer> Indexer::MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const {
-  std::vector<ObjectModel> models;
+  const std::shared_ptr<const std::vector<ObjectModel>> models = SearchedModels(plan);
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates;
-  for (const std::size_t target : plan.targets) {
-    if (target >= models_.size()) continue;  // a category
-    models.push_back(models_[target]);
-    if (!job.relit_templates.empty()) relit_templates.push_back(job.relit_templates[target]);
-  }
   if (job.relit_templates.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models, job.relit_folder));
+    VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(*models, job.relit_folder));
+  } else {
+    for (const std::size_t target : plan.targets) {
+      if (target < models_->size()) relit_templates.push_back(job.relit_templates[target]);
+    }
   }
-  return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, relit_templates,
-                            job.device);
+  return Recognizer::Create(models, options_.features.engine, options_.recognize, relit_templates, job.device);
 }
 
 std::vector<std::optional<std::int64_t>> Indexer::CategoryIds(const PlannedPass& plan) const {
-  std::vector<std::optional<std::int64_t>> ids(targets_.size() - models_.size());
+  std::vector<std::optional<std::int64_t>> ids(targets_.size() - models_->size());
   for (std::size_t i = 0; i < plan.targets.size(); ++i) {
-    if (plan.targets[i] >= models_.size()) ids[plan.targets[i] - models_.size()] = plan.searches[i].model;
+    if (plan.targets[i] >= models_->size()) ids[plan.targets[i] - models_->size()] = plan.searches[i].model;
   }
   return ids;
 }

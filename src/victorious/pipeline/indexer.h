@@ -103,6 +103,8 @@ class Indexer {
   [[nodiscard]] Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const OpenedVideo& video,
                                                               const std::vector<ModelRecord>& models_before,
                                                               IndexStore& store, const WarningSink& warn) const;
+  // Without copies if they are all.
+  [[nodiscard]] std::shared_ptr<const std::vector<ObjectModel>> SearchedModels(const PlannedPass& plan) const;
   [[nodiscard]] Expected<Recognizer> MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const;
   // Database ids of the categories of the finder, for those that the plan searches for.
   [[nodiscard]] std::vector<std::optional<std::int64_t>> CategoryIds(const PlannedPass& plan) const;
@@ -157,7 +159,7 @@ class Indexer {
           std::unique_ptr<const FeatureExtractor> extractor, std::unique_ptr<const FeatureExtractor> kept_extractor,
           std::optional<CategoryFinder> categories);
 
-  std::vector<ObjectModel> models_;
+  std::shared_ptr<const std::vector<ObjectModel>> models_;  // shared with the recognisers of all of them
   IndexOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::unique_ptr<const FeatureExtractor> kept_extractor_;  // of the features kept for search by example image

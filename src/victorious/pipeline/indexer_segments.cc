@@ -341,16 +341,13 @@ Expected<bool> Indexer::JoinSegments(PlannedCut& found, const IndexJob& job, con
   const SearchRecord& search = found.pass.searches.front();
   if (first_open && search.next_frame >= end) return true;  // joined before
   if (!search.finished) {
-    std::vector<ObjectModel> models;
-    for (const std::size_t target : found.pass.targets) {
-      if (target < models_.size()) models.push_back(models_[target]);
-    }
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
     // The segments may have been searched in another file of this name and size.
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, job.video, cancel));
     if (content_id != found.video.content_id) return false;
-    VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
-                                Recognizer::Create(std::move(models), options_.features.engine, options_.recognize));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        const Recognizer recognizer,
+        Recognizer::Create(SearchedModels(found.pass), options_.features.engine, options_.recognize));
     OpenedVideo video{
         .reader = nullptr, .cameras = std::move(prepared.cameras), .record = found.video, .intervals = found.intervals};
     const auto visit = [&](const std::function<Status(std::vector<FrameResult>)>& add) {

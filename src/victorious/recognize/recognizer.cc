@@ -44,19 +44,25 @@ Expected<Recognizer> Recognizer::Create(std::vector<ObjectModel> models, const s
                                         const RecognizeOptions& options,
                                         const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates,
                                         std::shared_ptr<kernels::NearestDevice> device) {
-  VICTORIOUS_CHECK(relit_templates.empty() || relit_templates.size() == models.size());
+  return Create(std::make_shared<const std::vector<ObjectModel>>(std::move(models)), engine, options, relit_templates,
+                std::move(device));
+}
+
+Expected<Recognizer> Recognizer::Create(std::shared_ptr<const std::vector<ObjectModel>> models,
+                                        const std::string& engine, const RecognizeOptions& options,
+                                        const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates,
+                                        std::shared_ptr<kernels::NearestDevice> device) {
+  VICTORIOUS_CHECK(relit_templates.empty() || relit_templates.size() == models->size());
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_CHECK(options.ncc.min_neg_log10_nfa <= options.ncc.max_neg_log10_nfa);
-  VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
+  VICTORIOUS_RETURN_IF_ERROR(CheckEngine(*models, engine));
   return Recognizer(std::move(models), options, relit_templates, std::move(device));
 }
 
-Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options,
+Recognizer::Recognizer(std::shared_ptr<const std::vector<ObjectModel>> models, const RecognizeOptions& options,
                        const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates,
                        std::shared_ptr<kernels::NearestDevice> device)
-    : models_(std::make_shared<const std::vector<ObjectModel>>(std::move(models))),
-      options_(options),
-      device_(std::move(device)) {
+    : models_(std::move(models)), options_(options), device_(std::move(device)) {
   for (std::size_t m = 0; m < models_->size(); ++m) {
     shortened_.push_back(std::make_shared<const ShortenedViews>((*models_)[m]));
     searchers_.push_back(MakeModelSearcher((*models_)[m], shortened_.back(),

@@ -42,6 +42,11 @@ class Recognizer {
   /// @param device           computes distances of descriptors; null: the processor. The results do not depend on it
   /// Errors: kInvalidArgument for options out of range or models of another engine.
   [[nodiscard]] static Expected<Recognizer> Create(
+      std::shared_ptr<const std::vector<ObjectModel>> models, const std::string& engine,
+      const RecognizeOptions& options,
+      const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {},
+      std::shared_ptr<kernels::NearestDevice> device = {});
+  [[nodiscard]] static Expected<Recognizer> Create(
       std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
       const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {},
       std::shared_ptr<kernels::NearestDevice> device = {});
@@ -81,13 +86,13 @@ class Recognizer {
   [[nodiscard]] StagedMatches MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const;
 
  private:
-  Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options,
+  Recognizer(std::shared_ptr<const std::vector<ObjectModel>> models, const RecognizeOptions& options,
              const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates,
              std::shared_ptr<kernels::NearestDevice> device);
 
   [[nodiscard]] Status RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& detections) const;
 
-  std::shared_ptr<const std::vector<ObjectModel>> models_;  // on the heap: the searchers keep references to models
+  std::shared_ptr<const std::vector<ObjectModel>> models_;        // the searchers keep references to models
   std::vector<std::shared_ptr<const ShortenedViews>> shortened_;  // one per model
   std::vector<std::shared_ptr<const ModelSearcher>> searchers_;   // one per model
   RecognizeOptions options_;
