@@ -3,6 +3,7 @@
 // one is ten times as large as a template, and decoded in a tenth of the time that a template takes.
 #pragma once
 
+#include <algorithm>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -28,8 +29,11 @@ class RelitViewCache {
   };
 
   static constexpr std::size_t kDefaultMaxBytes = 120'000'000;
-  /// Where what is evicted is read again from a folder (relit_template_folder.h), which takes no longer with half.
-  static constexpr std::size_t kMaxBytesWithFolder = 64'000'000;
+  /// Where what is evicted is read again from a folder (relit_template_folder.h): what a frame needs of so many models.
+  [[nodiscard]] static constexpr std::size_t MaxBytesWithFolder(std::size_t models) {
+    constexpr std::size_t kOfModel = 800'000;
+    return std::clamp<std::size_t>(models * kOfModel, 16'000'000, 64'000'000);
+  }
   /// Renderings that take more than this fraction of the budget are evicted before templates.
   static constexpr double kRenderingsFraction = 0.25;
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,12 +56,28 @@ struct Slot {
   Expected<std::shared_ptr<const Item>> result;  // valid once `made` is true
 };
 
+// What a template is made from. Of a model that is searched for, all else would be there twice.
+struct RenderedView {
+  ViewDirection angles;
+  Polygon outline;
+  std::span<const std::byte> surface;
+};
+
+std::vector<RenderedView> RenderedViewsOf(const ObjectModel& model) {
+  std::vector<RenderedView> views;
+  views.reserve(model.views.size());
+  for (const ModelView& view : model.views) views.push_back({*view.angles, view.outline, view.surface});
+  return views;
+}
+
 class RelitViews : public RelitTemplateSource {
  public:
   RelitViews(const ObjectModel& model, const CadModelOptions& options,
              std::shared_ptr<const FeatureExtractor> extractor, std::shared_ptr<RelitViewCache> cache,
              std::unique_ptr<const StoredRelitTemplates> stored)
-      : model_(model),
+      : name_(model.name),
+        views_(RenderedViewsOf(model)),
+        storage_(model.storage),
         options_(options),
         extractor_(std::move(extractor)),
         cache_(std::move(cache)),
@@ -86,7 +104,7 @@ class RelitViews : public RelitTemplateSource {
     const RelitViewCache::Key key{number_, RelitViewCache::Kind::kAppearance, view,
                                   static_cast<std::size_t>(half_octaves)};
     return Get<ViewAppearance>(key, [&]() -> Expected<ViewAppearance> {
-      VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface, DecodeSurface(model_.views[view].surface, NameOf(view)));
+      VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface, DecodeSurface(views_[view].surface, NameOf(view)));
       return SampleTemplatePoints(surface, std::exp2(half_octaves / 2.0));
     });
   }
@@ -116,16 +134,14 @@ class RelitViews : public RelitTemplateSource {
     }
   }
 
-  [[nodiscard]] std::string NameOf(std::size_t view) const {
-    return fmt::format("model {}: view {}", model_.name, view);
-  }
+  [[nodiscard]] std::string NameOf(std::size_t view) const { return fmt::format("model {}: view {}", name_, view); }
 
   // Error: kDataLoss for a rendering that was damaged before its model file was written: the file's checksums are
   // verified when it is read.
   [[nodiscard]] Expected<std::shared_ptr<const SurfacePart>> GetRendering(std::size_t view) const {
     return Get<SurfacePart>({number_, RelitViewCache::Kind::kRendering, view, 0}, [&] {
-      Expected<SurfacePart> part = DecodeSurfacePart(model_.views[view].surface, NameOf(view));
-      ReleaseMappedPages(model_.views[view].surface);  // most of a model file
+      Expected<SurfacePart> part = DecodeSurfacePart(views_[view].surface, NameOf(view));
+      ReleaseMappedPages(views_[view].surface);  // most of a model file
       return part;
     });
   }
@@ -146,7 +162,7 @@ class RelitViews : public RelitTemplateSource {
     // decoding.
     const RelitViewCache::Key key{number_, RelitViewCache::Kind::kHalfRendering, wanted.view, 0};
     VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const HalfSurfacePart> part, Get<HalfSurfacePart>(key, [&] {
-                                  const ModelView& view = model_.views[wanted.view];
+                                  const RenderedView& view = views_[wanted.view];
                                   Expected<HalfSurfacePart> half =
                                       DecodeHalfSurfacePart(view.surface, NameOf(wanted.view));
                                   ReleaseMappedPages(view.surface);
@@ -166,13 +182,13 @@ class RelitViews : public RelitTemplateSource {
   [[nodiscard]] Expected<RelitTemplate> MakeTemplate(const RelitTemplateKey& wanted) const {
     VICTORIOUS_ASSIGN_OR_RETURN(const ShownPart part, GetShownPart(wanted));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const SurfacePart> from_sun, GetRendering(wanted.sun_view));
-    const ViewDirection& sun = *model_.views[wanted.sun_view].angles;
+    const ViewDirection& sun = views_[wanted.sun_view].angles;
     const ViewSurface& shown = part.surface;
     const int shrink = wanted.half_resolution ? 2 : 1;
     const cv::Mat grey = Relight(shown.grey, shown.depth_map, options_.light,
                                  ClearDayLight({sun.azimuth_rad, sun.off_nadir_rad}), from_sun->surface.depth_map);
     const cv::Mat mask = shown.depth_map.depth_m == shown.depth_map.depth_m;  // not NaN
-    Polygon outline = model_.views[wanted.view].outline;
+    Polygon outline = views_[wanted.view].outline;
     for (Eigen::Vector2d& corner : outline) corner /= shrink;
     VICTORIOUS_ASSIGN_OR_RETURN(
         RelitTemplate made,
@@ -193,7 +209,9 @@ class RelitViews : public RelitTemplateSource {
     return made;
   }
 
-  ObjectModel model_;
+  std::string name_;
+  std::vector<RenderedView> views_;
+  std::shared_ptr<const void> storage_;  // of the surfaces
   CadModelOptions options_;
   std::shared_ptr<const FeatureExtractor> extractor_;
   std::shared_ptr<RelitViewCache> cache_;
@@ -243,8 +261,8 @@ Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(const Object
 
 Expected<std::vector<std::shared_ptr<const RelitTemplateSource>>> MakeRelitViews(std::span<const ObjectModel> models,
                                                                                  const RelitTemplateFolder* folder) {
-  const auto cache = std::make_shared<RelitViewCache>(folder == nullptr ? RelitViewCache::kDefaultMaxBytes
-                                                                        : RelitViewCache::kMaxBytesWithFolder);
+  const auto cache = std::make_shared<RelitViewCache>(
+      folder == nullptr ? RelitViewCache::kDefaultMaxBytes : RelitViewCache::MaxBytesWithFolder(models.size()));
   SharedExtractors extractors;
   std::vector<std::shared_ptr<const RelitTemplateSource>> views;
   for (const ObjectModel& model : models) {
