@@ -95,7 +95,7 @@ void ScaleSpace::Allocate(const cv::Size& size) {
   }
   total += LevelStride(2 * size.width) + kernels::kRowMultiple;  // kernels may read past the last row
   if (pixels_.size() < total) {
-    pixels_ = {};  // else growing would copy them
+    pixels_ = std::vector<std::int16_t>();  // resize() alone would hold both, and copy
     pixels_.resize(total);
   }
   octaves_.resize(sizes.size());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <memory>
 #include <mutex>
 #include <numeric>
 #include <utility>
@@ -37,6 +39,7 @@ struct Oriented {
 
 // Memory of one image, kept for the next.
 struct Workspace {
+  std::size_t pixels = 0;  // of the largest image so far
   ScaleSpace scale_space;
   std::vector<std::optional<RefinedExtremum>> fits;
   std::vector<RefinedExtremum> refined;
@@ -45,31 +48,40 @@ struct Workspace {
   std::vector<std::uint32_t> order;
 };
 
-// Thread-safe.
+// Workspaces that are not in use. Thread-safe.
 class WorkspacePool {
  public:
-  std::unique_ptr<Workspace> Take() {
+  // The smallest that holds an image of so many pixels, else the largest, so that few grow.
+  std::unique_ptr<Workspace> Take(std::size_t pixels) {
     const std::scoped_lock lock(mutex_);
     if (free_.empty()) return std::make_unique<Workspace>();
-    std::unique_ptr<Workspace> workspace = std::move(free_.back());
-    free_.pop_back();
+    const auto fitting = std::ranges::lower_bound(free_, pixels, {}, &Workspace::pixels);
+    const auto taken = fitting == free_.end() ? std::prev(fitting) : fitting;
+    std::unique_ptr<Workspace> workspace = std::move(*taken);
+    free_.erase(taken);
     return workspace;
   }
 
   void Return(std::unique_ptr<Workspace> workspace) {
     const std::scoped_lock lock(mutex_);
-    if (free_.size() < kMaxKept) free_.push_back(std::move(workspace));
+    const auto place = std::ranges::upper_bound(free_, workspace->pixels, {}, &Workspace::pixels);
+    free_.insert(place, std::move(workspace));
+    if (free_.size() > kMaxKept) free_.erase(free_.begin());
   }
 
  private:
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Workspace>> free_;
+  std::vector<std::unique_ptr<Workspace>> free_;  // by size
 };
 
-// Of all extractors of the process: memory grows with the images that are searched at the same time, not with the
-// extractors: a search has one for its frames, one for the features that are kept, and those of relit templates.
-WorkspacePool& Workspaces() {
-  static WorkspacePool pool;
+// The pool of all extractors that exist: a search has one for its frames, one for the features that are kept, and those
+// of relit templates, and they seldom extract at the same time.
+std::shared_ptr<WorkspacePool> SharedWorkspaces() {
+  static constinit std::mutex mutex;
+  static constinit std::weak_ptr<WorkspacePool> shared;
+  const std::scoped_lock lock(mutex);
+  std::shared_ptr<WorkspacePool> pool = shared.lock();
+  if (!pool) shared = pool = std::make_shared<WorkspacePool>();
   return pool;
 }
 
@@ -93,12 +105,13 @@ class Sift final : public FeatureExtractor {
     features.image_height = grey.rows;
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat searched, MakeSearchedImage(grey, options_));
     if (searched.empty()) return features;
-    std::unique_ptr<Workspace> workspace = Workspaces().Take();
+    std::unique_ptr<Workspace> workspace = workspaces_->Take(searched.total());
+    workspace->pixels = std::max(workspace->pixels, searched.total());
     Detect(searched, *workspace);
     Orient(*workspace);
     KeepStrongest(*workspace);
     Describe(*workspace, features);
-    if (searched.total() <= kMaxKeptPixels) Workspaces().Return(std::move(workspace));
+    if (searched.total() <= kMaxKeptPixels) workspaces_->Return(std::move(workspace));
     ScaleKeypoints(searched.size(), grey.size(), features);
     return features;
   }
@@ -181,6 +194,7 @@ class Sift final : public FeatureExtractor {
 
   FeatureOptions options_;
   OrientationWindows windows_;
+  std::shared_ptr<WorkspacePool> workspaces_ = SharedWorkspaces();
 };
 
 }  // namespace

@@ -88,9 +88,13 @@ TEST(Sift, ManyImagesAtATimeAndAgain) {
     expected.push_back(Extractor("sift")->Extract(images.back()).value());
   }
   const auto extractor = Extractor("sift");
+  const auto few = Extractor("sift", 5);  // shares its memory
+  const FeatureSet expected_few = few->Extract(images[2]).value();
+  ASSERT_EQ(expected_few.size(), 5U);
   oneapi::tbb::parallel_for(0, 60, [&](int i) {
     const auto n = static_cast<std::size_t>(i % 6);
     ExpectSame(extractor->Extract(images[n]).value(), expected[n]);
+    if (n == 2) ExpectSame(few->Extract(images[n]).value(), expected_few);
   });
 }
 

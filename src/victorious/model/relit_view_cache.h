@@ -29,7 +29,8 @@ class RelitViewCache {
   };
 
   static constexpr std::size_t kDefaultMaxBytes = 120'000'000;
-  /// Where what is evicted is read again from a folder (relit_template_folder.h): what a frame needs of so many models.
+  /// The budget where templates are on disk, too (relit_template_folder.h): an evicted one is read again instead of
+  /// made. That of one model holds its templates of one sun (ADR 0010).
   [[nodiscard]] static constexpr std::size_t MaxBytesWithFolder(std::size_t models) {
     constexpr std::size_t kOfModel = 800'000;
     return std::clamp<std::size_t>(models * kOfModel, 16'000'000, 64'000'000);

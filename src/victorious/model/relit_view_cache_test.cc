@@ -67,6 +67,12 @@ TEST(RelitViewCache, RenderingsDoNotDisplaceTemplates) {
   EXPECT_NE(cache.FindOrAdd<int>(rendering_of(0)), renderings[0]);
 }
 
+TEST(RelitViewCache, TheBudgetWithAFolderGrowsWithTheModels) {
+  EXPECT_EQ(RelitViewCache::MaxBytesWithFolder(1), 16'000'000U);
+  EXPECT_EQ(RelitViewCache::MaxBytesWithFolder(25), 20'000'000U);
+  EXPECT_EQ(RelitViewCache::MaxBytesWithFolder(400), 64'000'000U);
+}
+
 TEST(RelitViewCache, AnItemLargerThanTheBudgetIsNotKept) {
   RelitViewCache cache(100);
   const auto item = cache.FindOrAdd<int>(KeyOf(1));

@@ -56,7 +56,7 @@ struct Slot {
   Expected<std::shared_ptr<const Item>> result;  // valid once `made` is true
 };
 
-// What a template is made from. Of a model that is searched for, all else would be there twice.
+// What a template is made from. The rest of the model is not copied: the recogniser holds it.
 struct RenderedView {
   ViewDirection angles;
   Polygon outline;
@@ -221,8 +221,7 @@ class RelitViews : public RelitTemplateSource {
 
 bool HasSurface(const ModelView& view) { return view.angles && !view.surface.empty(); }
 
-// The extractors of the models of one search. An extractor keeps the memory of an image, some 70 bytes a pixel, for the
-// next one: models of equal options share it.
+// The extractors of the models of one search: models of equal options share one, with its tables.
 class SharedExtractors {
  public:
   Expected<std::shared_ptr<const FeatureExtractor>> Of(const FeatureOptions& options) {

@@ -235,6 +235,24 @@ TEST(RelitViews, DamagedRenderingIsAnError) {
   EXPECT_TRUE(views->GetTemplate({7, 1}));
 }
 
+TEST(RelitViews, KeepTheMemoryOfTheModel) {
+  auto model = std::make_unique<ObjectModel>(SmallCadModel());
+  auto storage = std::make_shared<std::vector<std::vector<std::byte>>>();
+  for (ModelView& view : model->views) {
+    view.surface = storage->emplace_back(view.surface.begin(), view.surface.end());
+  }
+  model->storage = storage;
+  const std::weak_ptr<const void> kept = storage;
+  storage.reset();
+  auto views = MakeRelitViews(*model).value();
+  model.reset();
+  ASSERT_FALSE(kept.expired());
+  const auto expected = MakeRelitViews(SmallCadModel()).value()->GetTemplate({7, 3}).value();
+  EXPECT_EQ(views->GetTemplate({7, 3}).value()->features.descriptors, expected->features.descriptors);
+  views.reset();
+  EXPECT_TRUE(kept.expired());
+}
+
 TEST(RelitViews, PhotoModelsHaveNoRelitViews) {
   ObjectModel model = SmallCadModel();
   model.views[2].surface = {};

@@ -103,7 +103,8 @@ class Indexer {
   [[nodiscard]] Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const OpenedVideo& video,
                                                               const std::vector<ModelRecord>& models_before,
                                                               IndexStore& store, const WarningSink& warn) const;
-  // Without copies if they are all.
+  // The models that the plan searches for, in the order of its targets: those of the indexer if they are all, else
+  // copies.
   [[nodiscard]] std::shared_ptr<const std::vector<ObjectModel>> SearchedModels(const PlannedPass& plan) const;
   [[nodiscard]] Expected<Recognizer> MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const;
   // Database ids of the categories of the finder, for those that the plan searches for.

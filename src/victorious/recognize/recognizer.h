@@ -42,12 +42,13 @@ class Recognizer {
   /// @param device           computes distances of descriptors; null: the processor. The results do not depend on it
   /// Errors: kInvalidArgument for options out of range or models of another engine.
   [[nodiscard]] static Expected<Recognizer> Create(
-      std::shared_ptr<const std::vector<ObjectModel>> models, const std::string& engine,
-      const RecognizeOptions& options,
+      std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
       const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {},
       std::shared_ptr<kernels::NearestDevice> device = {});
+  /// The same of models that are shared instead of copied. @param models  not null
   [[nodiscard]] static Expected<Recognizer> Create(
-      std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
+      std::shared_ptr<const std::vector<ObjectModel>> models, const std::string& engine,
+      const RecognizeOptions& options,
       const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {},
       std::shared_ptr<kernels::NearestDevice> device = {});
 
