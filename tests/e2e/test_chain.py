@@ -172,7 +172,7 @@ class FindsTest(program.ProgramTest):
         exported = [json.loads(line) for line in self.export(db, "objects", "--rejected").splitlines()]
         self.assertEqual(exported, rows)
         sheet = self.scratch / "sheet.png"
-        self.refuses(2, "no object in the index passes the filter", "sheet", "--db", db, "--out", sheet)
+        self.refuses(2, "rejected (--rejected lists them)", "sheet", "--db", db, "--out", sheet)
         self.succeeds("sheet", "--db", db, "--out", sheet, "--rejected")
         self.assertTrue(sheet.exists())
 

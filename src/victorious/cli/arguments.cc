@@ -387,6 +387,18 @@ Expected<std::string> ExplainThresholds(SightingFilter filter, IndexStore& store
                      left_out == 1 ? "it" : "them");
 }
 
+Status CheckObject(const SightingFilter& filter, IndexStore& store) {
+  if (!filter.object) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> found,
+                              store.Objects({.include_rejected = true, .object = filter.object}));
+  if (!found.empty()) return {};
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("object {}: not in the index: `victorious search --rejected` lists its ids", *filter.object));
+}
+
+namespace {
+
+// Why no object matches filter.near; empty if one matches, or if filter.near is not set.
 Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store) {
   if (!filter.near) return "";
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> near, store.Objects(filter));
@@ -401,17 +413,6 @@ Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& sto
   return fmt::format("--near: {} of the {} matching objects have a place, and all are farther away", placed,
                      matching.size());
 }
-
-Status CheckObject(const SightingFilter& filter, IndexStore& store) {
-  if (!filter.object) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> found,
-                              store.Objects({.include_rejected = true, .object = filter.object}));
-  if (!found.empty()) return {};
-  return Fail(ErrorCode::kNotFound,
-              fmt::format("object {}: not in the index: `victorious search --rejected` lists its ids", *filter.object));
-}
-
-namespace {
 
 // "--model truck, --from 5": the flags that leave out objects.
 std::string FlagsText(const SightingFilter& filter) {

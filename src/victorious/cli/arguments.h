@@ -151,10 +151,6 @@ struct FilterArguments {
   [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 
-/// A message for the user that explains why no object matches filter.near; empty if one matches, or if filter.near is
-/// not set.
-[[nodiscard]] Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store);
-
 /// A message for the user that says how many of the matching objects the thresholds of their models leave out; empty if
 /// none.
 [[nodiscard]] Expected<std::string> ExplainThresholds(SightingFilter filter, IndexStore& store);

@@ -83,8 +83,8 @@ Action SetUpSheet(ArgumentParser& parser) {
     std::vector<std::string> videos;
     for (const VideoRecord& video : catalogue.videos()) videos.push_back(FindVideoFile(video));
     VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, FileKind::kImage}}, videos));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string no_object_reason, ExplainNoObjectNear(filter, *store));
-    if (!no_object_reason.empty()) return Fail(ErrorCode::kInvalidArgument, no_object_reason);
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
+    if (!nothing.empty()) return Fail(ErrorCode::kInvalidArgument, nothing);
     VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.max_tiles, catalogue, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
     VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments->out, sheet));
