@@ -30,7 +30,7 @@ class RelitViewCache {
 
   static constexpr std::size_t kDefaultMaxBytes = 120'000'000;
   /// The budget where templates are on disk, too (relit_template_folder.h): an evicted one is read again instead of
-  /// made. That of one model holds its templates of one sun (ADR 0010).
+  /// made. ADR 0010 has the memory and the time of this budget and of larger ones.
   [[nodiscard]] static constexpr std::size_t MaxBytesWithFolder(std::size_t models) {
     constexpr std::size_t kOfModel = 800'000;
     return std::clamp<std::size_t>(models * kOfModel, 16'000'000, 64'000'000);
