@@ -1,5 +1,4 @@
 // The ceiling of the queue of tasks: workers that do nothing, or sleep, between claim and completion.
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -16,6 +15,7 @@
 
 #include "bench/benchmarks.h"
 #include "testing/scratch_postgres.h"
+#include "victorious/base/median.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/connection.h"
 #include "victorious/store/postgres/task_queue.h"
@@ -135,12 +135,6 @@ Expected<std::vector<Turn>> MakeTurns(int count, const Make& make) {
     turns.push_back(std::move(turn));
   }
   return turns;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // Whether the log has each task that is done claimed once and done once, and no task is left running.
