@@ -18,8 +18,8 @@ struct Settings {
   [[nodiscard]] Effort effort() const { return quick ? Effort::Quick() : Effort{}; }
 };
 
-/// Feature extraction by the engine `sift` from frames of 640 x 480 and 1920 x 1080 px, on one and on two threads;
-/// peers: cv::SIFT with the same settings and threads, and on one thread VLFeat.
+/// Feature extraction by the engine `sift` from frames of 640 x 480 and 1920 x 1080 px, on one thread, and on two
+/// where two processors may be used; peers: cv::SIFT with the same settings and threads, and on one thread VLFeat.
 std::vector<Result> BenchSift(const Settings& settings);
 
 /// Matching of a frame against 4 models x 253 views of about 100 features; peer: cv::BFMatcher, view by view. Also a

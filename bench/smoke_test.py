@@ -49,6 +49,17 @@ class Smoke(unittest.TestCase):
         lines = done.stdout.splitlines()
         self.assertEqual([line.split()[0] for line in lines], ["cascade_0.8", "cascade_0.95"])
 
+    def test_help_says_what_each_measures(self):
+        described = re.findall(r"^  ([a-z]+) {2,}\S", run("--help").stdout, re.MULTILINE)
+        self.assertEqual(set(names()) - set(described), set())
+
+    def test_an_option_of_another_benchmark_is_one_line_and_status_2(self):
+        for words in (["sift", "--large"], ["sift", "--cache", "x"]):
+            done = run(*words, "--quick")
+            self.assertEqual(done.returncode, 2)
+            self.assertEqual(len(done.stderr.splitlines()), 1)
+            self.assertIn("is for the benchmark", done.stderr)
+
     def test_unknown_name_is_one_line_and_status_2(self):
         done = run("speed")
         self.assertEqual(done.returncode, 2)
