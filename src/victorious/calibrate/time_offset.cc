@@ -275,6 +275,13 @@ double MedianRowInterval(const CameraTrajectory& cameras) {
 
 TimeOffset NoOffset(TimeOffsetStatus why, std::size_t pairs) { return {.status = why, .pairs = pairs}; }
 
+// Beyond the range that was searched a standard error says no more than that.
+std::string DescribeUncertainty(const TimeOffset& offset) {
+  return offset.sigma_s < offset.max_offset_s
+             ? fmt::format("the standard error would be {:.2g} s", offset.sigma_s)
+             : fmt::format("the standard error would be more than the searched range of {:g} s", offset.max_offset_s);
+}
+
 // A frame on its way through MeasureMotions.
 struct CleanFrame {
   Frame frame;
@@ -408,8 +415,7 @@ std::string DescribeStatus(const TimeOffset& offset) {
     case TimeOffsetStatus::kNoOverlap:
       return "telemetry and video overlap too little in time";
     case TimeOffsetStatus::kUncertain:
-      return fmt::format("the camera's motion changes too little: the standard error would be {:.2g} s",
-                         offset.sigma_s);
+      return "the camera's motion changes too little: " + DescribeUncertainty(offset);
     case TimeOffsetStatus::kUnexplained:
       return fmt::format("telemetry explains only {:.0f} % of the image motion's variance at any offset",
                          100 * std::max(0.0, offset.explained));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -219,6 +220,15 @@ TEST(EstimateTimeOffset, MissingFieldOfViewOrMotionsGiveNoOffset) {
   const TimeOffset none = EstimateTimeOffset({.motions = {}, .image = kImage}, Recorded(Swerving, 0), {});
   EXPECT_EQ(none.status, TimeOffsetStatus::kFewPairs);
   EXPECT_THAT(DescribeStatus(none), HasSubstr("0 pairs"));
+}
+
+TEST(TimeOffset, UncertaintyIsSaidWithinTheSearchedRange) {
+  const auto describe = [](double sigma_s) {
+    return DescribeStatus({.status = TimeOffsetStatus::kUncertain, .sigma_s = sigma_s, .max_offset_s = 4});
+  };
+  EXPECT_THAT(describe(0.734), HasSubstr("the standard error would be 0.73 s"));
+  EXPECT_THAT(describe(8.2e4), HasSubstr("more than the searched range of 4 s"));
+  EXPECT_THAT(describe(std::numeric_limits<double>::quiet_NaN()), HasSubstr("more than the searched range"));
 }
 
 // A camera that moves by whole pixels over a drawn town, with salt-and-pepper noise on a tenth of the pixels.

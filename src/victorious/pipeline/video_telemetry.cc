@@ -52,9 +52,14 @@ Expected<Telemetry> ReadFromPhotos(const std::string& source, const TelemetryOpt
 Expected<Telemetry> ReadFromVideo(const std::string& source, const TelemetryOptions& options) {
   if (IsOfImages(source)) return ReadFromPhotos(source, options);
   std::vector<std::string> damage;
-  VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, ReadPackets(source, options, &damage));
-  std::ranges::move(damage, std::back_inserter(telemetry.warnings));
-  if (telemetry.records == 0) {
+  Expected<Telemetry> telemetry = ReadPackets(source, options, &damage);
+  if (!telemetry) {
+    Error error = std::move(telemetry).error();
+    if (error.code == ErrorCode::kDataLoss) error.message += fmt::format("; telemetry is {}", kTelemetryFiles);
+    return std::unexpected(std::move(error));
+  }
+  std::ranges::move(damage, std::back_inserter(telemetry->warnings));
+  if (telemetry->records == 0) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: no telemetry: no KLV and no subtitles of a DJI aircraft are in this video", source));
   }

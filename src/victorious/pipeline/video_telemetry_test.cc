@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "testing/data.h"
+#include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/klv_camera.h"
 #include "victorious/telemetry/klv_packets.h"
@@ -20,6 +21,7 @@
 namespace victorious {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -149,6 +151,17 @@ TEST(VideoTelemetry, SyntheticStreamAndVideosWithout) {
     ASSERT_FALSE(none);
     EXPECT_THAT(none.error().message, HasSubstr("no telemetry"));
   }
+}
+
+TEST(VideoTelemetry, ErrorOfAnotherFileSaysWhatTelemetryIs) {
+  const testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "notes.txt").string();
+  ASSERT_TRUE(WriteFileAtomically(path, "take-off at noon, wind from the west\n"));
+  const auto none = ReadTelemetry(path, {});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kDataLoss);
+  EXPECT_THAT(none.error().message,
+              AllOf(HasSubstr("notes.txt: not a video"), HasSubstr("; telemetry is KLV, DJI subtitles, or a table")));
 }
 
 // Hexadecimal packets with their content as JSON.

@@ -426,9 +426,8 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
   KlvPackets decoded = DecodeKlv(AsBytes(bytes));
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
   if (!decoded.warnings.empty()) return Fail(ErrorCode::kDataLoss, decoded.warnings.Lines()[0]);
-  return Fail(ErrorCode::kInvalidArgument,
-              bytes.empty() ? "empty file: must be telemetry"
-                            : "no telemetry: must be KLV, DJI subtitles, or a table with time_s and latitude_deg");
+  return Fail(ErrorCode::kInvalidArgument, bytes.empty() ? "empty file: must be telemetry"
+                                                         : fmt::format("no telemetry: must be {}", kTelemetryFiles));
 }
 
 Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, const TelemetryOptions& options) {

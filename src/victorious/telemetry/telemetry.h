@@ -63,6 +63,9 @@ struct Telemetry {
   std::vector<std::string> warnings;  ///< one line per defect of the data
 };
 
+/// What a telemetry file may be, for messages.
+inline constexpr std::string_view kTelemetryFiles = "KLV, DJI subtitles, or a table with time_s and latitude_deg";
+
 /// Whether the bytes are those of a telemetry file rather than of a video.
 [[nodiscard]] bool LooksLikeTelemetry(std::string_view bytes);
 
