@@ -121,6 +121,7 @@ class PhotosTest(program.ProgramTest):
         cad.unlink()
         self.refuses(2, ["tank.glb", "No such file"], "model", "add", "x", "tank.glb", "--models", models)
         self.refuses(2, "out.xyz", "sheet", "--db", INDEX, "--out", self.scratch / "out.xyz")
+        self.refuses(2, "none/x.png", "sheet", "--db", INDEX, "--out", self.scratch / "none/x.png")
         self.refuses(2, "none/x", "features", CRATE, "--out", self.scratch / "none/x")
         self.refuses(2, "none/x", "export", "--db", INDEX, "--format", "mot", "--out", self.scratch / "none/x")
         (self.scratch / "taken").mkdir()

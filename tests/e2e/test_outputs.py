@@ -5,6 +5,7 @@ import json
 import os
 import re
 import struct
+import subprocess
 
 import program
 
@@ -30,6 +31,17 @@ class OutputsTest(program.ProgramTest):
         self.category = self.write("model.vcat", "\x8aVCAT\r\n\x1a".encode("latin-1"))
         self.scene = self.write("flight/scene.json", json.dumps({"assets": str(program.REPOSITORY / "assets")}))
         self.write("flight/video.mp4", self.video.read_bytes())
+
+    def test_no_binary_output_on_a_terminal(self):
+        words = (program.PROGRAM, "export", "--db", self.db, "--format", "gpkg")
+        terminal, end = os.openpty()
+        self.addCleanup(os.close, terminal)
+        refused = subprocess.run(words, stdout=end, stderr=subprocess.PIPE, text=True, timeout=60)
+        os.close(end)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("--format gpkg: is binary, and not for a terminal: give --out FILE", refused.stderr)
+        piped = subprocess.run(words, capture_output=True, timeout=60)
+        self.assertTrue(piped.stdout.startswith(b"SQLite format 3"))
 
     def keeps_files(self, words, *arguments):
         before = self.files()

@@ -23,6 +23,7 @@
 #include "victorious/base/text.h"
 #include "victorious/base/write_access.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/image/image_file.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/store/open_store.h"
 #include "victorious/telemetry/camera_models.h"
@@ -278,7 +279,7 @@ Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<Fie
 }
 
 Status WriteOutput(const std::string& path, std::string_view text) {
-  if (!path.empty() && path != "-") return WriteFileAtomically(path, text);
+  if (!IsStandardOutput(path)) return WriteFileAtomically(path, text);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     return std::unexpected(ErrorFromErrno(errno, "write to standard output"));
   }
@@ -286,7 +287,7 @@ Status WriteOutput(const std::string& path, std::string_view text) {
 }
 
 Status CheckOutput(const std::string& path) {
-  if (path.empty() || path == "-") return {};
+  if (IsStandardOutput(path)) return {};
   namespace fs = std::filesystem;
   std::error_code unknown;  // ignored: writing reports the error
   const fs::file_status status = fs::status(path, unknown);
@@ -297,6 +298,11 @@ Status CheckOutput(const std::string& path) {
   }
   if (!fs::is_directory(status) && IsWritable(written)) return {};
   return std::unexpected(ErrorFromErrno(fs::is_directory(status) ? EISDIR : errno, fmt::format("write {}", path)));
+}
+
+Status CheckDrawnImage(const std::string& path) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckImageName(path));
+  return CheckOutput(path);
 }
 
 Status CheckDrawnVideo(const std::string& path) {

@@ -116,11 +116,17 @@ struct FieldFlag {
 /// Validates the parameters that flags set, so that the message names the flag. Error: kInvalidArgument.
 [[nodiscard]] Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FieldFlag> flags);
 
+/// True for the path of an output that names no file: empty or "-".
+[[nodiscard]] inline bool IsStandardOutput(std::string_view path) { return path.empty() || path == "-"; }
+
 /// Writes `text` to stdout (`path` empty or "-"), or atomically to a file.
 [[nodiscard]] Status WriteOutput(const std::string& path, std::string_view text);
 
 /// Checks that WriteOutput can write to `path`. Called before long work.
 [[nodiscard]] Status CheckOutput(const std::string& path);
+
+/// Checks the path of a drawn image: CheckOutput, and its extension. Error: that of CheckImageName.
+[[nodiscard]] Status CheckDrawnImage(const std::string& path);
 
 /// Checks the path of a drawn video: CheckOutput, and its extension. Error: kInvalidArgument unless it is empty or ends
 /// in .mp4 or .mkv.

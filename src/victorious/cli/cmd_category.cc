@@ -79,6 +79,7 @@ Status Train(const CategoryArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(
       CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "images");
   Expected<CategoryModel> model = TrainOnList(
       arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); },
@@ -243,6 +244,7 @@ Status Refine(const CategoryArguments& arguments, const ArgumentParser& parser) 
   }
   VICTORIOUS_RETURN_IF_ERROR(
       CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::vector<CategoryFeedback> marks,
       has_list ? ReadListedMarks(arguments, rows, featurizer) : ReadReviewedMarks(arguments, model, featurizer));

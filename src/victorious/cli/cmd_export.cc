@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "victorious/base/check.h"
 #include "victorious/base/json.h"
@@ -55,7 +57,7 @@ Status PrintExported(const std::string& out, std::string_view format, const Sigh
 Status ExportVideo(const std::string& out, const SightingFilter& filter, const ClipArguments& clip, IndexStore& store,
                    const ArgumentParser& parser) {
   constexpr int kTrackFrames = 60;
-  if (out.empty() || out == "-") {
+  if (IsStandardOutput(out)) {
     return Fail(ErrorCode::kInvalidArgument, "--format video: give --out FILE, a name that ends in .mp4 or .mkv");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexedDrawing drawing, ListIndexedDrawing(filter, store));
@@ -91,7 +93,8 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
 
 struct FormatTraits {
   FileKind kind;
-  bool is_map = false;  // holds only objects with a place
+  bool is_map = false;     // holds only objects with a place
+  bool is_binary = false;  // else text
 };
 
 FormatTraits TraitsOf(ExportFormat format) {
@@ -109,7 +112,7 @@ FormatTraits TraitsOf(ExportFormat format) {
     case ExportFormat::kKml:
       return {.kind = FileKind::kKml, .is_map = true};
     case ExportFormat::kGpkg:
-      return {.kind = FileKind::kGeoPackage, .is_map = true};
+      return {.kind = FileKind::kGeoPackage, .is_map = true, .is_binary = true};
   }
   VICTORIOUS_CHECK(false);
 }
@@ -133,7 +136,8 @@ Action SetUpExport(ArgumentParser& parser) {
                " (docs/formats/export.md), or video: a copy of the video with the sightings drawn into it")
       .Required()
       .TypeName("FORMAT");
-  parser.Add("--out", arguments->out, "Output file (default: standard output)").TypeName("FILE");
+  parser.Add("--out", arguments->out, "Output file (default: standard output, for gpkg unless it is a terminal)")
+      .TypeName("FILE");
   arguments->filter.AddTo(parser);
   Argument clip =
       parser
@@ -150,7 +154,7 @@ Action SetUpExport(ArgumentParser& parser) {
       "With --out: print one JSON object: the file, its numbers of objects, of those with a place, of sightings");
   AddForce(parser);
   return [=]() -> Status {
-    if (arguments->json && (arguments->out.empty() || arguments->out == "-")) {
+    if (arguments->json && IsStandardOutput(arguments->out)) {
       return Fail(ErrorCode::kInvalidArgument, "--json: says what was written to a file: give --out FILE");
     }
     if (arguments->format == kVideoFormat) {
@@ -168,7 +172,13 @@ Action SetUpExport(ArgumentParser& parser) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("{}, {}", parsed.error().message, kVideoFormat));
     }
     const ExportFormat format = *parsed;
-    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, TraitsOf(format).kind}}));
+    const FormatTraits traits = TraitsOf(format);
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, traits.kind}}));
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments->out));
+    if (traits.is_binary && IsStandardOutput(arguments->out) && ::isatty(STDOUT_FILENO) == 1) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("--format {}: is binary, and not for a terminal: give --out FILE", arguments->format));
+    }
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
@@ -178,7 +188,7 @@ Action SetUpExport(ArgumentParser& parser) {
     if (!below.empty()) LogInfo(OneLine(below));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
     if (!nothing.empty()) LogInfo("nothing to export: {}", OneLine(nothing));
-    if (TraitsOf(format).is_map) {
+    if (traits.is_map) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, *store));
       if (!unplaced.empty()) LogInfo(OneLine(unplaced));
     }

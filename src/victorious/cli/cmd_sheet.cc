@@ -83,6 +83,7 @@ Action SetUpSheet(ArgumentParser& parser) {
     std::vector<std::string> videos;
     for (const VideoRecord& video : catalogue.videos()) videos.push_back(FindVideoFile(video));
     VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, FileKind::kImage}}, videos));
+    VICTORIOUS_RETURN_IF_ERROR(CheckDrawnImage(arguments->out));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
     if (!nothing.empty()) return Fail(ErrorCode::kInvalidArgument, nothing);
     VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.max_tiles, catalogue, *store));

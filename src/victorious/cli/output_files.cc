@@ -18,6 +18,7 @@
 #include "victorious/base/enum_text.h"
 #include "victorious/base/json.h"
 #include "victorious/category/category_file.h"
+#include "victorious/cli/arguments.h"
 #include "victorious/image/image_header.h"
 #include "victorious/pipeline/video_telemetry.h"
 
@@ -225,11 +226,9 @@ fs::path ResolvePath(fs::path path) {
   return failed ? path.lexically_normal() : resolved;
 }
 
-bool IsWritten(const OutputFile& output) { return !output.path.empty() && output.path != "-"; }
-
 // True if writing one output would replace the other. A device or a pipe may take both.
 bool IsSameOutput(const OutputFile& one, const OutputFile& other) {
-  if (!IsWritten(one) || !IsWritten(other)) return false;
+  if (IsStandardOutput(one.path) || IsStandardOutput(other.path)) return false;
   struct stat existing{};
   if (::stat(one.path.c_str(), &existing) == 0) {
     return !S_ISCHR(existing.st_mode) && !S_ISFIFO(existing.st_mode) && IsSameFile(other.path, existing);
@@ -271,7 +270,7 @@ Status CheckOutputs(const ArgumentParser& command, const std::vector<OutputFile>
   VICTORIOUS_RETURN_IF_ERROR(CheckDifferent(outputs));
   for (const OutputFile& output : outputs) {
     struct stat existing{};
-    if (!IsWritten(output) || ::stat(output.path.c_str(), &existing) != 0) continue;
+    if (IsStandardOutput(output.path) || ::stat(output.path.c_str(), &existing) != 0) continue;
     if (S_ISCHR(existing.st_mode)) continue;  // /dev/null and the terminal may be both
     for (const InputPath& input : inputs) {
       const std::optional<fs::path> same = FindSameFile(input, existing);

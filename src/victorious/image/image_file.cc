@@ -108,22 +108,10 @@ Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string&
   }
 }
 
-Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
-  // Halves the size of a PNG at the cost of time; other formats ignore the parameter.
-  const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 6};
-  std::vector<unsigned char> bytes;
-  try {
-    if (cv::imencode(path.extension().string(), image, bytes, parameters))
-      return WriteFileAtomically(path, std::as_bytes(std::span(bytes)));
-  } catch (const cv::Exception&) {
-    // The extension is unknown to OpenCV.
-  }
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: an image's name must end in .png or .jpg", path.string()));
-}
-
 namespace {
 
-Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const char* ending, const std::vector<int>& parameters) {
+Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const std::string& ending,
+                                        const std::vector<int>& parameters) {
   std::vector<unsigned char> bytes;
   try {
     if (cv::imencode(ending, bgr, bytes, parameters)) {
@@ -138,6 +126,19 @@ Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const char* ending, 
 }
 
 }  // namespace
+
+Status CheckImageName(const std::filesystem::path& path) {
+  if (cv::haveImageWriter(path.string())) return {};
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: an image's name must end in .png or .jpg", path.string()));
+}
+
+Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckImageName(path));
+  // Halves the size of a PNG at the cost of time; other formats ignore the parameter.
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
+                              Encode(image, path.extension().string(), {cv::IMWRITE_PNG_COMPRESSION, 6}));
+  return WriteFileAtomically(path, bytes);
+}
 
 Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr, int quality) {
   return Encode(bgr, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});

@@ -27,8 +27,11 @@ struct Image {
 /// Decodes an image from memory; `name` is the prefix of error messages. Errors: those of ReadImage.
 [[nodiscard]] Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name);
 
+/// Error: kInvalidArgument unless WriteImage knows the file extension.
+[[nodiscard]] Status CheckImageName(const std::filesystem::path& path);
+
 /// Writes a BGR or grey image atomically; the file extension determines the format (.png, .jpg).
-/// Errors: kInvalidArgument for an unknown extension; those of WriteFileAtomically.
+/// Errors: that of CheckImageName; kInternal for an image that the format cannot hold; those of WriteFileAtomically.
 [[nodiscard]] Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
 
 /// Encodes a BGR image as JPEG, deterministically.
