@@ -26,6 +26,9 @@ class VideosTest(program.ProgramTest):
         sheet.unlink()
         video.write_bytes(SHORT.with_name("flight.mp4").read_bytes())
         self.refuses(2, (video, "not the video that was indexed"), "sheet", "--db", db, "--out", sheet)
+        # A file that cannot be written is named before the videos are looked at.
+        for out in (self.scratch / "sheet.exr", self.scratch / ".png", self.scratch / "none/sheet.png"):
+            self.refuses(2, out, "sheet", "--db", db, "--out", out)
         self.assertFalse(sheet.exists())
 
     def test_missing_and_empty(self):

@@ -109,6 +109,14 @@ class CategoryTest(program.ProgramTest):
         self.assertEqual(set(report["categories"]), {row.split(",")[1] for row in TRAIN})
         self.assertGreater(report["words"], 0)
 
+    def test_an_output_without_a_folder_is_named_before_the_images_are_looked_at(self):
+        broken = self.write("images/broken.pgm", "no image")
+        rows = self.write("train.csv", listing([f"broken.pgm,{name}" for name in ("cross-disc", "disc-cross")]))
+        out = self.scratch / "none/model.vcat"
+        self.refuses(2, out, "category", "train", "--images", broken.parent, "--list", rows, "--out", out)
+        refine = ("category", "refine", "--model", trained(), "--images", broken.parent, "--list", rows)
+        self.refuses(2, out, *refine, "--out", out)
+
     def test_missing_background_is_reported(self):
         def train(rows):
             listed, params = self.write("list.csv", listing(rows)), self.write("params.json", json.dumps(SMALL))

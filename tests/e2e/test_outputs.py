@@ -36,11 +36,11 @@ class OutputsTest(program.ProgramTest):
         words = (program.PROGRAM, "export", "--db", self.db, "--format", "gpkg")
         terminal, end = os.openpty()
         self.addCleanup(os.close, terminal)
-        refused = subprocess.run(words, stdout=end, stderr=subprocess.PIPE, text=True, timeout=60)
+        refused = subprocess.run(words, stdout=end, stderr=subprocess.PIPE, text=True, timeout=program.TIMEOUT_S)
         os.close(end)
         self.assertEqual(refused.returncode, 2)
         self.assertIn("--format gpkg: is binary, and not for a terminal: give --out FILE", refused.stderr)
-        piped = subprocess.run(words, capture_output=True, timeout=60)
+        piped = subprocess.run(words, capture_output=True, timeout=program.TIMEOUT_S)
         self.assertTrue(piped.stdout.startswith(b"SQLite format 3"))
 
     def keeps_files(self, words, *arguments):

@@ -125,7 +125,7 @@ struct FieldFlag {
 /// Checks that WriteOutput can write to `path`. Called before long work.
 [[nodiscard]] Status CheckOutput(const std::string& path);
 
-/// Checks the path of a drawn image: CheckOutput, and its extension. Error: that of CheckImageName.
+/// Checks the path of a drawn image: CheckOutput, and its extension. Errors: those of CheckImageName and CheckOutput.
 [[nodiscard]] Status CheckDrawnImage(const std::string& path);
 
 /// Checks the path of a drawn video: CheckOutput, and its extension. Error: kInvalidArgument unless it is empty or ends

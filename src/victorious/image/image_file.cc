@@ -1,10 +1,13 @@
 #include "victorious/image/image_file.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <limits>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,6 +17,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/text.h"
 #include "victorious/image/image_header.h"
 
 namespace victorious {
@@ -128,16 +132,22 @@ Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const std::string& e
 }  // namespace
 
 Status CheckImageName(const std::filesystem::path& path) {
-  if (cv::haveImageWriter(path.string())) return {};
+  constexpr std::array<std::string_view, 10> kExtensions = {".png", ".jpg", ".jpeg", ".bmp",  ".ppm",
+                                                            ".pgm", ".pnm", ".tif",  ".tiff", ".webp"};
+  if (std::ranges::find(kExtensions, LowerCase(path.extension().string())) != kExtensions.end()) return {};
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: an image's name must end in .png or .jpg", path.string()));
 }
 
 Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
   VICTORIOUS_RETURN_IF_ERROR(CheckImageName(path));
   // Halves the size of a PNG at the cost of time; other formats ignore the parameter.
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
-                              Encode(image, path.extension().string(), {cv::IMWRITE_PNG_COMPRESSION, 6}));
-  return WriteFileAtomically(path, bytes);
+  const Expected<std::vector<std::byte>> bytes =
+      Encode(image, path.extension().string(), {cv::IMWRITE_PNG_COMPRESSION, 6});
+  if (!bytes) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: {}: give a name that ends in .png", path.string(), bytes.error().message));
+  }
+  return WriteFileAtomically(path, *bytes);
 }
 
 Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr, int quality) {

@@ -27,11 +27,12 @@ struct Image {
 /// Decodes an image from memory; `name` is the prefix of error messages. Errors: those of ReadImage.
 [[nodiscard]] Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name);
 
-/// Error: kInvalidArgument unless WriteImage knows the file extension.
+/// Error: kInvalidArgument unless WriteImage knows the file extension: .png, .jpg, and other common ones.
 [[nodiscard]] Status CheckImageName(const std::filesystem::path& path);
 
 /// Writes a BGR or grey image atomically; the file extension determines the format (.png, .jpg).
-/// Errors: that of CheckImageName; kInternal for an image that the format cannot hold; those of WriteFileAtomically.
+/// Errors: kInvalidArgument for an unknown extension or an image that its format cannot hold; those of
+/// WriteFileAtomically.
 [[nodiscard]] Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
 
 /// Encodes a BGR image as JPEG, deterministically.

@@ -267,5 +267,25 @@ TEST(ImageFile, GreyWeights) {
   EXPECT_EQ(grey.at<uchar>(2), 76);
 }
 
+TEST(WriteImage, NamesThatNoFormatHasAreRefused) {
+  const testing::ScratchFolder folder;
+  const cv::Mat colours(2, 3, CV_8UC3, cv::Scalar(10, 20, 30));
+  for (const char* name : {"a.exr", "a.hdr", ".png", "png", "a.png/b"}) {
+    const Status written = WriteImage(folder.path() / name, colours);
+    ASSERT_FALSE(written) << name;
+    EXPECT_EQ(written.error().code, ErrorCode::kInvalidArgument) << name;
+    EXPECT_TRUE(written.error().message.contains("must end in .png or .jpg")) << written.error().message;
+  }
+  EXPECT_TRUE(CheckImageName("a/b.JPG"));
+}
+
+TEST(WriteImage, AnImageThatTheFormatCannotHoldIsRefusedByName) {
+  const testing::ScratchFolder folder;
+  const Status written = WriteImage(folder.path() / "wide.jpg", cv::Mat::zeros(1, 70'000, CV_8UC1));
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(written.error().message.contains("wide.jpg: an image of 70000 x 1 pixels")) << written.error().message;
+}
+
 }  // namespace
 }  // namespace victorious
