@@ -19,8 +19,8 @@ testing::SyntheticLines NoisyLines(std::uint64_t seed, const Eigen::Vector3d& ve
 }
 
 // Counts over many seeds how often the place is within 3 sigma and how often 95 % of the inliers are kept.
-std::vector<std::pair<std::string, double>> Reliability(const LocateOptions& settings,
-                                                        const Eigen::Vector3d& velocity_enu, int seeds) {
+std::vector<std::pair<std::string, double>> ReliabilityFigures(const LocateOptions& settings,
+                                                               const Eigen::Vector3d& velocity_enu, int seeds) {
   int near = 0;
   int kept = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
@@ -47,7 +47,7 @@ Result Time(const std::string& name, const LocateOptions& options, const Eigen::
   const testing::SyntheticLines drawn = NoisyLines(1, velocity_enu);
   const Implementation ours = {"victorious", [&] { return Locate(drawn.lines, options)->place->ce90_m; }};
   Result result = Compare(name, ours, {}, settings.effort());
-  result.figures = Reliability(options, velocity_enu, settings.quick ? 2 : 1000);
+  result.figures = ReliabilityFigures(options, velocity_enu, settings.quick ? 2 : 1000);
   return result;
 }
 

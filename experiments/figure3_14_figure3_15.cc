@@ -105,7 +105,7 @@ Status WriteStages(const std::filesystem::path& path, const ViewCounts& counts, 
   return WriteImage(path, Montage({draw(counts, 0), draw(counts, 1), draw(counts, 3), draw(counts, 2)}, 2));
 }
 
-struct Ranking {
+struct StageRanking {
   int rank = 1;          ///< rank of the true view
   int tied = 0;          ///< number of other views with as many matches
   std::size_t best = 0;  ///< view with the maximum number of matches
@@ -114,9 +114,9 @@ struct Ranking {
   int max_far_count = 0;  ///< maximum number of matches of the views more than 40 degrees away
 };
 
-Ranking Rank(const ViewCounts& counts, std::size_t stage) {
+StageRanking Rank(const ViewCounts& counts, std::size_t stage) {
   constexpr double kFarDegrees = 40;
-  Ranking ranking;
+  StageRanking ranking;
   ranking.true_count = counts.left[counts.trial.view][stage];
   for (std::size_t view = 0; view < counts.left.size(); ++view) {
     const int count = counts.left[view][stage];
@@ -160,7 +160,7 @@ Expected<Report> RunFigure314(const ExperimentSettings& settings) {
         VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(settings.out / "figure3.14.views.csv", CsvOfViews(counts)));
       }
       for (std::size_t stage = 0; stage < kStages; ++stage) {
-        const Ranking ranking = Rank(counts, stage);
+        const StageRanking ranking = Rank(counts, stage);
         report.rows.push_back({std::string(kind), setup.name, std::string(StageMatches::kNames[stage]),
                                static_cast<double>(ranking.rank), static_cast<double>(ranking.tied),
                                static_cast<double>(ranking.true_count), static_cast<double>(ranking.best_count),
@@ -192,7 +192,7 @@ Expected<Report> RunFigure315(const ExperimentSettings& settings) {
       VICTORIOUS_RETURN_IF_ERROR(WriteStages(settings.out / "figure3.15.png", counts, Bars));
     PlotLine line{.name = kind};
     for (std::size_t stage = 0; stage < kStages; ++stage) {
-      const Ranking ranking = Rank(counts, stage);
+      const StageRanking ranking = Rank(counts, stage);
       const double ratio = ranking.true_count / std::max(1.0, static_cast<double>(ranking.max_far_count));
       report.rows.push_back({std::string(kind), std::string(StageMatches::kNames[stage]),
                              static_cast<double>(ranking.true_count), static_cast<double>(ranking.max_far_count),

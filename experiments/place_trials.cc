@@ -20,16 +20,15 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Json = nlohmann::json;
 
-Expected<Json> ReadJson(const fs::path& path) {
+Expected<nlohmann::json> ReadJson(const fs::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
   auto json = ParseJson(text);
   if (!json) return std::unexpected(std::move(json).error().WithContext(path.string()));
   return json;
 }
 
-Error Damaged(const fs::path& path, const Json::exception& error) {
+Error Damaged(const fs::path& path, const nlohmann::json::exception& error) {
   return {ErrorCode::kDataLoss, fmt::format("{}: not in the format of this survey: {}", path.string(), error.what())};
 }
 
@@ -69,13 +68,13 @@ struct Beach {
 };
 
 template <typename Vector>
-Vector ParseVector(const Json& numbers) {
+Vector ParseVector(const nlohmann::json& numbers) {
   Vector vector;
   for (Eigen::Index i = 0; i < vector.size(); ++i) vector(i) = numbers.at(static_cast<std::size_t>(i)).get<double>();
   return vector;
 }
 
-Beach ParseBeach(const Json& json) {
+Beach ParseBeach(const nlohmann::json& json) {
   // An approximate position of the site; the axes are those of the survey. An error of 0.001 degrees is negligible.
   Beach beach{
       .survey = {.plane = TangentPlane({RadiansFromDegrees(-33.73), RadiansFromDegrees(151.30), 0}),
@@ -86,7 +85,7 @@ Beach ParseBeach(const Json& json) {
       .frames = {},
       .telemetry = ParseVector<Eigen::Matrix<double, 6, 1>>(json.at("telemetry_start_beta0_x_y_z_az_tilt_roll_rad")),
       .frame_s = json.at("frame_dt_s").get<double>()};
-  const Json& lens = json.at("lens");
+  const nlohmann::json& lens = json.at("lens");
   beach.pinhole = {lens.at("fx"),
                    lens.at("fy"),
                    lens.at("c0U"),
@@ -94,8 +93,8 @@ Beach ParseBeach(const Json& json) {
                    static_cast<int>(lens.at("NU")),
                    static_cast<int>(lens.at("NV"))};
   beach.lens = {lens.at("d1"), lens.at("d2"), lens.at("t1"), lens.at("t2"), lens.at("d3")};
-  const Json& origin = json.at("local_origin");
-  for (const Json& point : json.at("gcps")) {
+  const nlohmann::json& origin = json.at("local_origin");
+  for (const nlohmann::json& point : json.at("gcps")) {
     const auto clicked = json.at("gcp_pixels_frame1_clicked").find(std::to_string(point.at("num").get<int>()));
     if (clicked == json.at("gcp_pixels_frame1_clicked").end()) continue;
     beach.survey.names.push_back(point.at("name"));
@@ -104,7 +103,7 @@ Beach ParseBeach(const Json& json) {
                                      point.at("z").get<double>());
     beach.clicked.push_back(ParseVector<Vector2d>(*clicked));
   }
-  for (const Json& pose : json.at("solved_betas_per_frame_x_y_z_az_tilt_roll_rad_LOCAL")) {
+  for (const nlohmann::json& pose : json.at("solved_betas_per_frame_x_y_z_az_tilt_roll_rad_LOCAL")) {
     beach.frames.push_back(ParseVector<Eigen::Matrix<double, 6, 1>>(pose));
   }
   return beach;
@@ -183,18 +182,18 @@ struct River {
   std::vector<Vector2d> seen;  // pixel of each point
 };
 
-River ParseRiver(const Json& json) {
+River ParseRiver(const nlohmann::json& json) {
   River river{.survey = {.plane = TangentPlane({RadiansFromDegrees(50.8), RadiansFromDegrees(5.9), 0}),
                          .names = {},
                          .points = {}},
               .pinhole = {},
               .seen = {}};
-  const Json& matrix = json.at("camera_matrix");
+  const nlohmann::json& matrix = json.at("camera_matrix");
   river.pinhole = {matrix.at(0).at(0), matrix.at(1).at(1), matrix.at(0).at(2),
                    matrix.at(1).at(2), json.at("width"),   json.at("height")};
-  const Json& lens = json.at("dist_coeffs");
+  const nlohmann::json& lens = json.at("dist_coeffs");
   for (std::size_t i = 0; i < lens.size() && i < river.lens.size(); ++i) river.lens[i] = lens.at(i).at(0);
-  const Json& points = json.at("gcps").at("dst");
+  const nlohmann::json& points = json.at("gcps").at("dst");
   const auto corner = ParseVector<Vector3d>(points.at(0));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto point = ParseVector<Vector3d>(points.at(i));
@@ -222,11 +221,11 @@ LineOfSight LineOfSightThrough(const Vector2d& pixel, const GeoreferencedCamera&
 
 Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& settings) {
   const fs::path folder = settings.data / "real/geo_gcp/narrabeen_uav";
-  VICTORIOUS_ASSIGN_OR_RETURN(const Json json, ReadJson(folder / "truth.json"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(folder / "truth.json"));
   Beach beach;
   try {
     beach = ParseBeach(json);
-  } catch (const Json::exception& error) {
+  } catch (const nlohmann::json::exception& error) {
     return std::unexpected(Damaged(folder / "truth.json", error));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto images, ReadGreyFrames(folder / "frames", beach.frames.size()));
@@ -254,11 +253,11 @@ Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& setti
 
 Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings) {
   const fs::path path = settings.data / "real/geo_gcp/geul_river/dk_cam_config.json";
-  VICTORIOUS_ASSIGN_OR_RETURN(const Json json, ReadJson(path));
+  VICTORIOUS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
   River river;
   try {
     river = ParseRiver(json);
-  } catch (const Json::exception& error) {
+  } catch (const nlohmann::json::exception& error) {
     return std::unexpected(Damaged(path, error));
   }
   PlaceSeries series{.name = "river, pose from the other crosses", .trials = {}};

@@ -55,7 +55,7 @@ std::vector<Step> Steps() {
 constexpr std::array kMethods = {std::pair{CategoryMethod::kWords, "words"},
                                  std::pair{CategoryMethod::kPhrases, "phrases"}};
 
-struct Figures {
+struct MethodFigures {
   std::vector<double> airplanes;
   std::vector<double> cars;
   std::vector<double> area;
@@ -93,7 +93,7 @@ Expected<Report> Accuracies(const ExperimentSettings& settings, std::span<const 
   double place = 0;
   for (const Step& step : steps) {
     VICTORIOUS_ASSIGN_OR_RETURN(const CaltechFeatures* features, cache.Of(step.options.features));
-    std::map<CategoryMethod, Figures> figures;
+    std::map<CategoryMethod, MethodFigures> figures;
     for (int seed = 1; seed <= settings.seeds; ++seed) {
       VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
       CategoryModel model;
@@ -109,7 +109,7 @@ Expected<Report> Accuracies(const ExperimentSettings& settings, std::span<const 
     }
     ++place;
     for (const auto& [method, name] : kMethods) {
-      const Figures& found = figures[method];
+      const MethodFigures& found = figures[method];
       const MeanWithError airplanes = ComputeMean(found.airplanes);
       const MeanWithError cars = ComputeMean(found.cars);
       report.rows.push_back({step.name, std::string(name), airplanes, cars, ComputeMean(found.area)});

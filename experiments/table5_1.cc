@@ -22,15 +22,15 @@ namespace {
 constexpr double kModels = 25;  // of the total
 
 // A row of the thesis's table, s, and the stages of the program that do the same.
-struct Step {
+struct ProgramStep {
   const char* name;
   bool per_model;
   std::optional<std::array<double, 4>> thesis_s;  // current, GPU, 15 degree interval, four Tesla cards
   std::vector<Stage> stages;
 };
 
-const std::array<Step, 7>& Steps() {
-  static const std::array<Step, 7> steps = {{
+const std::array<ProgramStep, 7>& Steps() {
+  static const std::array<ProgramStep, 7> steps = {{
       {"feature extraction", false, {{1.6678, 0.04, 0.04, 0.0066}}, {Stage::kFeatures}},
       {"matching", true, {{0.0274, 0.0274, 0.0122, 0.0005}}, {Stage::kMatching}},
       {"constraints (the cascade; ours: votes, MLESAC and significance)",
@@ -109,7 +109,7 @@ Expected<Report> RunTable51(const ExperimentSettings& settings) {
       .columns = {"step", "of", "thesis", "thesis: GPU", "thesis: 15 degrees", "thesis: four Tesla", "ours: votes",
                   "ours: shortlist"}};
   std::array<double, 6> total_s{};
-  for (const Step& step : Steps()) {
+  for (const ProgramStep& step : Steps()) {
     std::vector<Cell> row = {std::string(step.name), std::string(step.per_model ? "model" : "frame")};
     const double divisor = step.per_model ? models : 1;
     const double factor = step.per_model ? kModels : 1;

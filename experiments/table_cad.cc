@@ -32,7 +32,7 @@ struct TrainingSet {
 };
 
 // One value per seed.
-struct Figures {
+struct TrainingFigures {
   std::vector<double> area;
   std::vector<double> first;  // precision among the first kFirst of the ranking, %
 };
@@ -66,8 +66,8 @@ std::vector<CategoryListRow> TrainingRows(std::span<const CategoryListRow> rows,
   return train;
 }
 
-void MeasureInto(Figures& figures, const CaltechFeatures& features, const Split& split, const CategoryModel& model,
-                 const std::string& category) {
+void MeasureInto(TrainingFigures& figures, const CaltechFeatures& features, const Split& split,
+                 const CategoryModel& model, const std::string& category) {
   const auto node = std::ranges::find(model.nodes, category, &CategoryNode::name) - model.nodes.begin();
   std::vector<double> scores;
   std::vector<bool> is_positive;
@@ -101,7 +101,7 @@ Expected<Report> RunTableCad(const ExperimentSettings& settings) {
     const CategoryTrainOptions options;
     VICTORIOUS_ASSIGN_OR_RETURN(const auto features,
                                 CaltechFeatures::Load(settings, std::move(rows), options.features));
-    std::array<Figures, training_sets.size()> figures;
+    std::array<TrainingFigures, training_sets.size()> figures;
     for (int seed = 1; seed <= settings.seeds; ++seed) {
       const auto number = static_cast<std::uint64_t>(seed);
       const Split split = MakeRandomSplit(features.rows(), number);

@@ -81,12 +81,13 @@ double TurnDeg(std::span<const CentredSighting> sightings) {
   return std::abs(DegreesFromRadians(turn_rad));
 }
 
-struct Variant {
+struct CheyenneVariant {
   LocateMethod method;
   std::size_t every;  // step between the lines used; 0: the middle line only
 };
 
-void AddRow(const std::string& name, std::span<const CentredSighting> sightings, const Variant& way, Report& report) {
+void AddRow(const std::string& name, std::span<const CentredSighting> sightings, const CheyenneVariant& way,
+            Report& report) {
   const GeodeticPoint truth = MeanCentre(sightings);
   std::vector<LineOfSight> lines;
   if (way.every == 0) {
@@ -130,12 +131,12 @@ Expected<Report> RunTableCheyenne(const ExperimentSettings& settings) {
   for (const Stare& stare : stares) {
     const auto lines = std::span(sightings).subspan(stare.first, stare.last - stare.first + 1);
     const std::string name = fmt::format("{} to {}", stare.first, stare.last);
-    for (const Variant& way : std::initializer_list<Variant>{{LocateMethod::kGround, 0},
-                                                             {LocateMethod::kMaximumLikelihood, 1},
-                                                             {LocateMethod::kMaximumLikelihood, 8},
-                                                             {LocateMethod::kRansac, 1},
-                                                             {LocateMethod::kPrior, 1},
-                                                             {LocateMethod::kLeastSquares, 1}}) {
+    for (const CheyenneVariant& way : std::initializer_list<CheyenneVariant>{{LocateMethod::kGround, 0},
+                                                                             {LocateMethod::kMaximumLikelihood, 1},
+                                                                             {LocateMethod::kMaximumLikelihood, 8},
+                                                                             {LocateMethod::kRansac, 1},
+                                                                             {LocateMethod::kPrior, 1},
+                                                                             {LocateMethod::kLeastSquares, 1}}) {
       AddRow(name, lines, way, report);
     }
   }

@@ -13,7 +13,7 @@ namespace victorious {
 namespace {
 
 // The configuration of a row.
-struct Variant {
+struct PlaceVariant {
   LocateMethod method;
   std::size_t max_lines;
   bool surveyed_height;  // ground at the point's surveyed height; else flat, at the other points' mean height
@@ -21,7 +21,7 @@ struct Variant {
 
 constexpr std::size_t kAll = 1000;
 
-void AddRow(const PlaceSeries& series, const Variant& way, Report& report) {
+void AddRow(const PlaceSeries& series, const PlaceVariant& way, Report& report) {
   std::vector<double> horizontal_error_m;
   std::vector<double> ce90_m;
   std::vector<double> le90_m;
@@ -76,20 +76,20 @@ Expected<Report> RunTableControlPoints(const ExperimentSettings& settings) {
       .columns = {"site and cameras", "ground", "method", "images", "points located",
                   "error along the ground, median m", "max m", "CE90, median m", "LE90, median m",
                   "in the 90 % ellipsoid", "within CE90"}};
-  const std::vector<Variant> ways = {{LocateMethod::kGround, 1, false},
-                                     {LocateMethod::kMaximumLikelihood, 1, false},
-                                     {LocateMethod::kMaximumLikelihood, 3, false},
-                                     {LocateMethod::kGround, kAll, false},
-                                     {LocateMethod::kMaximumLikelihood, kAll, false},
-                                     {LocateMethod::kRansac, kAll, false},
-                                     {LocateMethod::kPrior, kAll, false},
-                                     {LocateMethod::kLeastSquares, kAll, false},
-                                     {LocateMethod::kGround, 1, true},
-                                     {LocateMethod::kMaximumLikelihood, kAll, true}};
+  const std::vector<PlaceVariant> ways = {{LocateMethod::kGround, 1, false},
+                                          {LocateMethod::kMaximumLikelihood, 1, false},
+                                          {LocateMethod::kMaximumLikelihood, 3, false},
+                                          {LocateMethod::kGround, kAll, false},
+                                          {LocateMethod::kMaximumLikelihood, kAll, false},
+                                          {LocateMethod::kRansac, kAll, false},
+                                          {LocateMethod::kPrior, kAll, false},
+                                          {LocateMethod::kLeastSquares, kAll, false},
+                                          {LocateMethod::kGround, 1, true},
+                                          {LocateMethod::kMaximumLikelihood, kAll, true}};
   for (const PlaceSeries& series : all) {
     const std::size_t most =
         std::ranges::max(series.trials, {}, [](const PlaceTrial& t) { return t.lines.size(); }).lines.size();
-    for (const Variant& way : ways) {
+    for (const PlaceVariant& way : ways) {
       if (most > 1 || way.max_lines == 1) AddRow(series, way, report);
     }
   }

@@ -15,7 +15,7 @@ namespace victorious {
 namespace {
 
 // The errors with one kind of camera data, in one movie.
-struct Errors {
+struct PoseErrors {
   std::vector<double> view_deg;
   std::vector<double> distance_percent;
   std::vector<double> view_sigmas;
@@ -28,9 +28,9 @@ constexpr const char* kFieldOfView = "field of view only";
 constexpr const char* kNothing = "nothing";
 
 // Errors by the kind of camera data.
-using ErrorsOf = std::map<std::string, Errors>;
+using ErrorsOf = std::map<std::string, PoseErrors>;
 
-void Add(const ObjectPose& object_pose, const TruthRow& truth, double distance_m, Errors& errors) {
+void Add(const ObjectPose& object_pose, const TruthRow& truth, double distance_m, PoseErrors& errors) {
   const double error_rad = AngleBetween(object_pose.view->angles, *truth.view);
   errors.view_deg.push_back(DegreesFromRadians(error_rad));
   errors.view_sigmas.push_back(error_rad / object_pose.view->sigma_rad);
@@ -73,7 +73,7 @@ void AddRows(const std::string& movie, const ErrorsOf& errors, Report& report) {
   for (const char* camera : {kMatched, kTelemetry, kFieldOfView, kNothing}) {
     const auto found = errors.find(camera);
     if (found == errors.end()) continue;
-    const Errors& e = found->second;
+    const PoseErrors& e = found->second;
     report.rows.push_back({movie, camera, static_cast<double>(e.view_deg.size()), FormatPercentile(e.view_deg, 50),
                            FormatPercentile(e.view_deg, 90), FormatPercentile(e.distance_percent, 50),
                            FormatPercentile(e.distance_percent, 90), FormatPercentile(e.view_sigmas, 90),
@@ -103,9 +103,9 @@ Expected<Report> RunTableObjectPose(const ExperimentSettings& settings) {
         }));
     AddRows(movie.filename().string(), errors, report);
     for (const auto& [camera, e] : errors) {
-      Errors& sum = all[camera];
-      for (const auto member :
-           {&Errors::view_deg, &Errors::distance_percent, &Errors::view_sigmas, &Errors::distance_sigmas}) {
+      PoseErrors& sum = all[camera];
+      for (const auto member : {&PoseErrors::view_deg, &PoseErrors::distance_percent, &PoseErrors::view_sigmas,
+                                &PoseErrors::distance_sigmas}) {
         (sum.*member).insert((sum.*member).end(), (e.*member).begin(), (e.*member).end());
       }
     }

@@ -33,15 +33,15 @@ namespace fs = std::filesystem;
 constexpr int kFrames = 12;  // of each movie, unless the settings say otherwise
 
 // One search to compare; the first one is the definition.
-struct Setting {
+struct ShortlistSetting {
   std::string name;
   SearchMethod method = SearchMethod::kShortlist;
   ShortlistOptions shortlist = {};
 };
 
-std::vector<Setting> MakeSettings() {
+std::vector<ShortlistSetting> MakeSettings() {
   const auto with = [](std::string name, const std::function<void(ShortlistOptions&)>& change) {
-    Setting setting{.name = std::move(name)};
+    ShortlistSetting setting{.name = std::move(name)};
     change(setting.shortlist);
     return setting;
   };
@@ -183,9 +183,9 @@ Expected<Report> RunTableShortlist(const ExperimentSettings& settings) {
   }
   IndexOptions options;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
-  const std::vector<Setting> compared = MakeSettings();
+  const std::vector<ShortlistSetting> compared = MakeSettings();
   std::vector<Recognizer> recognizers;
-  for (const Setting& setting : compared) {
+  for (const ShortlistSetting& setting : compared) {
     options.recognize.method = setting.method;
     options.recognize.shortlist = setting.shortlist;
     VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer,

@@ -33,7 +33,7 @@ struct PastedObject {
   Box box;
 };
 
-struct Scene {
+struct PastedScene {
   cv::Mat grey;
   std::vector<PastedObject> objects;
 };
@@ -54,7 +54,7 @@ cv::Mat FillFrame(const cv::Mat& grey) {
 }
 
 // Pastes the image at a random free place, scaled so that the longer side of its object's box is `side_px`.
-void Paste(const cv::Mat& grey, const CategoryListRow& row, double side_px, Random& random, Scene& scene) {
+void Paste(const cv::Mat& grey, const CategoryListRow& row, double side_px, Random& random, PastedScene& scene) {
   const Box box = ClippedBox(row, grey.cols, grey.rows).value();
   const double scale = side_px / std::max(box.width, box.height);
   cv::Mat small;
@@ -75,8 +75,8 @@ void Paste(const cv::Mat& grey, const CategoryListRow& row, double side_px, Rand
   }
 }
 
-Expected<std::vector<Scene>> MakeScenes(const ExperimentSettings& settings, std::span<const CategoryListRow> rows,
-                                        std::span<const std::size_t> test, std::uint64_t seed) {
+Expected<std::vector<PastedScene>> MakeScenes(const ExperimentSettings& settings, std::span<const CategoryListRow> rows,
+                                              std::span<const std::size_t> test, std::uint64_t seed) {
   std::map<std::string, std::vector<std::size_t>> of_category;
   for (const std::size_t row : test) {
     if (rows[row].box || rows[row].category == kBackground) of_category[rows[row].category].push_back(row);
@@ -86,10 +86,10 @@ Expected<std::vector<Scene>> MakeScenes(const ExperimentSettings& settings, std:
     const std::vector<std::size_t>& members = of_category[category];
     return rows[members[random.Below(static_cast<std::uint32_t>(members.size()))]];
   };
-  std::vector<Scene> scenes;
+  std::vector<PastedScene> scenes;
   for (int i = 0; i < kFrames; ++i) {
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat background, ReadGrey(settings, any_of(kBackground)));
-    Scene& scene = scenes.emplace_back(Scene{FillFrame(background), {}});
+    PastedScene& scene = scenes.emplace_back(PastedScene{FillFrame(background), {}});
     for (int k = 0; k < i % (kMaxObjects + 1); ++k) {
       constexpr double kSmallest_px = 80;
       constexpr double kLargest_px = 200;
@@ -102,7 +102,7 @@ Expected<std::vector<Scene>> MakeScenes(const ExperimentSettings& settings, std:
 }
 
 // One value per seed; %, except the last.
-struct Figures {
+struct SearchFigures {
   std::vector<double> found;
   std::vector<double> right;
   std::vector<double> overlap;
@@ -110,7 +110,7 @@ struct Figures {
   std::vector<double> frames_a_second;
 };
 
-Status MeasureInto(Figures& figures, const CategoryFinder& finder, std::span<const Scene> scenes) {
+Status MeasureInto(SearchFigures& figures, const CategoryFinder& finder, std::span<const PastedScene> scenes) {
   double objects = 0;
   double found = 0;
   double finds = 0;
@@ -118,7 +118,7 @@ Status MeasureInto(Figures& figures, const CategoryFinder& finder, std::span<con
   double empty = 0;
   double empty_with_finds = 0;
   const auto start = std::chrono::steady_clock::now();
-  for (const Scene& scene : scenes) {
+  for (const PastedScene& scene : scenes) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<FoundCategory> all, finder.Find(scene.grey));
     objects += static_cast<double>(scene.objects.size());
     finds += static_cast<double>(all.size());
@@ -153,13 +153,13 @@ Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
   VICTORIOUS_CHECK(ApplyPreset(Preset::kWindows, windows).has_value());
   const std::array<std::pair<std::string, CategoryTrainOptions>, 2> ways = {
       std::pair{std::string("windows"), windows}, std::pair{std::string("whole frame"), CategoryTrainOptions()}};
-  std::array<Figures, 2> figures;
+  std::array<SearchFigures, 2> figures;
   for (int seed = 1; seed <= settings.seeds; ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
     const Split split = MakeRandomSplit(rows, number);
     std::vector<CategoryListRow> train;
     for (const std::size_t row : split.train) train.push_back(rows[row]);
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Scene> scenes, MakeScenes(settings, rows, split.test, number));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PastedScene> scenes, MakeScenes(settings, rows, split.test, number));
     for (std::size_t way = 0; way < ways.size(); ++way) {
       VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
       CategoryTrainOptions options = ways[way].second;
@@ -177,7 +177,7 @@ Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
                 .columns = {"search", "objects found, %", "precision, %", "overlap of true detections, %",
                             "empty frames with detections, %", "frames/s of one thread"}};
   for (std::size_t way = 0; way < ways.size(); ++way) {
-    const Figures& one = figures[way];
+    const SearchFigures& one = figures[way];
     report.rows.push_back({ways[way].first, ComputeMean(one.found), ComputeMean(one.right), ComputeMean(one.overlap),
                            ComputeMean(one.empty_frames_with_finds), ComputeMean(one.frames_a_second)});
   }

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 const cv::Size kImage(640, 480);
 
-struct Flight {
+struct BoxFlight {
   std::uint64_t seed = 1;
   Vector3d velocity_enu{0, 0, 0};  // of the object, which is at the origin at time 0
   double length_m = 4.4;
@@ -28,7 +28,7 @@ struct Flight {
   bool circles = false;
 };
 
-CameraState CameraAt(const Flight& flight, double time_s) {
+CameraState CameraAt(const BoxFlight& flight, double time_s) {
   Vector3d camera(flight.from_m + flight.speed_m_s * time_s, -70, 100);
   if (flight.circles) camera = Vector3d(90 * std::cos(0.4 * time_s), 90 * std::sin(0.4 * time_s), 100);
   const Vector3d to = time_s * flight.velocity_enu - camera;
@@ -41,7 +41,7 @@ CameraState CameraAt(const Flight& flight, double time_s) {
 }
 
 // The box around the object, with the same offset from its centre in all frames.
-std::vector<BearingObservation> Fly(const Flight& flight, const ObjectType* type, double centre_fraction) {
+std::vector<BearingObservation> Fly(const BoxFlight& flight, const ObjectType* type, double centre_fraction) {
   Random random(flight.seed);
   const double off_x = centre_fraction * random.Normal();
   const double off_y = centre_fraction * random.Normal();
@@ -74,7 +74,7 @@ TEST(EstimateBoxPlaces, StaticObjectLiesInsideErrorEllipsoid) {
   constexpr int kFlights = 60;
   int inside = 0;
   for (int seed = 0; seed < kFlights; ++seed) {
-    const Flight flight{.seed = static_cast<std::uint64_t>(seed) + 7};
+    const BoxFlight flight{.seed = static_cast<std::uint64_t>(seed) + 7};
     const auto places = EstimateBoxPlaces(Fly(flight, nullptr, kBoxCentreFraction), BoxMotion::kUnknown, {}, Exact());
     ASSERT_TRUE(places.front() && places.back());
     const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(places.back()->point);
@@ -86,7 +86,7 @@ TEST(EstimateBoxPlaces, StaticObjectLiesInsideErrorEllipsoid) {
 }
 
 TEST(EstimateBoxPlaces, ObjectTypeLengthGivesRange) {
-  const Flight hovers{.frames = 10, .speed_m_s = 0};
+  const BoxFlight hovers{.frames = 10, .speed_m_s = 0};
   EXPECT_FALSE(EstimateBoxPlaces(Fly(hovers, nullptr, 0), BoxMotion::kStatic, {}, {}).back())
       << "one line of sight, and no range";
   const auto place = EstimateBoxPlaces(Fly(hovers, FindObjectType("car"), 0), BoxMotion::kStatic, {}, {}).back();
@@ -97,7 +97,7 @@ TEST(EstimateBoxPlaces, ObjectTypeLengthGivesRange) {
 }
 
 TEST(EstimateBoxPlaces, MovingObjectIsLocatedAtEachTime) {
-  const Flight flight{.velocity_enu = {-6, 4, 0}, .frames = 150, .circles = true};
+  const BoxFlight flight{.velocity_enu = {-6, 4, 0}, .frames = 150, .circles = true};
   const auto places = EstimateBoxPlaces(Fly(flight, FindObjectType("car"), 0), BoxMotion::kUnknown, {}, {});
   int located = 0;
   for (int i = 0; i < flight.frames; ++i) {
@@ -113,7 +113,7 @@ TEST(EstimateBoxPlaces, MovingObjectIsLocatedAtEachTime) {
 
 // A camera that flies straight cannot distinguish an object that drives straight from a static object elsewhere.
 TEST(EstimateBoxPlaces, MovingObjectIsPlacedOnTheGround) {
-  const Flight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
+  const BoxFlight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
   const auto observations = Fly(flight, nullptr, 0.05);
   const ObjectGround ground = ObjectGround::AtPlace(
       {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
@@ -166,7 +166,7 @@ TEST(EstimateBoxPlaces, UnknownGroundHeightFallsBackToTypeLength) {
 }
 
 TEST(EstimateBoxPlaces, GroundPointIsTheIntersectionOfItsLines) {
-  const Flight flight{.frames = 30};
+  const BoxFlight flight{.frames = 30};
   std::vector<CameraState> states;
   std::vector<GroundPointObservation> ground_points;
   for (int i = 0; i < flight.frames; ++i) {
@@ -182,7 +182,7 @@ TEST(EstimateBoxPlaces, GroundPointIsTheIntersectionOfItsLines) {
 }
 
 TEST(EstimateBoxPlaces, StaticMotionSuppressesVelocity) {
-  const Flight flight{.velocity_enu = {-1, 0.7, 0}, .frames = 150, .circles = true};  // as if it moved slowly
+  const BoxFlight flight{.velocity_enu = {-1, 0.7, 0}, .frames = 150, .circles = true};  // as if it moved slowly
   const auto observations = Fly(flight, nullptr, 0);
   const auto moves = [](const std::optional<Geolocation>& place) { return place && place->IsMoving(); };
   EXPECT_TRUE(std::ranges::all_of(EstimateBoxPlaces(observations, BoxMotion::kUnknown, {}, {}), moves));

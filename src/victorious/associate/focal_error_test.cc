@@ -14,14 +14,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-struct Flight {
+struct FocalFlight {
   double log_factor = 0;  // of the true over the given focal length
   double given_sigma = 0.1;
   double view_noise_rad = 0.01;
 };
 
 // An object on the ground, seen for 4 s from a camera that flies straight north and looks 45 degrees down.
-ObservedTracklet Seen(std::int64_t id, const Vector3d& place, const Flight& flight, double turns_rad_s = 0) {
+ObservedTracklet Seen(std::int64_t id, const Vector3d& place, const FocalFlight& flight, double turns_rad_s = 0) {
   Random random(static_cast<std::uint64_t>(id));
   const TangentPlane plane({RadiansFromDegrees(48), RadiansFromDegrees(11), 500});
   const Eigen::AngleAxisd body(0.7 * static_cast<double>(id), Vector3d(0.1, 0, 1).normalized());
@@ -54,14 +54,14 @@ ObservedTracklet Seen(std::int64_t id, const Vector3d& place, const Flight& flig
   return tracklet;
 }
 
-std::vector<ObservedTracklet> SeenByAll(const Flight& flight) {
+std::vector<ObservedTracklet> SeenByAll(const FocalFlight& flight) {
   return {Seen(1, {0, 0, 0}, flight), Seen(2, {10, -5, 0}, flight), Seen(3, {-12, 3, 0}, flight),
           Seen(4, {5, 8, 0}, flight)};
 }
 
 TEST(FocalError, OfAStraightFlightFollowsFromViews) {
   for (const double truth : {-0.2, 0.0, 0.15}) {
-    const Flight flight{.log_factor = truth, .given_sigma = 0.2};
+    const FocalFlight flight{.log_factor = truth, .given_sigma = 0.2};
     const auto error = EstimateFocalError(SeenByAll(flight));
     ASSERT_TRUE(error);
     EXPECT_NEAR(error->log_factor, truth, 0.06);
@@ -82,7 +82,7 @@ TEST(FocalError, IsNoneWhereTheViewsDoNotShowOne) {
   int unchanged = 0;
   constexpr int kFlights = 20;
   for (std::int64_t id = 1; id <= kFlights; ++id) {
-    const Flight flight{.given_sigma = 0.02};
+    const FocalFlight flight{.given_sigma = 0.02};
     const auto error = EstimateFocalError(std::vector{Seen(id, {0, 0, 0}, flight), Seen(id + 20, {10, -5, 0}, flight),
                                                       Seen(id + 40, {-12, 3, 0}, flight)});
     ASSERT_TRUE(error);
@@ -101,7 +101,7 @@ TEST(FocalError, KnownBetterByTheMotionOfTheImageStaysSo) {
 }
 
 TEST(FocalError, OneThatTurnsIsAnOutlier) {
-  const Flight flight{.log_factor = -0.2, .given_sigma = 0.2};
+  const FocalFlight flight{.log_factor = -0.2, .given_sigma = 0.2};
   std::vector<ObservedTracklet> tracklets = SeenByAll(flight);
   tracklets[1] = Seen(2, {10, -5, 0}, flight, 0.1);
   const auto error = EstimateFocalError(tracklets);

@@ -13,13 +13,13 @@ namespace {
 constexpr double kAcross_rad = kPi / 2;  // heading of what is seen from the side: cameras look north
 
 // A body in a box, east, north and up of the camera.
-struct Report {
+struct SpaceReport {
   BearingObservation observation;
   Box box;
 };
 
-Report ReportOf(const Eigen::Vector3d& from_camera_m, double heading_rad = kAcross_rad, double box_x_px = 0) {
-  Report report;
+SpaceReport ReportOf(const Eigen::Vector3d& from_camera_m, double heading_rad = kAcross_rad, double box_x_px = 0) {
+  SpaceReport report;
   report.observation.line.azimuth_rad = std::atan2(from_camera_m.x(), from_camera_m.y());
   report.observation.line.elevation_rad = std::asin(from_camera_m.z() / from_camera_m.norm());
   report.observation.line.range_m = from_camera_m.norm();
@@ -30,7 +30,7 @@ Report ReportOf(const Eigen::Vector3d& from_camera_m, double heading_rad = kAcro
 }
 
 // The two share a camera: the result may not depend on which is first.
-bool AreTogether(const Report& a, const Report& b) {
+bool AreTogether(const SpaceReport& a, const SpaceReport& b) {
   const bool result = AreInSameSpace(a.observation, a.box, b.observation, b.box);
   EXPECT_EQ(result, AreInSameSpace(b.observation, b.box, a.observation, a.box));
   return result;
@@ -39,7 +39,7 @@ bool AreTogether(const Report& a, const Report& b) {
 const Eigen::Vector3d kPlace(0, 70, -100);
 
 TEST(AreInSameSpace, AShiftedReportIsInIt) {
-  const Report lorry = ReportOf(kPlace);
+  const SpaceReport lorry = ReportOf(kPlace);
   const Eigen::Vector3d shifted = kPlace + Eigen::Vector3d(6, 0.3, 0);
   EXPECT_TRUE(AreTogether(lorry, ReportOf(shifted, kAcross_rad, 60)));
   EXPECT_TRUE(AreTogether(lorry, ReportOf(shifted, kAcross_rad + kPi, 60)));
@@ -48,7 +48,7 @@ TEST(AreInSameSpace, AShiftedReportIsInIt) {
 }
 
 TEST(AreInSameSpace, ReportsBesideOrBehindOrAtAnAngleAreNot) {
-  const Report lorry = ReportOf(kPlace);
+  const SpaceReport lorry = ReportOf(kPlace);
   EXPECT_FALSE(AreTogether(lorry, ReportOf(kPlace + Eigen::Vector3d(6, 2.5, 0), kAcross_rad, 60))) << "beside it";
   EXPECT_FALSE(AreTogether(lorry, ReportOf(kPlace + Eigen::Vector3d(11, 0, 0), kAcross_rad, 90))) << "behind it";
   EXPECT_FALSE(AreTogether(lorry, ReportOf(kPlace + Eigen::Vector3d(6, 0, 0), kAcross_rad + 1, 60))) << "at an angle";
@@ -65,10 +65,10 @@ TEST(AreInSameSpace, NothingIsConcludedFromIncompleteOrAmbiguousReports) {
   EXPECT_FALSE(AreTogether(ReportOf(far), ReportOf(far + Eigen::Vector3d(6, 0, 0)))) << "seen from low down";
   const Eigen::Vector3d aside = kPlace + Eigen::Vector3d(6, 0, 0);
   EXPECT_FALSE(AreTogether(ReportOf(kPlace), ReportOf(0.9 * aside))) << "one is above the other";
-  Report unsized = ReportOf(aside);
+  SpaceReport unsized = ReportOf(aside);
   unsized.observation.line.range_m.reset();
   EXPECT_FALSE(AreTogether(ReportOf(kPlace), unsized));
-  Report unturned = ReportOf(aside);
+  SpaceReport unturned = ReportOf(aside);
   unturned.observation.heading_rad.reset();
   EXPECT_FALSE(AreTogether(ReportOf(kPlace), unturned));
 }

@@ -18,7 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-struct MatchOptions {
+struct NestedOptions {
   double ratio = 0.8;
   int neighbours = 2;
 
@@ -33,7 +33,7 @@ enum class Filter { kCascade, kNone };
 constexpr auto kFilterTexts = std::to_array<EnumText<Filter>>({{Filter::kCascade, "cascade"}, {Filter::kNone, "none"}});
 
 struct TestOptions {
-  MatchOptions match;
+  NestedOptions match;
   std::uint64_t seed = 1;
   bool verbose = false;
   std::string engine = "opencv";

@@ -30,7 +30,7 @@ constexpr double kMinSigma_s = 0.002;          // exposure time and rounding of 
 constexpr double kMaxSigma_s = 0.1;            // above it the camera's motion changes too little for an offset
 constexpr double kMinExplainedVariance = 0.5;  // below it telemetry does not match the video
 constexpr int kUnknowns = 5;                   // time offset, s; inverse height above the ground, 1/m; three biases, px
-using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using OffsetUnknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 // Mean absolute residual after subtraction of the median biases.
@@ -42,19 +42,19 @@ double MeanAbsResidual(const ResidualSet& residual_set) {
   return sum / static_cast<double>(residual_set.residuals.size());
 }
 
-struct Candidate {
-  Unknowns unknowns = Unknowns::Zero();
+struct GridMinimum {
+  OffsetUnknowns unknowns = OffsetUnknowns::Zero();
   double cost = std::numeric_limits<double>::infinity();  // mean absolute residual
 };
 
 // Grid search over offset and height. Returns the local minima over the offset, best first.
-std::vector<Candidate> GridSearch(const MotionComparison& comparison, double max_offset_s) {
+std::vector<GridMinimum> GridSearch(const MotionComparison& comparison, double max_offset_s) {
   constexpr std::array kHeights_m = {15.0, 30.0, 60.0, 90.0, 130.0, 190.0, 280.0, 420.0, 800.0, 1600.0, 3200.0, 6400.0};
   const double step_s = kMinPairInterval_s / 2;
   const int steps = static_cast<int>(std::ceil(max_offset_s / step_s));
-  std::vector<Candidate> along;
+  std::vector<GridMinimum> along;
   for (int k = -steps; k <= steps; ++k) {
-    Candidate best;
+    GridMinimum best;
     best.unknowns[0] = k * step_s;
     const MotionComparison::Poses poses = comparison.PosesAt(k * step_s);
     const auto try_height = [&](double per_m) {
@@ -69,20 +69,20 @@ std::vector<Candidate> GridSearch(const MotionComparison& comparison, double max
     for (const double height_m : kHeights_m) try_height(1 / height_m);
     along.push_back(best);
   }
-  std::vector<Candidate> minima;
+  std::vector<GridMinimum> minima;
   for (std::size_t i = 0; i < along.size(); ++i) {
     if (!std::isfinite(along[i].cost)) continue;
     if (i > 0 && along[i - 1].cost < along[i].cost) continue;
     if (i + 1 < along.size() && along[i + 1].cost < along[i].cost) continue;
     minima.push_back(along[i]);
   }
-  std::ranges::sort(minima, {}, &Candidate::cost);
+  std::ranges::sort(minima, {}, &GridMinimum::cost);
   return minima;
 }
 
 // A refined local minimum.
-struct Fit {
-  Unknowns unknowns = Unknowns::Zero();
+struct OffsetFit {
+  OffsetUnknowns unknowns = OffsetUnknowns::Zero();
   ResidualSet residual_set;   // biases subtracted
   Vector3d scales_px;         // robust standard deviations of the residuals
   double variance = 0;        // of the offset, s^2, for independent residuals
@@ -125,7 +125,7 @@ struct Derivatives {
   std::vector<Eigen::Matrix<double, 3, 2>> derivatives;  // one per pair of `at`
 };
 
-Derivatives ComputeDerivatives(const MotionComparison& comparison, const Unknowns& unknowns, double row_s) {
+Derivatives ComputeDerivatives(const MotionComparison& comparison, const OffsetUnknowns& unknowns, double row_s) {
   const double per_m = std::max(0.0, unknowns[1]);
   const double step_per_m = std::max(1e-5, 0.02 * per_m);
   const MotionComparison::Poses before = comparison.PosesAt(unknowns[0] - row_s / 2);
@@ -149,22 +149,22 @@ Derivatives ComputeDerivatives(const MotionComparison& comparison, const Unknown
 }
 
 // Normal equations J'WJ and J'Wr, and the sum over blocks of 1 s of the outer products of J'Wr (meat of the sandwich).
-struct NormalEquations {
+struct OffsetEquations {
   Normal normal = Normal::Zero();
-  Unknowns gradient = Unknowns::Zero();
+  OffsetUnknowns gradient = OffsetUnknowns::Zero();
   Normal blocks = Normal::Zero();
 
-  void AddBlock(const Unknowns& block, int& count) {
+  void AddBlock(const OffsetUnknowns& block, int& count) {
     blocks += block * block.transpose();
     ++count;
   }
 };
 
-NormalEquations MakeNormalEquations(const MotionComparison& comparison, const Derivatives& derivatives,
+OffsetEquations MakeNormalEquations(const MotionComparison& comparison, const Derivatives& derivatives,
                                     const Vector3d& scales_px) {
-  NormalEquations system;
+  OffsetEquations system;
   int blocks = 0;
-  Unknowns block = Unknowns::Zero();
+  OffsetUnknowns block = OffsetUnknowns::Zero();
   std::optional<double> block_from_s;
   constexpr double kBlock_s = 1;
   for (std::size_t i = 0; i < derivatives.derivatives.size(); ++i) {
@@ -176,7 +176,7 @@ NormalEquations MakeNormalEquations(const MotionComparison& comparison, const De
     }
     if (!block_from_s) block_from_s = time_s;
     for (int c = 0; c < 3; ++c) {
-      Unknowns row = Unknowns::Zero();
+      OffsetUnknowns row = OffsetUnknowns::Zero();
       row.head<2>() = derivatives.derivatives[i].row(c).transpose();
       row[2 + c] = 1;
       row /= scales_px[c];
@@ -195,29 +195,29 @@ NormalEquations MakeNormalEquations(const MotionComparison& comparison, const De
 
 constexpr double kNotAMinimum = 1e6;
 
-std::optional<Fit> Refine(const MotionComparison& comparison, Unknowns unknowns, double row_s) {
+std::optional<OffsetFit> Refine(const MotionComparison& comparison, OffsetUnknowns unknowns, double row_s) {
   constexpr int kRounds = 40;
   constexpr int kLineSearchRounds = 8;  // iterations with step halving
   constexpr double kConvergedStep_s = 1e-5;
   const auto system_at = [&](const Derivatives& derivatives, const Vector3d& scales_px) {
-    NormalEquations system = MakeNormalEquations(comparison, derivatives, scales_px);
+    OffsetEquations system = MakeNormalEquations(comparison, derivatives, scales_px);
     // Damping keeps unobservable unknowns (the height, if the camera only rotates) at their value.
     for (int k = 0; k < kUnknowns; ++k) system.normal(k, k) *= 1 + 1e-9;
     system.normal(1, 1) += 1e-6;
     return system;
   };
-  Fit fit;
+  OffsetFit fit;
   for (int round = 0; round < kRounds; ++round) {
     const Derivatives derivatives = ComputeDerivatives(comparison, unknowns, row_s);
     if (derivatives.derivatives.size() < kMinPairs) return std::nullopt;
     fit.scales_px = RobustScales(derivatives.at);
-    const NormalEquations system = system_at(derivatives, fit.scales_px);
-    Unknowns step = system.normal.inverse() * system.gradient;
+    const OffsetEquations system = system_at(derivatives, fit.scales_px);
+    OffsetUnknowns step = system.normal.inverse() * system.gradient;
     if (!step.allFinite()) return std::nullopt;
     if (std::abs(step[0]) > row_s) step *= row_s / std::abs(step[0]);
     const double cost = MeanHuberLoss(derivatives.at, fit.scales_px);
-    const auto after = [&](const Unknowns& change) {
-      Unknowns next = unknowns + change;
+    const auto after = [&](const OffsetUnknowns& change) {
+      OffsetUnknowns next = unknowns + change;
       next[1] = std::max(0.0, next[1]);
       return next;
     };
@@ -230,13 +230,13 @@ std::optional<Fit> Refine(const MotionComparison& comparison, Unknowns unknowns,
   }
   const Derivatives derivatives = ComputeDerivatives(comparison, unknowns, row_s);
   if (derivatives.derivatives.size() < kMinPairs) return std::nullopt;
-  const NormalEquations system = system_at(derivatives, fit.scales_px);
+  const OffsetEquations system = system_at(derivatives, fit.scales_px);
   const Normal inverse = system.normal.inverse();
   if (!inverse.allFinite() || !(inverse(0, 0) > 0)) return std::nullopt;
   // Noise inflates the derivatives. The numerical derivative of the gradient gives the true curvature; their ratio
   // corrects the variance.
   const auto gradient_at = [&](double apart_s) {
-    Unknowns there = unknowns;
+    OffsetUnknowns there = unknowns;
     there[0] += apart_s;
     return system_at(ComputeDerivatives(comparison, there, row_s), fit.scales_px).gradient[0];
   };
@@ -359,16 +359,16 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& 
   const MotionComparison comparison(seen, cameras);
   const double row_s = std::max(MedianRowInterval(cameras), kMinPairInterval_s / 2);
   constexpr std::size_t kMaxMinima = 4;
-  std::vector<Fit> fits;
-  for (const Candidate& candidate : GridSearch(comparison, options.max_offset_s)) {
+  std::vector<OffsetFit> fits;
+  for (const GridMinimum& candidate : GridSearch(comparison, options.max_offset_s)) {
     if (fits.size() == kMaxMinima) break;
     if (auto fit = Refine(comparison, candidate.unknowns, row_s)) fits.push_back(*std::move(fit));
   }
   if (fits.empty()) return NoOffset(TimeOffsetStatus::kNoOverlap, seen.motions.size());
   const Vector3d scales_px =
-      std::ranges::min_element(fits, {}, [](const Fit& fit) { return fit.scales_px.prod(); })->scales_px;
-  const auto cost = [&](const Fit& fit) { return MeanHuberLoss(fit.residual_set, scales_px); };
-  const Fit& best = *std::ranges::min_element(fits, {}, cost);
+      std::ranges::min_element(fits, {}, [](const OffsetFit& fit) { return fit.scales_px.prod(); })->scales_px;
+  const auto cost = [&](const OffsetFit& fit) { return MeanHuberLoss(fit.residual_set, scales_px); };
+  const OffsetFit& best = *std::ranges::min_element(fits, {}, cost);
   TimeOffset result{.sigma_s = std::hypot(std::sqrt(std::max(best.variance, best.block_variance)), kMinSigma_s),
                     .explained = ExplainedVariance(comparison, best.residual_set, row_s),
                     .pairs = best.residual_set.pairs.size()};
@@ -387,7 +387,7 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& 
   // Another minimum is equally good if its cost is not significantly higher; the residuals are correlated.
   constexpr double kSignificantCost = 9;
   const double correlation_factor = std::max(1.0, best.block_variance / best.variance);
-  for (const Fit& other : fits) {
+  for (const OffsetFit& other : fits) {
     const double apart_s = std::abs(other.unknowns[0] - result.best_s);
     if (apart_s < std::max(4 * result.sigma_s, kMinPairInterval_s)) continue;
     const double worse = (cost(other) - cost(best)) * static_cast<double>(result.pairs);

@@ -22,7 +22,7 @@ struct Row {
 };
 
 // The image resampled for one window size, so that a window has `side_px` pixels per side, with its features.
-struct Level {
+struct WindowLevel {
   double side = 0;  // side of its windows, px of the image before resampling
   cv::Size size;
   FeatureSet features;
@@ -51,9 +51,9 @@ double DownscaleFactor(const cv::Size& image, const WindowOptions& options) {
   return std::min(1.0, static_cast<double>(options.max_side_px) / std::max(image.width, image.height));
 }
 
-Level MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, const DenseOptions& dense,
-                const WindowOptions& options) {
-  Level level{
+WindowLevel MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, const DenseOptions& dense,
+                      const WindowOptions& options) {
+  WindowLevel level{
       .side = side, .size = LevelSize(grey.size(), side, options.side_px), .features = {}, .image = {}, .rows = {}};
   cv::Mat resampled;
   cv::resize(grey, resampled, level.size, 0, 0, side > options.side_px ? cv::INTER_AREA : cv::INTER_LINEAR);
@@ -65,7 +65,7 @@ Level MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, co
   return level;
 }
 
-struct Candidate {
+struct WindowCandidate {
   std::size_t level = 0;
   cv::Point corner;  // top left, px of the level
   double score = 0;  // log odds by words and shapes
@@ -79,7 +79,7 @@ std::vector<int> WindowOffsets(int length, int side, int step) {
 }
 
 // Indices of the features whose patches lie entirely in the window.
-std::vector<std::size_t> FindFeaturesInside(const Level& level, const cv::Point& corner, int side_px) {
+std::vector<std::size_t> FindFeaturesInside(const WindowLevel& level, const cv::Point& corner, int side_px) {
   constexpr float kRounding = 0.01F;
   std::vector<std::size_t> inside;
   for (const Row& row : level.rows) {
@@ -96,7 +96,7 @@ std::vector<std::size_t> FindFeaturesInside(const Level& level, const cv::Point&
 }
 
 // The features of a window, with positions relative to its corner.
-FeatureSet CropFeatures(const Level& level, std::span<const std::size_t> features, const cv::Point& corner,
+FeatureSet CropFeatures(const WindowLevel& level, std::span<const std::size_t> features, const cv::Point& corner,
                         int side_px) {
   FeatureSet part{.keypoints = {}, .descriptors = {}, .image_width = side_px, .image_height = side_px};
   part.keypoints.reserve(features.size());
@@ -113,8 +113,8 @@ FeatureSet CropFeatures(const Level& level, std::span<const std::size_t> feature
 }
 
 // The quantised features of a window: words copied from the level, and the shape of the crop.
-QuantisedImage QuantiseFeatures(const CategoryModel& model, const Level& level, std::span<const std::size_t> features,
-                                const FeatureSet& crop) {
+QuantisedImage QuantiseFeatures(const CategoryModel& model, const WindowLevel& level,
+                                std::span<const std::size_t> features, const FeatureSet& crop) {
   QuantisedImage part;
   part.keypoints = crop.keypoints;
   part.words_per_keypoint = level.image.words_per_keypoint;
@@ -138,7 +138,7 @@ double MaxLogOdds(const CategoryModel& model, const CategoryResult& result, Cate
   return best;
 }
 
-ScoredWindow ScoreWindow(const CategoryModel& model, const Level& level, const cv::Point& corner, int side_px) {
+ScoredWindow ScoreWindow(const CategoryModel& model, const WindowLevel& level, const cv::Point& corner, int side_px) {
   const std::vector<std::size_t> inside = FindFeaturesInside(level, corner, side_px);
   const FeatureSet crop = CropFeatures(level, inside, corner, side_px);
   ScoredWindow window{.box = {}, .result = {}, .image = QuantiseFeatures(model, level, inside, crop)};
@@ -193,10 +193,10 @@ std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::
   const double shrink = DownscaleFactor(grey.size(), options);
   cv::Mat image = grey;
   if (shrink < 1) cv::resize(grey, image, {}, shrink, shrink, cv::INTER_AREA);
-  std::vector<Level> levels;
-  std::vector<Candidate> candidates;
+  std::vector<WindowLevel> levels;
+  std::vector<WindowCandidate> candidates;
   for (const double side : WindowSides(image.size(), options)) {
-    const Level& level = levels.emplace_back(MakeLevel(model, image, side, dense, options));
+    const WindowLevel& level = levels.emplace_back(MakeLevel(model, image, side, dense, options));
     for (const int y : WindowOffsets(level.size.height, options.side_px, step_px)) {
       for (const int x : WindowOffsets(level.size.width, options.side_px, step_px)) {
         const std::vector<std::size_t> inside = FindFeaturesInside(level, {x, y}, options.side_px);
@@ -208,14 +208,14 @@ std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::
       }
     }
   }
-  std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::score);
+  std::ranges::stable_sort(candidates, std::ranges::greater(), &WindowCandidate::score);
   candidates.resize(std::min(candidates.size(), std::size_t{kMaxRescoredWindows}));
   // Correction for multiple testing: the odds are divided by the ratio of the number of windows to that in calibration.
   const double calibration_count = model.windows ? model.windows->windows_per_background : 0;
   const auto count = static_cast<double>(WindowCount(grey.size(), dense.step_px, options));
   const double odds_divisor = calibration_count > 0 ? std::max(1.0, count / calibration_count) : 1.0;
   std::vector<ScoredWindow> windows;
-  for (const Candidate& candidate : candidates) {
+  for (const WindowCandidate& candidate : candidates) {
     ScoredWindow& window =
         windows.emplace_back(ScoreWindow(model, levels[candidate.level], candidate.corner, options.side_px));
     window.box = {window.box.x / shrink, window.box.y / shrink, window.box.width / shrink, window.box.height / shrink};

@@ -47,20 +47,20 @@ double MaxNegLog10Nfa(const Candidate& candidate, const SceneSize& scene) {
 }
 
 // The image region of a detection, for suppression.
-struct Footprint {
+struct ImageArea {
   Polygon hull;
   Eigen::Vector2d centre;
   double size_px;  // square root of the outline's area
 };
 
-Footprint MakeFootprint(const Polygon& outline) {
+ImageArea MakeFootprint(const Polygon& outline) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& corner : outline) centre += corner / static_cast<double>(outline.size());
   return {ConvexHull(outline), centre, std::sqrt(std::abs(SignedArea(outline)))};
 }
 
 // True if two detections are the same instance: their centres lie close together, or their hulls overlap.
-bool IsSameInstance(const Footprint& a, const Footprint& b, const DetectOptions& options) {
+bool IsSameInstance(const ImageArea& a, const ImageArea& b, const DetectOptions& options) {
   if ((a.centre - b.centre).norm() < options.suppression_fraction * std::min(a.size_px, b.size_px)) return true;
   const double common = std::abs(SignedArea(ClipToConvex(a.hull, b.hull)));
   const double smaller = std::min(std::abs(SignedArea(a.hull)), std::abs(SignedArea(b.hull)));
@@ -120,12 +120,12 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
   });
 
   std::vector<Detection> kept;
-  std::map<std::size_t, std::vector<Footprint>> taken;  // by model
+  std::map<std::size_t, std::vector<ImageArea>> taken;  // by model
   for (Detection& detection : detections) {
-    const Footprint footprint = MakeFootprint(detection.outline);
-    std::vector<Footprint>& others = taken[detection.model_index];
+    const ImageArea footprint = MakeFootprint(detection.outline);
+    std::vector<ImageArea>& others = taken[detection.model_index];
     const bool suppressed =
-        std::ranges::any_of(others, [&](const Footprint& other) { return IsSameInstance(footprint, other, options); });
+        std::ranges::any_of(others, [&](const ImageArea& other) { return IsSameInstance(footprint, other, options); });
     if (suppressed) continue;
     others.push_back(footprint);
     kept.push_back(std::move(detection));

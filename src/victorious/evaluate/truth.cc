@@ -15,47 +15,45 @@
 namespace victorious {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kMaxFrame = 9007199254740992.0;  // 2^53: beyond it, doubles skip whole numbers
 
 /// The value of `key`, or null if it is missing.
-const Json& Value(const Json& object, const char* key) {
-  static const Json null;
+const nlohmann::json& Value(const nlohmann::json& object, const char* key) {
+  static const nlohmann::json null;
   const auto at = object.find(key);
   return at == object.end() ? null : *at;
 }
 
 /// The error for a key that is missing or has a wrong value.
-std::unexpected<Error> BadKey(const Json& value, std::string_view key, std::string_view wanted) {
+std::unexpected<Error> BadKey(const nlohmann::json& value, std::string_view key, std::string_view wanted) {
   return Fail(ErrorCode::kInvalidArgument, value.is_null() ? fmt::format("{} is missing: expected {}", key, wanted)
                                                            : fmt::format("{} is not {}", key, wanted));
 }
 
-Expected<double> ParseNumber(const Json& row, const char* key) {
-  const Json& value = Value(row, key);
+Expected<double> ParseNumber(const nlohmann::json& row, const char* key) {
+  const nlohmann::json& value = Value(row, key);
   if (!value.is_number()) return BadKey(value, key, "a number");
   return value.get<double>();
 }
 
-Expected<std::string> ParseText(const Json& row, const char* key) {
-  const Json& value = Value(row, key);
+Expected<std::string> ParseText(const nlohmann::json& row, const char* key) {
+  const nlohmann::json& value = Value(row, key);
   if (!value.is_string()) return BadKey(value, key, "a string");
   return value.get<std::string>();
 }
 
-Expected<std::int64_t> ParseFrame(const Json& row) {
+Expected<std::int64_t> ParseFrame(const nlohmann::json& row) {
   constexpr std::string_view kWanted = "a whole number >= 0";
-  const Json& value = Value(row, "frame");
+  const nlohmann::json& value = Value(row, "frame");
   if (!value.is_number()) return BadKey(value, "frame", kWanted);
   const double frame = value.get<double>();
   if (!(frame >= 0 && frame <= kMaxFrame && frame == std::floor(frame))) return BadKey(value, "frame", kWanted);
   return static_cast<std::int64_t>(frame);
 }
 
-Expected<Box> ParseBox(const Json& row) {
+Expected<Box> ParseBox(const nlohmann::json& row) {
   constexpr std::string_view kWanted = "[x, y, width, height] in pixels";
-  const Json& value = Value(row, "box");
+  const nlohmann::json& value = Value(row, "box");
   if (!value.is_array() || value.size() != 4) return BadKey(value, "box", kWanted);
   std::array<double, 4> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -67,8 +65,8 @@ Expected<Box> ParseBox(const Json& row) {
   return box;
 }
 
-Expected<std::optional<ViewDirection>> ParseView(const Json& row) {
-  const Json& value = Value(row, "view");
+Expected<std::optional<ViewDirection>> ParseView(const nlohmann::json& row) {
+  const nlohmann::json& value = Value(row, "view");
   if (value.is_null()) return std::nullopt;
   if (!value.is_object()) return BadKey(value, "view", "an object with azimuth_deg and off_nadir_deg");
   if (value.empty()) return std::nullopt;
@@ -78,12 +76,12 @@ Expected<std::optional<ViewDirection>> ParseView(const Json& row) {
 }
 
 /// std::nullopt if the key is missing or null.
-Expected<std::optional<double>> ParseOptionalNumber(const Json& row, const char* key) {
+Expected<std::optional<double>> ParseOptionalNumber(const nlohmann::json& row, const char* key) {
   if (Value(row, key).is_null()) return std::nullopt;
   return ParseNumber(row, key);
 }
 
-Expected<std::optional<GeodeticPoint>> ParsePlace(const Json& row) {
+Expected<std::optional<GeodeticPoint>> ParsePlace(const nlohmann::json& row) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto latitude_deg, ParseOptionalNumber(row, "latitude_deg"));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto longitude_deg, ParseOptionalNumber(row, "longitude_deg"));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto altitude_m, ParseOptionalNumber(row, "altitude_m"));
@@ -92,9 +90,9 @@ Expected<std::optional<GeodeticPoint>> ParsePlace(const Json& row) {
 }
 
 Expected<TruthRow> ParseRow(std::string_view line) {
-  const Expected<Json> parsed = ParseStrictJson(line);
+  const Expected<nlohmann::json> parsed = ParseStrictJson(line);
   if (!parsed || !parsed->is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
-  const Json& json = *parsed;
+  const nlohmann::json& json = *parsed;
   TruthRow row;
   VICTORIOUS_ASSIGN_OR_RETURN(row.frame, ParseFrame(json));
   VICTORIOUS_ASSIGN_OR_RETURN(row.object, ParseText(json, "object"));

@@ -66,13 +66,13 @@ std::vector<bool> FindInliers(std::span<const Ray> rays, const Motion& motion) {
   return inliers;
 }
 
-struct Candidate {
+struct MotionCandidate {
   Motion motion;
   double cost = std::numeric_limits<double>::infinity();
 };
 
 // Refits to the inliers while the cost falls.
-void Refit(std::span<const Ray> rays, const FrustumTable& table, bool moving, Candidate& candidate) {
+void Refit(std::span<const Ray> rays, const FrustumTable& table, bool moving, MotionCandidate& candidate) {
   constexpr int kMaxRounds = 5;
   for (int round = 0; round < kMaxRounds; ++round) {
     const auto motion = SolveLinear(rays, FindInliers(rays, candidate.motion), moving);
@@ -129,13 +129,13 @@ std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOp
   const bool moving = options.motion == MotionModel::kVelocity;
   const FrustumTable table(rays);
   Sampler sampler(rays, moving, options.seed);
-  Candidate best;
+  MotionCandidate best;
   double needed = options.max_hypotheses;
   int num_drawn = 0;
   for (; num_drawn < options.max_hypotheses && num_drawn < needed; ++num_drawn) {
     const auto motion = sampler.Draw();
     if (!motion) continue;
-    Candidate candidate{*motion, table.Cost(*motion, best.cost)};
+    MotionCandidate candidate{*motion, table.Cost(*motion, best.cost)};
     if (!(candidate.cost < best.cost)) continue;
     Refit(rays, table, moving, candidate);
     best = candidate;

@@ -22,14 +22,14 @@ using Eigen::Vector3d;
 const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 constexpr double kCentreHeight_m = 1.2;
 
-enum class Flight { kStraight, kCircling, kHovering };
+enum class CameraMotionKind { kStraight, kCircling, kHovering };
 enum class Drive { kParked, kStraight, kCorner, kFromRest, kStop };
 
-constexpr std::array kFlights = {Flight::kStraight, Flight::kCircling, Flight::kHovering};
+constexpr std::array kFlights = {CameraMotionKind::kStraight, CameraMotionKind::kCircling, CameraMotionKind::kHovering};
 constexpr std::array kDrives = {Drive::kStraight, Drive::kCorner, Drive::kFromRest, Drive::kStop};
 
 struct Case {
-  Flight flight = Flight::kStraight;
+  CameraMotionKind flight = CameraMotionKind::kStraight;
   Drive drive = Drive::kStraight;
   std::uint64_t seed = 1;
   double range_factor = 1;   ///< of the given ranges
@@ -42,10 +42,10 @@ struct Case {
 constexpr double kDuration_s = 8;
 constexpr int kCount = 41;
 
-Vector3d CameraAt(Flight flight, double time_s) {
-  if (flight == Flight::kStraight) return {-40 + 10 * time_s, -75, 101};
+Vector3d CameraAt(CameraMotionKind flight, double time_s) {
+  if (flight == CameraMotionKind::kStraight) return {-40 + 10 * time_s, -75, 101};
   const double angle_rad =
-      flight == Flight::kCircling ? RadiansFromDegrees(200 + 11 * time_s) : RadiansFromDegrees(200);
+      flight == CameraMotionKind::kCircling ? RadiansFromDegrees(200 + 11 * time_s) : RadiansFromDegrees(200);
   return {75 * std::sin(angle_rad), 75 * std::cos(angle_rad), 101};
 }
 
@@ -139,7 +139,7 @@ std::string Name(const Case& drawn) {
 
 template <typename Visit>
 void VisitCases(std::uint64_t seeds, double flight_errors, const Visit& visit) {
-  for (const Flight flight : kFlights) {
+  for (const CameraMotionKind flight : kFlights) {
     for (const Drive drive : kDrives) {
       for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
         visit(Case{.flight = flight, .drive = drive, .seed = seed, .flight_errors = flight_errors});
@@ -192,7 +192,7 @@ TEST(MotionPath, ErrorsAreWithinTheirSigmas) {
 }
 
 TEST(MotionPath, ParkedObjectDoesNotMove) {
-  for (const Flight flight : kFlights) {
+  for (const CameraMotionKind flight : kFlights) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const Case drawn{.flight = flight, .drive = Drive::kParked, .seed = seed};
       const auto path = EstimatePath(DrawLines(drawn), Options());
@@ -205,7 +205,7 @@ TEST(MotionPath, ParkedObjectDoesNotMove) {
 
 // Ranges that drift by three per cent over the flight, as those of a wrongly matched side do, are no motion.
 TEST(MotionPath, DriftOfRangesIsNoMotion) {
-  for (const Flight flight : kFlights) {
+  for (const CameraMotionKind flight : kFlights) {
     std::vector<LineOfSight> lines = DrawLines({.flight = flight, .drive = Drive::kParked, .flight_errors = 0});
     for (LineOfSight& line : lines) *line.range_m *= 1 + 0.03 * (line.time_s / kDuration_s - 0.5);
     const auto path = EstimatePath(lines, Options());
@@ -220,7 +220,7 @@ TEST(MotionPath, RangesDecideWhereLinesAreAmbiguous) {
   const TangentPlane plane(kOrigin);
   for (int i = 0; i < kCount; ++i) {
     const double time_s = kDuration_s * i / (kCount - 1);
-    const Vector3d camera = CameraAt(Flight::kStraight, time_s);
+    const Vector3d camera = CameraAt(CameraMotionKind::kStraight, time_s);
     const Vector3d line = Vector3d(-20 + 5 * time_s, 4, 1) - camera;  // half as fast as the camera
     lines.push_back({.time_s = time_s,
                      .camera = plane.GeodeticFromEnu(camera),
@@ -240,12 +240,15 @@ TEST(MotionPath, RangesDecideWhereLinesAreAmbiguous) {
 }
 
 TEST(MotionPath, CrossesAGapAndIgnoresOutliers) {
-  const Case hidden{
-      .flight = Flight::kHovering, .drive = Drive::kStraight, .flight_errors = 0, .gap_from_s = 3, .gap_to_s = 5};
+  const Case hidden{.flight = CameraMotionKind::kHovering,
+                    .drive = Drive::kStraight,
+                    .flight_errors = 0,
+                    .gap_from_s = 3,
+                    .gap_to_s = 5};
   const auto through = EstimatePath(DrawLines(hidden), Options());
   ASSERT_TRUE(through && through->is_moving);
   for (const Geolocation& place : through->places) EXPECT_LT(ErrorOf(place, hidden).head<2>().norm(), 1.5);
-  const Case wrong{.flight = Flight::kStraight, .drive = Drive::kCorner, .flight_errors = 0, .outliers = 8};
+  const Case wrong{.flight = CameraMotionKind::kStraight, .drive = Drive::kCorner, .flight_errors = 0, .outliers = 8};
   const std::vector<LineOfSight> lines = DrawLines(wrong);
   const auto robust = EstimatePath(lines, Options());
   ASSERT_TRUE(robust && robust->is_moving);

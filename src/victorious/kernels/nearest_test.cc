@@ -17,7 +17,7 @@
 namespace victorious::kernels {
 namespace {
 
-using Find = void (*)(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>);
+using FindTwo = void (*)(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>);
 using FindK = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>);
 
 std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uint32_t levels) {
@@ -103,7 +103,7 @@ void FindNearestTwoOnDevice(const PackedQueries& queries, const PackedDescriptor
 
 struct Implementation {
   std::string name;
-  Find find;
+  FindTwo find;
   FindK find_k;
   std::int64_t highway_target = 0;  ///< the only instruction set that Highway may use; 0: Highway's choice
 

@@ -13,8 +13,8 @@
 namespace victorious::kernels {
 namespace {
 
-using Find = void (*)(std::span<const std::int8_t* const>, const ShortSet&, std::size_t, std::span<const QueryBlocks>,
-                      std::span<std::uint32_t>);
+using FindShort = void (*)(std::span<const std::int8_t* const>, const ShortSet&, std::size_t,
+                           std::span<const QueryBlocks>, std::span<std::uint32_t>);
 using Compute = void (*)(std::span<const std::int8_t>, const ShortSet&, std::span<std::int32_t>);
 
 constexpr std::uint32_t kLevels = 128;  // of a shortened descriptor's values
@@ -41,7 +41,7 @@ std::vector<const std::int8_t*> RowsOf(const std::vector<std::int8_t>& queries) 
 }
 
 // Over odd sizes, ranges, ties and extreme values.
-void ExpectReference(Find find, Compute compute) {
+void ExpectReference(FindShort find, Compute compute) {
   Random random(9);
   for (const std::uint32_t levels : {1U, 2U, kLevels}) {
     for (const std::size_t count : {std::size_t{1}, std::size_t{15}, std::size_t{33}, std::size_t{400}, kMaxShortSet}) {

@@ -57,14 +57,14 @@ struct Slot {
 };
 
 // What a template is made from. The rest of the model is not copied: the recogniser holds it.
-struct RenderedView {
+struct UnlitView {
   ViewDirection angles;
   Polygon outline;
   std::span<const std::byte> surface;
 };
 
-std::vector<RenderedView> RenderedViewsOf(const ObjectModel& model) {
-  std::vector<RenderedView> views;
+std::vector<UnlitView> RenderedViewsOf(const ObjectModel& model) {
+  std::vector<UnlitView> views;
   views.reserve(model.views.size());
   for (const ModelView& view : model.views) views.push_back({*view.angles, view.outline, view.surface});
   return views;
@@ -162,7 +162,7 @@ class RelitViews : public RelitTemplateSource {
     // decoding.
     const RelitViewCache::Key key{number_, RelitViewCache::Kind::kHalfRendering, wanted.view, 0};
     VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const HalfSurfacePart> part, Get<HalfSurfacePart>(key, [&] {
-                                  const RenderedView& view = views_[wanted.view];
+                                  const UnlitView& view = views_[wanted.view];
                                   Expected<HalfSurfacePart> half =
                                       DecodeHalfSurfacePart(view.surface, NameOf(wanted.view));
                                   ReleaseMappedPages(view.surface);
@@ -210,7 +210,7 @@ class RelitViews : public RelitTemplateSource {
   }
 
   std::string name_;
-  std::vector<RenderedView> views_;
+  std::vector<UnlitView> views_;
   std::shared_ptr<const void> storage_;  // of the surfaces
   CadModelOptions options_;
   std::shared_ptr<const FeatureExtractor> extractor_;

@@ -19,7 +19,7 @@ const Similarity2 kPose{1.5, 0.4, {320, 100}};
 
 // A template of 30 keypoints in a scene of 1000 keypoints, all matched at ranks 1 to 4. They are 15 px
 // min_separation_scales, and `min_separation_scales` is small, so that none overlap.
-struct World {
+struct RankedWorld {
   FeatureSet scene;
   std::vector<Keypoint> model;
   std::vector<RankedMatch> inliers;
@@ -41,9 +41,9 @@ struct World {
   }
 };
 
-World MakeWorld(std::uint64_t seed) {
+RankedWorld MakeWorld(std::uint64_t seed) {
   Random random(seed);
-  World world;
+  RankedWorld world;
   world.scene.image_width = kWidth;
   world.scene.image_height = kHeight;
   const auto angle = [&] { return static_cast<float>(random.Uniform(-kPi, kPi)); };
@@ -73,7 +73,7 @@ double PosesThatDiffer() {
 }
 
 // The chance p of each of the first inliers, counted by brute force; ascending.
-std::vector<double> ChancesOf(const World& world, std::size_t first_inliers) {
+std::vector<double> ChancesOf(const RankedWorld& world, std::size_t first_inliers) {
   std::vector<double> chances;
   for (std::size_t i = 0; i < first_inliers; ++i) {
     const RankedMatch& match = world.inliers[i];
@@ -96,7 +96,7 @@ std::vector<double> ChancesOf(const World& world, std::size_t first_inliers) {
 
 TEST(ComputeRankNegLog10Nfa, MatchesEnumeration) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const World world = MakeWorld(seed);
+    const RankedWorld world = MakeWorld(seed);
     for (const std::size_t found : {0U, 1U, 5U, 12U, 30U}) {
       const std::vector<double> chances = ChancesOf(world, found);
       double least = 1;
@@ -112,7 +112,7 @@ TEST(ComputeRankNegLog10Nfa, MatchesEnumeration) {
 
 TEST(ComputeRankNegLog10Nfa, IsBoundedByTheBinomialTail) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const World world = MakeWorld(seed);
+    const RankedWorld world = MakeWorld(seed);
     for (const std::size_t found : {1U, 5U, 12U, 30U}) {
       const std::vector<double> chances = ChancesOf(world, found);
       double rarest = 1;  // minimum over k of the probability that k or more of 30 have a chance of at most p_k
@@ -129,7 +129,7 @@ TEST(ComputeRankNegLog10Nfa, IsBoundedByTheBinomialTail) {
 }
 
 TEST(ComputeRankNegLog10Nfa, GrowsWithInliersAndFallsWithRanks) {
-  World world = MakeWorld(6);
+  RankedWorld world = MakeWorld(6);
   double before = world.NegLog10Nfa(0);
   for (std::size_t found = 1; found <= 30; ++found) {
     const double now = world.NegLog10Nfa(found);
@@ -146,7 +146,7 @@ TEST(ComputeRankNegLog10Nfa, GrowsWithInliersAndFallsWithRanks) {
 }
 
 TEST(ComputeRankNegLog10Nfa, VisibleMissesLowerTheSignificance) {
-  World world = MakeWorld(7);
+  RankedWorld world = MakeWorld(7);
   const double before = world.NegLog10Nfa(10);
   const std::size_t found = world.inliers.size();
   for (int i = 0; i < 20; ++i) world.model.push_back({static_cast<float>(4 + 8 * i), 60, 3, 0});
@@ -156,7 +156,7 @@ TEST(ComputeRankNegLog10Nfa, VisibleMissesLowerTheSignificance) {
 
 // An inlier whose projection is not visible still counts in n.
 TEST(ComputeRankNegLog10Nfa, InvisibleInliersCountAsTrials) {
-  World unseen = MakeWorld(8);
+  RankedWorld unseen = MakeWorld(8);
   // Ten keypoints have a scale of 0.75 px in the scene, below the minimum.
   for (std::size_t i = 0; i < 30; ++i) {
     unseen.model[i].scale_px = i < 10 ? 0.5F : 4.0F;
@@ -177,7 +177,7 @@ TEST(ComputeRankNegLog10Nfa, InvisibleInliersCountAsTrials) {
 }
 
 TEST(ComputeRankNegLog10Nfa, RotationWindowIsLimitedToTheCircle) {
-  World world = MakeWorld(9);
+  RankedWorld world = MakeWorld(9);
   world.options.turn_rad = kPi;
   const double all_turns = world.NegLog10Nfa(10);
   world.options.turn_rad = 3.2;  // more than half a turn

@@ -12,7 +12,7 @@ namespace {
 
 const Polygon kOutline = BoxCorners({0, 0, 200, 150});
 
-struct World {
+struct PlanarWorld {
   std::vector<Keypoint> scene;
   std::vector<Keypoint> model;
   MatchSet matches;
@@ -27,9 +27,9 @@ struct World {
   }
 };
 
-World Planar(const Eigen::Matrix3d& map, int count, double noise_px, std::uint64_t seed) {
+PlanarWorld Planar(const Eigen::Matrix3d& map, int count, double noise_px, std::uint64_t seed) {
   Random random(seed);
-  World world;
+  PlanarWorld world;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d place(random.Uniform(0, 200), random.Uniform(0, 150));
     world.Add(place, ApplyHomography(map, place) + noise_px * Eigen::Vector2d(random.Normal(), random.Normal()));
@@ -48,8 +48,8 @@ double OutlineAgreement(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 }
 
 TEST(SimilarityPose, FindsEveryInstance) {
-  World world = Planar(Similarity2{0.6, 0.4, {60, 50}}.Matrix(), 30, 0.7, 1);
-  const World second = Planar(Similarity2{0.8, -2.0, {420, 300}}.Matrix(), 20, 0.7, 2);
+  PlanarWorld world = Planar(Similarity2{0.6, 0.4, {60, 50}}.Matrix(), 30, 0.7, 1);
+  const PlanarWorld second = Planar(Similarity2{0.8, -2.0, {420, 300}}.Matrix(), 20, 0.7, 2);
   for (std::size_t i = 0; i < second.scene.size(); ++i) {
     world.Add({second.model[i].x, second.model[i].y}, {second.scene[i].x, second.scene[i].y});
   }
@@ -85,16 +85,16 @@ TEST(SimilarityPose, FewMatchesKeepTheSimilarity) {
 }
 
 TEST(SimilarityPose, CoincidentTemplateKeypointsGiveNoSupport) {
-  World world;
+  PlanarWorld world;
   for (int i = 0; i < 8; ++i) world.Add({10, 10}, {100.0 + 30 * i, 90});
   EXPECT_TRUE(world.Poses().empty());
-  EXPECT_TRUE(World().Poses().empty());
+  EXPECT_TRUE(PlanarWorld().Poses().empty());
 }
 
 // Three template keypoints match many scene keypoints (windows of a house). Their consensus exceeds that of the
 // object's ten keypoints; they are no instance and must not hide the object.
 TEST(SimilarityPose, RepeatedPatternHidesNoInstance) {
-  World world = Planar(Similarity2{1.0, 0.3, {60, 50}}.Matrix(), 10, 0.7, 4);
+  PlanarWorld world = Planar(Similarity2{1.0, 0.3, {60, 50}}.Matrix(), 10, 0.7, 4);
   const std::vector<Keypoint> object = world.model;
   for (const Eigen::Vector2d& window : {Eigen::Vector2d(20, 20), Eigen::Vector2d(60, 20), Eigen::Vector2d(20, 70)}) {
     const auto keypoint = static_cast<std::uint32_t>(world.model.size());
@@ -113,7 +113,7 @@ TEST(SimilarityPose, RepeatedPatternHidesNoInstance) {
 
 // Matches at the right position with another orientation or scale are inliers, but not listed in agreeing_residuals_px.
 TEST(SimilarityPose, AgreeingResidualsAreOfConsistentRotationAndScale) {
-  World world = Planar(Similarity2{1, 0, {60, 50}}.Matrix(), 18, 0.7, 4);
+  PlanarWorld world = Planar(Similarity2{1, 0, {60, 50}}.Matrix(), 18, 0.7, 4);
   for (std::size_t i = 0; i < 6; ++i) world.scene[i].orientation_rad = 2;
   for (std::size_t i = 6; i < 12; ++i) world.scene[i].scale_px = 8;
   const std::vector<PlanarFit> fits = world.Poses();
@@ -125,19 +125,19 @@ TEST(SimilarityPose, AgreeingResidualsAreOfConsistentRotationAndScale) {
 }
 
 TEST(SimilarityPose, IsDeterministicBySeed) {
-  const World world = Planar(Similarity2{0.9, 1.0, {200, 100}}.Matrix(), 60, 2.0, 3);
+  const PlanarWorld world = Planar(Similarity2{0.9, 1.0, {200, 100}}.Matrix(), 60, 2.0, 3);
   EXPECT_EQ(world.Poses()[0].scene_from_template_plane, world.Poses()[0].scene_from_template_plane);
 }
 
 TEST(SimilarityPose, MinInliersIsTheNumberOfDistinctTemplateKeypointsThatAPoseNeeds) {
-  const World world = Planar(Similarity2{0.8, 0.4, {60, 50}}.Matrix(), 6, 0, 3);
+  const PlanarWorld world = Planar(Similarity2{0.8, 0.4, {60, 50}}.Matrix(), 6, 0, 3);
   EXPECT_EQ(world.Poses({.min_inliers = 6}).size(), 1U);
   EXPECT_TRUE(world.Poses({.min_inliers = 7}).empty());
 }
 
 TEST(SimilarityPose, MaxInstancesEndsTheSearchForMore) {
-  World world = Planar(Similarity2{0.6, 0.4, {60, 50}}.Matrix(), 30, 0.7, 1);
-  const World second = Planar(Similarity2{0.8, -2.0, {420, 300}}.Matrix(), 20, 0.7, 2);
+  PlanarWorld world = Planar(Similarity2{0.6, 0.4, {60, 50}}.Matrix(), 30, 0.7, 1);
+  const PlanarWorld second = Planar(Similarity2{0.8, -2.0, {420, 300}}.Matrix(), 20, 0.7, 2);
   for (std::size_t i = 0; i < second.scene.size(); ++i) {
     world.Add({second.model[i].x, second.model[i].y}, {second.scene[i].x, second.scene[i].y});
   }

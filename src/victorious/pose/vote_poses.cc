@@ -29,7 +29,7 @@ constexpr int kRefits = 2;
 constexpr double kMinExpectedVotes = 1e-6;
 
 // The votes as a structure of arrays, sorted by log_scale.
-struct Votes {
+struct CollectedVotes {
   std::vector<float> log_scale;
   std::vector<float> turn_rad;       // padded for kernels, as the next two
   std::vector<float> x;              // object centre in the scene, px
@@ -56,9 +56,9 @@ Vote MakeVote(const Keypoint& scene, const Keypoint& model, const Eigen::Vector2
           static_cast<float>(place.x()), static_cast<float>(place.y()), match};
 }
 
-Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
-                   std::span<const RankedMatch> matches, const Eigen::Vector2d& centre,
-                   const std::optional<UprightPrior>& upright) {
+CollectedVotes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                            std::span<const RankedMatch> matches, const Eigen::Vector2d& centre,
+                            const std::optional<UprightPrior>& upright) {
   std::vector<Vote> order;
   order.reserve(matches.size());
   for (std::uint32_t i = 0; i < matches.size(); ++i) {
@@ -66,7 +66,7 @@ Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> mo
     if (!upright || upright->IsAllowed({vote.x, vote.y}, vote.turn_rad)) order.push_back(vote);
   }
   std::ranges::stable_sort(order, {}, &Vote::log_scale);
-  Votes votes;
+  CollectedVotes votes;
   for (const Vote& vote : order) {
     votes.log_scale.push_back(vote.log_scale);
     votes.turn_rad.push_back(vote.turn_rad);
@@ -81,7 +81,7 @@ Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> mo
 }
 
 // 1 if two votes agree, else 0: as CountAgreeingVotes.
-inline int Agree(const Votes& votes, std::size_t a, std::size_t b, float reach2_px2, float turn_rad) {
+inline int Agree(const CollectedVotes& votes, std::size_t a, std::size_t b, float reach2_px2, float turn_rad) {
   const float dx = votes.x[a] - votes.x[b];
   const float dy = votes.y[a] - votes.y[b];
   const float difference = std::abs(votes.turn_rad[a] - votes.turn_rad[b]);
@@ -94,8 +94,8 @@ struct Support {
   double log_likelihood = 0;  ///< Poisson log-likelihood ratio of the count over chance; 0 if chance explains it
 };
 
-std::vector<Support> ComputeSupport(const Votes& votes, const std::vector<kernels::VoteWindow>& windows, float turn_rad,
-                                    double scene_area_px2) {
+std::vector<Support> ComputeSupport(const CollectedVotes& votes, const std::vector<kernels::VoteWindow>& windows,
+                                    float turn_rad, double scene_area_px2) {
   std::vector<std::int32_t> counts(votes.size());
   kernels::CountAgreeingVotes({votes.x.data(), votes.y.data(), votes.turn_rad.data()}, windows, turn_rad, counts);
   std::vector<Support> all(votes.size());
@@ -201,7 +201,7 @@ class PoseFinder {
   std::vector<PlanarFit> Find() {
     const Box bounds = BoundingBox(outline_);
     const Eigen::Vector2d centre(bounds.x + bounds.width / 2, bounds.y + bounds.height / 2);
-    const Votes votes = CollectVotes(scene_.keypoints, model_, matches_, centre, upright_);
+    const CollectedVotes votes = CollectVotes(scene_.keypoints, model_, matches_, centre, upright_);
     const float turn_rad = static_cast<float>(votes_.turn_rad);
     const std::vector<kernels::VoteWindow> windows =
         ComputeVoteWindows(votes.log_scale, static_cast<float>(std::log(kVoteScaleFactor)),

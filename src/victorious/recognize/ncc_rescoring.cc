@@ -19,7 +19,7 @@ namespace victorious {
 namespace {
 
 // A pose hypothesis in weak perspective, relative to the camera of a view.
-struct PoseHypothesis {
+struct RescoredPose {
   double x = 0;          // projection of the samples' centroid into the scene, px
   double y = 0;          // px
   double log_scale = 0;  // ln of scene pixels per metre
@@ -28,7 +28,7 @@ struct PoseHypothesis {
   double tip_rad = 0;    // rotation of the camera about the image's x axis
 };
 
-using PoseParameter = double PoseHypothesis::*;
+using PoseParameter = double RescoredPose::*;
 
 // The constants below are chosen, not fitted; docs/adr/0014 describes the method they belong to.
 
@@ -68,7 +68,7 @@ class Projector {
 
   // From positions relative to the samples' centroid, m, to the scene relative to its projection, px.
   // @param scale  exp(hypothesis.log_scale), px / m
-  Eigen::Matrix<float, 2, 3> At(const PoseHypothesis& hypothesis, double scale) {
+  Eigen::Matrix<float, 2, 3> At(const RescoredPose& hypothesis, double scale) {
     turn_.Set(hypothesis.turn_rad, Eigen::Vector3d::UnitZ());
     tip_.Set(hypothesis.tip_rad, Eigen::Vector3d::UnitX());
     yaw_.Set(hypothesis.yaw_rad, Eigen::Vector3d::UnitZ());
@@ -128,7 +128,7 @@ class NccEvaluator {
   }
 
   // The samples that project into the frame.
-  [[nodiscard]] std::vector<SurfaceSample> SamplesInFrame(const PoseHypothesis& hypothesis) {
+  [[nodiscard]] std::vector<SurfaceSample> SamplesInFrame(const RescoredPose& hypothesis) {
     const Eigen::Matrix<float, 2, 3> project = projector_.At(hypothesis, std::exp(hypothesis.log_scale));
     const Eigen::Vector2f middle = Centre(hypothesis);
     std::vector<SurfaceSample> samples_in_frame;
@@ -139,7 +139,7 @@ class NccEvaluator {
   }
 
   // atanh of the correlation; std::nullopt if too few samples are in the frame.
-  [[nodiscard]] std::optional<double> ScoreAt(const PoseHypothesis& hypothesis) {
+  [[nodiscard]] std::optional<double> ScoreAt(const RescoredPose& hypothesis) {
     const double scale = std::exp(hypothesis.log_scale);
     const Eigen::Matrix<float, 2, 3> project = projector_.At(hypothesis, scale);
     const Eigen::Vector2f middle = Centre(hypothesis);
@@ -171,13 +171,13 @@ class NccEvaluator {
   }
 
   // The maximum NCC score by hill climbing from a hypothesis.
-  [[nodiscard]] std::optional<double> MaximiseScore(PoseHypothesis hypothesis) {
+  [[nodiscard]] std::optional<double> MaximiseScore(RescoredPose hypothesis) {
     std::optional<double> best = ScoreAt(hypothesis);
     if (!best) return std::nullopt;
     std::array<Step, 6> steps = {
-        Step{&PoseHypothesis::x, kPositionStep_px},      Step{&PoseHypothesis::y, kPositionStep_px},
-        Step{&PoseHypothesis::log_scale, kLogScaleStep}, Step{&PoseHypothesis::turn_rad, kTurnStep_rad},
-        Step{&PoseHypothesis::yaw_rad, kYawStep_rad},    Step{&PoseHypothesis::tip_rad, kTipStep_rad}};
+        Step{&RescoredPose::x, kPositionStep_px},      Step{&RescoredPose::y, kPositionStep_px},
+        Step{&RescoredPose::log_scale, kLogScaleStep}, Step{&RescoredPose::turn_rad, kTurnStep_rad},
+        Step{&RescoredPose::yaw_rad, kYawStep_rad},    Step{&RescoredPose::tip_rad, kTipStep_rad}};
     for (int size = 0; size < kStepSizes; ++size) {
       for (int round = 0; round < kRoundsPerSize && TryImprovingSteps(steps, hypothesis, *best); ++round) {
       }
@@ -187,7 +187,7 @@ class NccEvaluator {
   }
 
  private:
-  static Eigen::Vector2f Centre(const PoseHypothesis& hypothesis) {
+  static Eigen::Vector2f Centre(const RescoredPose& hypothesis) {
     return {static_cast<float>(hypothesis.x), static_cast<float>(hypothesis.y)};
   }
   [[nodiscard]] bool IsInFrame(const Eigen::Vector2f& at) const {
@@ -195,7 +195,7 @@ class NccEvaluator {
            at.y() < static_cast<float>(scene_.rows);
   }
   // True only if all samples project into the frame: no projection is longer than the position.
-  [[nodiscard]] bool AreAllInFrame(const PoseHypothesis& hypothesis, double scale) const {
+  [[nodiscard]] bool AreAllInFrame(const RescoredPose& hypothesis, double scale) const {
     constexpr double kRounding_px = 1;
     const double reach_px = scale * radius_m_ + kRounding_px;
     return hypothesis.x >= reach_px && hypothesis.y >= reach_px && hypothesis.x + reach_px < scene_.cols &&
@@ -211,11 +211,11 @@ class NccEvaluator {
   };
 
   // Tries each step in both directions and accepts improvements; false if there is none.
-  bool TryImprovingSteps(const std::array<Step, 6>& steps, PoseHypothesis& hypothesis, double& best) {
+  bool TryImprovingSteps(const std::array<Step, 6>& steps, RescoredPose& hypothesis, double& best) {
     bool any = false;
     for (const Step& step : steps) {
       for (const double sign : {-1.0, 1.0}) {
-        PoseHypothesis next = hypothesis;
+        RescoredPose next = hypothesis;
         next.*step.parameter += sign * step.size;
         const std::optional<double> found = ScoreAt(next);
         if (!found || *found <= best) continue;
@@ -286,7 +286,7 @@ struct ViewPlacement {
   double turn_rad;
 };
 
-PoseHypothesis HypothesisAt(const ViewPlacement& place, const NeighbourAppearance& beside) {
+RescoredPose HypothesisAt(const ViewPlacement& place, const NeighbourAppearance& beside) {
   const Similarity2 about_centre{place.scale, place.turn_rad - beside.turn_rad, place.centre_px};
   const Eigen::Vector2d middle = about_centre.Apply(beside.appearance->centre_px - beside.centre_px);
   return {.x = middle.x(),

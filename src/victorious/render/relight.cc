@@ -127,11 +127,11 @@ float RoundUp(double value) {
 }
 
 // The shadow map: the depth map from near the direction of the sun.
-class ShadowMap {
+class SunShadow {
  public:
   /// @param from_sun          outlives this
   /// @param world_from_camera  of the points that are tested
-  ShadowMap(const PosedDepthMap& from_sun, const Rigid3& world_from_camera)
+  SunShadow(const PosedDepthMap& from_sun, const Rigid3& world_from_camera)
       : depth_m_(from_sun.depth_m),
         pinhole_(from_sun.camera.pinhole),
         rotation_((from_sun.camera.camera_from_world.rotation * world_from_camera.rotation).toRotationMatrix()),
@@ -194,7 +194,7 @@ cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light
     return light.ground + (light.sky - light.ground) * 0.5 * (1 + cos_up) + light.sun * sun;
   };
   const SurfaceGeometry geometry(depth_map);
-  const ShadowMap shadows(from_sun, world_from_camera);
+  const SunShadow shadows(from_sun, world_from_camera);
   cv::Mat relit = grey.clone();
   for (int row = 0; row < grey.rows; ++row) {
     const float* const depths_m = depth_map.depth_m.ptr<float>(row);

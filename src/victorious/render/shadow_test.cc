@@ -42,7 +42,7 @@ PosedCamera CameraFrom(double azimuth_deg, double off_nadir_deg, double radius_m
                         {.distance_m = distance_m, .diameter_px = 300, .width_px = 240, .height_px = 200});
 }
 
-struct Scene {
+struct ShadowScene {
   Renderer renderer = *Renderer::Create({.software = true});
   std::vector<MeshInstance> instances;
 
@@ -87,7 +87,7 @@ bool SunIsHidden(const Vector3d& point, const Vector3d& low, const Vector3d& hig
 }
 
 TEST(Shadow, LiesWhereTheBoxOccludesTheSun) {
-  Scene scene;
+  ShadowScene scene;
   scene.Add(Ground());
   scene.Add(testing::Box(kBoxLow.cast<float>(), kBoxHigh.cast<float>()));
   for (const double azimuth_deg : {0, 130, 250}) {
@@ -113,7 +113,7 @@ TEST(Shadow, LiesWhereTheBoxOccludesTheSun) {
 }
 
 TEST(Shadow, IsOffByDefault) {
-  Scene scene;
+  ShadowScene scene;
   scene.Add(Ground());
   scene.Add(testing::Box(kBoxLow.cast<float>(), kBoxHigh.cast<float>()));
   const PosedCamera camera = CameraFrom(130, 40);
@@ -133,7 +133,7 @@ TEST(Shadow, ConvexBodyHasNoSelfShadow) {
   // Rotated, so that no face is parallel to an axis; small and far away, with the minimum and the maximum softness.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.6, Vector3d(1, 2, 3).normalized()));
   for (const float size_m : {0.3F, 3.0F, 60.0F}) {
-    Scene scene;
+    ShadowScene scene;
     scene.Add(testing::Box(Vector3f::Constant(-size_m), Vector3f::Constant(size_m)), {turn, {}});
     for (const double azimuth_deg : {20, 150, 310}) {
       const PosedCamera camera = CameraFrom(azimuth_deg, 45, 2 * size_m, 40 * size_m);
@@ -147,7 +147,7 @@ TEST(Shadow, ConvexBodyHasNoSelfShadow) {
 }
 
 TEST(Shadow, PenumbraHasTheGivenWidth) {
-  Scene scene;
+  ShadowScene scene;
   scene.Add(Ground());
   scene.Add(testing::Box({-5, -5, 4}, {0, 5, 4.1F}));
   const PosedCamera camera = CameraFrom(0, 0, 4);
@@ -180,7 +180,7 @@ struct UnderRoof {
 };
 
 UnderRoof ShadowOf(const Mesh& roof) {
-  Scene scene;
+  ShadowScene scene;
   scene.Add(Ground());
   scene.Add(roof);
   const PosedCamera camera = CameraFrom(90, 50);  // from the left: the roof hides nothing of its shadow
@@ -212,7 +212,7 @@ TEST(Shadow, BlendedSurfacesCastFromAlphaOneHalf) {
 }
 
 TEST(Shadow, IsCastByObjectsOutsideTheImage) {
-  Scene scene;
+  ShadowScene scene;
   scene.Add(Ground());
   // A tower towards the sun, 30 m from the visible region, high enough that its shadow reaches it.
   const Vector3d foot = 30 * Vector3d(kToSun.x(), kToSun.y(), 0).normalized();
@@ -226,7 +226,7 @@ TEST(Shadow, IsCastByObjectsOutsideTheImage) {
 
 TEST(Shadow, IsSharpOverATown) {
   // 300 m of ground, seen from 150 m above at 15 degrees, straight down and oblique: a pole 0.5 m thick casts a shadow.
-  Scene scene;
+  ShadowScene scene;
   scene.Add(testing::Box({-150, -150, -1}, {150, 150, 0}));
   scene.Add(testing::Box({-0.25, -0.25, 0}, {0.25, 0.25, 8}));
   for (const double off_nadir_deg : {0, 60}) {
@@ -245,7 +245,7 @@ TEST(Shadow, IsSharpOverATown) {
 }
 
 TEST(Shadow, BadSoftnessIsRefused) {
-  Scene scene;
+  ShadowScene scene;
   EXPECT_FALSE(scene.renderer.Render({}, CameraFrom(0, 0), {.shadow_softness_m = 0}));
   EXPECT_TRUE(scene.renderer.Render({}, CameraFrom(0, 0), {.shadows = true}));  // no mesh
 }

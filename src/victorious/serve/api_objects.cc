@@ -54,12 +54,12 @@ std::vector<std::string> Split(std::string_view text, char separator) {
   return parts;
 }
 
-std::string CursorOf(const ObjectKey& key) {
+std::string CursorOf(const ObjectSortKey& key) {
   return fmt::format("{}_{:.17g}_{}_{}", key.is_done ? 1 : 0, key.score, key.frames, key.id);
 }
 
-std::optional<ObjectKey> ParseCursor(std::string_view text) {
-  ObjectKey key;
+std::optional<ObjectSortKey> ParseCursor(std::string_view text) {
+  ObjectSortKey key;
   const char* at = text.data();
   const char* const end = text.data() + text.size();
   const auto parse = [&](auto& value, bool is_last) {
@@ -188,16 +188,16 @@ ApiExpected<Json> Api::KeyOf(const TriageObject& object, const IndexLists& lists
 ApiExpected<std::vector<TriageObject>> Api::ObjectsOfKey(std::string_view key, const IndexLists& lists,
                                                          const IndexReader& reader) {
   constexpr double kRounding_s = 1e-6;
-  const std::optional<ObjectPlace> place = ParseObjectKey(key);
-  if (!place) return FailField("key", "The key must be that of an object of another answer");
-  const auto video = std::ranges::find_if(lists.videos, [&](const VideoRecord& one) { return place->IsIn(one); });
+  const std::optional<KeyedSighting> keyed = ParseObjectKey(key);
+  if (!keyed) return FailField("key", "The key must be that of an object of another answer");
+  const auto video = std::ranges::find_if(lists.videos, [&](const VideoRecord& one) { return keyed->IsIn(one); });
   std::vector<std::int64_t> ids;
   if (video != lists.videos.end()) {
-    const double time_s = 1e-6 * static_cast<double>(place->time_us);
+    const double time_s = 1e-6 * static_cast<double>(keyed->time_us);
     const SightingFilter at{
-        .model_name = place->model, .from_s = time_s - kRounding_s, .to_s = time_s + kRounding_s, .video = video->id};
+        .model_name = keyed->model, .from_s = time_s - kRounding_s, .to_s = time_s + kRounding_s, .video = video->id};
     VICTORIOUS_RETURN_IF_ERROR(reader.sightings->VisitSightings(at, [&](SightingRecord&& sighting) {
-      if (place->IsAt(sighting)) ids = {sighting.object};
+      if (keyed->IsAt(sighting)) ids = {sighting.object};
       return ids.empty();
     }));
   }
@@ -240,7 +240,7 @@ ApiExpected<HttpResponse> Api::Objects(const Call& call) {
   }
   const auto given = wanted.after ? wanted.after : wanted.before ? wanted.before : wanted.around;
   if (given) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectKey> key, store.FindKey(*given, slice));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectSortKey> key, store.FindKey(*given, slice));
     if (!key) return NotFound(fmt::format("object {} is not in the index (a search may have joined it)", *given));
     if (wanted.after) slice.after = key;
     if (wanted.before) slice.before = key;
@@ -312,7 +312,7 @@ ApiExpected<HttpResponse> Api::Object(const Call& call) {
   TriageStore& store = *reader->objects;
   const std::int64_t id = object.object.id;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SightingRecord> best, store.BestSighting(id));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectKey> key, store.FindKey(id, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectSortKey> key, store.FindKey(id, {}));
   Json json = ObjectToJson(object, *lists);
   json["best"] = best ? SightingToJson(*best) : Json();
   VICTORIOUS_ASSIGN_OR_RETURN(json["key"], KeyOf(object, *lists, *reader));

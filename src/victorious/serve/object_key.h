@@ -13,8 +13,8 @@
 
 namespace victorious {
 
-/// What the key of an object says.
-struct ObjectPlace {
+/// The first sighting of an object, as its key gives it.
+struct KeyedSighting {
   std::uint64_t content = 0;  ///< checksum of the content id, which may have the password of a live source
   std::int64_t time_us = 0;   ///< of the sighting
   Box box;                    ///< whole pixels
@@ -23,10 +23,10 @@ struct ObjectPlace {
   /// Whether a sighting of this video and model shows the object: at this time, in a box that overlaps this one by half
   /// or more (intersection over union).
   [[nodiscard]] bool IsAt(const SightingRecord& sighting) const;
-  /// Whether it is a place in this video.
+  /// Whether it is of this video.
   [[nodiscard]] bool IsIn(const VideoRecord& video) const;
 
-  bool operator==(const ObjectPlace&) const = default;
+  bool operator==(const KeyedSighting&) const = default;
 };
 
 /// "0123456789abcdef.1500000.40.30.100.60.jeep"
@@ -34,6 +34,6 @@ struct ObjectPlace {
                                           std::string_view model);
 
 /// std::nullopt for a text that FormatObjectKey does not write.
-[[nodiscard]] std::optional<ObjectPlace> ParseObjectKey(std::string_view key);
+[[nodiscard]] std::optional<KeyedSighting> ParseObjectKey(std::string_view key);
 
 }  // namespace victorious

@@ -11,22 +11,22 @@ const SightingRecord kSighting{.time_s = 1.5, .box = {40.4, -30.2, 100, 60}};
 TEST(ObjectKey, ComesBackAsItWasWritten) {
   const std::string key = FormatObjectKey(kVideo, kSighting, "vehicle/car.v2");
   EXPECT_EQ(key.find("secret"), std::string::npos);
-  const auto place = ParseObjectKey(key);
-  ASSERT_TRUE(place) << key;
-  EXPECT_EQ(place->time_us, 1'500'000);
-  EXPECT_EQ(place->box, (Box{40, -30, 100, 60}));
-  EXPECT_EQ(place->model, "vehicle/car.v2");
-  EXPECT_TRUE(place->IsIn(kVideo));
-  EXPECT_FALSE(place->IsIn({.content_id = "other"}));
+  const auto keyed = ParseObjectKey(key);
+  ASSERT_TRUE(keyed) << key;
+  EXPECT_EQ(keyed->time_us, 1'500'000);
+  EXPECT_EQ(keyed->box, (Box{40, -30, 100, 60}));
+  EXPECT_EQ(keyed->model, "vehicle/car.v2");
+  EXPECT_TRUE(keyed->IsIn(kVideo));
+  EXPECT_FALSE(keyed->IsIn({.content_id = "other"}));
 }
 
 TEST(ObjectKey, FindsASightingThatMovedALittle) {
-  const auto place = ParseObjectKey(FormatObjectKey(kVideo, kSighting, "jeep"));
-  ASSERT_TRUE(place);
-  EXPECT_TRUE(place->IsAt(kSighting));
-  EXPECT_TRUE(place->IsAt({.time_s = 1.5, .box = {45, -28, 100, 62}}));
-  EXPECT_FALSE(place->IsAt({.time_s = 1.5, .box = {120, -28, 100, 62}}));
-  EXPECT_FALSE(place->IsAt({.time_s = 1.6, .box = kSighting.box}));
+  const auto keyed = ParseObjectKey(FormatObjectKey(kVideo, kSighting, "jeep"));
+  ASSERT_TRUE(keyed);
+  EXPECT_TRUE(keyed->IsAt(kSighting));
+  EXPECT_TRUE(keyed->IsAt({.time_s = 1.5, .box = {45, -28, 100, 62}}));
+  EXPECT_FALSE(keyed->IsAt({.time_s = 1.5, .box = {120, -28, 100, 62}}));
+  EXPECT_FALSE(keyed->IsAt({.time_s = 1.6, .box = kSighting.box}));
 }
 
 TEST(ObjectKey, OtherTextsAreNoKeys) {

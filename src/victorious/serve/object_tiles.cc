@@ -53,7 +53,7 @@ bool IsInside(std::pair<double, double> position) {
   return position.first >= 0 && position.first < kExtent && position.second >= 0 && position.second < kExtent;
 }
 
-struct Cell {
+struct TileCell {
   std::int64_t count = 0;
   std::int64_t matches = 0;
   double sum_x = 0;
@@ -72,9 +72,9 @@ std::string ShortCount(std::int64_t count) {
 }
 
 // Joins cells whose means lie closer than their circles are wide: a group that the border of two cells cuts is one.
-void MergeNeighbours(std::array<Cell, kCells * kCells>& cells) {
+void MergeNeighbours(std::array<TileCell, kCells * kCells>& cells) {
   constexpr double kMinDistance = 0.9 * kExtent / kCells;
-  const auto mean = [](const Cell& cell) {
+  const auto mean = [](const TileCell& cell) {
     return std::pair(cell.sum_x / static_cast<double>(cell.count), cell.sum_y / static_cast<double>(cell.count));
   };
   for (int i = 0; i < kCells * kCells; ++i) {
@@ -83,14 +83,14 @@ void MergeNeighbours(std::array<Cell, kCells * kCells>& cells) {
       const int column = i % kCells + right;
       const int row = i / kCells + down;
       if (column < 0 || column >= kCells || row >= kCells) continue;
-      Cell& here = cells[static_cast<std::size_t>(i)];
-      Cell& other = cells[static_cast<std::size_t>(row * kCells + column)];
+      TileCell& here = cells[static_cast<std::size_t>(i)];
+      TileCell& other = cells[static_cast<std::size_t>(row * kCells + column)];
       if (here.count == 0 || other.count == 0) continue;
       const auto [x, y] = mean(here);
       const auto [other_x, other_y] = mean(other);
       if (std::hypot(x - other_x, y - other_y) >= kMinDistance) continue;
-      Cell& larger = here.count >= other.count ? here : other;
-      Cell& smaller = here.count >= other.count ? other : here;
+      TileCell& larger = here.count >= other.count ? here : other;
+      TileCell& smaller = here.count >= other.count ? other : here;
       larger.count += smaller.count;
       larger.matches += smaller.matches;
       larger.sum_x += smaller.sum_x;
@@ -156,7 +156,7 @@ Expected<std::string> MakeSingles(TriageStore& store, const TileAddress& tile, s
 }
 
 Expected<std::string> MakeClusters(const std::vector<PlaceCell>& sums) {
-  std::array<Cell, kCells * kCells> cells{};
+  std::array<TileCell, kCells * kCells> cells{};
   for (const PlaceCell& one : sums) {
     cells[static_cast<std::size_t>(one.row * kCells + one.column)] = {.count = one.count,
                                                                       .matches = one.matches,
@@ -167,7 +167,7 @@ Expected<std::string> MakeClusters(const std::vector<PlaceCell>& sums) {
   MergeNeighbours(cells);
   TileLayer clusters("clusters", kExtent);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Cell& cell = cells[i];
+    const TileCell& cell = cells[i];
     if (cell.count == 0) continue;
     const auto count = static_cast<double>(cell.count);
     clusters.AddPoint(
@@ -183,10 +183,10 @@ Expected<std::string> MakeObjectTile(TriageStore& store, const TileAddress& tile
   const std::size_t limit = tile.zoom >= kMaxTileZoom ? kMaxLastTileObjects : kMaxTileObjects;
   if (tile.zoom < kMaxTileZoom) {
     const double side = std::ldexp(1.0, -tile.zoom);
-    const PlaceGrid grid{.west = static_cast<double>(tile.x) * side,
-                         .north = static_cast<double>(tile.y) * side,
-                         .side = side,
-                         .cells = kCells};
+    const MapGrid grid{.west = static_cast<double>(tile.x) * side,
+                       .north = static_cast<double>(tile.y) * side,
+                       .side = side,
+                       .cells = kCells};
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlaceCell> sums, store.SumPlaces(grid, query));
     std::int64_t inside = 0;
     for (const PlaceCell& one : sums) inside += one.count;

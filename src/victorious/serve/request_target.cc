@@ -47,7 +47,7 @@ ApiExpected<std::string> Decode(std::string_view text, bool is_query) {
 
 // Parses a whole text as a number.
 template <typename Number>
-std::optional<Number> ParseNumber(std::string_view text) {
+std::optional<Number> ParseExactly(std::string_view text) {
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
@@ -62,7 +62,7 @@ std::optional<std::array<double, kCount>> ReadNumbers(std::string_view text) {
   for (double& number : numbers) {
     const std::string_view part = text.substr(0, text.find(','));
     text.remove_prefix(std::min(part.size() + 1, text.size()));
-    const auto value = ParseNumber<double>(part);
+    const auto value = ParseExactly<double>(part);
     if (!value || !std::isfinite(*value)) return std::nullopt;
     number = *value;
   }
@@ -108,7 +108,7 @@ ApiExpected<RequestTarget> ParseRequestTarget(std::string_view target) {
 }
 
 ApiExpected<std::int64_t> ParseId(std::string_view text, std::string_view what) {
-  const auto id = ParseNumber<std::int64_t>(text);
+  const auto id = ParseExactly<std::int64_t>(text);
   if (id && *id >= 0) return *id;
   return std::unexpected(ApiError(Error{ErrorCode::kNotFound, fmt::format("{}: no such {}", text, what)}));
 }
@@ -125,7 +125,7 @@ std::optional<std::string> QueryReader::Text(std::string_view name) {
 ApiExpected<std::optional<double>> QueryReader::Number(std::string_view name, double min, double max) {
   const auto text = Text(name);
   if (!text) return std::nullopt;
-  const auto value = ParseNumber<double>(*text);
+  const auto value = ParseExactly<double>(*text);
   if (value && *value >= min && *value <= max) return value;
   return FailField(std::string(name),
                    fmt::format("{} \"{}\": must be a number from {:g} to {:g}", name, *text, min, max));
@@ -135,7 +135,7 @@ ApiExpected<std::optional<std::int64_t>> QueryReader::Integer(std::string_view n
                                                               std::int64_t max) {
   const auto text = Text(name);
   if (!text) return std::nullopt;
-  const auto value = ParseNumber<std::int64_t>(*text);
+  const auto value = ParseExactly<std::int64_t>(*text);
   if (value && *value >= min && *value <= max) return value;
   return FailField(std::string(name),
                    fmt::format("{} \"{}\": must be an integer from {} to {}", name, *text, min, max));
@@ -172,7 +172,7 @@ ApiExpected<std::optional<GeoPolygon>> QueryReader::Area(std::string_view name) 
   std::vector<double> numbers;
   bool is_valid = true;
   for (std::string_view rest = *text; is_valid && !rest.empty();) {
-    const auto value = ParseNumber<double>(rest.substr(0, rest.find(',')));
+    const auto value = ParseExactly<double>(rest.substr(0, rest.find(',')));
     is_valid = value && std::isfinite(*value) && numbers.size() < 2 * kMaxCorners;
     if (is_valid) numbers.push_back(*value);
     const auto comma = rest.find(',');

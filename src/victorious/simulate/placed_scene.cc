@@ -183,9 +183,9 @@ std::vector<PlacedMesh> PlacedScene::ObjectsAt(double time_s) const {
 namespace {
 
 // The camera's view frustum, for instances in the town frame.
-class Frustum {
+class SceneFrustum {
  public:
-  explicit Frustum(const PosedCamera& camera)
+  explicit SceneFrustum(const PosedCamera& camera)
       : camera_from_town_(camera.camera_from_world), normals_(FrustumNormals(camera.pinhole)) {
     for (Vector3d& normal : normals_) normal.normalize();
   }
@@ -216,7 +216,7 @@ class Frustum {
 
 std::vector<MeshInstance> PlacedScene::FindVisibleTownInstances(const PosedCamera& camera,
                                                                 const Vector3d& to_sun_in_town) const {
-  const Frustum frustum(camera);
+  const SceneFrustum frustum(camera);
   std::vector<MeshInstance> seen;
   for (const PlacedMesh& instance : town_) {
     const Eigen::AlignedBox3d& box = instance.mesh.box;

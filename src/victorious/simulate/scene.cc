@@ -18,8 +18,6 @@
 namespace victorious {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 24;
 constexpr std::size_t kMaxListed = 10000;  // objects, pieces, points
 constexpr double kMaxReachM = 20000;       // maximum distance from the origin, per coordinate
@@ -34,27 +32,28 @@ std::unexpected<Error> InvalidScene(std::string message) {
 }
 
 // Removes a member from a JSON object and returns it; std::nullopt if there is none. The plain fields remain.
-std::optional<Json> Take(Json& object, const char* key) {
+std::optional<nlohmann::json> Take(nlohmann::json& object, const char* key) {
   const auto at = object.find(key);
   if (at == object.end()) return std::nullopt;
-  Json value = std::move(*at);
+  nlohmann::json value = std::move(*at);
   object.erase(at);
   return value;
 }
 
-bool IsNumberIn(const Json& value, double low, double high) {
+bool IsNumberIn(const nlohmann::json& value, double low, double high) {
   if (!value.is_number()) return false;
   const double number = value.get<double>();
   return number >= low && number <= high;
 }
 
 // If `key` exists, removes it and sets `numbers` to its list or single number.
-Status TakeNumbers(Json& object, const char* key, const SceneRange& range, std::vector<double>& numbers) {
-  std::optional<Json> value = Take(object, key);
+Status TakeNumbers(nlohmann::json& object, const char* key, const SceneRange& range, std::vector<double>& numbers) {
+  std::optional<nlohmann::json> value = Take(object, key);
   if (!value) return {};
-  if (value->is_number()) value = Json::array({*value});
-  const bool fits = value->is_array() && !value->empty() && value->size() <= kMaxListed &&
-                    std::ranges::all_of(*value, [&](const Json& n) { return IsNumberIn(n, range.low, range.high); });
+  if (value->is_number()) value = nlohmann::json::array({*value});
+  const bool fits =
+      value->is_array() && !value->empty() && value->size() <= kMaxListed &&
+      std::ranges::all_of(*value, [&](const nlohmann::json& n) { return IsNumberIn(n, range.low, range.high); });
   if (!fits)
     return InvalidScene(
         fmt::format("{}: must be a number from {} to {}, or a list of them", key, range.low, range.high));
@@ -62,10 +61,10 @@ Status TakeNumbers(Json& object, const char* key, const SceneRange& range, std::
   return {};
 }
 
-Status TakePoints(Json& object, const char* key, std::size_t least, std::vector<Eigen::Vector2d>& points) {
-  const std::optional<Json> value = Take(object, key);
+Status TakePoints(nlohmann::json& object, const char* key, std::size_t least, std::vector<Eigen::Vector2d>& points) {
+  const std::optional<nlohmann::json> value = Take(object, key);
   if (!value) return {};
-  const auto is_point = [](const Json& point) {
+  const auto is_point = [](const nlohmann::json& point) {
     return point.is_array() && point.size() == 2 && IsNumberIn(point[0], -kMaxReachM, kMaxReachM) &&
            IsNumberIn(point[1], -kMaxReachM, kMaxReachM);
   };
@@ -77,14 +76,16 @@ Status TakePoints(Json& object, const char* key, std::size_t least, std::vector<
                     least, kMaxReachM));
   }
   points.clear();
-  for (const Json& point : *value) points.emplace_back(point[0].get<double>(), point[1].get<double>());
+  for (const nlohmann::json& point : *value) points.emplace_back(point[0].get<double>(), point[1].get<double>());
   return {};
 }
 
-Status TakeSquares(Json& object, std::array<int, 4>& squares) {
-  const std::optional<Json> value = Take(object, "squares");
+Status TakeSquares(nlohmann::json& object, std::array<int, 4>& squares) {
+  const std::optional<nlohmann::json> value = Take(object, "squares");
   if (!value) return {};
-  const auto is_square = [](const Json& n) { return n.is_number_integer() && IsNumberIn(n, -kMaxSquare, kMaxSquare); };
+  const auto is_square = [](const nlohmann::json& n) {
+    return n.is_number_integer() && IsNumberIn(n, -kMaxSquare, kMaxSquare);
+  };
   if (value->is_array() && value->size() == 4 && std::ranges::all_of(*value, is_square)) {
     squares = value->get<std::array<int, 4>>();
     if (squares[0] <= squares[2] && squares[1] <= squares[3]) return {};
@@ -96,8 +97,8 @@ Status TakeSquares(Json& object, std::array<int, 4>& squares) {
 
 // Removes the list `key` and appends its entries to `list`; `read` converts each entry, a JSON object, into a T.
 template <typename T, typename Read>
-Status TakeList(Json& object, const char* key, const Read& read, std::vector<T>& list) {
-  std::optional<Json> value = Take(object, key);
+Status TakeList(nlohmann::json& object, const char* key, const Read& read, std::vector<T>& list) {
+  std::optional<nlohmann::json> value = Take(object, key);
   if (!value) return {};
   if (!value->is_array() || value->size() > kMaxListed) {
     return InvalidScene(fmt::format("{}: must be a list of at most {}", key, kMaxListed));
@@ -113,7 +114,7 @@ Status TakeList(Json& object, const char* key, const Read& read, std::vector<T>&
 }
 
 template <typename T>
-Expected<T> ReadFields(Json& json) {
+Expected<T> ReadFields(nlohmann::json& json) {
   T entry;
   VICTORIOUS_RETURN_IF_ERROR(SetFromJson(json, CollectFields(entry)));
   return entry;
@@ -137,7 +138,7 @@ Status CheckTimes(const std::vector<double>& times_s, const std::vector<Eigen::V
   return {};
 }
 
-Expected<SceneObject> ReadObject(Json& json) {
+Expected<SceneObject> ReadObject(nlohmann::json& json) {
   std::vector<Eigen::Vector2d> path_m;
   std::vector<double> times_s;
   VICTORIOUS_RETURN_IF_ERROR(TakePoints(json, "path_m", 2, path_m));
@@ -161,20 +162,20 @@ Expected<SceneObject> ReadObject(Json& json) {
   return object;
 }
 
-Expected<ScenePiece> ReadPiece(Json& json) {
+Expected<ScenePiece> ReadPiece(nlohmann::json& json) {
   VICTORIOUS_ASSIGN_OR_RETURN(ScenePiece piece, ReadFields<ScenePiece>(json));
   if (!IsAssetName(piece.asset))
     return InvalidScene("asset: must be a name such as \"town/trees/oak\" or \"models/bus\"");
   return piece;
 }
 
-Expected<SceneTile> ReadTile(Json& json) {
+Expected<SceneTile> ReadTile(nlohmann::json& json) {
   VICTORIOUS_ASSIGN_OR_RETURN(SceneTile tile, ReadFields<SceneTile>(json));
   if (!IsAssetName(tile.tile)) return InvalidScene("tile: must be a name such as \"apron\"");
   return tile;
 }
 
-Status TakeCamera(Json& root, SceneCamera& camera) {
+Status TakeCamera(nlohmann::json& root, SceneCamera& camera) {
   const auto at = root.find("camera");
   if (at == root.end()) return {};
   if (!at->is_object()) return InvalidScene("camera: must be an object");
@@ -185,7 +186,7 @@ Status TakeCamera(Json& root, SceneCamera& camera) {
   return TakeNumbers(*at, "roll_deg", {-180, 180}, camera.roll_deg);
 }
 
-Status TakeTown(Json& root, SceneTown& town) {
+Status TakeTown(nlohmann::json& root, SceneTown& town) {
   const auto at = root.find("town");
   if (at == root.end()) return {};
   if (!at->is_object()) return InvalidScene("town: must be an object");
@@ -214,7 +215,8 @@ Status CheckIds(const std::vector<SceneObject>& objects) {
   std::set<std::string_view> seen;
   for (const SceneObject& object : objects) {
     if (!seen.insert(object.id).second)
-      return InvalidScene(fmt::format("objects: two have the id {}: ids must be unique", DumpJson(Json(object.id))));
+      return InvalidScene(
+          fmt::format("objects: two have the id {}: ids must be unique", DumpJson(nlohmann::json(object.id))));
   }
   return {};
 }
@@ -235,7 +237,7 @@ struct PlainFields {
   }
 };
 
-Expected<Scene> SceneFromJson(Json& root) {
+Expected<Scene> SceneFromJson(nlohmann::json& root) {
   Scene scene;
   VICTORIOUS_RETURN_IF_ERROR(TakeCamera(root, scene.camera));
   VICTORIOUS_RETURN_IF_ERROR(TakeTown(root, scene.town));
@@ -337,7 +339,7 @@ void SceneTown::ListFields(FieldList& fields) {
 }
 
 Expected<Scene> ParseScene(std::string_view text, const std::string& name) {
-  Expected<Json> root = ParseJson(text);
+  Expected<nlohmann::json> root = ParseJson(text);
   if (!root) return std::unexpected(std::move(root).error().WithContext(name));
   if (!root->is_object()) return InvalidScene(name + ": not a JSON object");
   Expected<Scene> scene = SceneFromJson(*root);

@@ -12,13 +12,13 @@
 namespace victorious {
 namespace {
 
-struct Image {
+struct CocoImage {
   std::int64_t video = 0;
   std::int64_t frame = 0;
   double time_s = 0;
 };
 
-Json ImageJson(const Image& image, std::size_t id, const VideoRecord& video) {
+Json ImageJson(const CocoImage& image, std::size_t id, const VideoRecord& video) {
   return {{"id", id},
           {"file_name", fmt::format("{}/{:06d}.png", ShownName(video), image.frame)},
           {"width", video.width},
@@ -63,7 +63,7 @@ Json AnnotationJson(const SightingRecord& sighting, const VideoRecord& video, st
 
 Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
   out << R"({"categories":)" << DumpJson(CategoriesJson(catalogue.models())) << R"(,"annotations":[)";
-  std::vector<Image> images;
+  std::vector<CocoImage> images;
   std::size_t annotations = 0;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
     const VideoRecord* video = catalogue.Video(sighting.video);

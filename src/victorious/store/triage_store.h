@@ -57,7 +57,7 @@ enum class ObjectOrder {
 };
 
 /// Where an object stands in an order. Remains usable when the object is gone.
-struct ObjectKey {
+struct ObjectSortKey {
   bool is_done = false;  ///< kQueue: in the second part
   double score = 0;
   std::int64_t frames = 0;
@@ -68,8 +68,8 @@ struct ObjectKey {
 struct ObjectSlice {
   ObjectOrder order = ObjectOrder::kRank;
   std::int64_t queue_utc_us = INT64_MAX;  ///< kQueue: an object reviewed before is in the second part
-  std::optional<ObjectKey> after;         ///< what follows this position
-  std::optional<ObjectKey> before;        ///< what precedes it, the nearest first
+  std::optional<ObjectSortKey> after;     ///< what follows this position
+  std::optional<ObjectSortKey> before;    ///< what precedes it, the nearest first
   std::int64_t offset = 0;                ///< rows to leave out; cost grows with it, in index entries only
   std::int64_t limit = 100;
 };
@@ -109,7 +109,7 @@ struct PlacedObject {
 };
 
 /// A square of the world in Web Mercator (geometry/web_mercator.h), in equal cells.
-struct PlaceGrid {
+struct MapGrid {
   double west = 0;   ///< 0 to 1
   double north = 0;  ///< likewise
   double side = 1;   ///< likewise
@@ -150,10 +150,11 @@ class TriageStore {
   /// Returns these objects, by id; without those that are not in the index or rejected. At most 1000 ids.
   [[nodiscard]] virtual Expected<std::vector<TriageObject>> ObjectsById(std::span<const std::int64_t> ids) = 0;
   /// The key of an object in the orders of `slice`; std::nullopt if it is not in the index.
-  [[nodiscard]] virtual Expected<std::optional<ObjectKey>> FindKey(std::int64_t object, const ObjectSlice& slice) = 0;
+  [[nodiscard]] virtual Expected<std::optional<ObjectSortKey>> FindKey(std::int64_t object,
+                                                                       const ObjectSlice& slice) = 0;
   /// The number of objects that match and precede a key.
   [[nodiscard]] virtual Expected<std::int64_t> CountBefore(const ObjectQuery& query, const ObjectSlice& slice,
-                                                           const ObjectKey& key) = 0;
+                                                           const ObjectSortKey& key) = 0;
   [[nodiscard]] virtual Expected<std::int64_t> CountObjects(const ObjectQuery& query) = 0;
   [[nodiscard]] virtual Expected<ObjectCounts> Count(const ObjectQuery& query) = 0;
 
@@ -163,7 +164,7 @@ class TriageStore {
                                            const std::function<bool(const PlacedObject&)>& visit) = 0;
   /// Sums the objects of known place in a grid; without empty cells, by row, then column. Takes a third of the time of
   /// visiting them in a database, which would send each.
-  [[nodiscard]] virtual Expected<std::vector<PlaceCell>> SumPlaces(const PlaceGrid& grid, const ObjectQuery& query) = 0;
+  [[nodiscard]] virtual Expected<std::vector<PlaceCell>> SumPlaces(const MapGrid& grid, const ObjectQuery& query) = 0;
   /// Returns the shapes of these objects, by id; without those that have no place. At most 1000 ids.
   [[nodiscard]] virtual Expected<std::vector<PlacedShape>> PlaceShapes(std::span<const std::int64_t> ids) = 0;
   /// The smallest region that holds all objects of known place; std::nullopt if there is none.

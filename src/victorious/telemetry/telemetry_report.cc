@@ -20,20 +20,18 @@
 namespace victorious {
 namespace {
 
-using Json = nlohmann::json;
-
 struct ValueToJson {
-  Json operator()(std::monostate /*nothing*/) const { return nullptr; }
-  Json operator()(const std::string& text) const { return ReplaceInvalidUtf8(text); }
-  Json operator()(const KlvRaw& raw) const { return {{"hex", HexText(raw)}}; }
+  nlohmann::json operator()(std::monostate /*nothing*/) const { return nullptr; }
+  nlohmann::json operator()(const std::string& text) const { return ReplaceInvalidUtf8(text); }
+  nlohmann::json operator()(const KlvRaw& raw) const { return {{"hex", HexText(raw)}}; }
   template <typename T>
-  Json operator()(const T& value) const {
+  nlohmann::json operator()(const T& value) const {
     return value;
   }
 };
 
-Json ItemToJson(const KlvItem& item) {
-  Json json{{"name", item.name}, {"value", std::visit(ValueToJson(), item.value)}};
+nlohmann::json ItemToJson(const KlvItem& item) {
+  nlohmann::json json{{"name", item.name}, {"value", std::visit(ValueToJson(), item.value)}};
   if (item.number > 0) json["number"] = item.number;
   if (!item.label.empty()) json["label"] = item.label;
   if (!item.unit.empty()) json["unit"] = item.unit;
@@ -41,42 +39,45 @@ Json ItemToJson(const KlvItem& item) {
   return json;
 }
 
-Json ChecksumToJson(const KlvChecksum& checksum) {
+nlohmann::json ChecksumToJson(const KlvChecksum& checksum) {
   return {{"expected", checksum.expected}, {"computed", checksum.computed}, {"valid", checksum.IsValid()}};
 }
 
-Json PacketToJson(const KlvPacket& packet) {
-  Json json{{"standard", ToText(kKlvStandardTexts, packet.standard)},
-            {"label", packet.label},
-            {"stream", packet.stream},
-            {"offset", packet.offset},
-            {"items", Json::array()},
-            {"time_s", OrNull(packet.time_s)}};
+nlohmann::json PacketToJson(const KlvPacket& packet) {
+  nlohmann::json json{{"standard", ToText(kKlvStandardTexts, packet.standard)},
+                      {"label", packet.label},
+                      {"stream", packet.stream},
+                      {"offset", packet.offset},
+                      {"items", nlohmann::json::array()},
+                      {"time_s", OrNull(packet.time_s)}};
   const auto own_us = PrecisionTime(packet);
   json["precision_time_us"] = OrNull(own_us);
-  json["utc"] = own_us ? Json(FormatUtc(*own_us)) : Json();
-  json["checksum"] = packet.checksum ? ChecksumToJson(*packet.checksum) : Json();
+  json["utc"] = own_us ? nlohmann::json(FormatUtc(*own_us)) : nlohmann::json();
+  json["checksum"] = packet.checksum ? ChecksumToJson(*packet.checksum) : nlohmann::json();
   if (!packet.problem.empty()) json["problem"] = packet.problem;
   for (const KlvItem& item : packet.items) json["items"].push_back(ItemToJson(item));
   return json;
 }
 
-Json Degrees(const std::optional<double>& radians) { return radians ? Json(DegreesFromRadians(*radians)) : Json(); }
+nlohmann::json OptionalDegrees(const std::optional<double>& radians) {
+  return radians ? nlohmann::json(DegreesFromRadians(*radians)) : nlohmann::json();
+}
 
-Json StateToJson(const CameraState& state) {
+nlohmann::json StateToJson(const CameraState& state) {
   const auto& attitude = state.attitude;
   return {{"time_s", state.time_s},
           {"latitude_deg", DegreesFromRadians(state.place.latitude_rad)},
           {"longitude_deg", DegreesFromRadians(state.place.longitude_rad)},
-          {"altitude_m", state.datum == VerticalDatum::kUnknown ? Json() : Json(state.place.altitude_m)},
+          {"altitude_m",
+           state.datum == VerticalDatum::kUnknown ? nlohmann::json() : nlohmann::json(state.place.altitude_m)},
           {"vertical_datum", ToText(kVerticalDatumTexts, state.datum)},
-          {"yaw_deg", attitude ? Json(DegreesFromRadians(attitude->yaw_rad)) : Json()},
-          {"pitch_deg", attitude ? Json(DegreesFromRadians(attitude->pitch_rad)) : Json()},
-          {"roll_deg", attitude ? Json(DegreesFromRadians(attitude->roll_rad)) : Json()},
-          {"hfov_deg", Degrees(state.hfov_rad)},
+          {"yaw_deg", attitude ? nlohmann::json(DegreesFromRadians(attitude->yaw_rad)) : nlohmann::json()},
+          {"pitch_deg", attitude ? nlohmann::json(DegreesFromRadians(attitude->pitch_rad)) : nlohmann::json()},
+          {"roll_deg", attitude ? nlohmann::json(DegreesFromRadians(attitude->roll_rad)) : nlohmann::json()},
+          {"hfov_deg", OptionalDegrees(state.hfov_rad)},
           {"sigma_position_m", OrNull(state.sigma_position_m)},
-          {"sigma_attitude_deg", Degrees(state.sigma_attitude_rad)},
-          {"utc", state.utc_us ? Json(FormatUtc(*state.utc_us)) : Json()}};
+          {"sigma_attitude_deg", OptionalDegrees(state.sigma_attitude_rad)},
+          {"utc", state.utc_us ? nlohmann::json(FormatUtc(*state.utc_us)) : nlohmann::json()}};
 }
 
 // "all", "none" or "12 of 40".
@@ -133,18 +134,18 @@ void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>&
 
 }  // namespace
 
-Json ToJson(const Telemetry& telemetry) {
-  Json json{{"format", ToText(kTelemetryFormatTexts, telemetry.format)},
-            {"records", telemetry.records},
-            {"states", Json::array()}};
-  if (!telemetry.packets.empty()) json["packets"] = Json::array();
+nlohmann::json ToJson(const Telemetry& telemetry) {
+  nlohmann::json json{{"format", ToText(kTelemetryFormatTexts, telemetry.format)},
+                      {"records", telemetry.records},
+                      {"states", nlohmann::json::array()}};
+  if (!telemetry.packets.empty()) json["packets"] = nlohmann::json::array();
   for (const KlvPacket& packet : telemetry.packets) json["packets"].push_back(PacketToJson(packet));
-  if (!telemetry.packets.empty()) json["nested_sets"] = Json::array();
+  if (!telemetry.packets.empty()) json["nested_sets"] = nlohmann::json::array();
   for (const auto& [number, set] : NestedSets(telemetry.packets)) {
     json["nested_sets"].push_back({{"number", number}, {"name", set.first}, {"packets", set.second}});
   }
   for (const CameraState& state : telemetry.states) json["states"].push_back(StateToJson(state));
-  json["warnings"] = Json::array();
+  json["warnings"] = nlohmann::json::array();
   for (const std::string& warning : telemetry.warnings) json["warnings"].push_back(ReplaceInvalidUtf8(warning));
   return json;
 }

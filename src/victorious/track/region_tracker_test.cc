@@ -74,9 +74,9 @@ Similarity2 At(double x, double y, double scale = 0.5, double rotation_rad = 0) 
 }
 
 // Tracks one object.
-class Follower {
+class TestFollower {
  public:
-  explicit Follower(const TrackOptions& options = {}) : tracker_(RegionTracker::Create(options).value()) {}
+  explicit TestFollower(const TrackOptions& options = {}) : tracker_(RegionTracker::Create(options).value()) {}
 
   TrackStep Start(const cv::Mat& frame, const Polygon& outline) {
     tracker_.Step({0, 0.0, frame});
@@ -99,7 +99,7 @@ class Follower {
 
 TEST(RegionTracker, FollowsAnObjectOverMovingBackground) {
   const World world;
-  Follower follower;
+  TestFollower follower;
   // The outline has a margin of ground, which does not move with the object.
   Box user_box = BoundingBox(world.Outline(At(60, 80)));
   user_box = {user_box.x - 4, user_box.y - 4, user_box.width + 8, user_box.height + 8};
@@ -115,7 +115,7 @@ TEST(RegionTracker, FollowsAnObjectOverMovingBackground) {
 
 TEST(RegionTracker, FollowsRotationAndScale) {
   const World world;
-  Follower follower;
+  TestFollower follower;
   const auto from_object = [](int i) { return Similarity2{0.5 + 0.008 * i, 0.02 * i, {140, 90}}; };
   follower.Start(world.Draw(from_object(0)), world.Outline(from_object(0)));
   for (int i = 1; i <= 30; ++i) {
@@ -128,7 +128,7 @@ TEST(RegionTracker, FollowsRotationAndScale) {
 
 TEST(RegionTracker, PointsKeepTheIndexOfTheirInlier) {
   const World world;
-  Follower follower;
+  TestFollower follower;
   const TrackStep first = follower.Start(world.Draw(At(60, 80)), world.Outline(At(60, 80)));
   const auto step = follower.Step(world.Draw(At(69, 78)));
   ASSERT_TRUE(step && step->seen());
@@ -142,7 +142,7 @@ TEST(RegionTracker, PointsKeepTheIndexOfTheirInlier) {
 
 TEST(RegionTracker, ReportsOcclusionWithoutABox) {
   const World world;
-  Follower follower({.missed_frames = 3});
+  TestFollower follower({.missed_frames = 3});
   follower.Start(world.Draw(At(150, 100)), world.Outline(At(150, 100)));
   const Box object = BoundingBox(world.Outline(At(150, 100)));
   std::optional<TrackStep> step;
@@ -168,7 +168,7 @@ TEST(RegionTracker, ReportsOcclusionWithoutABox) {
 
 TEST(RegionTracker, ReportsLeavingTheFrame) {
   const World world;
-  Follower follower;
+  TestFollower follower;
   follower.Start(world.Draw(At(260, 100)), world.Outline(At(260, 100)));
   std::optional<TrackStep> step;
   for (int i = 1; i <= 30; ++i) {
@@ -183,7 +183,7 @@ TEST(RegionTracker, ReportsLeavingTheFrame) {
 
 TEST(RegionTracker, SurvivesFlickerWithoutABox) {
   const World world;
-  Follower follower;
+  TestFollower follower;
   follower.Start(world.Draw(At(60, 80)), world.Outline(At(60, 80)));
   for (int i = 1; i <= 20; ++i) {
     cv::Mat frame = world.Draw(At(60 + 7 * i, 80));
@@ -207,7 +207,7 @@ TEST(RegionTracker, PredictionReacquiresAfterALargeMotion) {
     TrackOptions options;
     options.predict_motion = predict;
     options.flow.pyramid_levels = 2;
-    Follower follower(options);
+    TestFollower follower(options);
     follower.Start(world.Draw(At(20, 80)), world.Outline(At(20, 80)));
     for (int i = 1; i <= 5; ++i) follower.Step(world.Draw(At(20 + 8 * i, 80)));
     for (int i = 6; i <= 9; ++i) follower.Step(cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(0)));
@@ -225,7 +225,7 @@ TEST(RegionTracker, NewTrackIsSearchedAtPredictedAndOldPosition) {
     TrackOptions options;
     options.predict_motion = predict;
     options.flow.pyramid_levels = 2;
-    Follower passing(options);
+    TestFollower passing(options);
     passing.Start(world.Draw(before), world.Outline(before));
     const auto step = passing.Step(world.Draw(moved, {280, 200}));
     ASSERT_TRUE(step);
@@ -233,7 +233,7 @@ TEST(RegionTracker, NewTrackIsSearchedAtPredictedAndOldPosition) {
     if (predict) {
       EXPECT_GT(IntersectionOverUnion(step->box, BoundingBox(world.Outline(moved))), 0.9);
     }
-    Follower kept_in_view(options);
+    TestFollower kept_in_view(options);
     kept_in_view.Start(world.Draw(before), world.Outline(before));
     const auto still = kept_in_view.Step(world.Draw(before, {280, 200}));
     EXPECT_TRUE(still && still->seen()) << "the camera follows the object over the ground";
@@ -242,7 +242,7 @@ TEST(RegionTracker, NewTrackIsSearchedAtPredictedAndOldPosition) {
 
 TEST(RegionTracker, BecomesInactiveUnlessConfirmed) {
   const World world;
-  Follower follower({.unconfirmed_frames = 4});
+  TestFollower follower({.unconfirmed_frames = 4});
   const cv::Mat frame = world.Draw(At(60, 80));
   const Polygon outline = world.Outline(At(60, 80));
   const TrackStep first = follower.Start(frame, outline);
@@ -258,7 +258,7 @@ TEST(RegionTracker, BecomesInactiveUnlessConfirmed) {
 
 TEST(RegionTracker, SearchRegionIsTheDilatedBoxInsideTheFrame) {
   const World world;
-  Follower follower({.dilation_factor = 2});
+  TestFollower follower({.dilation_factor = 2});
   const Box box = BoundingBox(world.Outline(At(150, 100)));
   const TrackStep step = follower.Start(world.Draw(At(150, 100)), world.Outline(At(150, 100)));
   EXPECT_NEAR(step.search_box.width, 2 * box.width, 1e-9);
@@ -269,7 +269,7 @@ TEST(RegionTracker, SearchRegionIsTheDilatedBoxInsideTheFrame) {
 }
 
 TEST(RegionTracker, TooFewPointsStartNoTrack) {
-  Follower follower;
+  TestFollower follower;
   const TrackStep step =
       follower.Start(cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(90)), BoxCorners({50, 50, 100, 100}));
   EXPECT_EQ(step.state, TrackState::kInactive);
@@ -298,7 +298,7 @@ TEST(RegionTracker, FollowsSeveralTracksAndDropsStoppedOnes) {
 
 TEST(RegionTracker, FrameOfAnotherSizeLosesOnlyThePoints) {
   const World world;
-  Follower follower;
+  TestFollower follower;
   follower.Start(world.Draw(At(60, 80)), world.Outline(At(60, 80)));
   const auto step = follower.Step(cv::Mat(150, 200, CV_8UC1, cv::Scalar(40)));
   ASSERT_TRUE(step);
@@ -314,7 +314,7 @@ TEST(RegionTracker, MissedFramesIsTheNumberOfFramesWithoutABoxThatATrackSurvives
   const World world;
   const cv::Mat cover = testing::DrawTown({160, 140}, 77);
   const auto frames_until_inactive = [&](int missed_frames) {
-    Follower follower({.missed_frames = missed_frames});
+    TestFollower follower({.missed_frames = missed_frames});
     follower.Start(world.Draw(At(150, 100)), world.Outline(At(150, 100)));
     cv::Mat covered = world.Draw(At(150, 100));
     cover.copyTo(covered(cv::Rect(100, 60, cover.cols, cover.rows)));

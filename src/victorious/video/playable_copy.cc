@@ -19,7 +19,7 @@ namespace {
 constexpr int kCrf = 20;                   // hardly to be told from the source
 constexpr double kKeyFrameInterval_s = 1;  // a seek decodes at most so much
 
-Error Cancelled(const std::string& source) { return {ErrorCode::kCancelled, source + ": cancelled"}; }
+Error CopyCancelled(const std::string& source) { return {ErrorCode::kCancelled, source + ": cancelled"}; }
 
 int NextEven(int pixels) { return pixels + pixels % 2; }
 
@@ -41,7 +41,7 @@ Expected<PlayableCopy> Transcode(const std::string& source, const std::filesyste
   Progress progress(source, info.frame_count, "frames");
   PlayableCopy copy;
   while (true) {
-    if (cancel.IsCancelled()) return std::unexpected(Cancelled(source));
+    if (cancel.IsCancelled()) return std::unexpected(CopyCancelled(source));
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
     if (!frame) break;
     if (frame->image.size() != size) cv::resize(frame->image, frame->image, size, 0, 0, cv::INTER_LINEAR);

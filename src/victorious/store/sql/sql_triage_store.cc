@@ -72,7 +72,7 @@ GeoBox BoundsOf(const GeoCircle& circle) {
 }
 
 // A superset of a grid: rounding may not leave out an object at its border.
-GeoBox BoundsOf(const PlaceGrid& grid) {
+GeoBox BoundsOf(const MapGrid& grid) {
   constexpr double kMargin_rad = 1e-9;
   const auto longitude = [](double east) { return std::numbers::pi * (2 * east - 1); };
   const auto latitude = [](double south) { return std::atan(std::sinh(std::numbers::pi * (1 - 2 * south))); };
@@ -106,19 +106,19 @@ class SqlTriageStore final : public TriageStore {
     return objects;
   }
 
-  Expected<std::optional<ObjectKey>> FindKey(std::int64_t object, const ObjectSlice& slice) override {
+  Expected<std::optional<ObjectSortKey>> FindKey(std::int64_t object, const ObjectSlice& slice) override {
     return database_->ReadOne(
         "SELECT score, frames, verdict IS NOT NULL AND reviewed_utc_us < ? FROM objects WHERE id = ? AND is_listed = 1",
-        ValueList(slice.queue_utc_us, object), [&](const Row& row) -> Expected<ObjectKey> {
-          return ObjectKey{.is_done = slice.order == ObjectOrder::kQueue && row.Integer(2) != 0,
-                           .score = row.Real(0),
-                           .frames = row.Integer(1),
-                           .id = object};
+        ValueList(slice.queue_utc_us, object), [&](const Row& row) -> Expected<ObjectSortKey> {
+          return ObjectSortKey{.is_done = slice.order == ObjectOrder::kQueue && row.Integer(2) != 0,
+                               .score = row.Real(0),
+                               .frames = row.Integer(1),
+                               .id = object};
         });
   }
 
   Expected<std::int64_t> CountBefore(const ObjectQuery& query, const ObjectSlice& slice,
-                                     const ObjectKey& key) override {
+                                     const ObjectSortKey& key) override {
     VICTORIOUS_ASSIGN_OR_RETURN(const Conditions matching, MakeConditions(query));
     std::int64_t count = 0;
     ObjectSlice before{.order = slice.order, .queue_utc_us = slice.queue_utc_us, .before = key};
@@ -188,7 +188,7 @@ class SqlTriageStore final : public TriageStore {
         });
   }
 
-  Expected<std::vector<PlaceCell>> SumPlaces(const PlaceGrid& grid, const ObjectQuery& query) override {
+  Expected<std::vector<PlaceCell>> SumPlaces(const MapGrid& grid, const ObjectQuery& query) override {
     return dialect_ == Dialect::kSqlite ? SumVisited(grid, query) : SumInDatabase(grid, query);
   }
 
@@ -285,7 +285,7 @@ class SqlTriageStore final : public TriageStore {
   }
 
   // SQLite may lack the functions, and visits as fast.
-  Expected<std::vector<PlaceCell>> SumVisited(const PlaceGrid& grid, const ObjectQuery& query) {
+  Expected<std::vector<PlaceCell>> SumVisited(const MapGrid& grid, const ObjectQuery& query) {
     std::vector<PlaceCell> all(static_cast<std::size_t>(grid.cells) * static_cast<std::size_t>(grid.cells));
     VICTORIOUS_RETURN_IF_ERROR(VisitPlaces(BoundsOf(grid), query, [&](const PlacedObject& placed) {
       const double x = (MercatorEast(placed.longitude_rad) - grid.west) / grid.side;
@@ -307,7 +307,7 @@ class SqlTriageStore final : public TriageStore {
     return all;
   }
 
-  Expected<std::vector<PlaceCell>> SumInDatabase(const PlaceGrid& grid, const ObjectQuery& query) {
+  Expected<std::vector<PlaceCell>> SumInDatabase(const MapGrid& grid, const ObjectQuery& query) {
     VICTORIOUS_ASSIGN_OR_RETURN(const Conditions matching, MakeConditions(query));
     ValueList values;
     int parameter = matching.Bind(values);
