@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "victorious/associate/fit_options.h"
 #include "victorious/base/file.h"
-#include "victorious/base/options.h"
 #include "victorious/base/program_id.h"
 #include "victorious/observe/bearing_observation.h"
 
@@ -22,17 +22,13 @@ std::int64_t ChecksumOf(std::string_view text) {
   return std::bit_cast<std::int64_t>(Checksum(std::as_bytes(std::span(text))));
 }
 
-// What all fits depend on, but for the content of tracklets: every parameter that EstimatePlace and CorrectFlight read.
-// std::nullopt if it cannot be told, so that fits are not kept: the ground or the program is not identified.
+// What all fits depend on, but for the content of tracklets. std::nullopt if it cannot be told, so that fits are not
+// kept: a ground or the program is not identified.
 std::optional<std::string> ContextOf(const ObjectOptions& options) {
-  if (options.ground && options.ground_id.empty()) return std::nullopt;
+  if ((options.ground && options.ground_id.empty()) || options.locate.ground) return std::nullopt;
   const Expected<std::string> program = ProgramId();
   if (!program) return std::nullopt;
-  const CommonErrorOptions& common = options.locate.common;  // its fields that LocateOptions does not list
-  return fmt::format("{} {} {} {} {} {} {} {} {} ", *program, OptionsToJsonText(options.locate),
-                     common.boresight_side_deg, common.boresight_rise_deg, options.min_inlier_fraction,
-                     options.motion_window_s, options.centre_height_m, options.centre_height_sigma_m,
-                     options.ground ? options.ground_id : "");
+  return fmt::format("{} {} {:d} ", *program, FitOptionsText(options), options.ground != nullptr);
 }
 
 // With the revision alone, sightings added by an older program, which does not count it, would be missed.
