@@ -26,6 +26,7 @@ from pathlib import Path
 REPOSITORY = Path(__file__).resolve().parents[1]
 PROGRESS = re.compile(r"^.+: \d+( of \d+)? \w+, [\d.]+ a second(, [\d:]+ left)?$")
 TELEMETRY_HEADER = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
+TOO_LONG = "x" * 5000  # for a file name of any system
 LINES_HEADER = "time_s,latitude_deg,longitude_deg,altitude_m,azimuth_deg,elevation_deg\n"
 
 
@@ -96,7 +97,7 @@ def make_files(demo: Path) -> None:
     os.symlink("/nonexistent", "dangling")
 
 
-# One a line, as in a shell; VIDEO, INDEX, TRUTH, CAD and SCENE stand for files of the demo.
+# One a line, as in a shell; VIDEO, INDEX, TRUTH, CAD and SCENE stand for files of the demo, LONG for a name too long.
 COMMANDS = r"""
 model add ../x CAD --models ml
 model add '' CAD --models ml
@@ -207,6 +208,24 @@ frame VIDEO --at 0 --out VIDEO
 frame VIDEO --at 0 --out f.xyz
 sheet --db INDEX --out existing.txt
 sheet --db INDEX --out /nonexistent/a.png
+export --db INDEX --format kml --out LONG
+sheet --db INDEX --out LONG.png
+search --db INDEX --image LONG
+simulate SCENE --out LONG
+model add LONG CAD --models ml
+model remove LONG --models lib
+frame VIDEO --at 0 --out LONG.png
+category train --images LONG --list list.csv --out c
+category classify --model LONG --images dir --list list.csv
+navigate VIDEO --landmarks LONG --models lib --out n.csv
+serve --db INDEX --models LONG
+serve --db INDEX --tiles LONG
+serve --db INDEX --categories LONG
+serve --db INDEX --web LONG
+copy INDEX LONG
+index VIDEO --models lib --db o6.db --ground LONG
+index VIDEO --models lib --db o6.db --draw LONG.mp4
+index VIDEO --models lib --db o6.db --categories LONG
 """
 
 
@@ -217,7 +236,7 @@ def make_cases(demo: Path) -> list[list[str]]:
     sources = [
         "none.mp4", "empty.bin", "nul.bin", "rand.bin", "text.txt", "cut.mp4", "headless.mp4", "dir", "loop",
         "dangling", "/dev/null", "http://127.0.0.1:9/x", "bomb.png", "lib/jeep.vmodel", "", "-", "https://",
-        "file:///etc/passwd", "concat:/etc/passwd|/etc/hosts",
+        "file:///etc/passwd", "concat:/etc/passwd|/etc/hosts", TOO_LONG, TOO_LONG + ".mp4",
     ]  # fmt: skip
     for v in sources:
         cases.append(["index", v, "--models", "lib", "--db", "o1.db"])
@@ -226,14 +245,14 @@ def make_cases(demo: Path) -> list[list[str]]:
         cases.append(["telemetry", v])
         cases.append(["frame", v, "--at", "0", "--out", "o.png"])
     for m in [
-        "none", "empty", "badlib", "cutlib", "txtlib", "text.txt", "", "/dev/null", "lib/jeep.vmodel",
+        "none", "empty", "badlib", "cutlib", "txtlib", "text.txt", "", "/dev/null", "lib/jeep.vmodel", TOO_LONG,
     ]:  # fmt: skip
         cases.append(["index", video, "--models", m, "--db", "o2.db"])
         cases.append(["model", "list", "--models", m])
         cases.append(["model", "show", "jeep", "--models", m])
     for d in [
         "none.db", "empty.bin", "nul.bin", "rand.bin", "text.txt", "cut.db", "flip.db", "dir", "",
-        "postgresql://127.0.0.1:9/x", "postgres://", "loop", "/dev/null",
+        "postgresql://127.0.0.1:9/x", "postgres://", "loop", "/dev/null", TOO_LONG,
     ]:  # fmt: skip
         cases.append(["search", "--db", d])
         cases.append(["export", "--db", d, "--format", "objects"])
@@ -242,18 +261,18 @@ def make_cases(demo: Path) -> list[list[str]]:
         cases.append(["doctor", "--check", d])
     for c in [
         "none.glb", "empty.bin", "cut.glb", "length.glb", "index.obj", "nan.obj", "flat.obj", "huge.obj",
-        "outside.gltf", "rand.bin", "bomb.png", "text.txt", "dir",
+        "outside.gltf", "rand.bin", "bomb.png", "text.txt", "dir", TOO_LONG,
     ]:  # fmt: skip
         cases.append(["model", "add", "x", c, "--models", "ml"])
     for t in [
         "none", "empty.bin", "rand.bin", "t_columns.csv", "t_nan.csv", "t_back.csv", "t_latitude.csv",
-        "t_short.csv", "t_semicolon.csv", "bad.srt", "dir", "bomb.png", video,
+        "t_short.csv", "t_semicolon.csv", "bad.srt", "dir", "bomb.png", video, TOO_LONG,
     ]:  # fmt: skip
         cases.append(["telemetry", t])
         cases.append(["index", video, "--telemetry", t, "--models", "empty", "--db", "o3.db"])
     for p in [
         "none", "empty.bin", "cut.json", "array.json", "deep.json", "twice.json", "unknown.json", "type.json",
-        "range.json", "nan.json", "rand.bin", "dir",
+        "range.json", "nan.json", "rand.bin", "dir", TOO_LONG,
     ]:  # fmt: skip
         cases.append(["index", video, "--models", "lib", "--db", "o4.db", "--params", p])
     for e in [
@@ -270,7 +289,7 @@ def make_cases(demo: Path) -> list[list[str]]:
         cases.append(["track", video, "--box", "10,10,50,50", "--at", a, "--out", "t.jsonl"])
     for l in [
         "none", "empty.bin", "rand.bin", "l_nan.csv", "l_latitude.csv", "l_none.csv", "t_columns.csv",
-        "l_one.csv", "dir", "bomb.png",
+        "l_one.csv", "dir", "bomb.png", TOO_LONG,
     ]:  # fmt: skip
         cases.append(["locate", l])
     for f in [
@@ -282,19 +301,19 @@ def make_cases(demo: Path) -> list[list[str]]:
     ]:  # fmt: skip
         cases.append(["search", "--db", index, "--near", n])
     for t in [
-        "none", "empty.bin", "truth_cut.jsonl", "truth_text.jsonl", "rand.bin", "dir",
+        "none", "empty.bin", "truth_cut.jsonl", "truth_text.jsonl", "rand.bin", "dir", TOO_LONG,
     ]:  # fmt: skip
         cases.append(["evaluate", "--db", index, "--truth", t])
     for s in [
-        "none", "empty.bin", "cut.json", "array.json", "deep.json", "scene_cut.json", "rand.bin", "dir",
+        "none", "empty.bin", "cut.json", "array.json", "deep.json", "scene_cut.json", "rand.bin", "dir", TOO_LONG,
     ]:  # fmt: skip
         cases.append(["simulate", s, "--out", "sim"])
     for i in [
-        "none", "empty.bin", "rand.bin", "bomb.png", "text.txt", "dir", video,
+        "none", "empty.bin", "rand.bin", "bomb.png", "text.txt", "dir", video, TOO_LONG,
     ]:  # fmt: skip
         cases.append(["features", i, "--out", "f.txt"])
         cases.append(["match", i, i])
-    files = {"VIDEO": video, "INDEX": index, "TRUTH": truth, "CAD": cad, "SCENE": scene}
+    files = {"VIDEO": video, "INDEX": index, "TRUTH": truth, "CAD": cad, "SCENE": scene, "LONG": TOO_LONG}
     lines = COMMANDS.strip("\n").split("\n")
     return cases + [[files.get(word, word) for word in shlex.split(line)] for line in lines]
 

@@ -36,7 +36,7 @@ tidy_changed() {
   printf '%s\0' "${changed[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy-19 -p build-tidy --quiet
 }
 
-for rule in layers folders nodiscard names words parameters; do
+for rule in layers folders nodiscard names throwing words parameters; do
   checked "$rule" python3 "tools/check_$rule.py"
 done
 checked format tools/check_format.sh

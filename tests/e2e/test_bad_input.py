@@ -55,6 +55,28 @@ class VideosTest(program.ProgramTest):
         self.refuses(2, model, "index", model, "--models", MODELS, "--db", self.scratch / "index.db")
         self.assertIn("a model: crate", self.succeeds("doctor", model).out)
 
+    def test_names_that_are_too_long(self):
+        long = "x" * 5000
+        for video in (long, long + ".mp4", self.scratch / ("x" * 300)):
+            self.refuses_video(video, "File name too long")
+        for option in ("--models", "--params", "--db", "--telemetry", "--ground", "--categories", "--cache"):
+            given = {"--models": MODELS, "--db": self.scratch / "index.db"} | {option: long}
+            self.refuses(2, long, "index", VIDEO, *(word for pair in given.items() for word in pair))
+        self.refuses(2, [long, "preset"], "index", VIDEO, "--models", MODELS, "--db", self.scratch / "a.db", "--params", long)
+        too_long = "File name too long"
+        for command in ("telemetry", "locate", "doctor"):
+            self.refuses(2, too_long, command, long)
+        out = self.scratch / "out"
+        for command in ("features", "simulate", "frame"):
+            self.refuses(2, too_long, command, long, "--out", out, *(("--at", 0) if command == "frame" else ()))
+        self.refuses(2, too_long, "search", "--db", long)
+        self.refuses(2, too_long, "search", "--db", INDEX, "--image", long)
+        self.refuses(2, too_long, "evaluate", "--db", INDEX, "--truth", long)
+        self.refuses(2, too_long, "export", "--db", INDEX, "--format", "mot", "--out", long)
+        self.refuses(2, too_long, "sheet", "--db", INDEX, "--out", long + ".png")
+        self.refuses(2, too_long, "track", VIDEO, "--box", "1,1,50,50", "--at", 0, "--out", long)
+        self.assertEqual(self.files(), {})
+
     def test_not_a_video(self):
         self.refuses_video(self.write("text.mp4", "This is a text and no video.\n" * 100))
         self.refuses_video(self.write("random.mkv", bytes((i * i * 7919 >> 8) & 255 for i in range(20000))))

@@ -79,4 +79,11 @@ std::optional<double> ParseNumber(std::string_view text) {
   return text.empty() ? number : std::nullopt;
 }
 
+std::optional<std::int64_t> ParseInteger(std::string_view text) {
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
 }  // namespace victorious

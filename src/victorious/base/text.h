@@ -1,6 +1,7 @@
 // Parsing of external text: lines, cells of a table, numbers.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,5 +29,8 @@ namespace victorious {
 
 /// Parses the whole of `text`, without blanks around it, as a number; std::nullopt if it is not one.
 [[nodiscard]] std::optional<double> ParseNumber(std::string_view text);
+
+/// Parses the whole of `text` as a decimal whole number of 64 bits, "-12"; std::nullopt if it is not one.
+[[nodiscard]] std::optional<std::int64_t> ParseInteger(std::string_view text);
 
 }  // namespace victorious

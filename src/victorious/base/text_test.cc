@@ -39,5 +39,12 @@ TEST(Text, NumbersMustFillTheWholeCell) {
   EXPECT_EQ(text, "m");
 }
 
+TEST(Text, IntegersMustFillTheWholeText) {
+  EXPECT_EQ(ParseInteger("-12"), -12);
+  EXPECT_EQ(ParseInteger("9223372036854775807"), 9223372036854775807);
+  for (const char* none : {"", " 1", "1 ", "+1", "1.0", "0x10", "9223372036854775808", "one"})
+    EXPECT_FALSE(ParseInteger(none)) << none;
+}
+
 }  // namespace
 }  // namespace victorious

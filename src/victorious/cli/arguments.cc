@@ -252,7 +252,8 @@ Status ReadParamsFile(const std::string& path, const std::vector<FieldRef>& fiel
   if (path.empty()) return {};
   constexpr std::size_t kMaxBytes = 1 << 20;
   const bool looks_like_a_name = path.find_first_of("./") == std::string::npos;
-  if (looks_like_a_name && !std::filesystem::exists(path)) {
+  std::error_code unknown;  // ignored: such a name is no file
+  if (looks_like_a_name && !std::filesystem::exists(path, unknown)) {
     return Fail(ErrorCode::kNotFound, fmt::format("--params {}: neither a file nor a preset; presets are {}", path,
                                                   fmt::join(Texts(kPresetTexts), ", ")));
   }
@@ -289,12 +290,15 @@ Status WriteOutput(const std::string& path, std::string_view text) {
 Status CheckOutput(const std::string& path) {
   if (IsStandardOutput(path)) return {};
   namespace fs = std::filesystem;
-  std::error_code unknown;  // ignored: writing reports the error
+  std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
+  if (status.type() == fs::file_type::none) {  // a name that is too long, a folder that may not be looked into
+    return std::unexpected(ErrorFromErrno(unknown.value(), fmt::format("write {}", path)));
+  }
   fs::path written = path;  // a device or a pipe is written directly
   if (fs::is_regular_file(status) || !fs::exists(status)) {
-    written = fs::weakly_canonical(fs::absolute(path), unknown)
-                  .parent_path();  // an atomic write creates a new file in the folder
+    // An atomic write creates a new file in the folder.
+    written = fs::weakly_canonical(fs::absolute(path, unknown), unknown).parent_path();
   }
   if (!fs::is_directory(status) && IsWritable(written)) return {};
   return std::unexpected(ErrorFromErrno(fs::is_directory(status) ? EISDIR : errno, fmt::format("write {}", path)));

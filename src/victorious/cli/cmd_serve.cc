@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "victorious/base/absolute_path.h"
 #include "victorious/base/log.h"
 #include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
@@ -81,7 +82,7 @@ Status Run(const ServeArguments& arguments) {
   if (!arguments.categories.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const CategoryModel categories,
                                 ReadCategoryModel(arguments.categories));
-    options.categories = std::filesystem::absolute(arguments.categories);
+    options.categories = AbsolutePath(arguments.categories);
   }
   std::error_code error;
   if (options.web.empty()) {

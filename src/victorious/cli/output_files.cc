@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/base/folder.h"
 #include "victorious/base/json.h"
 #include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
@@ -200,17 +201,17 @@ bool IsSameFile(const fs::path& path, const struct stat& file) {
 
 // The file of the input that `file` is: the input itself, a part of an index in use, or a file in the folder.
 std::optional<fs::path> FindSameFile(const InputPath& input, const struct stat& file) {
-  std::error_code ended;
-  if (!fs::is_directory(input.path, ended)) {
+  std::error_code unknown;
+  if (!fs::is_directory(input.path, unknown)) {
     for (const char* part : {"", "-wal", "-shm", "-journal"}) {
       fs::path path = input.path.string() + part;
       if (IsSameFile(path, file)) return path;
     }
     return std::nullopt;
   }
-  for (fs::directory_iterator entry(input.path, ended), end; !ended && entry != end; entry.increment(ended)) {
-    const bool is_read = input.option != "--models" || entry->path().extension() == ".vmodel";
-    if (is_read && IsSameFile(entry->path(), file)) return entry->path();
+  for (const fs::path& path : ListFolder(input.path).value_or(std::vector<fs::path>())) {
+    const bool is_read = input.option != "--models" || path.extension() == ".vmodel";
+    if (is_read && IsSameFile(path, file)) return path;
   }
   return std::nullopt;
 }

@@ -14,6 +14,7 @@
 
 #include "victorious/base/absolute_path.h"
 #include "victorious/base/file.h"
+#include "victorious/base/folder.h"
 #include "victorious/base/one_line.h"
 #include "victorious/video/read_address.h"
 
@@ -48,11 +49,8 @@ std::unexpected<Error> FailedToLink(const std::error_code& error, const fs::path
 // Removes what killed workers left: folders of tasks whose lock nobody holds.
 void RemoveLeftovers(const fs::path& tasks) {
   std::error_code ignored;
-  std::vector<fs::path> locks;
-  for (const fs::directory_entry& entry : fs::directory_iterator(tasks, ignored)) {
-    if (entry.path().extension() == kLockEnding) locks.push_back(entry.path());
-  }
-  for (const fs::path& path : locks) {
+  for (const fs::path& path : ListFolder(tasks).value_or(std::vector<fs::path>())) {
+    if (path.extension() != kLockEnding) continue;
     const auto lock = FileLock::Try(path);
     if (!lock || !*lock) continue;
     fs::remove_all(fs::path(path).replace_extension(), ignored);
@@ -70,17 +68,16 @@ struct CachedFile {
 // Of a file that is being fetched, the bytes are those that it will have.
 std::vector<CachedFile> ListCached(const fs::path& folder) {
   std::vector<CachedFile> files;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+  for (const fs::path& path : ListFolder(folder).value_or(std::vector<fs::path>())) {
     struct stat info{};
-    if (::stat(entry.path().c_str(), &info) != 0 || !S_ISREG(info.st_mode)) continue;
-    const bool is_part = entry.path().extension() == kPartEnding;
+    if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) continue;
+    const bool is_part = path.extension() == kPartEnding;
     bool is_in_use = info.st_nlink > 1;  // a task reads it
     if (is_part) {
-      const auto lock = FileLock::Try(entry.path());
+      const auto lock = FileLock::Try(path);
       is_in_use = !lock || !*lock;
     }
-    files.push_back({.path = entry.path(),
+    files.push_back({.path = path,
                      .bytes = info.st_size,
                      .used_ns = std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec,
                      .is_in_use = is_in_use});

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
+#include "victorious/base/text.h"
 #include "victorious/evaluate/place_score.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/view_direction.h"
@@ -309,7 +310,7 @@ std::optional<double> ToDegrees(const std::optional<double>& radians) {
 }
 
 /// Rounds to the decimal value that is printed.
-double ToThreeDecimals(double value) { return std::stod(fmt::format("{:.3f}", value)); }
+double ToThreeDecimals(double value) { return ParseNumber(fmt::format("{:.3f}", value)).value_or(value); }
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "victorious/base/folder.h"
 #include "victorious/base/write_access.h"
 #include "victorious/store/model_file.h"
 
@@ -75,12 +76,12 @@ Expected<std::vector<std::string>> ModelLibrary::Names() const {
                 fmt::format("{}: no such model folder; `victorious model add` makes one", folder_.string()));
   }
   std::vector<std::string> names;
-  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
-    std::string name = it->path().stem().string();
-    const bool is_model = it->path().extension() == kSuffix && it->is_regular_file(error) && CheckName(name);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> paths, ListFolder(folder_));
+  for (const fs::path& path : paths) {
+    std::string name = path.stem().string();
+    const bool is_model = path.extension() == kSuffix && fs::is_regular_file(path, error) && CheckName(name);
     if (is_model) names.push_back(std::move(name));
   }
-  if (error) return std::unexpected(ErrorFromErrno(error.value(), folder_.string()));
   std::ranges::sort(names);
   return names;
 }

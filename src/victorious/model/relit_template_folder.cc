@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/folder.h"
 #include "victorious/base/packed_bytes.h"
 #include "victorious/base/program_id.h"
 
@@ -46,22 +47,21 @@ struct ModelFolder {
 
 std::int64_t BytesOf(const fs::path& folder) {
   std::int64_t bytes = 0;
-  std::error_code ignored;
-  for (fs::directory_iterator file(folder, ignored), end; !ignored && file != end; file.increment(ignored)) {
+  for (const fs::path& file : ListFolder(folder).value_or(std::vector<fs::path>())) {
     std::error_code is_gone;
-    const std::uintmax_t size = file->file_size(is_gone);
+    const std::uintmax_t size = fs::file_size(file, is_gone);
     if (!is_gone) bytes += static_cast<std::int64_t>(size);
   }
   return bytes;
 }
 
 // Only folders that this file named are looked at: the folder may be anybody's.
-bool IsModelFolder(const fs::directory_entry& entry) {
+bool IsModelFolder(const fs::path& path) {
   constexpr std::string_view kHexDigits = "0123456789abcdef";
-  const std::string name = entry.path().filename().string();
+  const std::string name = path.filename().string();
   std::error_code ignored;
-  return name.size() == 16 && name.find_first_not_of(kHexDigits) == std::string::npos && entry.is_directory(ignored) &&
-         !entry.is_symlink(ignored);
+  return name.size() == 16 && name.find_first_not_of(kHexDigits) == std::string::npos &&
+         fs::is_directory(path, ignored) && !fs::is_symlink(path, ignored);
 }
 
 void Tidy(const fs::path& folder, std::int64_t max_bytes) {
@@ -72,10 +72,10 @@ void Tidy(const fs::path& folder, std::int64_t max_bytes) {
   std::ofstream(mark) << "when the folder was looked through last: the time of this file\n";
   std::vector<ModelFolder> models;
   std::int64_t bytes = 0;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (!IsModelFolder(*entry)) continue;
+  for (const fs::path& path : ListFolder(folder).value_or(std::vector<fs::path>())) {
+    if (!IsModelFolder(path)) continue;
     std::error_code is_gone;
-    models.push_back({.path = entry->path(), .used = entry->last_write_time(is_gone), .bytes = BytesOf(entry->path())});
+    models.push_back({.path = path, .used = fs::last_write_time(path, is_gone), .bytes = BytesOf(path)});
     bytes += models.back().bytes;
   }
   std::ranges::sort(models, {}, &ModelFolder::used);

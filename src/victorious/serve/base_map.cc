@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/absolute_path.h"
+
 namespace victorious {
 namespace {
 
@@ -73,7 +75,7 @@ Expected<BaseMap> ReadFile(const std::filesystem::path& path, const std::string&
   }
   return BaseMap{.url = {},
                  .origin = {},
-                 .file = std::filesystem::absolute(path),
+                 .file = AbsolutePath(path),
                  .is_vector = type == kVectorTiles,
                  .max_zoom = static_cast<unsigned char>(bytes[kMaxZoomAt]),
                  .attribution = attribution};

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include "victorious/base/folder.h"
 #include "victorious/base/log.h"
 #include "victorious/pipeline/drawn_video.h"
 
@@ -27,19 +28,17 @@ std::int64_t Nanoseconds(const timespec& time) { return std::int64_t{time.tv_sec
 // The complete files of the folder, the one that was used last at the end.
 std::vector<MadeFile> List(const fs::path& folder) {
   std::vector<MadeFile> files;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    std::string name = at->path().filename().string();
+  const auto paths = ListFolder(folder);
+  // No copy was made yet, or the folder is gone: nothing to remove.
+  if (!paths && paths.error().code != ErrorCode::kNotFound) LogWarning("{}", paths.error().message);
+  for (const fs::path& path : paths.value_or(std::vector<fs::path>())) {
+    std::string name = path.filename().string();
     struct stat status{};
     const bool is_made = name.ends_with(".mp4") || name.ends_with(".jsonl") || name.ends_with(".vcat");
-    if (!is_made || ::stat(at->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    if (!is_made || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
     files.push_back({.used_ns = std::max(Nanoseconds(status.st_atim), Nanoseconds(status.st_mtim)),
                      .bytes = static_cast<std::uint64_t>(status.st_size),
                      .name = std::move(name)});
-  }
-  // No copy was made yet, or the folder is gone: nothing to remove.
-  if (error && error != std::errc::no_such_file_or_directory) {
-    LogWarning("{}: {}", folder.string(), error.message());
   }
   std::ranges::sort(files, {}, [](const MadeFile& file) { return std::tie(file.used_ns, file.name); });
   return files;

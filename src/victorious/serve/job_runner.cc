@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/folder.h"
 #include "victorious/base/json.h"
 #include "victorious/base/lease_clock.h"
 #include "victorious/base/log.h"
@@ -179,14 +180,11 @@ std::optional<std::filesystem::path> MadeFileOf(const JobRecord& job) {
 
 void RemoveUnfinishedCopies(const std::filesystem::path& copy) {
   const std::string prefix = copy.filename().string() + ".tmp-";
-  std::vector<std::filesystem::path> found;
-  std::error_code error;
-  for (std::filesystem::directory_iterator at(copy.parent_path(), error), end; !error && at != end;
-       at.increment(error)) {
-    if (at->path().filename().string().starts_with(prefix)) found.push_back(at->path());
-  }
-  if (error) LogWarning("{}: {}", copy.parent_path().string(), error.message());
-  for (const std::filesystem::path& path : found) {
+  const auto paths = ListFolder(copy.parent_path());
+  if (!paths) LogWarning("{}", paths.error().message);
+  for (const std::filesystem::path& path : paths.value_or(std::vector<std::filesystem::path>())) {
+    if (!path.filename().string().starts_with(prefix)) continue;
+    std::error_code error;
     if (!std::filesystem::remove(path, error) && error) LogWarning("remove {}: {}", path.string(), error.message());
   }
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/folder.h"
 #include "victorious/base/log.h"
 
 namespace victorious {
@@ -45,8 +46,8 @@ std::string UploadFolder::IdOf(const fs::path& file) { return file.parent_path()
 Expected<fs::path> UploadFolder::Find(std::string_view id) const {
   std::error_code error;
   if (IsId(id)) {
-    for (fs::directory_iterator at(folder_ / id, error), end; !error && at != end; at.increment(error)) {
-      if (at->is_regular_file(error)) return at->path();
+    for (const fs::path& path : ListFolder(folder_ / id).value_or(std::vector<fs::path>())) {
+      if (fs::is_regular_file(path, error)) return path;
     }
   }
   return Fail(ErrorCode::kNotFound, fmt::format("there is no upload \"{}\"", id.substr(0, kIdDigits)));

@@ -136,7 +136,7 @@ std::pair<std::int64_t, std::int64_t> CountTruncatedBlocks(GDALRasterBandH band,
     for (int x = 0; x < across; ++x) {
       const auto given = [&](const char* what) {
         const char* text = GDALGetMetadataItem(band, fmt::format("BLOCK_{}_{}_{}", what, x, y).c_str(), "TIFF");
-        return text != nullptr ? std::strtoull(text, nullptr, 10) : 0ULL;
+        return static_cast<std::uintmax_t>(text != nullptr ? ParseInteger(text).value_or(0) : 0);
       };
       missing += given("OFFSET") + given("SIZE") > file_size ? 1 : 0;
     }

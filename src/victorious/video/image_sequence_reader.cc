@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/folder.h"
 #include "victorious/base/text.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/image_header.h"
@@ -153,13 +154,11 @@ Expected<std::unique_ptr<VideoReader>> Open(const fs::path& source, Sequence seq
 }  // namespace
 
 Expected<std::vector<fs::path>> ListImages(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<fs::path> files, ListFolder(folder));
+  std::erase_if(files, [](const fs::path& path) {
     std::error_code unreadable;
-    if (HasImageExtension(it->path()) && it->is_regular_file(unreadable)) files.push_back(it->path());
-  }
-  if (error) return std::unexpected(ErrorFromErrno(error.value(), folder.string()));
+    return !HasImageExtension(path) || !fs::is_regular_file(path, unreadable);
+  });
   if (files.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: a folder without images (PNG, JPEG, TIFF, BMP or PNM)", folder.string()));

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/file_lock.h"
+#include "victorious/base/folder.h"
 #include "victorious/base/utc.h"
 #include "victorious/video/demuxer.h"
 #include "victorious/video/ffmpeg_handles.h"
@@ -39,17 +40,6 @@ std::string NameOf(std::int64_t start_utc_us) {
   std::string name = FormatUtc(start_utc_us);
   for (const std::size_t colon : kColons) name[colon] = '-';
   return name.append(kEnding);
-}
-
-Expected<std::vector<fs::path>> ListFolder(const fs::path& folder) {
-  std::error_code error;
-  std::vector<fs::path> paths;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    paths.push_back(entry->path());
-  }
-  if (error) return std::unexpected(ErrorFromErrno(error.value(), folder.string()));
-  std::ranges::sort(paths);
-  return paths;
 }
 
 std::int64_t SizeOf(const fs::path& path) {

@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "victorious/base/text.h"
+
 namespace victorious::sql {
 namespace {
 
@@ -45,10 +47,14 @@ Expected<Matrix> ReadNumbers(std::span<const std::byte> blob, std::string_view c
 }
 
 // Parses a list of ids ("3,1,3") to unique ids in ascending order.
-std::vector<std::int64_t> ReadIds(const std::string& list) {
+Expected<std::vector<std::int64_t>> ReadIds(std::string_view list, std::string_view name) {
   std::vector<std::int64_t> ids;
-  std::istringstream text(list);
-  for (std::string id; std::getline(text, id, ',');) ids.push_back(std::stoll(id));
+  if (list.empty()) return ids;
+  for (const std::string& text : SplitRow(list)) {
+    const auto id = ParseInteger(text);
+    if (!id) return std::unexpected(DamagedIndex(name, fmt::format("a list of ids with \"{}\"", text)));
+    ids.push_back(*id);
+  }
   std::ranges::sort(ids);
   const auto repeated = std::ranges::unique(ids);
   ids.erase(repeated.begin(), repeated.end());
@@ -325,8 +331,8 @@ Expected<Review> ReadReview(const Row& row, int first, std::string_view name) {
 Expected<ObjectRecord> ReadObject(const Row& row, std::string_view name) {
   constexpr int kTracklets = kObject.Size();  // the aggregates over its tracklets
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectRecord object, ReadObjectRow(row, name));
-  object.videos = ReadIds(row.Text(kTracklets + 4));
-  object.tracklets = ReadIds(row.Text(kTracklets + 5));
+  VICTORIOUS_ASSIGN_OR_RETURN(object.videos, ReadIds(row.Text(kTracklets + 4), name));
+  VICTORIOUS_ASSIGN_OR_RETURN(object.tracklets, ReadIds(row.Text(kTracklets + 5), name));
   return object;
 }
 
