@@ -1,11 +1,11 @@
 #include "victorious/base/file.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <ostream>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,6 +18,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "victorious/base/file_descriptor.h"
+#include "victorious/base/file_writer.h"
 #include "victorious/base/mapped_pages.h"
 
 namespace victorious {
@@ -25,32 +27,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// RAII: closes the descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() { Close(); }
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&&) = delete;
-
-  [[nodiscard]] int fd() const { return fd_; }
-  int Close() {
-    if (fd_ < 0) return 0;
-    return ::close(std::exchange(fd_, -1));
-  }
-
- private:
-  int fd_;
-};
-
 struct OpenedFile {
-  Descriptor descriptor;
+  FileDescriptor descriptor;
   std::size_t size;  // bytes
 };
 
 Expected<OpenedFile> OpenRegularFile(const fs::path& path) {
   // Without O_NONBLOCK, opening a pipe would block until a writer opens it, before it can be rejected.
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat info{};
   if (file.fd() < 0 || ::fstat(file.fd(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
   if (!S_ISREG(info.st_mode)) {
@@ -114,64 +98,6 @@ std::int64_t TotalBytes(std::span<const fs::path> files) {
 
 std::string IdText(const XXH128_hash_t& hash) { return fmt::format("{:016x}{:016x}", hash.high64, hash.low64); }
 
-// Creates a temporary file beside `path`. Returns its name and descriptor (negative: errno gives the reason).
-std::pair<fs::path, int> CreateBeside(const fs::path& path) {
-  static std::atomic<unsigned> counter{0};
-  while (true) {
-    fs::path name = path.string() + fmt::format(".tmp-{}-{}", ::getpid(), counter++);
-    const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-    // An existing name was left by a killed process with the same process id: tries the next one.
-    if (fd >= 0 || errno != EEXIST) return {std::move(name), fd};
-  }
-}
-
-Status WriteAll(int fd, std::span<const std::byte> bytes, const fs::path& path) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(fd, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("write {}", path.string())));
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-  }
-  return {};
-}
-
-// Follows a chain of symbolic links to its target, which need not exist.
-Expected<fs::path> FollowLinks(fs::path path) {
-  constexpr int kMaxLinks = 40;  // the limit of the operating system
-  for (int links = 0; links < kMaxLinks; ++links) {
-    std::error_code not_a_link;
-    const fs::path target = fs::read_symlink(path, not_a_link);
-    if (not_a_link) return path;
-    path = path.parent_path() / target;  // an absolute target replaces the path
-  }
-  return std::unexpected(ErrorFromErrno(ELOOP, path.string()));
-}
-
-// Writes to a device or a pipe, which has no old content to preserve.
-Status WriteInPlace(const fs::path& path, std::span<const std::byte> bytes) {
-  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  if (file.fd() < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("write {}", path.string())));
-  return WriteAll(file.fd(), bytes, path);
-}
-
-Status Replace(const fs::path& path, std::span<const std::byte> bytes) {
-  auto [temporary, fd] = CreateBeside(path);
-  if (fd < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("create {}", path.string())));
-  Descriptor file(fd);
-  const auto give_up = [&](Error error) {
-    ::unlink(temporary.c_str());
-    return std::unexpected(std::move(error));
-  };
-  const auto failed = [&](std::string_view verb) {
-    return give_up(ErrorFromErrno(errno, fmt::format("{} {}", verb, path.string())));
-  };
-  if (Status written = WriteAll(file.fd(), bytes, path); !written) return give_up(std::move(written).error());
-  if (::fsync(file.fd()) != 0) return failed("write");
-  if (file.Close() != 0) return failed("write");
-  if (::rename(temporary.c_str(), path.c_str()) != 0) return failed("rename to");
-  return {};
-}
-
 // The mapped files of this process. Only their pages may be given back: those of other memory would be lost.
 class FileMappings {
  public:
@@ -229,10 +155,10 @@ Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
 }
 
 Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
-  struct stat info{};
-  if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) return WriteInPlace(path, bytes);
-  VICTORIOUS_ASSIGN_OR_RETURN(const fs::path target, FollowLinks(path));
-  return Replace(target, bytes);
+  return WriteFileInParts(path, [&](std::ostream& out) -> Status {
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    return {};
+  });
 }
 
 Status WriteFileAtomically(const fs::path& path, std::string_view text) {

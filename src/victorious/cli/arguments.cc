@@ -287,6 +287,12 @@ Status WriteOutput(const std::string& path, std::string_view text) {
   return {};
 }
 
+Status WriteOutput(const std::string& path, const WriteContent& write) {
+  if (!IsStandardOutput(path)) return WriteFileInParts(path, write);
+  if (std::fflush(stdout) != 0) return std::unexpected(ErrorFromErrno(errno, "write to standard output"));
+  return WriteInParts(STDOUT_FILENO, "to standard output", write);
+}
+
 Status CheckOutput(const std::string& path) {
   if (IsStandardOutput(path)) return {};
   namespace fs = std::filesystem;

@@ -10,6 +10,7 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/base/file_writer.h"
 #include "victorious/base/one_line.h"
 #include "victorious/base/options.h"
 #include "victorious/cli/argument_parser.h"
@@ -121,6 +122,8 @@ struct FieldFlag {
 
 /// Writes `text` to stdout (`path` empty or "-"), or atomically to a file.
 [[nodiscard]] Status WriteOutput(const std::string& path, std::string_view text);
+/// As the above, of what `write` gives to a stream, in parts (base/file_writer.h): for what may be too large for memory.
+[[nodiscard]] Status WriteOutput(const std::string& path, const WriteContent& write);
 
 /// Checks that WriteOutput can write to `path`. Called before long work.
 [[nodiscard]] Status CheckOutput(const std::string& path);

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <sstream>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -117,6 +117,18 @@ FormatTraits TraitsOf(ExportFormat format) {
   VICTORIOUS_CHECK(false);
 }
 
+// Says in the log why objects are not in an export that one may expect there.
+Status ExplainExport(const FormatTraits& traits, const SightingFilter& filter, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, store));
+  if (!below.empty()) LogInfo(OneLine(below));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, store));
+  if (!nothing.empty()) LogInfo("nothing to export: {}", OneLine(nothing));
+  if (!traits.is_map) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, store));
+  if (!unplaced.empty()) LogInfo(OneLine(unplaced));
+  return {};
+}
+
 }  // namespace
 
 Action SetUpExport(ArgumentParser& parser) {
@@ -182,17 +194,11 @@ Action SetUpExport(ArgumentParser& parser) {
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
-    std::ostringstream text;
-    VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, *store));
-    if (!below.empty()) LogInfo(OneLine(below));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, *store));
-    if (!nothing.empty()) LogInfo("nothing to export: {}", OneLine(nothing));
-    if (traits.is_map) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, *store));
-      if (!unplaced.empty()) LogInfo(OneLine(unplaced));
-    }
-    VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments->out, text.view()));
+    const auto write = [&](std::ostream& out) -> Status {
+      VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, out));
+      return ExplainExport(traits, filter, *store);
+    };
+    VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments->out, write));
     return arguments->json ? PrintExported(arguments->out, arguments->format, filter, *store) : Status();
   };
 }

@@ -18,6 +18,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "victorious/base/file_descriptor.h"
+
 namespace victorious {
 namespace {
 
@@ -37,20 +39,6 @@ constexpr bool kSanitized = false;
 constexpr int kDone = 0;         // the file contains its result
 constexpr int kFailed = 1;       // the file contains its error: one byte for the code, then the message
 constexpr int kOutOfMemory = 2;  // the content of the file is undefined
-
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int fd) : fd_(fd) {}
-  ~FileDescriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 bool WriteAll(int fd, std::string_view bytes) {
   while (!bytes.empty()) {
@@ -160,19 +148,19 @@ Expected<std::string> ReadChildResult(int wait_status, int fd, const IsolationLi
 
 Expected<std::string> RunIsolated(const std::function<Expected<std::string>()>& work, const IsolationLimits& limits) {
   const FileDescriptor result(memfd_create("isolated", MFD_CLOEXEC));
-  if (result.get() < 0) return std::unexpected(ErrorFromErrno(errno, "create the result file of the isolated process"));
+  if (result.fd() < 0) return std::unexpected(ErrorFromErrno(errno, "create the result file of the isolated process"));
   const std::uint64_t address_space_bytes = AddressSpaceBytes();
   const pid_t child = fork();
   if (child < 0) return std::unexpected(ErrorFromErrno(errno, "start the isolated process"));
   if (child == 0) {
     ConfineThisProcess(limits, address_space_bytes);
-    _exit(RunAndWrite(work, result.get()));
+    _exit(RunAndWrite(work, result.fd()));
   }
   int wait_status = 0;
   while (waitpid(child, &wait_status, 0) < 0) {
     if (errno != EINTR) return std::unexpected(ErrorFromErrno(errno, "wait for the isolated process"));
   }
-  return ReadChildResult(wait_status, result.get(), limits);
+  return ReadChildResult(wait_status, result.fd(), limits);
 }
 
 }  // namespace victorious
