@@ -832,6 +832,33 @@ class ServeTest(ServerCase):
                 other.execute("ROLLBACK")
             self.assertEqual(self.ask(server, writes[0][1], "PUT", writes[0][2])[0], 200)
 
+    def test_lists_that_cannot_be_read_are_shown_as_they_were(self):
+        """For a while, to all requests, with their age; said once."""
+        db = self.scratch / "damaged.db"
+        shutil.copy(self.db, db)
+
+        def ask_until(server, is_aged):
+            for _ in range(400):
+                status, headers, body = self.ask(server, "/api/v1/videos")
+                self.assertEqual((status, json.loads(body)), (200, before))
+                if ("Age" in headers) == is_aged:
+                    return headers
+                time.sleep(0.05)
+            self.fail(f"the header Age: {not is_aged}, for 20 s")
+
+        with program.Server(db) as server, contextlib.closing(sqlite3.connect(db, isolation_level=None)) as other:
+            before = self.get(server, "/api/v1/videos")
+            other.execute("ALTER TABLE searches RENAME TO away")
+            self.assertGreater(int(ask_until(server, True)["Age"]), 0)
+            for _ in range(20):  # no request gets an error, or a list without its age
+                self.assertIn("Age", self.ask(server, "/api/v1/videos")[1])
+            other.execute("ALTER TABLE away RENAME TO searches")
+            ask_until(server, False)
+        said = [line for line in server.err.splitlines() if "lists of the index" in line]
+        self.assertEqual(len(said), 2, server.err)
+        self.assertIn("cannot be read", said[0])
+        self.assertIn("read again", said[1])
+
     def test_ends_when_asked(self):
         for sent in (signal.SIGINT, signal.SIGTERM):
             with self.serve() as server:

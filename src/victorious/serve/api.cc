@@ -98,8 +98,13 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
 HttpResponse Api::Handle(const HttpRequest& request, int port) {
   auto admitted = Admit(request, port);
   if (!admitted) return std::move(admitted).error();
-  auto response = Answer(request, *admitted, port);
-  return response ? *std::move(response) : ErrorResponse(response.error());
+  auto answer = Answer(request, *admitted, port);
+  HttpResponse response = answer ? *std::move(answer) : ErrorResponse(answer.error());
+  // Age says what it says in caches (RFC 9111): for so long, nobody looked whether the answer holds.
+  const auto age = index_->ListsAge();
+  if (admitted->match.route != nullptr && age.count() > 0)
+    response.headers.emplace_back("Age", std::to_string(age.count()));
+  return response;
 }
 
 std::expected<Api::Admitted, HttpResponse> Api::Admit(const HttpRequest& request, int port) {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/log.h"
+#include "victorious/base/one_line.h"
 #include "victorious/base/utc.h"
 #include "victorious/store/open_store.h"
 
@@ -61,7 +63,9 @@ Expected<std::unique_ptr<IndexView>> IndexView::Open(const std::string& name) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(IndexReader lister, OpenIndexReader(name));
   std::unique_ptr<IndexView> view(new IndexView(name, std::move(writer), std::move(lister)));
-  VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const auto first, view->Lists());
+  const std::unique_lock first(view->refresh_mutex_);
+  VICTORIOUS_RETURN_IF_ERROR(view->Refresh());
+  view->freshness_.Succeeded(ListFreshness::Clock::now());
   return view;
 }
 
@@ -83,12 +87,32 @@ Status IndexView::Refresh() {
   return {};
 }
 
-Expected<std::shared_ptr<const IndexLists>> IndexView::Lists() {
-  if (std::unique_lock refreshing(refresh_mutex_, std::try_to_lock); refreshing) {
-    VICTORIOUS_RETURN_IF_ERROR(Refresh());
+void IndexView::TryRefresh() {
+  const auto begun = ListFreshness::Clock::now();
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!freshness_.MayTry(begun)) return;
   }
+  const Status status = Refresh();
   const std::scoped_lock lock(mutex_);
+  if (status) {
+    if (freshness_.Succeeded(begun)) LogInfo("the lists of the index are read again");
+  } else if (freshness_.Failed(status.error(), begun, ListFreshness::Clock::now()) && lists_) {
+    LogWarning("the lists of the index cannot be read; the former ones are shown for {} s: {}",
+               ListFreshness::kMaxFailing.count(), OneLine(status.error().message));
+  }
+}
+
+Expected<std::shared_ptr<const IndexLists>> IndexView::Lists() {
+  if (std::unique_lock refreshing(refresh_mutex_, std::try_to_lock); refreshing) TryRefresh();
+  const std::scoped_lock lock(mutex_);
+  VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const auto age, freshness_.Age(ListFreshness::Clock::now()));
   return lists_;
+}
+
+std::chrono::seconds IndexView::ListsAge() {
+  const std::scoped_lock lock(mutex_);
+  return freshness_.Age(ListFreshness::Clock::now()).value_or(std::chrono::seconds(0));
 }
 
 Expected<IndexView::Loan> IndexView::Borrow() {

@@ -2,7 +2,7 @@
 // queries, reviews. Thread-safe.
 //
 // The lists are read again when another process has changed the index, within a second and in at most a fifth of the
-// time; meanwhile the former ones are given out. Objects and sightings stay in the database: each query for them is
+// time; meanwhile the former ones are given out, as they are for a short time if they cannot be read (list_freshness.h). Objects and sightings stay in the database: each query for them is
 // bounded and uses an index of the store.
 #pragma once
 
@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/serve/list_freshness.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/triage_store.h"
 
@@ -61,7 +62,11 @@ class IndexView {
 
   [[nodiscard]] bool can_review() const { return writer_ != nullptr; }
 
+  /// Errors: those of reading at the first call; kUnavailable if the lists could not be read for too long.
   [[nodiscard]] Expected<std::shared_ptr<const IndexLists>> Lists();
+
+  /// How old the lists are that are given out because newer ones cannot be read; 0 if that did not fail.
+  [[nodiscard]] std::chrono::seconds ListsAge();
 
   /// At most kMaxReaders are lent at once; waits for one that comes back. Borrow one at a time: two requests that each
   /// wait for a second one would wait for each other. Errors: those of OpenStore; kUnavailable after kMaxWait,
@@ -76,6 +81,8 @@ class IndexView {
       : name_(std::move(name)), writer_(std::move(writer)), lister_(std::move(lister)) {}
 
   [[nodiscard]] Status Refresh();
+  /// Reads the lists again if that is due. A failure is told once.
+  void TryRefresh();
   /// @param reader  null: it could not be opened
   void Return(std::unique_ptr<IndexReader> reader);
 
@@ -92,6 +99,7 @@ class IndexView {
   std::chrono::steady_clock::duration refresh_interval_{};  ///< by how long the last one took
   std::mutex mutex_;                                        ///< guards the rest; held for moments
   std::shared_ptr<const IndexLists> lists_;
+  ListFreshness freshness_;
   std::vector<std::unique_ptr<IndexReader>> readers_;  ///< idle
   int lent_ = 0;                                       ///< readers
   std::condition_variable returned_;
