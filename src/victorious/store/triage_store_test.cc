@@ -1,12 +1,17 @@
 // The contract of TriageStore, tested for every implementation.
 #include "victorious/store/triage_store.h"
 
+#include <cmath>
+#include <map>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
 #include "testing/scratch_postgres.h"
+#include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/geodesy.h"
 #include "victorious/geometry/web_mercator.h"
 #include "victorious/store/open_store.h"
 
@@ -311,6 +316,68 @@ TEST_P(TriageStoreTest, AreasSelect) {
   EXPECT_THAT(in({{-11, 179.999}, {-9, 179.999}, {-9, -179.999}, {-11, -179.999}}), ElementsAre(ids_[2], ids_[3]))
       << "across the antimeridian";
   EXPECT_EQ(*store_->CountObjects({.area = GeoPolygon{{{0.9, 0.22, 0}, {0.92, 0.22, 0}, {0.91, 0.24, 0}}}}), 3);
+}
+
+// Agreement: circles with the distance in a tangent plane, areas with the angle that their border turns around a place.
+TEST_P(TriageStoreTest, RegionsSelectWhatGeometrySays) {
+  Random random(7);
+  const auto draw = [&](const GeodeticPoint& around, double side_rad) {
+    return GeodeticPoint{around.latitude_rad + random.Uniform(-side_rad, side_rad),
+                         std::remainder(around.longitude_rad + random.Uniform(-side_rad, side_rad), 2 * kPi), 0};
+  };
+  int selected = 0;
+  for (const GeodeticPoint& town : {GeodeticPoint{0.9, 0.2, 0}, GeodeticPoint{-0.4, kPi - 1e-4, 0},
+                                    GeodeticPoint{0.001, -2, 0}, GeodeticPoint{-1.2, -kPi + 1e-4, 0}}) {
+    constexpr double kSide_rad = 5e-4;  // 3 km
+    std::map<std::int64_t, GeodeticPoint> places;
+    auto objects = *writer_->Objects({.include_rejected = true});
+    for (ObjectRecord& object : objects) {
+      object.place = Geolocation{.point = draw(town, kSide_rad)};
+      places[object.id] = object.place->point;
+    }
+    ASSERT_TRUE(writer_->PutObjects(objects));
+    for (int trial = 0; trial < 40; ++trial) {
+      GeoCircle circle{draw(town, kSide_rad), random.Uniform(100, 4000)};
+      circle.centre.altitude_m = random.Uniform(-100, 3000);
+      GeoPolygon area;
+      for (int i = 0; i < 3 + trial % 5; ++i) area.corners.push_back(draw(town, kSide_rad));
+      std::vector<std::int64_t> within;
+      std::vector<std::int64_t> inside;
+      for (const std::int64_t id : ids_) {  // by rank
+        GeodeticPoint point = places.at(id);
+        double turns = 0;
+        for (std::size_t i = 0; i < area.corners.size(); ++i) {
+          const auto angle = [&](const GeodeticPoint& corner) {
+            return std::atan2(corner.latitude_rad - point.latitude_rad,
+                              std::remainder(corner.longitude_rad - point.longitude_rad, 2 * kPi));
+          };
+          const double turn = angle(area.corners[i]) - angle(area.corners[(i + 1) % area.corners.size()]);
+          turns += std::remainder(turn, 2 * kPi) / (2 * kPi);
+        }
+        if (std::llround(turns) % 2 != 0) inside.push_back(id);
+        point.altitude_m = circle.centre.altitude_m;
+        if (TangentPlane(circle.centre).EnuFromGeodetic(point).norm() <= circle.radius_m) within.push_back(id);
+      }
+      selected += static_cast<int>(within.size() + inside.size());
+      EXPECT_EQ(List({.near = circle}), within);
+      EXPECT_EQ(List({.area = area}), inside);
+      std::vector<std::int64_t> exported;
+      const std::vector<ObjectRecord> near = *writer_->Objects({.near = circle});
+      for (const ObjectRecord& one : near) exported.push_back(one.id);
+      EXPECT_EQ(exported, within);
+    }
+  }
+  EXPECT_GT(selected, 200);
+}
+
+TEST_P(TriageStoreTest, WordsSelectByModelIdAndNote) {
+  ASSERT_TRUE(writer_->PutReview(ids_[1], {std::nullopt, "At the BRIDGE 100%", 10, "ann"}));
+  ASSERT_TRUE(writer_->PutReview(ids_[5], {Verdict::kAccepted, "bridge", 10, "bob"}));
+  EXPECT_THAT(List({.words = {"bridge"}}), ElementsAre(ids_[1], ids_[5]));
+  EXPECT_THAT(List({.words = {"100%"}}), ElementsAre(ids_[1]));
+  EXPECT_THAT(List({.words = {"CRAN", "brid"}}), ElementsAre(ids_[5]));
+  EXPECT_THAT(List({.words = {"tower"}}), IsEmpty());
+  EXPECT_EQ(*store_->CountObjects({.words = {"bridge"}}), 2);
 }
 
 TEST_P(TriageStoreTest, CirclesCrossTheAntimeridianAndThePole) {

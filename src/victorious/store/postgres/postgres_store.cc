@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <thread>
 
 #include <fmt/format.h>
@@ -29,23 +27,6 @@ constexpr std::int64_t kIdsPerVideo = 1'000'000'000;
 std::string SelectObjects() {
   return "SELECT " + sql::ObjectResultColumns() + ", string_agg(t.video_id::text, ','), string_agg(t.id::text, ',')" +
          std::string(sql::kFromObjects);
-}
-
-// A region of `place` that contains a circle, as a condition; empty if it crosses the antimeridian or holds a pole.
-std::string BoundsOf(const GeoCircle& circle) {
-  constexpr double kSmallestRadius_m = 6'335'000;  // of curvature of the ellipsoid
-  constexpr double kDegrees = 180 / std::numbers::pi;
-  const double angle = 1.01 * circle.radius_m / kSmallestRadius_m;
-  const double south = circle.centre.latitude_rad - angle;
-  const double north = circle.centre.latitude_rad + angle;
-  constexpr double kNearPole = 1.55;
-  if (south < -kNearPole || north > kNearPole) return {};
-  const double width = angle / std::cos(std::max(std::abs(south), std::abs(north)));
-  const double west = circle.centre.longitude_rad - width;
-  const double east = circle.centre.longitude_rad + width;
-  if (west < -std::numbers::pi || east > std::numbers::pi) return {};
-  return fmt::format(" AND place && ST_MakeEnvelope({}, {}, {}, {}, 4979)", kDegrees * west, kDegrees * south,
-                     kDegrees * east, kDegrees * north);
 }
 
 }  // namespace
@@ -441,21 +422,9 @@ Status PostgresStore::UnlockObjects() {
   return {};
 }
 
-Expected<sql::NearIds> PostgresStore::FindNear(const SightingFilter& filter) {
-  if (!filter.near) return std::nullopt;
-  VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query("SELECT id, latitude_rad, longitude_rad FROM objects "
-                                                              "WHERE latitude_rad IS NOT NULL" +
-                                                              BoundsOf(*filter.near)));
-  std::vector<std::int64_t> ids;
-  while (rows.Next()) {
-    if (sql::IsWithin(*filter.near, rows.Real(1), rows.Real(2))) ids.push_back(rows.Integer(0));
-  }
-  return ids;
-}
-
 Expected<std::vector<ObjectRecord>> PostgresStore::Objects(const SightingFilter& filter) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(filter));
-  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions, sql::ObjectConditions(*this, filter, near));
+  VICTORIOUS_ASSIGN_OR_RETURN(const sql::Conditions conditions,
+                              sql::ObjectConditions(*this, filter, sql::Dialect::kPostgres));
   BoundValues values;
   conditions.Bind(values);
   VICTORIOUS_ASSIGN_OR_RETURN(
@@ -469,8 +438,8 @@ Expected<std::vector<ObjectRecord>> PostgresStore::Objects(const SightingFilter&
 }
 
 Status PostgresStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(filter));
-  VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions, sql::SightingConditions(*this, filter, near));
+  VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions,
+                              sql::SightingConditions(*this, filter, sql::Dialect::kPostgres));
   // Of the parts of sightings, only those of the tracklets' videos are looked into.
   if (filter.object || filter.tracklet) conditions.Add("s.video_id = t.video_id");
   BoundValues values;

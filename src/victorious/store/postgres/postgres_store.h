@@ -104,7 +104,6 @@ class PostgresStore final : public IndexStore {
   /// Says who holds the lock of UpdateObjects, as far as the server tells this role.
   [[nodiscard]] Expected<std::string> DescribeHolder();
   [[nodiscard]] Status UnlockObjects();
-  [[nodiscard]] Expected<sql::NearIds> FindNear(const SightingFilter& filter);
   /// The error of a statement that had to change one row, and did not.
   [[nodiscard]] Error Missing(std::string_view what, std::int64_t id) const;
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/enum_text.h"
-#include "victorious/geometry/geodesy.h"
+#include "victorious/store/sql/place_conditions.h"
 #include "victorious/store/sql/records.h"
 
 namespace victorious::sql {
@@ -55,7 +55,7 @@ void AddTimes(const SightingFilter& filter, std::string_view first, std::string_
 
 }  // namespace
 
-Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& filter, const NearIds& near) {
+Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& filter, Dialect dialect) {
   Conditions tracklet_conditions;
   VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "video_id", tracklet_conditions));
   if (filter.tracklet) tracklet_conditions.AddOneOf("id", {*filter.tracklet});
@@ -64,13 +64,13 @@ Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& f
   AddModel(filter, "o.model_id", conditions);
   AddRejected(filter, conditions);
   AddThresholds(filter, conditions);
-  if (near) conditions.AddOneOf("o.id", *near);
+  if (filter.near) AddNear(dialect, *filter.near, PlacedObjects::kAll, conditions);
   conditions.AddQuery("o.id IN (SELECT object_id FROM tracklets {})", tracklet_conditions);
   if (filter.object) conditions.AddOneOf("o.id", {*filter.object});
   return conditions;
 }
 
-Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter& filter, const NearIds& near) {
+Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter& filter, Dialect dialect) {
   Conditions conditions;
   VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "s.video_id", conditions));
   AddModel(filter, "t.model_id", conditions);
@@ -79,7 +79,7 @@ Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter&
   AddTimes(filter, "s.time_s", "s.time_s", conditions);
   AddRejected(filter, conditions);
   AddThresholds(filter, conditions);
-  if (near) conditions.AddOneOf("o.id", *near);
+  if (filter.near) AddNear(dialect, *filter.near, PlacedObjects::kAll, conditions);
   return conditions;
 }
 
@@ -88,11 +88,6 @@ Expected<Conditions> KeptFrameConditions(IndexStore& store, const SightingFilter
   VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "video_id", conditions));
   AddTimes(filter, "time_s", "time_s", conditions);
   return conditions;
-}
-
-bool IsWithin(const GeoCircle& circle, double latitude_rad, double longitude_rad) {
-  const GeodeticPoint point{latitude_rad, longitude_rad, circle.centre.altitude_m};
-  return TangentPlane(circle.centre).EnuFromGeodetic(point).norm() <= circle.radius_m;
 }
 
 }  // namespace victorious::sql

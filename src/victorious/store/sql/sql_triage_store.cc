@@ -13,6 +13,7 @@
 #include "victorious/geometry/web_mercator.h"
 #include "victorious/store/sql/conditions.h"
 #include "victorious/store/sql/database.h"
+#include "victorious/store/sql/place_conditions.h"
 #include "victorious/store/sql/records.h"
 
 namespace victorious::sql {
@@ -22,29 +23,6 @@ using ReviewState = ObjectQuery::ReviewState;
 
 constexpr int kObjectRow = kObjectColumns.Size();  // the columns after those of the table
 constexpr int kReviewColumns = kObjectRow + 4;
-
-// Whether a place lies in a polygon, by the number of its edges that lie east of the place. Longitudes are compared
-// relative to the first corner's, because an area may cross the antimeridian.
-bool IsInside(const GeoPolygon& area, double latitude_rad, double longitude_rad) {
-  const double origin = area.corners.front().longitude_rad;
-  const auto east_of_origin = [&](double longitude) {
-    return std::remainder(longitude - origin, 2 * std::numbers::pi);
-  };
-  const double x = east_of_origin(longitude_rad);
-  bool is_inside = false;
-  const GeodeticPoint* before = &area.corners.back();
-  for (const GeodeticPoint& corner : area.corners) {
-    const double y1 = before->latitude_rad;
-    const double y2 = corner.latitude_rad;
-    if ((y1 > latitude_rad) != (y2 > latitude_rad)) {
-      const double x1 = east_of_origin(before->longitude_rad);
-      const double x2 = east_of_origin(corner.longitude_rad);
-      if (x < x1 + (latitude_rad - y1) / (y2 - y1) * (x2 - x1)) is_inside = !is_inside;
-    }
-    before = &corner;
-  }
-  return is_inside;
-}
 
 std::string SelectListed() {
   return "SELECT " + kObjectColumns.Names("o") +
@@ -59,16 +37,6 @@ Expected<TriageObject> ReadListed(const Row& row, std::string_view name) {
   VICTORIOUS_ASSIGN_OR_RETURN(listed.review, ReadReview(row, kReviewColumns, name));
   listed.is_disputed = row.Integer(kReviewColumns + 4) != 0;
   return listed;
-}
-
-// A superset of a circle, in latitude and longitude.
-GeoBox BoundsOf(const GeoCircle& circle) {
-  constexpr double kMeridianRadius_m = 6'335'000;  // at the equator: the ellipsoid's smallest radius of curvature
-  const double angle = std::min(1.01 * circle.radius_m / kMeridianRadius_m, std::numbers::pi);
-  const double latitude = circle.centre.latitude_rad;
-  const double cosine = std::cos(std::min(std::abs(latitude) + angle, std::numbers::pi / 2));
-  const double width = cosine > 1e-3 ? std::min(angle / cosine, std::numbers::pi) : std::numbers::pi;
-  return {latitude - angle, circle.centre.longitude_rad - width, latitude + angle, circle.centre.longitude_rad + width};
 }
 
 // A superset of a grid: rounding may not leave out an object at its border.
@@ -279,11 +247,6 @@ class SqlTriageStore final : public TriageStore {
     return values;
   }
 
-  Expected<std::vector<std::int64_t>> ReadIds(const std::string& sql, const std::string& text) {
-    return database_->ReadAll(sql, ValueList(text),
-                              [](const Row& row) -> Expected<std::int64_t> { return row.Integer(0); });
-  }
-
   // SQLite may lack the functions, and visits as fast.
   Expected<std::vector<PlaceCell>> SumVisited(const MapGrid& grid, const ObjectQuery& query) {
     std::vector<PlaceCell> all(static_cast<std::size_t>(grid.cells) * static_cast<std::size_t>(grid.cells));
@@ -334,41 +297,7 @@ class SqlTriageStore final : public TriageStore {
     });
   }
 
-  // The listed objects between two latitudes whose place passes a test, which SQL cannot make: it has no geodesy.
-  Expected<std::vector<std::int64_t>> ReadPlaced(double south_rad, double north_rad,
-                                                 const std::function<bool(double, double)>& is_wanted) {
-    std::vector<std::int64_t> ids;
-    VICTORIOUS_RETURN_IF_ERROR(database_->Visit(
-        fmt::format("SELECT id, latitude_rad, longitude_rad FROM objects{} WHERE latitude_rad BETWEEN ? AND ? AND "
-                    "is_listed = 1",
-                    IndexedBy(dialect_, "objects_by_place")),
-        ValueList(south_rad, north_rad), RowCount::kMany, [&](const Row& row) -> Expected<bool> {
-          if (is_wanted(row.Real(1), row.Real(2))) ids.push_back(row.Integer(0));
-          return true;
-        }));
-    return ids;
-  }
-
-  Expected<std::vector<std::int64_t>> ReadNear(const GeoCircle& circle) {
-    const TangentPlane plane(circle.centre);
-    const GeoBox bounds = BoundsOf(circle);
-    return ReadPlaced(bounds.south_rad, bounds.north_rad, [&](double latitude_rad, double longitude_rad) {
-      // A circle may cross the antimeridian.
-      const double east = std::remainder(longitude_rad - circle.centre.longitude_rad, 2 * std::numbers::pi);
-      if (std::abs(east) > bounds.east_rad - circle.centre.longitude_rad) return false;
-      return plane.EnuFromGeodetic({latitude_rad, longitude_rad, circle.centre.altitude_m}).norm() <= circle.radius_m;
-    });
-  }
-
-  Expected<std::vector<std::int64_t>> ReadInside(const GeoPolygon& area) {
-    const auto [south, north] = std::ranges::minmax(area.corners, {}, &GeodeticPoint::latitude_rad);
-    return ReadPlaced(south.latitude_rad, north.latitude_rad, [&](double latitude_rad, double longitude_rad) {
-      return IsInside(area, latitude_rad, longitude_rad);
-    });
-  }
-
   Expected<Conditions> MakeConditions(const ObjectQuery& query) {
-    const std::string in_list = IsOneOf(dialect_, "o.id");
     Conditions conditions;
     conditions.Add("o.is_listed = 1");
     if (!query.models.empty()) {
@@ -388,14 +317,8 @@ class SqlTriageStore final : public TriageStore {
       if (query.to_s) seen.Add("first_time_s <= ?", *query.to_s);
       conditions.AddQuery("o.id IN (SELECT object_id FROM tracklets {})", seen);
     }
-    if (query.near) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> ids, ReadNear(*query.near));
-      conditions.Add(in_list, ListText(dialect_, ids));
-    }
-    if (query.area) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> ids, ReadInside(*query.area));
-      conditions.Add(in_list, ListText(dialect_, ids));
-    }
+    if (query.near) AddNear(dialect_, *query.near, PlacedObjects::kListed, conditions);
+    if (query.area) AddInside(dialect_, *query.area, PlacedObjects::kListed, conditions);
     switch (query.review) {
       case ReviewState::kAny:
         break;
@@ -421,18 +344,14 @@ class SqlTriageStore final : public TriageStore {
         break;
     }
     for (const std::string& word : query.words) {
-      VICTORIOUS_ASSIGN_OR_RETURN(
-          const auto models,
-          ReadIds("SELECT id FROM models WHERE " + Contains(dialect_, Lower(dialect_, "name"), Lower(dialect_, "?")),
-                  word));
-      VICTORIOUS_ASSIGN_OR_RETURN(
-          const auto noted, ReadIds(fmt::format("SELECT id FROM objects{} WHERE note <> '' AND {}",
-                                                IndexedBy(dialect_, "objects_with_note"),
-                                                Contains(dialect_, Lower(dialect_, "note"), Lower(dialect_, "?"))),
-                                    word));
-      conditions.Add(fmt::format("({} OR {} OR {})", IsOneOf(dialect_, "o.model_id"),
-                                 Contains(dialect_, "CAST(o.id AS TEXT)", "?"), in_list),
-                     ListText(dialect_, models), word, ListText(dialect_, noted));
+      const std::string lower = Lower(dialect_, "?");
+      conditions.Add(
+          fmt::format(
+              "(o.model_id IN (SELECT id FROM models WHERE {}) OR {} OR o.id IN (SELECT id FROM objects{} WHERE "
+              "note <> '' AND {}))",
+              Contains(dialect_, Lower(dialect_, "name"), lower), Contains(dialect_, "CAST(o.id AS TEXT)", "?"),
+              IndexedBy(dialect_, "objects_with_note"), Contains(dialect_, Lower(dialect_, "note"), lower)),
+          word, word, word);
     }
     return conditions;
   }

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "victorious/store/sqlite/place_functions.h"
+
 namespace victorious::sqlite {
 namespace {
 
@@ -68,6 +70,7 @@ Expected<std::unique_ptr<Connection>> Connection::Open(const std::filesystem::pa
   if (code != SQLITE_OK) return std::unexpected(connection->ErrorFromCode(code));
   sqlite3_busy_timeout(handle, static_cast<int>(std::chrono::milliseconds(kBusyTimeout).count()));
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  if (!AddPlaceFunctions(handle)) return std::unexpected(connection->ErrorFromCode(SQLITE_NOMEM));
   VICTORIOUS_RETURN_IF_ERROR(connection->Execute(kSettings));
   return connection;
 }

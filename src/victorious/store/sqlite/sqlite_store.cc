@@ -57,20 +57,6 @@ Status ForEachRow(Connection& connection, const std::string& query, const std::f
   }
 }
 
-// The ids of the objects within filter.near. Distances are computed here, because SQL has no geodesy.
-Expected<sql::NearIds> FindNear(Connection& connection, const SightingFilter& filter) {
-  if (!filter.near) return std::nullopt;
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
-                              connection.Prepare("SELECT id, latitude_rad, longitude_rad FROM objects "
-                                                 "WHERE latitude_rad IS NOT NULL"));
-  std::vector<std::int64_t> ids;
-  while (true) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
-    if (!has_row) return ids;
-    if (sql::IsWithin(*filter.near, select.Real(1), select.Real(2))) ids.push_back(select.Integer(0));
-  }
-}
-
 // To be followed by conditions, then by kGroupObjects.
 std::string SelectObjects() {
   return "SELECT " + sql::ObjectResultColumns() + ", group_concat(t.video_id), group_concat(t.id)" +
@@ -450,8 +436,7 @@ Expected<std::vector<std::byte>> SqliteStore::FindKeptPath(const FitKey& key) {
 }
 
 Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& filter) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(*connection_, filter));
-  VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions, sql::ObjectConditions(*this, filter, near));
+  VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions, sql::ObjectConditions(*this, filter, sql::Dialect::kSqlite));
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement select, connection_->Prepare(SelectObjects() + conditions.text() + std::string(sql::kGroupObjects)));
   conditions.Bind(select);
@@ -465,12 +450,12 @@ Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& f
 }
 
 Status SqliteStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const sql::NearIds near, FindNear(*connection_, filter));
   // By video and tracklet, SQLite would read all sightings of the video, to save the sort. The "+" excludes the video
   // from the choice of the index, which leaves that of tracklets.
   SightingFilter indexed = filter;
   if (filter.tracklet) indexed.video.reset();
-  VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions, sql::SightingConditions(*this, indexed, near));
+  VICTORIOUS_ASSIGN_OR_RETURN(sql::Conditions conditions,
+                              sql::SightingConditions(*this, indexed, sql::Dialect::kSqlite));
   if (filter.tracklet && filter.video) conditions.Add("+s.video_id = ?", *filter.video);
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(sql::SelectSightings() + conditions.text() +
                                                                      std::string(sql::kOrderSightings)));
