@@ -11,6 +11,7 @@
 #include "testing/data.h"
 #include "victorious/base/cancel.h"
 #include "victorious/base/file.h"
+#include "victorious/base/folder.h"
 #include "victorious/base/version.h"
 #include "victorious/mesh/load_mesh.h"
 #include "victorious/model/cad_model.h"
@@ -44,14 +45,13 @@ Expected<IndexMovie> SimulateMovie(const Settings& settings) {
 
 Expected<std::vector<IndexMovie>> FindIndexMovies(const Settings& settings) {
   std::vector<IndexMovie> movies;
-  std::error_code absent;
   if (!settings.quick) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(testing::DataPath("movies"), absent)) {
-      if (!fs::exists(entry.path() / "video.mp4")) continue;
-      movies.push_back({entry.path().filename().string(), entry.path(), testing::DataPath("models")});
+    for (const fs::path& folder : ListFolder(testing::DataPath("movies")).value_or(std::vector<fs::path>())) {
+      std::error_code absent;
+      if (!fs::exists(folder / "video.mp4", absent)) continue;
+      movies.push_back({folder.filename().string(), folder, testing::DataPath("models")});
     }
   }
-  std::ranges::sort(movies, {}, &IndexMovie::name);
   if (movies.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(movies.emplace_back(), SimulateMovie(settings));
   }
@@ -60,9 +60,8 @@ Expected<std::vector<IndexMovie>> FindIndexMovies(const Settings& settings) {
 
 std::vector<std::string> ListModels(const fs::path& cad_files) {
   std::vector<std::string> names;
-  std::error_code absent;
-  for (const fs::directory_entry& entry : fs::directory_iterator(cad_files, absent)) {
-    if (entry.path().extension() == ".glb") names.push_back(entry.path().stem().string());
+  for (const fs::path& path : ListFolder(cad_files).value_or(std::vector<fs::path>())) {
+    if (path.extension() == ".glb") names.push_back(path.stem().string());
   }
   std::ranges::sort(names, {}, [](const std::string& name) {
     return std::pair(std::ranges::find(kFirstModels, name) == kFirstModels.end(), name);

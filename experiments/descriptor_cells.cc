@@ -17,6 +17,7 @@
 #include "experiments/match_trial.h"
 #include "experiments/recognition_experiments.h"
 #include "victorious/base/file.h"
+#include "victorious/base/folder.h"
 #include "victorious/kernels/shorten.h"
 
 namespace victorious {
@@ -30,11 +31,8 @@ constexpr std::size_t kStep = 3;  // every third descriptor: neighbouring views 
 
 // One row of kernels::kShortBytes floats per descriptor.
 Expected<cv::Mat> ReadDescriptors(const ExperimentSettings& settings) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(settings.scenes / ".." / "assets" / "models")) {
-    if (entry.path().extension() == ".glb") files.push_back(entry.path());
-  }
-  std::ranges::sort(files);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<fs::path> files, ListFolder(settings.scenes / ".." / "assets" / "models"));
+  std::erase_if(files, [](const fs::path& file) { return file.extension() != ".glb"; });
   std::vector<float> values;
   for (const fs::path& file : files) {
     settings.progress(file.filename().string());

@@ -1,6 +1,5 @@
 #include "experiments/match_pool.h"
 
-#include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
@@ -8,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "experiments/video_frames.h"
+#include "victorious/base/folder.h"
 #include "victorious/model/nearest_view.h"
 
 namespace victorious {
@@ -16,13 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 
 Expected<std::vector<fs::path>> ListSorted(const fs::path& folder, bool folders) {
-  std::error_code error;
-  std::vector<fs::path> paths;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_directory() == folders && (folders || entry.path().extension() == ".json")) paths.push_back(entry);
-  }
-  if (error) return std::unexpected(ErrorFromErrno(error.value(), "read folder " + folder.string()));
-  std::ranges::sort(paths);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<fs::path> paths, ListFolder(folder));
+  std::erase_if(paths, [&](const fs::path& path) {
+    std::error_code gone;
+    return fs::is_directory(path, gone) != folders || (!folders && path.extension() != ".json");
+  });
   return paths;
 }
 

@@ -10,6 +10,7 @@
 
 #include "experiments/indexed_movie.h"
 #include "experiments/video_frames.h"
+#include "victorious/base/folder.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/image/impulse_noise.h"
 #include "victorious/model/relit_views.h"
@@ -88,11 +89,10 @@ Expected<SearchedFrame> SearchFrame(const SearchContext& search, const Frame& fr
 
 Expected<std::vector<fs::path>> FindMovies(const ExperimentSettings& settings) {
   std::vector<fs::path> movies;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(settings.data / "movies", error)) {
-    if (fs::exists(entry.path() / "truth.jsonl")) movies.push_back(entry.path());
+  for (const fs::path& folder : ListFolder(settings.data / "movies").value_or(std::vector<fs::path>())) {
+    std::error_code absent;
+    if (fs::exists(folder / "truth.jsonl", absent)) movies.push_back(folder);
   }
-  std::ranges::sort(movies);
   if (movies.empty()) {
     return Fail(ErrorCode::kNotFound,
                 fmt::format("{}: no movies: expected folders with video.mp4, telemetry.csv and truth.jsonl",

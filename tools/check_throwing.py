@@ -19,6 +19,7 @@ import findings
 from findings import Finding
 
 SOURCES = Path("src/victorious")
+TOOLS = ("bench", "experiments", "assets/make", "examples")  # only for the lists of folders
 LISTS_FOLDERS = Path("src/victorious/base/folder.cc")
 
 OF_STATUS = (
@@ -68,6 +69,11 @@ def findings_of(source: str, path: Path) -> Iterator[Finding]:
     def finding(match: re.Match[str], message: str) -> Finding:
         return Finding(path, text.count("\n", 0, match.start()) + 1, message)
 
+    for match in ITERATOR.finditer(text):
+        if path != LISTS_FOLDERS:
+            yield finding(match, f"{match[0]} throws in a loop: use ListFolder() of base/folder.h")
+    if any(path.is_relative_to(folder) for folder in TOOLS):
+        return
     errors, states = set(ERROR_CODE.findall(text)), set(FILE_STATUS.findall(text))
     for match in CALL.finditer(text):
         argument, count = last_argument(text, match.end())
@@ -76,9 +82,6 @@ def findings_of(source: str, path: Path) -> Iterator[Finding]:
             yield finding(match, f"{match['name']}() throws: give it a std::error_code as the last argument")
     for match in OF_ENTRY.finditer(text):
         yield finding(match, f"{match['name']}() throws: give it a std::error_code")
-    for match in ITERATOR.finditer(text):
-        if path != LISTS_FOLDERS:
-            yield finding(match, f"{match[0]} throws in a loop: use ListFolder() of base/folder.h")
     for match in NUMBER.finditer(text):
         yield finding(match, f"{match[0]} throws, or depends on the locale: use ParseNumber() or ParseInteger() of base/text.h")
 
@@ -86,7 +89,8 @@ def findings_of(source: str, path: Path) -> Iterator[Finding]:
 def check(root: Path) -> list[Finding]:
     return sorted(
         finding
-        for path in (root / SOURCES).rglob("*")
+        for folder in (SOURCES, *TOOLS)
+        for path in (root / folder).rglob("*")
         if path.suffix in (".h", ".cc", ".cu") and not path.stem.endswith("_test")
         for finding in findings_of(path.read_text(encoding="utf-8"), path.relative_to(root))
     )

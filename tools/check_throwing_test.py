@@ -29,6 +29,7 @@ class CheckThrowingTest(unittest.TestCase):
         loop = "for (const auto& entry : fs::directory_iterator(folder, error)) {}"
         self.assertEqual(found(loop), ["directory_iterator"])
         self.assertEqual(found(loop, "src/victorious/base/folder.cc"), [])
+        self.assertEqual(found(loop + "fs::exists(a);", "bench/a.cc"), ["directory_iterator"])
 
     def test_numbers(self):
         self.assertEqual(found("std::stoll(id); strtod(text, &end); std::atoi(text);"), ["stoll", "strtod", "atoi"])
