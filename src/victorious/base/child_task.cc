@@ -12,9 +12,10 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "victorious/base/child_start.h"
 
 namespace victorious {
 namespace {
@@ -51,36 +52,19 @@ class ChildProcess {
 };
 
 Expected<ChildProcess> ChildProcess::Start(const ChildCommand& command) {
-  // All that allocates happens before fork: the child of a process with threads
-  // may only make system calls.
-  std::vector<std::string> words = command.arguments;
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return std::unexpected(ErrorFromErrno(errno, "pipe"));
-  const pid_t parent = ::getpid();
-  const pid_t pid = ::fork();
-  if (pid < 0) {
-    const int error = errno;
-    ::close(ends[0]);
-    ::close(ends[1]);
-    return std::unexpected(ErrorFromErrno(error, "fork"));
-  }
-  if (pid == 0) {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) ::_exit(127);  // the parent died before
-    ::setpgid(0, 0);                          // Ctrl-C in the server's terminal is for the server
-    const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-    ::dup2(null, STDIN_FILENO);
-    ::dup2(null, STDOUT_FILENO);
-    ::dup2(ends[1], kChildEventDescriptor);
-    ::fcntl(kChildEventDescriptor, F_SETFD, 0);  // dup2 of a descriptor onto itself leaves O_CLOEXEC
-    ::execv(command.executable.c_str(), argv.data());
-    ::_exit(127);
-  }
+  const Expected<pid_t> pid = StartChild({.executable = command.executable,
+                                          .arguments = command.arguments,
+                                          .descriptor = ends[1],
+                                          .has_own_group = true,
+                                          .has_stderr = true});
   ::close(ends[1]);
-  return ChildProcess(pid, ends[0]);
+  if (!pid) {
+    ::close(ends[0]);
+    return std::unexpected(pid.error());
+  }
+  return ChildProcess(*pid, ends[0]);
 }
 
 ChildProcess::~ChildProcess() {

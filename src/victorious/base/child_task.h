@@ -9,15 +9,17 @@
 #include <string>
 #include <vector>
 
+#include "victorious/base/child_start.h"
 #include "victorious/base/error.h"
 #include "victorious/base/program_events.h"
 
 namespace victorious {
 
 /// The descriptor on which a child finds the pipe for its events.
-inline constexpr int kChildEventDescriptor = 3;
+inline constexpr int kChildEventDescriptor = kChildDescriptor;
 
-/// What is run. Standard input and output are /dev/null, standard error is that of this process.
+/// What is run. Standard input and output are /dev/null, standard error is that of this process; it inherits no other
+/// open file.
 struct ChildCommand {
   std::filesystem::path executable;
   std::vector<std::string> arguments;  ///< the program's name first
