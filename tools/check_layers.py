@@ -32,6 +32,7 @@ PARALLEL_FOLDERS = (SOURCES.as_posix(), "experiments", "assets/make", "bench", "
 # Files of these folders with a thread of their own, each with the reason.
 MAY_START_THREADS = (
     "bench/bench_queue.cc",  # workers that wait for the database, many more than cores
+    "src/victorious/base/isolated_test_program.cc",  # shows that the sandbox lets a decoder start one
     "src/victorious/cli/cmd_record.cc",  # enters files while the database may not answer, and packets come
     "src/victorious/cluster/worker.cc",  # renews a lease while the database may not answer
     "src/victorious/serve/job_runner.h",  # waits for child processes, which live as long as the thread that started them
@@ -62,7 +63,7 @@ THIRD_PARTY = (
     ThirdParty(re.compile(r"GeographicLib/"), re.compile(r"geometry/.*\.cc$"), "GeographicLib stays inside geometry/"),
     ThirdParty(re.compile(r"(gdal|ogr|cpl|osr)\w*\.h$"), re.compile(r"(terrain|store)/.*\.cc$"), "GDAL stays inside terrain/ and store/"),
     ThirdParty(re.compile(r"ceres/"), re.compile(r"geolocate/.*\.cc$"), "Ceres stays inside geolocate/"),
-    ThirdParty(re.compile(r"boost/"), re.compile(r"serve/(.*\.cc|client_stream\.h)$"), "Boost stays inside serve/"),
+    ThirdParty(re.compile(r"boost/"), re.compile(r"serve/(.*\.cc|(client_stream|beast_message)\.h)$"), "Boost stays inside serve/"),
     ThirdParty(re.compile(r"openssl/"), re.compile(r"serve/.*\.cc$"), "OpenSSL stays inside serve/"),
     ThirdParty(re.compile(r"sodium(/|\.h$)"), re.compile(r"serve/.*\.cc$"), "libsodium stays inside serve/"),
     ThirdParty(re.compile(r"CLI/"), re.compile(CLI11_SOURCES), CLI11_RULE, everywhere=True),
