@@ -21,6 +21,8 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
 # `bench` and `experiment` are programs of their own beside the main one.
 install(TARGETS victorious victorious-bench victorious-experiment RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+# The programs start it; a person never does.
+install(TARGETS victorious-decoder RUNTIME DESTINATION "libexec/victorious")
 install(FILES "${_victorious_pages}/victorious.1.gz" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
 install(FILES "${_victorious_pages}/victorious" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
 install(FILES "${_victorious_pages}/_victorious" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions")

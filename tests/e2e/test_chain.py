@@ -224,7 +224,9 @@ class FindsTest(program.ProgramTest):
         self.assertEqual(list(self.files()), ["finds.png"])
 
     def test_doctor_and_params(self):
-        self.assertIn("victorious", self.succeeds("doctor").out)
+        of_machine = self.succeeds("doctor").out
+        self.assertIn("victorious", of_machine)
+        self.assertIn("\n  sandbox          ", of_machine, "what confines the decoders of hostile files")
         self.assertIn("matroska", self.succeeds("doctor", program.flight() / "flight.mkv").out)
         of_index = self.succeeds("doctor", program.index()).out
         for words in ("2 models", "searched to the end"):

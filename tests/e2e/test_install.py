@@ -19,6 +19,13 @@ class InstallTest(program.ProgramTest):
         self.assertEqual(version, self.succeeds("--version").out)
         listed = subprocess.run([installed, "experiment", "list"], capture_output=True, text=True, check=True).stdout
         self.assertIn("table3.2", listed)
+        bad = self.scratch / "bad.obj"
+        bad.write_text("not a mesh")
+        refused = subprocess.run([installed, "model", "add", "bad", bad, "--models", self.scratch / "models"],
+                                 capture_output=True, text=True, check=False)  # fmt: skip
+        self.assertEqual(refused.returncode, 2, refused.stderr)
+        self.assertIn("bad.obj: ", refused.stderr, "the program that reads it is found where it is installed")
+        self.assertNotIn("victorious-decoder", refused.stderr)
         page = gzip.decompress((self.scratch / "share/man/man1/victorious.1.gz").read_bytes()).decode()
         self.assertEqual(page, self.succeeds("manual", "man").out)
         for shell, path in {

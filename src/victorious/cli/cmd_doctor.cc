@@ -17,6 +17,7 @@
 
 #include "victorious/base/count_text.h"
 #include "victorious/base/json.h"
+#include "victorious/base/sandbox.h"
 #include "victorious/base/version.h"
 #include "victorious/calibrate/field_of_view.h"
 #include "victorious/calibrate/time_offset.h"
@@ -56,6 +57,7 @@ std::string GpuText() {
 
 Report DescribeMachine() {
   const CodecReport codecs = DescribeCodecs();
+  const std::string sandbox = DescribeSandbox(FindSandboxSupport());
   std::string text = fmt::format(
       "victorious {}\n"
       "  processors       {}\n"
@@ -65,11 +67,12 @@ Report DescribeMachine() {
       "  decoders         {}{}\n"
       "  video encoder    {}\n"
       "  images           OpenCV {}\n"
+      "  sandbox          {}\n"
       "  GPU              {}\n",
       kVersion, std::thread::hardware_concurrency(), kernels::NearestTwoTargetName(), fmt::join(FeatureEngines(), ", "),
       codecs.libraries, fmt::join(codecs.decoders, ", "),
       codecs.missing.empty() ? "" : fmt::format("; missing: {}", fmt::join(codecs.missing, ", ")),
-      codecs.h264_encoder ? "H.264 (libx264)" : "unavailable: libx264 is missing", CV_VERSION, GpuText());
+      codecs.h264_encoder ? "H.264 (libx264)" : "unavailable: libx264 is missing", CV_VERSION, sandbox, GpuText());
   return {std::move(text),
           {{"version", kVersion},
            {"processors", std::thread::hardware_concurrency()},
@@ -80,6 +83,7 @@ Report DescribeMachine() {
            {"missing_decoders", codecs.missing},
            {"h264_encoder", codecs.h264_encoder},
            {"opencv", CV_VERSION},
+           {"sandbox", sandbox},
            {"gpu", GpuText()}}};
 }
 

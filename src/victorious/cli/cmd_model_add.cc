@@ -107,7 +107,7 @@ Expected<ObjectModel> FromCad(const ModelAddArguments& arguments) {
   if (!arguments.layout.empty()) options.sphere.layout = FromText(kViewLayoutTexts, arguments.layout).value();
   VICTORIOUS_RETURN_IF_ERROR(
       CheckFlags(CollectFields(options), {{"sphere.step", "--step"}, {"sphere.max_off_nadir", "--max-off-nadir"}}));
-  LoadMeshOptions load{.up = {}, .front = {}, .length_m = arguments.length_m};
+  LoadMeshOptions load{.up = {}, .front = {}, .length_m = arguments.length_m, .cancel = &Interrupt()};
   if (!arguments.up.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(load.up, ParseAxis(arguments.up));
   }

@@ -19,11 +19,12 @@
 #include "victorious/base/file.h"
 #include "victorious/base/text.h"
 #include "victorious/image/image_header.h"
+#include "victorious/image/pixel_limit.h"
 
 namespace victorious {
 namespace {
 
-constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
+std::uint64_t max_image_pixels = std::uint64_t{1} << 28;  // LimitImagePixels
 
 // Decodes all channels as stored; empty if OpenCV cannot decode the bytes.
 cv::Mat DecodeStored(std::span<const std::byte> bytes) {
@@ -67,9 +68,9 @@ Expected<ImageHeader> ReadCheckedHeader(std::span<const std::byte> bytes, const 
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{}: a damaged {} image, without a size", name, Name(header->format)));
   }
-  if (std::uint64_t{header->width} * header->height > kMaxPixels) {
+  if (std::uint64_t{header->width} * header->height > max_image_pixels) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels, more than the {} that can be read", name,
-                                                     header->width, header->height, kMaxPixels));
+                                                     header->width, header->height, max_image_pixels));
   }
   if (header->cut_off) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: a {} image whose end is missing", name, Name(header->format)));
@@ -97,6 +98,8 @@ Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeade
 }
 
 }  // namespace
+
+void LimitImagePixels(std::uint64_t pixels) { max_image_pixels = std::min(max_image_pixels, pixels); }
 
 Expected<Image> ReadImage(const std::filesystem::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));

@@ -1,5 +1,5 @@
-// Private to mesh/: converts an assimp scene into one Mesh. Call it only in the isolated process (isolated.h): assimp
-// may crash on hostile files.
+// Private to mesh/: converts an assimp scene into one Mesh. Call it only in an isolated process
+// (base/isolated_process.h): assimp may crash on hostile files.
 #pragma once
 
 #include <optional>

@@ -1,9 +1,9 @@
 // Reads a CAD file into a Mesh: glTF and GLB, OBJ (with its mtl), AC3D, COLLADA, 3DS, PLY, STL.
 //
 // CAD files are untrusted input, and the import library (assimp) is not hardened against hostile files. It therefore
-// runs in a separate process with limited memory and CPU time (isolated.h): a file that crashes it gives a one-line
-// error, like any other damage. See docs/adr/0007-renderer.md. Only files in the CAD file's own folder, and below it,
-// are read.
+// runs in a process of its own, with limits and in a sandbox (base/isolated_process.h): a file that crashes it gives a
+// one-line error, like any other damage. See docs/adr/0033-decoders.md. Only files in the CAD file's own folder, and
+// below it, are read.
 //
 // Axes in the file, which are rotated into the model frame of mesh.h:
 //   glTF, OBJ, AC3D   Y up, front +Z
@@ -24,6 +24,7 @@
 #include <string_view>
 #include <vector>
 
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/types/mesh.h"
 
@@ -43,6 +44,7 @@ struct LoadMeshOptions {
   std::optional<Axis> front;       ///< front axis in the file; default: +Z, or -Y if Z is up
   std::optional<double> length_m;  ///< the mesh is scaled to this length (LoadedMesh::length_m); default: the unit of
                                    ///< the file is the metre (COLLADA specifies its own unit)
+  const CancelToken* cancel = nullptr;  ///< ends the import
 };
 
 /// Limits of the reader; files beyond them are refused (kUnsupported).
@@ -61,7 +63,8 @@ struct LoadedMesh {
 /// Reads a CAD file. A partly damaged file is read as far as possible, with warnings: a missing texture is replaced by
 /// the material's colour, a triangle with a non-finite or missing vertex is skipped.
 /// Errors: kNotFound; kInvalidArgument (options); kDataLoss (no drawable triangle); kUnsupported (unknown format, or
-/// beyond the limits above, e.g. 3 GiB of memory, or the CPU time: 10 s plus 1 s for each 4 MiB).
+/// beyond the limits above, e.g. 3 GiB of memory, or the CPU time: 10 s plus 1 s for each 4 MiB, or six times that on the
+/// clock); kCancelled; kInternal if the process cannot be started.
 [[nodiscard]] Expected<LoadedMesh> LoadMesh(const std::filesystem::path& path, const LoadMeshOptions& options = {});
 
 /// The same from bytes in memory; files that the CAD file refers to are not accessible. The extension of `name` gives

@@ -1,4 +1,5 @@
-// Private to mesh/: serialises a loaded mesh, to pass it from the isolated import process to the parent (isolated.h).
+// Private to mesh/: serialises a loaded mesh, to pass it from the isolated import process to the parent
+// (base/isolated_process.h).
 #pragma once
 
 #include <string>
