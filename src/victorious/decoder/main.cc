@@ -1,5 +1,5 @@
-// The program victorious-decoder: reads files that may be hostile, in a process without rights (base/isolated_process.h).
-// `victorious` starts it by itself.
+// The program victorious-decoder: reads files that may be hostile, in a process without rights
+// (base/isolated_process.h). `victorious` starts it by itself.
 #include <array>
 
 #include <opencv2/core/utility.hpp>

@@ -33,8 +33,8 @@ struct ImportRequest {
 /// @param file  content of the CAD file
 [[nodiscard]] std::string PackImportRequest(const ImportRequest& request, std::span<const std::byte> file);
 
-/// Imports a packed request, and packs the mesh (mesh_bytes.h). Call it in an isolated process only: the importer is not
-/// hardened against hostile files. Errors: those of LoadMesh, without the file's name. May throw std::bad_alloc.
+/// Imports a packed request, and packs the mesh (mesh_bytes.h). Call it in an isolated process only: the importer is
+/// not hardened against hostile files. Errors: those of LoadMesh, without the file's name. May throw std::bad_alloc.
 [[nodiscard]] Expected<std::string> ImportMeshRequest(std::string_view request);
 
 /// LoadedMesh::length_m for a bounding box of this size.

@@ -63,8 +63,8 @@ struct LoadedMesh {
 /// Reads a CAD file. A partly damaged file is read as far as possible, with warnings: a missing texture is replaced by
 /// the material's colour, a triangle with a non-finite or missing vertex is skipped.
 /// Errors: kNotFound; kInvalidArgument (options); kDataLoss (no drawable triangle); kUnsupported (unknown format, or
-/// beyond the limits above, e.g. 3 GiB of memory, or the CPU time: 10 s plus 1 s for each 4 MiB, or six times that on the
-/// clock); kCancelled; kInternal if the process cannot be started.
+/// beyond the limits above, e.g. 3 GiB of memory, or the CPU time: 10 s plus 1 s for each 4 MiB, or six times that on
+/// the clock); kCancelled; kInternal if the process cannot be started.
 [[nodiscard]] Expected<LoadedMesh> LoadMesh(const std::filesystem::path& path, const LoadMeshOptions& options = {});
 
 /// The same from bytes in memory; files that the CAD file refers to are not accessible. The extension of `name` gives

@@ -1,5 +1,5 @@
-// Private to mesh/: decodes texture images. Call it only in an isolated process (base/isolated_process.h): a decoder may
-// crash on hostile files.
+// Private to mesh/: decodes texture images. Call it only in an isolated process (base/isolated_process.h): a decoder
+// may crash on hostile files.
 #pragma once
 
 #include <span>
