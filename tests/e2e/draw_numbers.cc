@@ -1,11 +1,13 @@
 // draw_numbers FILE: writes a video whose frames show their own numbers (0 to 89, as black and white fields along the
 // upper edge), with B-frames. For the tests that box and frame belong together. FILE.mp4 and FILE.ts have H.264 at a
 // varying rate, FILE.mpg MPEG-1 at a steady one. FILE.edit.mp4 has ten more frames, numbered 200 to 209, before them,
-// which its edit list leaves out.
+// which its edit list leaves out. FILE.one_key.mp4 has 1500 larger frames, of which only the first is a key frame: to
+// show the last, a decoder decodes all.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -19,6 +21,22 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path path = argv[1];
   const std::string ending = path.extension();
+  if (path.stem().extension() == ".one_key") {
+    constexpr int kFrames = 1500;
+    std::vector<cv::Mat> frames;
+    for (int number = 0; number < kFrames; ++number) {
+      constexpr int kNumbers = 256;
+      frames.push_back(number < kNumbers ? victorious::testing::NumberedImage(number, {640, 480})
+                                         : frames[static_cast<std::size_t>(number % kNumbers)]);
+    }
+    victorious::testing::WriteTestVideo(path, {.encoder = "mpeg4",
+                                               .size = {640, 480},
+                                               .time_base_hz = 25,
+                                               .pts = victorious::testing::SteadyTimes(kFrames, 1),
+                                               .images = std::move(frames),
+                                               .key_frame_interval = kFrames});
+    return 0;
+  }
   const int left_out = path.stem().extension() == ".edit" ? 10 : 0;
   std::vector<std::int64_t> pts;
   std::vector<cv::Mat> images;

@@ -101,7 +101,7 @@ Status Run(const ServeArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::unique_ptr<HttpServer> server,
       HttpServer::Listen(
-          server_options, [&](const HttpRequest& request, int port) { return api->Handle(request, port); },
+          server_options, [&](const HttpRequest& request, int port) { return api->Begin(request, port); },
           [&](const HttpRequest& request, int port) { return api->PlanUpload(request, port); }));
   if (!server_options.is_loopback && !has_tls) {
     LogWarning("passwords and videos go through the network unencrypted: give --tls-cert and --tls-key");

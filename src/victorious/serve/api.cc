@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/isolated_process.h"
 #include "victorious/base/json.h"
 #include "victorious/base/median.h"
 #include "victorious/model/model_library.h"
@@ -55,8 +57,9 @@ bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() &
 
 Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken& cancel)
     : options_(std::move(options)),
+      cancel_(cancel),
       index_(std::move(index)),
-      videos_(IsDatabaseUrl(options_.index) ? "" : options_.index, cancel),
+      videos_(IsDatabaseUrl(options_.index) ? "" : options_.index),
       copies_(options_.copies, {.max_bytes = options_.max_copies_bytes}),
       page_(options_.web),
       camera_paths_(kMaxCameraPaths),
@@ -67,6 +70,7 @@ Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken
       uploads_(options_.uploads) {}
 
 Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& cancel) {
+  VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const std::filesystem::path decoder, DecoderProgram());
   if (!options.models.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const auto names, ModelLibrary(options.models).Names());
   }
@@ -98,13 +102,35 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
 HttpResponse Api::Handle(const HttpRequest& request, int port) {
   auto admitted = Admit(request, port);
   if (!admitted) return std::move(admitted).error();
-  auto answer = Answer(request, *admitted, port);
-  HttpResponse response = answer ? *std::move(answer) : ErrorResponse(answer.error());
+  return Answer(request, *admitted, port, cancel_);
+}
+
+HttpResponse Api::Begin(const HttpRequest& request, int port) {
+  auto admitted = Admit(request, port);
+  if (!admitted) return std::move(admitted).error();
+  const Route* route = admitted->match.route;
+  if (route == nullptr || !route->is_slow) return Answer(request, *admitted, port, cancel_);
+  const std::string client = request.client + " " + admitted->caller.name();
+  HttpResponse response;
+  response.slow = std::make_shared<SlowResponse>(SlowResponse{
+      .client = client, .make = [this, request, admitted = *std::move(admitted), port](const CancelToken& left) {
+        return Answer(request, admitted, port, left);
+      }});
+  return response;
+}
+
+HttpResponse Api::Answer(const HttpRequest& request, const Admitted& admitted, int port, const CancelToken& cancel) {
+  try {
+    auto answer = AskHandler(request, admitted, port, cancel);
+    HttpResponse response = answer ? *std::move(answer) : ErrorResponse(answer.error());
   // Age says what it says in caches (RFC 9111): for so long, nobody looked whether the answer holds.
   const auto age = index_->ListsAge();
   if (admitted->match.route != nullptr && age.count() > 0)
     response.headers.emplace_back("Age", std::to_string(age.count()));
   return response;
+  } catch (const std::bad_alloc&) {
+    return ErrorResponse(ApiError(Error{ErrorCode::kUnavailable, "the server is out of memory: ask again later"}));
+  }
 }
 
 std::expected<Api::Admitted, HttpResponse> Api::Admit(const HttpRequest& request, int port) {
@@ -130,7 +156,8 @@ std::expected<Api::Admitted, HttpResponse> Api::Admit(const HttpRequest& request
   return Admitted{.target = *std::move(target), .match = *std::move(match), .caller = *std::move(caller)};
 }
 
-ApiExpected<HttpResponse> Api::Answer(const HttpRequest& request, const Admitted& admitted, int port) {
+ApiExpected<HttpResponse> Api::AskHandler(const HttpRequest& request, const Admitted& admitted, int port,
+                                          const CancelToken& cancel) {
   const Route* route = admitted.match.route;
   if (route == nullptr) return page_.Get(request, admitted.target.segments);
   QueryReader query(admitted.target);
@@ -139,7 +166,8 @@ ApiExpected<HttpResponse> Api::Answer(const HttpRequest& request, const Admitted
                                   .parameters = admitted.match.parameters,
                                   .query = query,
                                   .caller = admitted.caller,
-                                  .port = port});
+                                  .port = port,
+                                  .cancel = cancel});
 }
 
 ApiExpected<Api::ListedVideo> Api::FindVideo(std::string_view id) {
@@ -208,7 +236,7 @@ ApiExpected<HttpResponse> Api::Video(const Call& call) {
 
 ApiExpected<HttpResponse> Api::VideoTimes(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record, call.cancel));
   Json rounded = Json::array();
   for (const double time_s : *times_s) rounded.push_back(TimeJson(time_s));
   return JsonResponse({{"times_s", std::move(rounded)}});
@@ -248,10 +276,10 @@ ApiExpected<HttpResponse> Api::SendMade(const HttpRequest& request, const std::s
 ApiExpected<HttpResponse> Api::VideoFrame(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frame, ParseId(call.parameters[1], "frame"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record, call.cancel));
   if (frame >= std::ssize(*times_s)) return NotFound(fmt::format("the video has {} frames", times_s->size()));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto bytes,
-                              videos_.Frame(*video.record, (*times_s)[static_cast<std::size_t>(frame)]));
+                              videos_.Frame(*video.record, (*times_s)[static_cast<std::size_t>(frame)], call.cancel));
   return TaggedResponse(call.request, "image/jpeg", *bytes, 60);
 }
 

@@ -62,6 +62,7 @@ class Api {
     QueryReader& query;                          ///< checked to be empty for a route without kHasQuery
     const Caller& caller;
     int port = 0;
+    const CancelToken& cancel;  ///< ends what takes long
   };
   using Handler = ApiExpected<HttpResponse> (Api::*)(const Call& call);
 
@@ -72,17 +73,21 @@ class Api {
     std::optional<Role> least;  ///< that an account needs; std::nullopt: open to everybody
     Handler handler;
     bool has_query = false;  ///< the handler reads parameters of the query, and refuses others
+    bool is_slow = false;    ///< it reads a video: waits for its turn (SlowResponse)
   };
 
   [[nodiscard]] static std::span<const Route> Routes();
 
   /// @param cancel  ends long reading of videos; must outlive the Api
   /// Errors: those of IndexView::Open and AccessControl::Open; kInvalidArgument for telemetry with several videos;
-  /// kNotFound for a models folder that is not there.
+  /// kNotFound for a models folder that is not there, or without victorious-decoder.
   [[nodiscard]] static Expected<std::unique_ptr<Api>> Open(ApiOptions options, const CancelToken& cancel);
 
   /// @param port  of the server: the Host header must name it
   [[nodiscard]] HttpResponse Handle(const HttpRequest& request, int port);
+
+  /// The same, but of a route that is slow a SlowResponse, once the request is admitted.
+  [[nodiscard]] HttpResponse Begin(const HttpRequest& request, int port);
 
   /// Where the body of an upload goes, or the response that refuses it.
   [[nodiscard]] std::expected<UploadPlan, HttpResponse> PlanUpload(const HttpRequest& request, int port);
@@ -108,7 +113,10 @@ class Api {
   };
   /// Refuses what comes from elsewhere, what has no route, and whom its role does not admit.
   [[nodiscard]] std::expected<Admitted, HttpResponse> Admit(const HttpRequest& request, int port);
-  ApiExpected<HttpResponse> Answer(const HttpRequest& request, const Admitted& admitted, int port);
+  [[nodiscard]] HttpResponse Answer(const HttpRequest& request, const Admitted& admitted, int port,
+                                    const CancelToken& cancel);
+  ApiExpected<HttpResponse> AskHandler(const HttpRequest& request, const Admitted& admitted, int port,
+                                       const CancelToken& cancel);
 
   /// A video of the index, and the lists that hold it.
   struct ListedVideo {
@@ -174,9 +182,9 @@ class Api {
   ApiExpected<ObjectQuery> ReadObjectQuery(QueryReader& query, const Caller& caller);
 
   /// The input of a job (job_runner.h), from the body of the request for it.
-  ApiExpected<Json> JobInput(JobKind kind, const nlohmann::json& body);
+  ApiExpected<Json> JobInput(JobKind kind, const nlohmann::json& body, const CancelToken& cancel);
   ApiExpected<Json> IndexInput(const nlohmann::json& body);
-  ApiExpected<Json> ModelInput(const nlohmann::json& body);
+  ApiExpected<Json> ModelInput(const nlohmann::json& body, const CancelToken& cancel);
   ApiExpected<Json> CopyInput(const nlohmann::json& body);
   ApiExpected<Json> ClipInput(const nlohmann::json& body);
   ApiExpected<Json> RefineInput(const nlohmann::json& body);
@@ -190,9 +198,9 @@ class Api {
   [[nodiscard]] Status RemoveUploads(const JobRecord& removed);
   // In api_follow.cc.
   ApiExpected<Json> LiveInput(const nlohmann::json& body);
-  ApiExpected<Json> TrackInput(const nlohmann::json& body);
+  ApiExpected<Json> TrackInput(const nlohmann::json& body, const CancelToken& cancel);
   /// Writes a frame of a video as an image among the uploads.
-  ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body);
+  ApiExpected<std::filesystem::path> SaveFrame(const nlohmann::json& body, const CancelToken& cancel);
   /// The file that a job has made, to be saved under the job's title.
   ApiExpected<HttpResponse> SendJobFile(const HttpRequest& request, const JobRecord& job, const std::string& name);
   ApiExpected<HttpResponse> SendMade(const HttpRequest& request, const std::string& name);
@@ -216,10 +224,12 @@ class Api {
                                                    const TelemetryOptions& options, const WarningSink& warn);
   /// The body of an answer, at most one at a time.
   [[nodiscard]] Expected<std::string> MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
-                                                   const std::string& options_json, const ObjectModel& model);
+                                                   const std::string& options_json, const ObjectModel& model,
+                                                   const CancelToken& cancel);
   [[nodiscard]] Expected<CameraPath> ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m);
 
   ApiOptions options_;
+  const CancelToken& cancel_;
   std::optional<std::int64_t> telemetry_video_;  ///< id of the video that options_.telemetry belongs to
   std::unique_ptr<IndexView> index_;
   std::unique_ptr<AccessControl> access_;

@@ -8,6 +8,7 @@
 
 #include "victorious/base/json.h"
 #include "victorious/base/options.h"
+#include "victorious/decoder/crop.h"
 #include "victorious/image/image_file.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/view_surface.h"
@@ -148,7 +149,8 @@ Expected<CameraStates> Api::LoadCameras(const VideoRecord& video, const std::fil
 }
 
 Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
-                                        const std::string& options_json, const ObjectModel& model) {
+                                        const std::string& options_json, const ObjectModel& model,
+                                        const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const TelemetryOptions telemetry, TelemetryOptionsOf(options_json));
   const auto load = [&] { return LoadCameras(video, path, telemetry, [](const std::string& /*warning*/) {}); };
@@ -157,7 +159,7 @@ Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const Vi
       cameras_.Get(fmt::format("{} {} {}", video.content_id, video.telemetry, OptionsToJsonText(telemetry)), load));
   const SearchSlot slot(evidence_slots_);
   if (!slot.is_taken()) return Fail(ErrorCode::kConflict, "others ask for evidence, too: ask again in a moment");
-  VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat grey, videos_.GreyFrame(video, sighting.time_s));
+  VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat grey, videos_.GreyFrame(video, sighting.time_s, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(const MatchEvidence evidence,
                               ExplainSighting(sighting, options_json, model, grey, *cameras));
   const ModelView& view = model.views[static_cast<std::size_t>(sighting.view_index)];
@@ -183,9 +185,9 @@ ApiExpected<HttpResponse> Api::Evidence(const Call& call) {
   const std::string key = fmt::format("{} {} {} {} {:.2f} {:.2f} {} {} {}", video->content_id, model->id,
                                       sighting.frame, sighting.view_index, sighting.box.x, sighting.box.y, video->id,
                                       object.object.id, search->options_json);
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, evidence_.Get(key, [&] {
-    return MakeEvidence(sighting, *video, search->options_json, *model);
-  }));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, GetUnlessCancelled(evidence_, key, call.cancel, [&] {
+                                return MakeEvidence(sighting, *video, search->options_json, *model, call.cancel);
+                              }));
   return TaggedResponse(call.request, "application/json", *body, 0);
 }
 

@@ -40,13 +40,13 @@ ApiExpected<Json> Api::LiveInput(const Body& body) {
   return Json{{"video", url}, {"title", WithoutCredentials(url)}};
 }
 
-ApiExpected<Json> Api::TrackInput(const Body& body) {
+ApiExpected<Json> Api::TrackInput(const Body& body, const CancelToken& cancel) {
   constexpr std::size_t kMaxTypeBytes = 40;
   VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id", "frame", "box", "type"}));
   VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo listed, ReadVideo(body));
   const VideoRecord* video = listed.record;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frame, ReadFrame(body, std::ssize(*times_s)));
   VICTORIOUS_RETURN_IF_ERROR(CheckBox(body));
   // The command takes the first frame at a time or later, and the table's times are rounded.

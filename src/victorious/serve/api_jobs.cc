@@ -89,18 +89,18 @@ ApiExpected<Api::ListedVideo> Api::ReadVideo(const Body& body) {
   return ListedVideo{.lists = std::move(lists), .record = video};
 }
 
-ApiExpected<Json> Api::JobInput(JobKind kind, const Body& body) {
+ApiExpected<Json> Api::JobInput(JobKind kind, const Body& body, const CancelToken& cancel) {
   switch (kind) {
     case JobKind::kIndex:
       return IndexInput(body);
     case JobKind::kModel:
-      return ModelInput(body);
+      return ModelInput(body, cancel);
     case JobKind::kCopy:
       return CopyInput(body);
     case JobKind::kLive:
       return LiveInput(body);
     case JobKind::kTrack:
-      return TrackInput(body);
+      return TrackInput(body, cancel);
     case JobKind::kRefine:
       return RefineInput(body);
     case JobKind::kClip:
@@ -149,18 +149,18 @@ ApiExpected<Json> Api::CopyInput(const Body& body) {
   return Json{{"video", path.string()}, {"copy", copies_.PathOf(copy).string()}};
 }
 
-ApiExpected<std::filesystem::path> Api::SaveFrame(const Body& body) {
+ApiExpected<std::filesystem::path> Api::SaveFrame(const Body& body, const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, ReadVideo(body));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto times_s, videos_.Times(*video.record, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ReadFrame(body, std::ssize(*times_s)));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto image,
-                              videos_.Frame(*video.record, (*times_s)[static_cast<std::size_t>(number)]));
+                              videos_.Frame(*video.record, (*times_s)[static_cast<std::size_t>(number)], cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto path, uploads_.Create(fmt::format("frame-{}.jpg", number)));
   VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(path, std::string_view(*image)));
   return path;
 }
 
-ApiExpected<Json> Api::ModelInput(const Body& body) {
+ApiExpected<Json> Api::ModelInput(const Body& body, const CancelToken& cancel) {
   constexpr std::size_t kMaxFiles = 200;
   VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "name", "uploads", "length_m", "video_id", "frame", "box"}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(body, "name"));
@@ -178,7 +178,7 @@ ApiExpected<Json> Api::ModelInput(const Body& body) {
   }
   if (body.contains("video_id")) {
     VICTORIOUS_RETURN_IF_ERROR(CheckBox(body));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path frame, SaveFrame(body));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path frame, SaveFrame(body, cancel));
     input["files"].push_back(frame.string());
     input["box"] = body.at("box");
     return input;
@@ -337,7 +337,7 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
     return FailField("kind",
                      fmt::format("The kind \"{}\" must be one of index, live, model, copy, clip, track, refine", name));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body, call.cancel));
   const NewJob asked{.kind = *kind,
                      .input_json = DumpJson(input),
                      .now_us = NowUtcMicroseconds(),
@@ -373,7 +373,7 @@ ApiStatus Api::CheckStillValid(const JobRecord& job) {
       if (input.contains(name)) body[name] = input[name];
     }
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const Json now, JobInput(job.kind, body));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Json now, JobInput(job.kind, body, cancel_));
   if (DumpJson(now) == job.input_json) return {};
   return std::unexpected(
       ApiError(Error{ErrorCode::kConflict, job.kind == JobKind::kClip

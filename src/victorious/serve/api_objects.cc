@@ -361,7 +361,8 @@ ApiExpected<HttpResponse> Api::Thumbnail(const Call& call) {
   const VideoRecord* video = best ? lists->Video(best->video) : nullptr;
   if (video == nullptr) return NotFound(fmt::format("object {} has no sighting", object));
   VICTORIOUS_ASSIGN_OR_RETURN(
-      const auto bytes, videos_.Crop(*video, best->time_s, best->box, static_cast<int>(width.value_or(kDefaultWidth))));
+      const auto bytes,
+      videos_.Crop(*video, best->time_s, best->box, static_cast<int>(width.value_or(kDefaultWidth)), call.cancel));
   return TaggedResponse(call.request, "image/jpeg", *bytes, 60);
 }
 

@@ -7,6 +7,7 @@ namespace victorious {
 namespace {
 
 constexpr bool kHasQuery = true;
+constexpr bool kIsSlow = true;
 
 // The segments in the places of {…}; std::nullopt for another address.
 std::optional<std::vector<std::string>> MatchPath(std::string_view path, std::span<const std::string> segments) {
@@ -37,25 +38,25 @@ std::span<const Api::Route> Api::Routes() {
       {HttpMethod::kGet, "/api/v1/base_map", Role::kViewer, &Api::BaseMapFile},
       {HttpMethod::kGet, "/api/v1/videos", Role::kViewer, &Api::Videos, kHasQuery},
       {HttpMethod::kGet, "/api/v1/videos/{id}", Role::kViewer, &Api::Video},
-      {HttpMethod::kGet, "/api/v1/videos/{id}/times", Role::kViewer, &Api::VideoTimes},
+      {HttpMethod::kGet, "/api/v1/videos/{id}/times", Role::kViewer, &Api::VideoTimes, !kHasQuery, kIsSlow},
       {HttpMethod::kGet, "/api/v1/videos/{id}/sightings", Role::kViewer, &Api::VideoSightings, kHasQuery},
-      {HttpMethod::kGet, "/api/v1/videos/{id}/camera", Role::kViewer, &Api::VideoCamera},
+      {HttpMethod::kGet, "/api/v1/videos/{id}/camera", Role::kViewer, &Api::VideoCamera, !kHasQuery, kIsSlow},
       {HttpMethod::kGet, "/api/v1/videos/{id}/file", Role::kViewer, &Api::VideoFile},
       {HttpMethod::kGet, "/api/v1/videos/{id}/copy", Role::kViewer, &Api::VideoCopy},
-      {HttpMethod::kGet, "/api/v1/videos/{id}/frames/{frame}", Role::kViewer, &Api::VideoFrame},
+      {HttpMethod::kGet, "/api/v1/videos/{id}/frames/{frame}", Role::kViewer, &Api::VideoFrame, !kHasQuery, kIsSlow},
       {HttpMethod::kGet, "/api/v1/objects", Role::kViewer, &Api::Objects, kHasQuery},
       {HttpMethod::kGet, "/api/v1/objects/counts", Role::kViewer, &Api::Counts, kHasQuery},
       {HttpMethod::kGet, "/api/v1/tiles/{z}/{x}/{y}", Role::kViewer, &Api::Tile, kHasQuery},
       {HttpMethod::kGet, "/api/v1/objects/{id}", Role::kViewer, &Api::Object},
       {HttpMethod::kGet, "/api/v1/objects/{id}/sightings", Role::kViewer, &Api::ObjectSightings, kHasQuery},
-      {HttpMethod::kGet, "/api/v1/objects/{id}/thumbnail", Role::kViewer, &Api::Thumbnail, kHasQuery},
-      {HttpMethod::kGet, "/api/v1/objects/{id}/evidence", Role::kViewer, &Api::Evidence, kHasQuery},
+      {HttpMethod::kGet, "/api/v1/objects/{id}/thumbnail", Role::kViewer, &Api::Thumbnail, kHasQuery, kIsSlow},
+      {HttpMethod::kGet, "/api/v1/objects/{id}/evidence", Role::kViewer, &Api::Evidence, kHasQuery, kIsSlow},
       {HttpMethod::kGet, "/api/v1/objects/{id}/decisions", Role::kViewer, &Api::Decisions},
       {HttpMethod::kPut, "/api/v1/objects/{id}/review", Role::kAnalyst, &Api::PutReview},
       {HttpMethod::kPost, "/api/v1/uploads", Role::kAnalyst, &Api::Upload, kHasQuery},
       {HttpMethod::kGet, "/api/v1/cluster", Role::kViewer, &Api::Cluster},
       {HttpMethod::kGet, "/api/v1/jobs", Role::kViewer, &Api::Jobs},
-      {HttpMethod::kPost, "/api/v1/jobs", Role::kAnalyst, &Api::SubmitJob},
+      {HttpMethod::kPost, "/api/v1/jobs", Role::kAnalyst, &Api::SubmitJob, !kHasQuery, kIsSlow},
       {HttpMethod::kPost, "/api/v1/jobs/{id}/cancel", Role::kAnalyst, &Api::CancelJob},
       {HttpMethod::kPost, "/api/v1/jobs/{id}/retry", Role::kAnalyst, &Api::RetryJob},
       {HttpMethod::kDelete, "/api/v1/jobs/{id}", Role::kAnalyst, &Api::RemoveJob},

@@ -4,6 +4,7 @@
 
 #include <boost/asio/post.hpp>
 #include <boost/beast/ssl/ssl_stream.hpp>
+#include <poll.h>
 
 namespace victorious {
 namespace {
@@ -72,6 +73,11 @@ class TlsStream final : public ClientStream {
 };
 
 }  // namespace
+
+bool ClientStream::HasLeft() {
+  pollfd state{.fd = tcp().socket().native_handle(), .events = POLLRDHUP, .revents = 0};
+  return ::poll(&state, 1, 0) != 0;
+}
 
 std::unique_ptr<ClientStream> MakeClientStream(beast::tcp_stream stream, net::ssl::context* tls) {
   if (tls != nullptr) return std::make_unique<TlsStream>(std::move(stream), *tls);

@@ -40,6 +40,9 @@ class ClientStream {
               std::forward<WriteHandler>(handler));
   }
 
+  /// Whether the client has closed its end, also if it has sent more before. Reads nothing. Some microseconds.
+  [[nodiscard]] bool HasLeft();
+
   /// The socket and its time-outs.
   [[nodiscard]] virtual boost::beast::tcp_stream& tcp() = 0;
 

@@ -4,11 +4,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "victorious/base/cancel.h"
 
 namespace victorious {
 
@@ -57,13 +60,23 @@ class EventFeed {
   [[nodiscard]] virtual std::string Take() = 0;
 };
 
+struct HttpResponse;
+
+/// A response that takes long to make. It waits in a queue for one of a few threads, while other requests are answered.
+struct SlowResponse {
+  std::string client;  ///< whose share of the queue it takes
+  /// @param left  the client has left: the response is not needed. Must not throw.
+  std::function<HttpResponse(const CancelToken& left)> make;
+};
+
 struct HttpResponse {
   int status = 200;
   std::string content_type;  ///< empty: no content
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string body;                   ///< ignored if `file` is set
-  std::optional<FileSlice> file;      ///< the body
-  std::shared_ptr<EventFeed> events;  ///< the body, until the client leaves
+  std::string body;                    ///< ignored if `file` is set
+  std::optional<FileSlice> file;       ///< the body
+  std::shared_ptr<EventFeed> events;   ///< the body, until the client leaves
+  std::shared_ptr<SlowResponse> slow;  ///< makes the response; all else is ignored
 };
 
 }  // namespace victorious

@@ -17,9 +17,11 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/version.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include "victorious/serve/api_error.h"
+#include "victorious/serve/beast_message.h"
 #include "victorious/serve/client_stream.h"
 #include "victorious/serve/connection_count.h"
 #include "victorious/serve/open_file.h"
@@ -38,8 +40,14 @@ using BoostError = boost::system::error_code;
 
 constexpr std::chrono::milliseconds kCancelPoll{50};
 constexpr std::chrono::milliseconds kAcceptPause{100};
+constexpr std::chrono::milliseconds kLeavingPoll{200};
+constexpr const char* kRetryAfter_s = "3";
 constexpr std::chrono::seconds kFinishTime{2};
 constexpr std::chrono::seconds kFarewellTime{2};
+
+// Programs that this process starts would inherit the sockets that Asio opens. Those that base/child_start.h starts
+// do not in any case.
+void CloseInPrograms(int descriptor) { ::fcntl(descriptor, F_SETFD, FD_CLOEXEC); }
 
 // What browsers are told about every response: no content type by guess, no frame, nothing from elsewhere.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecurityHeaders = {{
@@ -49,47 +57,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecurity
 }};
 
 boost::beast::string_view ToBeast(std::string_view text) { return {text.data(), text.size()}; }
-
-std::string Header(const http::request_header<>& request, http::field field) {
-  const auto value = request[field];
-  return {value.data(), value.size()};
-}
-
-// All but the body.
-HttpRequest FromBeast(const http::request_header<>& request) {
-  HttpRequest plain;
-  switch (request.method()) {
-    case http::verb::get:
-      plain.method = HttpMethod::kGet;
-      break;
-    case http::verb::head:
-      plain.method = HttpMethod::kHead;
-      break;
-    case http::verb::put:
-      plain.method = HttpMethod::kPut;
-      break;
-    case http::verb::post:
-      plain.method = HttpMethod::kPost;
-      break;
-    case http::verb::delete_:
-      plain.method = HttpMethod::kDelete;
-      break;
-    default:
-      plain.method = HttpMethod::kOther;
-  }
-  plain.target = std::string(request.target().data(), request.target().size());
-  plain.host = Header(request, http::field::host);
-  plain.origin = Header(request, http::field::origin);
-  const auto site = request["Sec-Fetch-Site"];
-  plain.fetch_site = std::string(site.data(), site.size());
-  plain.content_type = Header(request, http::field::content_type);
-  plain.range = Header(request, http::field::range);
-  plain.if_range = Header(request, http::field::if_range);
-  plain.if_none_match = Header(request, http::field::if_none_match);
-  plain.cookie = Header(request, http::field::cookie);
-  plain.authorization = Header(request, http::field::authorization);
-  return plain;
-}
 
 // What is left in place is not ours, or is found with the other uploads: removing it is not worth another answer.
 void RemoveFileAndEmptyFolder(const std::filesystem::path& file) {
@@ -112,14 +79,18 @@ struct Shared {
   std::optional<ssl::context> tls;
   // Last: their destructors destroy the sessions.
   net::io_context io{1};
+  WorkQueue slow;
   net::thread_pool pool;
+  net::thread_pool slow_pool;
 
   Shared(const HttpServerOptions& given, HttpServer::Handler handle, HttpServer::UploadHandler plan)
       : options(given),
         handler(std::move(handle)),
         plan_upload(std::move(plan)),
         counts(given.max_connections_a_client),
-        pool(static_cast<std::size_t>(given.threads)) {}
+        slow(given.slow, [this](auto run) { net::post(slow_pool, std::move(run)); }),
+        pool(static_cast<std::size_t>(given.threads)),
+        slow_pool(given.slow.threads) {}
 };
 
 // One connection: reads a request, lets the pool answer it, sends the response, and reads the next one.
@@ -175,7 +146,7 @@ class Session : public std::enable_shared_from_this<Session> {
     if (error) return Refuse(error);
     const auto& header = parser_->get();
     const bool is_upload = header.method() == http::verb::post && shared_.plan_upload &&
-                           Header(header, http::field::content_type) == "application/octet-stream";
+                           HeaderText(header, http::field::content_type) == "application/octet-stream";
     if (is_upload) return PlanUpload();
     if (parser_->content_length().value_or(0) > shared_.options.max_body_bytes) return Refuse(http::error::body_limit);
     parser_->body_limit(shared_.options.max_body_bytes);
@@ -214,8 +185,51 @@ class Session : public std::enable_shared_from_this<Session> {
       HttpResponse response = self->shared_.handler(request, self->shared_.port);
       // Its sender may have been logged out while it was read.
       if (request.upload && response.status != 200) RemoveFileAndEmptyFolder(*request.upload);
-      GiveBack(std::move(self),
-               [response = std::move(response)](Session& session) mutable { session.Send(std::move(response)); });
+      GiveBack(std::move(self), [response = std::move(response)](Session& session) mutable {
+        if (response.slow) return session.MakeSlowly(std::move(response.slow));
+        session.Send(std::move(response));
+      });
+    });
+  }
+
+  // ---- a response that takes long
+
+  void MakeSlowly(std::shared_ptr<SlowResponse> slow) {
+    slow_left_ = std::make_shared<CancelToken>();
+    const std::string client = slow->client;
+    const bool is_queued =
+        shared_.slow.Add({.client = client,
+                          .left = slow_left_,
+                          .run = [self = shared_from_this(), slow = std::move(slow), left = slow_left_]() mutable {
+                            HttpResponse response = slow->make(*left);
+                            GiveBack(std::move(self), [response = std::move(response)](Session& session) mutable {
+                              session.SendMade(std::move(response));
+                            });
+                          }});
+    if (is_queued) return WatchWhileSlow();
+    slow_left_.reset();
+    HttpResponse busy = ErrorResponse(503, Name(ErrorCode::kUnavailable),
+                                      "the server decodes as many frames as it can: ask again in some seconds");
+    busy.headers.emplace_back("Retry-After", kRetryAfter_s);
+    Send(std::move(busy));
+  }
+
+  void SendMade(HttpResponse response) {
+    slow_left_.reset();
+    timer_.cancel();
+    Send(std::move(response));
+  }
+
+  // What nobody waits for any more is not made.
+  void WatchWhileSlow() {
+    timer_.expires_after(kLeavingPoll);
+    timer_.async_wait([self = shared_from_this()](const BoostError& error) {
+      if (error || !self->slow_left_) return;
+      if (!self->stream_->HasLeft()) return self->WatchWhileSlow();
+      if (!self->shared_.slow.Cancel(self->slow_left_)) return;  // it is being made: SendMade comes
+      self->slow_left_.reset();
+      --self->shared_.responses_due;
+      self->Close();
     });
   }
 
@@ -451,6 +465,7 @@ class Session : public std::enable_shared_from_this<Session> {
   net::steady_timer timer_;
   std::shared_ptr<EventFeed> feed_;
   std::string text_to_send_;
+  std::shared_ptr<CancelToken> slow_left_;  ///< of the response that is made slowly; null: there is none
   std::chrono::steady_clock::time_point last_event_;
   std::chrono::steady_clock::time_point events_end_;
   bool has_handshake_ = false;
@@ -484,6 +499,7 @@ class BeastServer final : public HttpServer {
     if (error) return Fail(ErrorCode::kInvalidArgument, name + ": not an address");
     const tcp::endpoint endpoint(address, static_cast<std::uint16_t>(options.port));
     acceptor_.open(endpoint.protocol(), error);
+    if (!error) CloseInPrograms(acceptor_.native_handle());
     if (!error) acceptor_.set_option(net::socket_base::reuse_address(true), error);
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
@@ -503,11 +519,14 @@ class BeastServer final : public HttpServer {
     Accept();
     PollCancel(cancel);
     shared_.io.run();
+    shared_.slow.CancelAll();
     shared_.pool.join();
+    shared_.slow_pool.join();
   }
 
  private:
   void Begin(tcp::socket socket) {
+    CloseInPrograms(socket.native_handle());
     BoostError error;
     const auto peer = socket.remote_endpoint(error);
     if (error) return;  // it has left already

@@ -1,8 +1,9 @@
 // An HTTP/1.1 server (Boost.Beast): limits, time-outs, keep-alive, TLS (OpenSSL), files in parts. The handler makes the
 // responses.
 //
-// One thread (that of Run) does all input and output; a pool of threads runs the handler, so that a request that
-// decodes a frame holds up no other. Boost does not leave http_server.cc.
+// One thread (that of Run) does all input and output; a pool of threads runs the handler. What takes long, as to decode
+// a frame, waits in a queue for threads of its own (work_queue.h), so that it holds up no other request; if the queue
+// is full, the response is 503 with Retry-After. Boost does not leave http_server.cc.
 #pragma once
 
 #include <chrono>
@@ -16,6 +17,7 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/serve/http_message.h"
+#include "victorious/serve/work_queue.h"
 
 namespace victorious {
 
@@ -27,6 +29,7 @@ struct HttpServerOptions {
   std::filesystem::path tls_key;               ///< PEM, not encrypted
   std::string tile_origin;                     ///< of a server of map tiles that the page may ask; empty: none
   int threads = 8;                             ///< that run the handler
+  WorkLimits slow;                             ///< of responses that take long
   std::size_t max_connections = 900;           ///< further ones wait
   std::size_t max_connections_a_client = 300;  ///< further ones are closed, so that one client leaves room for others
   std::size_t max_header_bytes = 16 << 10;

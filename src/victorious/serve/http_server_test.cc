@@ -91,6 +91,7 @@ class HttpServerTest : public ::testing::Test {
             return HttpResponse{
                 .content_type = "text/event-stream", .headers = {}, .body = {}, .file = {}, .events = hub_->Listen()};
           }
+          if (request.target == "/slow") return MakeSlow(request);
           if (request.target == "/credentials") {
             return HttpResponse{.content_type = "text/plain",
                                 .headers = {},
@@ -123,6 +124,19 @@ class HttpServerTest : public ::testing::Test {
     if (thread_.joinable()) thread_.join();
   }
 
+  // A response that takes until may_end_, or until the client has left.
+  HttpResponse MakeSlow(const HttpRequest& request) {
+    HttpResponse response;
+    response.slow = std::make_shared<SlowResponse>(
+        SlowResponse{.client = request.client, .make = [this](const CancelToken& left) {
+                       ++begun_;
+                       while (!may_end_ && !left.IsCancelled()) std::this_thread::yield();
+                       if (left.IsCancelled()) ++left_;
+                       return HttpResponse{.content_type = "text/plain", .headers = {}, .body = "slow", .file = {}};
+                     }});
+    return response;
+  }
+
   std::string Exchange(std::string_view bytes) const {
     const Client client(server_->port());
     client.Send(bytes);
@@ -133,10 +147,66 @@ class HttpServerTest : public ::testing::Test {
   CancelToken cancel_;
   std::atomic<int> requests_ = 0;
   std::atomic<int> uploads_ = 0;
+  std::atomic<bool> may_end_ = false;
+  std::atomic<int> begun_ = 0;  // slow responses
+  std::atomic<int> left_ = 0;   // those whose client has left
   std::shared_ptr<EventHub> hub_ = std::make_shared<EventHub>();
   std::unique_ptr<HttpServer> server_;
   std::thread thread_;
 };
+
+constexpr std::string_view kSlowRequest = "GET /slow HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n";
+
+// More of them than threads answer requests: what is quick does not wait, and what is too much is refused.
+TEST_F(HttpServerTest, SlowResponsesHoldUpNoOther) {
+  constexpr std::size_t kWaiting = 6;
+  Start({.slow = {.threads = 2, .waiting = kWaiting}});
+  std::vector<std::unique_ptr<Client>> clients;
+  const auto ask = [&] {
+    clients.push_back(std::make_unique<Client>(server_->port()));
+    clients.back()->Send(kSlowRequest);
+  };
+  ask();
+  while (begun_ == 0) std::this_thread::yield();
+  for (std::size_t i = 0; i < kWaiting; ++i) ask();
+  while (requests_ < static_cast<int>(clients.size())) std::this_thread::yield();
+  EXPECT_THAT(Exchange("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"), StartsWith("HTTP/1.1 200"));
+  const std::string refused = Exchange(kSlowRequest);
+  EXPECT_THAT(refused, StartsWith("HTTP/1.1 503"));
+  EXPECT_THAT(refused, HasSubstr("Retry-After: 3\r\n"));
+  EXPECT_THAT(refused, HasSubstr("ask again in some seconds"));
+  EXPECT_EQ(begun_, 1) << "the last thread is for other clients";
+  may_end_ = true;
+  for (const auto& client : clients) EXPECT_THAT(client->ReadAll(), EndsWith("\r\n\r\nslow"));
+}
+
+TEST_F(HttpServerTest, SlowResponseEndsWithItsClient) {
+  Start({.slow = {.threads = 2}});
+  auto made = std::make_unique<Client>(server_->port());
+  made->Send(kSlowRequest);
+  while (begun_ == 0) std::this_thread::yield();
+  auto waits = std::make_unique<Client>(server_->port());
+  waits->Send(kSlowRequest);
+  auto stays = std::make_unique<Client>(server_->port());
+  stays->Send(kSlowRequest);
+  while (requests_ < 3) std::this_thread::yield();
+  waits.reset();
+  Exchange("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n");
+  made.reset();
+  while (left_ == 0) std::this_thread::yield();
+  may_end_ = true;
+  EXPECT_THAT(stays->ReadAll(), EndsWith("slow"));
+  EXPECT_LE(begun_, 3);
+}
+
+TEST_F(HttpServerTest, EndOfTheServerEndsSlowResponses) {
+  Start({.slow = {.threads = 2}});
+  const Client client(server_->port());
+  client.Send(kSlowRequest);
+  while (begun_ == 0) std::this_thread::yield();
+  TearDown();
+  EXPECT_EQ(left_, 1);
+}
 
 // The page may fetch from its server, and from the server of map tiles that was named.
 TEST_F(HttpServerTest, NamesWhereThePageMayFetchFrom) {

@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 
 namespace victorious {
@@ -93,5 +94,17 @@ class OnceCache {
   std::list<Entry> entries_;  ///< most recently used first
   std::unordered_map<std::string, typename std::list<Entry>::iterator> by_key_;
 };
+
+/// Get for a value that is made until its maker is cancelled: whoever waited and is not cancelled makes it then.
+template <typename Value, typename Make>
+[[nodiscard]] typename OnceCache<Value>::Result GetUnlessCancelled(OnceCache<Value>& cache, const std::string& key,
+                                                                   const CancelToken& cancel, const Make& make) {
+  constexpr int kMaxMakers = 20;
+  for (int makers = 1;; ++makers) {
+    auto result = cache.Get(key, make);
+    const bool is_cancelled = !result && result.error().code == ErrorCode::kCancelled;
+    if (!is_cancelled || cancel.IsCancelled() || makers == kMaxMakers) return result;
+  }
+}
 
 }  // namespace victorious

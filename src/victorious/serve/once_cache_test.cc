@@ -62,5 +62,28 @@ TEST(OnceCache, WaitsForItsOwnKeyOnly) {
   EXPECT_EQ(made, 1);
 }
 
+TEST(OnceCache, ValueWhoseMakerIsCancelledIsMadeByAnother) {
+  Cache cache(4);
+  CancelToken first_left;
+  const CancelToken second_stays;
+  std::latch is_making(1);
+  std::promise<void> may_end;
+  auto first = std::async(std::launch::async, [&] {
+    return GetUnlessCancelled(cache, "a", first_left, [&]() -> Expected<int> {
+      is_making.count_down();
+      may_end.get_future().wait();
+      return Fail(ErrorCode::kCancelled, "cancelled");
+    });
+  });
+  is_making.wait();
+  auto second = std::async(std::launch::async, [&] {
+    return GetUnlessCancelled(cache, "a", second_stays, []() -> Expected<int> { return 2; });
+  });
+  first_left.Cancel();
+  may_end.set_value();
+  EXPECT_EQ(first.get().error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(**second.get(), 2);
+}
+
 }  // namespace
 }  // namespace victorious

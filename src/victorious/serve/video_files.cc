@@ -1,77 +1,35 @@
 #include "victorious/serve/video_files.h"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
+#include <chrono>
 #include <span>
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
 
 #include "victorious/base/file.h"
-#include "victorious/image/image_file.h"
-#include "victorious/video/frame_times.h"
+#include "victorious/decoder/frame_request.h"
 
 namespace victorious {
 namespace {
 
 constexpr std::size_t kImageCacheBytes = std::size_t{64} << 20;
-constexpr std::ptrdiff_t kMaxDecoders = 2;
-constexpr double kTimeTolerance_s = 1e-4;
+constexpr std::size_t kMaxAtOnce = 8;    // images that are being made while others wait for them
+constexpr std::size_t kMaxTables = 256;  // of presentation times, of 0.8 MB an hour
+constexpr std::chrono::seconds kFrameTime{30};
+constexpr std::chrono::minutes kTableTime{10};  // a whole file may be read for it
 
-std::string ToString(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-// The first frame at or after a time.
-Expected<cv::Mat> ReadFrameAt(const std::string& path, double time_s, FrameColor color, const CancelToken& cancel) {
-  VICTORIOUS_ASSIGN_OR_RETURN(auto reader, VideoReader::Open(path, {.color = color, .threads = 1}));
-  reader->SeekTo(time_s);  // if it cannot, the frames are read from the beginning
-  while (!cancel.IsCancelled()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
-    if (!frame) return Fail(ErrorCode::kNotFound, fmt::format("{}: no frame at {:.3f} s", path, time_s));
-    if (frame->time_s >= time_s - kTimeTolerance_s) return frame->image;
+// A frame that takes too long is far from a key frame.
+Error WithRemedy(Error error) {
+  if (error.code == ErrorCode::kUnsupported && error.message.find(" s to read") != std::string::npos) {
+    error.message += "; or let a job of the kind copy make a copy of the video that browsers play";
   }
-  return Fail(ErrorCode::kCancelled, path + ": cancelled");
-}
-
-cv::Mat CutOut(const cv::Mat& frame, const Box& region, int width_px) {
-  // A border where the region extends beyond the frame.
-  cv::Mat cut;
-  const double scale = width_px / region.width;
-  const cv::Size size(width_px, static_cast<int>(std::lround(region.height * scale)));
-  const cv::Matx23d cut_from_frame(scale, 0, -region.x * scale, 0, scale, -region.y * scale);
-  const int interpolation = scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC;
-  if (const cv::Rect inside(cv::Point2d(std::floor(region.x), std::floor(region.y)),
-                            cv::Point2d(std::ceil(region.x + region.width), std::ceil(region.y + region.height)));
-      scale < 1 && (inside & cv::Rect({0, 0}, frame.size())) == inside) {
-    cv::resize(frame(inside), cut, size, 0, 0, interpolation);
-  } else {
-    cv::warpAffine(frame, cut, cut_from_frame, size, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(24));
-  }
-  return cut;
+  return error;
 }
 
 }  // namespace
 
-Box CropRegion(const Box& box, int frame_width_px, int frame_height_px) {
-  constexpr double kMargin = 1.5;  // side of the region over the side of the box
-  constexpr double kMinHeight_px = 48;
-  constexpr double kAspect = 4.0 / 3;
-  const double height = std::max({kMinHeight_px, kMargin * box.height, kMargin * box.width / kAspect});
-  Box region{0, 0, kAspect * height, height};
-  const auto place = [](double centre, double side, double limit) {
-    if (side >= limit) return (limit - side) / 2;
-    return std::clamp(centre - side / 2, 0.0, limit - side);
-  };
-  region.x = place(box.x + box.width / 2, region.width, frame_width_px);
-  region.y = place(box.y + box.height / 2, region.height, frame_height_px);
-  return region;
-}
-
-VideoFiles::VideoFiles(const std::filesystem::path& index, const CancelToken& cancel)
-    : folder_(index.parent_path()), cancel_(cancel), images_(kImageCacheBytes), decoders_(kMaxDecoders) {}
+VideoFiles::VideoFiles(const std::filesystem::path& index)
+    : folder_(index.parent_path()), images_(kImageCacheBytes), making_(kMaxAtOnce), times_(kMaxTables) {}
 
 Expected<std::filesystem::path> VideoFiles::Find(const VideoRecord& video) const {
   if (video.name.find("://") != std::string::npos) {
@@ -92,53 +50,51 @@ std::string CopyName(const VideoRecord& video) {
   return fmt::format("{:016x}.mp4", Checksum(std::as_bytes(std::span(video.content_id))));
 }
 
-Expected<cv::Mat> VideoFiles::Read(const VideoRecord& video, double time_s, FrameColor color) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, Find(video));
-  decoders_.acquire();
-  Expected<cv::Mat> frame = ReadFrameAt(path.string(), time_s, color, cancel_);
-  decoders_.release();
-  return frame;
-}
-
-Expected<std::string> VideoFiles::Encode(const VideoRecord& video, double time_s, const Box* box, int width_px) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat frame, Read(video, time_s, FrameColor::kBgr));
-  const cv::Mat image = box == nullptr ? frame : CutOut(frame, CropRegion(*box, frame.cols, frame.rows), width_px);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, EncodeJpeg(image, box == nullptr ? 90 : 82));
-  return ToString(bytes);
-}
-
-Expected<std::shared_ptr<const std::string>> VideoFiles::Frame(const VideoRecord& video, double time_s) {
-  const std::string key = fmt::format("{} {:.6f}", video.content_id, time_s);
+Expected<std::shared_ptr<const std::string>> VideoFiles::Jpeg(const VideoRecord& video, const FrameRequest& request,
+                                                              const std::string& key, const CancelToken& cancel) {
   if (auto cached = images_.Find(key)) return cached;
-  VICTORIOUS_ASSIGN_OR_RETURN(std::string bytes, Encode(video, time_s, nullptr, 0));
-  const auto image = std::make_shared<const std::string>(std::move(bytes));
-  images_.Put(key, image);
-  return image;
+  auto made = GetUnlessCancelled(making_, key, cancel, [&]() -> Expected<std::string> {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, Find(video));
+    FrameRequest of_file = request;
+    of_file.video = path.string();
+    return decoders_.Ask(path, PackFrameRequest(of_file), {.patience = kFrameTime, .cancel = &cancel});
+  });
+  if (!made) return std::unexpected(WithRemedy(std::move(made).error()));
+  images_.Put(key, *made);
+  return made;
+}
+
+Expected<std::shared_ptr<const std::string>> VideoFiles::Frame(const VideoRecord& video, double time_s,
+                                                               const CancelToken& cancel) {
+  return Jpeg(video, {.task = FrameTask::kJpeg, .time_s = time_s}, fmt::format("{} {:.6f}", video.content_id, time_s),
+              cancel);
 }
 
 Expected<std::shared_ptr<const std::string>> VideoFiles::Crop(const VideoRecord& video, double time_s, const Box& box,
-                                                              int width_px) {
+                                                              int width_px, const CancelToken& cancel) {
   const std::string key = fmt::format("{} {:.6f} {:.1f} {:.1f} {:.1f} {:.1f} {}", video.content_id, time_s, box.x,
                                       box.y, box.width, box.height, width_px);
-  if (auto cached = images_.Find(key)) return cached;
-  VICTORIOUS_ASSIGN_OR_RETURN(std::string bytes, Encode(video, time_s, &box, width_px));
-  const auto image = std::make_shared<const std::string>(std::move(bytes));
-  images_.Put(key, image);
-  return image;
+  return Jpeg(video, {.task = FrameTask::kJpeg, .time_s = time_s, .box = box, .width_px = width_px}, key, cancel);
 }
 
-Expected<cv::Mat> VideoFiles::GreyFrame(const VideoRecord& video, double time_s) {
-  return Read(video, time_s, FrameColor::kGrey);
-}
-
-Expected<std::shared_ptr<const std::vector<double>>> VideoFiles::Times(const VideoRecord& video) {
-  const std::scoped_lock lock(times_mutex_);
-  if (const auto found = times_.find(video.content_id); found != times_.end()) return found->second;
+Expected<cv::Mat> VideoFiles::GreyFrame(const VideoRecord& video, double time_s, const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, Find(video));
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<double> times_s, ReadFrameTimes(path.string(), video.frame_count, cancel_));
-  auto table = std::make_shared<const std::vector<double>>(std::move(times_s));
-  times_[video.content_id] = table;
-  return table;
+  const auto bytes =
+      decoders_.Ask(path, PackFrameRequest({.task = FrameTask::kGrey, .video = path.string(), .time_s = time_s}),
+                    {.patience = kFrameTime, .cancel = &cancel});
+  if (!bytes) return std::unexpected(WithRemedy(bytes.error()));
+  return UnpackGrey(*bytes);
+}
+
+Expected<std::shared_ptr<const std::vector<double>>> VideoFiles::Times(const VideoRecord& video,
+                                                                       const CancelToken& cancel) {
+  return GetUnlessCancelled(times_, video.content_id, cancel, [&]() -> Expected<std::vector<double>> {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, Find(video));
+    const FrameRequest request{.task = FrameTask::kTimes, .video = path.string(), .frames = video.frame_count};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, decoders_.Ask(path, PackFrameRequest(request),
+                                                                       {.patience = kTableTime, .cancel = &cancel}));
+    return UnpackTimes(bytes);
+  });
 }
 
 }  // namespace victorious

@@ -1,0 +1,50 @@
+#include "victorious/serve/beast_message.h"
+
+#include <boost/beast/http/fields.hpp>
+#include <boost/beast/http/verb.hpp>
+
+namespace victorious {
+
+namespace http = boost::beast::http;
+
+std::string HeaderText(const http::request_header<>& request, http::field field) {
+  const auto value = request[field];
+  return {value.data(), value.size()};
+}
+
+HttpRequest FromBeast(const http::request_header<>& request) {
+  HttpRequest plain;
+  switch (request.method()) {
+    case http::verb::get:
+      plain.method = HttpMethod::kGet;
+      break;
+    case http::verb::head:
+      plain.method = HttpMethod::kHead;
+      break;
+    case http::verb::put:
+      plain.method = HttpMethod::kPut;
+      break;
+    case http::verb::post:
+      plain.method = HttpMethod::kPost;
+      break;
+    case http::verb::delete_:
+      plain.method = HttpMethod::kDelete;
+      break;
+    default:
+      plain.method = HttpMethod::kOther;
+  }
+  plain.target = std::string(request.target().data(), request.target().size());
+  plain.host = HeaderText(request, http::field::host);
+  plain.origin = HeaderText(request, http::field::origin);
+  const auto site = request["Sec-Fetch-Site"];
+  plain.fetch_site = std::string(site.data(), site.size());
+  plain.content_type = HeaderText(request, http::field::content_type);
+  plain.range = HeaderText(request, http::field::range);
+  plain.if_range = HeaderText(request, http::field::if_range);
+  plain.if_none_match = HeaderText(request, http::field::if_none_match);
+  plain.cookie = HeaderText(request, http::field::cookie);
+  plain.authorization = HeaderText(request, http::field::authorization);
+  return plain;
+}
+
+}  // namespace victorious

@@ -1,0 +1,104 @@
+#include "victorious/serve/decoder_pool.h"
+
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "victorious/decoder/frame_request.h"
+#include "victorious/serve/static_files.h"
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxIdle = 4;
+constexpr std::uint64_t kDecoderBytes = std::uint64_t{3} << 29;  // of an image of kMaxServedPixels with 16-bit samples
+constexpr unsigned kDecoderSeconds = 900;  // CPU time of all its answers, which are limited by the clock
+
+// A file that was replaced, or a folder that got images, is another video.
+std::string DecoderKey(const fs::path& video) {
+  std::error_code error;
+  if (!fs::is_directory(video, error)) return video.string() + " " + FileEtag(video);
+  return fmt::format("{} {}", video.string(), fs::last_write_time(video, error).time_since_epoch().count());
+}
+
+// The file; of a folder also the files elsewhere that links in it lead to.
+std::vector<fs::path> ReadableFiles(const fs::path& video) {
+  std::vector<fs::path> files = {video};
+  std::error_code error;
+  if (!fs::is_directory(video, error)) return files;
+  for (fs::directory_iterator it(video, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (it->is_symlink(ignored)) files.push_back(it->path());
+  }
+  return files;
+}
+
+}  // namespace
+
+Expected<std::string> DecoderPool::Ask(const fs::path& video, std::string_view request, const AskOptions& options) {
+  const std::string key = DecoderKey(video);
+  if (std::optional<Decoder> idle = TakeIdle(key)) {
+    Expected<std::string> answer = idle->process.Ask(request, options);
+    const bool is_running = idle->process.IsRunning();
+    Keep(*std::move(idle));
+    const bool is_cancelled = !answer && answer.error().code == ErrorCode::kCancelled;
+    if (is_running || is_cancelled) return answer;
+    // It may have ended while it waited, or at the end of its processor time: another one is asked once.
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(Decoder decoder, StartFor(video, key));
+  Expected<std::string> answer = decoder.process.Ask(request, options);
+  const bool is_running = decoder.process.IsRunning();
+  Keep(std::move(decoder));
+  StartSpare();
+  if (answer || is_running) return answer;
+  return std::unexpected(std::move(answer).error().WithContext(video.string()));
+}
+
+void DecoderPool::StartSpare() {
+  const std::scoped_lock lock(mutex_);
+  if (spare_) return;
+  // Without a process of its own group, Ctrl-C in the terminal would end answers that the server still finishes.
+  if (Expected<IsolatedProcess> started = IsolatedProcess::Start(kFrames, {.has_own_group = true})) {
+    spare_.emplace(*std::move(started));
+  }
+}
+
+std::optional<DecoderPool::Decoder> DecoderPool::TakeIdle(const std::string& key) {
+  const std::scoped_lock lock(mutex_);
+  for (auto it = idle_.begin(); it != idle_.end(); ++it) {
+    if (it->key != key) continue;
+    std::optional<Decoder> found(std::move(*it));
+    idle_.erase(it);
+    return found;
+  }
+  return std::nullopt;
+}
+
+Expected<DecoderPool::Decoder> DecoderPool::StartFor(const fs::path& video, const std::string& key) {
+  std::optional<IsolatedProcess> process;
+  {
+    const std::scoped_lock lock(mutex_);
+    process = std::exchange(spare_, std::nullopt);
+  }
+  if (!process) {
+    VICTORIOUS_ASSIGN_OR_RETURN(IsolatedProcess started, IsolatedProcess::Start(kFrames, {.has_own_group = true}));
+    process.emplace(std::move(started));
+  }
+  process->Confine({.memory_bytes = kDecoderBytes, .processor_s = kDecoderSeconds, .readable = ReadableFiles(video)});
+  return Decoder{key, *std::move(process)};
+}
+
+void DecoderPool::Keep(Decoder decoder) {
+  std::list<Decoder> ended;  // they are waited for without the lock
+  if (!decoder.process.IsRunning()) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    idle_.push_front(std::move(decoder));
+    if (idle_.size() > kMaxIdle) ended.splice(ended.begin(), idle_, std::prev(idle_.end()));
+  }
+}
+
+}  // namespace victorious

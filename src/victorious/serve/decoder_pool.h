@@ -1,0 +1,47 @@
+// The processes that decode videos for the page (decoder/, base/isolated_process.h). Each belongs to one video: it can
+// read nothing else, and keeps it open for the next frame. One that belongs to no video waits, so that a new video does
+// not wait for a program to start. Thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "victorious/base/error.h"
+#include "victorious/base/isolated_process.h"
+
+namespace victorious {
+
+class DecoderPool {
+ public:
+  DecoderPool() { StartSpare(); }
+
+  /// Asks a process of a video.
+  /// @param request  PackFrameRequest of this path
+  /// Errors: those of IsolatedProcess::Start and Ask, with the video's name; those of the decoder.
+  [[nodiscard]] Expected<std::string> Ask(const std::filesystem::path& video, std::string_view request,
+                                          const AskOptions& options);
+
+ private:
+  struct Decoder {
+    std::string key;  ///< of its video, with the state of the file
+    IsolatedProcess process;
+  };
+
+  void StartSpare();
+  /// One that waits for this video.
+  [[nodiscard]] std::optional<Decoder> TakeIdle(const std::string& key);
+  [[nodiscard]] Expected<Decoder> StartFor(const std::filesystem::path& video, const std::string& key);
+  void Keep(Decoder decoder);
+
+  std::mutex mutex_;
+  std::optional<IsolatedProcess> spare_;
+  std::list<Decoder> idle_;  ///< most recently used first
+};
+
+}  // namespace victorious
