@@ -1,6 +1,7 @@
 #include "victorious/base/isolated_main.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
@@ -12,8 +13,11 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include "victorious/base/child_start.h"
@@ -55,6 +59,28 @@ bool ReadBytes(char* bytes, std::size_t size) {
     size -= static_cast<std::size_t>(got);
   }
   return true;
+}
+
+// The first bytes of a message, and the descriptor that comes with them; -1: none. Not for a confined process.
+bool ReadWithDescriptor(char* bytes, std::size_t size, int& descriptor) {
+  iovec part{.iov_base = bytes, .iov_len = size};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  ssize_t got = 0;
+  do {
+    got = ::recvmsg(kChildDescriptor, &message, MSG_CMSG_CLOEXEC);
+  } while (got < 0 && errno == EINTR);
+  if (got <= 0) return false;
+  const cmsghdr* const rights = CMSG_FIRSTHDR(&message);
+  descriptor = -1;
+  if (rights != nullptr && rights->cmsg_type == SCM_RIGHTS) {
+    std::memcpy(&descriptor, CMSG_DATA(rights), sizeof(descriptor));
+  }
+  return ReadBytes(bytes + got, size - static_cast<std::size_t>(got));
 }
 
 bool WriteBytes(std::string_view bytes) {
@@ -126,12 +152,36 @@ bool SendAnswer(const Expected<std::string>& answer) {
   return WriteMessage(IsolatedMessage::kError, static_cast<char>(answer.error().code) + answer.error().message);
 }
 
+// Copies this process, which has one thread: its copy goes on with a socket of its own. The copy is a child of the same
+// parent, which waits for it. False if it cannot be copied, or the parent has gone.
+bool CopyThisProcess(int socket) {
+  const long pid = ::syscall(SYS_clone, CLONE_PARENT | SIGCHLD, nullptr, nullptr, nullptr, nullptr);
+  if (pid == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ::dup2(socket, kChildDescriptor);
+    ::close(socket);
+    return true;
+  }
+  ::close(socket);
+  const auto id = static_cast<pid_t>(pid);
+  return pid > 0 && WriteMessage(IsolatedMessage::kResult, {reinterpret_cast<const char*>(&id), sizeof(id)});
+}
+
 // Until the parent has gone.
 void Serve(const IsolatedFunction& function) {
   ProcessLimits limits;
   std::optional<Status> confined;
   IsolatedHeader header;
-  while (ReadBytes(reinterpret_cast<char*>(&header), sizeof(header))) {
+  int descriptor = -1;
+  const auto read_header = [&] {
+    const auto bytes = reinterpret_cast<char*>(&header);
+    return confined ? ReadBytes(bytes, sizeof(header)) : ReadWithDescriptor(bytes, sizeof(header), descriptor);
+  };
+  while (read_header()) {
+    if (header.kind == IsolatedMessage::kCopy) {
+      if (confined || !CopyThisProcess(descriptor)) return;
+      continue;
+    }
     std::string message;
     try {
       message.resize(header.size);

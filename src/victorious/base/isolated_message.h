@@ -6,7 +6,8 @@
 namespace victorious {
 
 enum class IsolatedMessage : std::uint32_t {
-  kLimits,   ///< to the process: memory and processor time, then the paths that it may read
+  kCopy,    ///< to a process without limits, with the socket of the copy; the answer is a result, the copy's process id
+  kLimits,  ///< to the process: memory and processor time, then the paths that it may read
   kRequest,  ///< to the process
   kResult,   ///< from the process: of the function
   kError,    ///< from the process: one byte for the code, then the message

@@ -29,6 +29,39 @@ std::string HeaderBytes(IsolatedMessage kind, std::size_t size) {
   return {reinterpret_cast<const char*>(&header), sizeof(header)};
 }
 
+// One message with its descriptor; a descriptor goes with the first byte.
+ssize_t SendPart(int socket, std::string_view bytes, int descriptor) {
+  iovec part{.iov_base = const_cast<char*>(bytes.data()), .iov_len = bytes.size()};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+  if (descriptor >= 0) {
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    cmsghdr* const rights = CMSG_FIRSTHDR(&message);
+    rights->cmsg_level = SOL_SOCKET;
+    rights->cmsg_type = SCM_RIGHTS;
+    rights->cmsg_len = CMSG_LEN(sizeof(int));
+    std::memcpy(CMSG_DATA(rights), &descriptor, sizeof(int));
+  }
+  return ::sendmsg(socket, &message, MSG_NOSIGNAL);
+}
+
+struct SocketPair {
+  int own;
+  int of_child;
+};
+
+Expected<SocketPair> OpenSocketPair() {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    return std::unexpected(ErrorFromErrno(errno, "start a decoder"));
+  }
+  ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
+  return SocketPair{.own = ends[0], .of_child = ends[1]};
+}
+
 Error NoMeaning() { return {ErrorCode::kDataLoss, "damaged: its decoder gave an answer without a meaning"}; }
 
 }  // namespace
@@ -59,21 +92,17 @@ Expected<IsolatedProcess> IsolatedProcess::Start(std::string_view function, cons
   if (program.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(program, DecoderProgram());
   }
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    return std::unexpected(ErrorFromErrno(errno, "start a decoder"));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const SocketPair ends, OpenSocketPair());
   const Expected<pid_t> pid = StartChild({.executable = program,
                                           .arguments = {program.filename().string(), std::string(function), kVersion},
-                                          .descriptor = ends[1],
+                                          .descriptor = ends.of_child,
                                           .has_own_group = start.has_own_group});
-  ::close(ends[1]);
-  ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
+  ::close(ends.of_child);
   if (!pid) {
-    ::close(ends[0]);
+    ::close(ends.own);
     return std::unexpected(pid.error());
   }
-  return IsolatedProcess(*pid, ends[0]);
+  return IsolatedProcess(*pid, ends.own);
 }
 
 void IsolatedProcess::Confine(IsolationLimits limits) {
@@ -96,38 +125,59 @@ void IsolatedProcess::Confine(IsolationLimits limits) {
 Expected<std::string> IsolatedProcess::Ask(std::string_view request, const AskOptions& options) {
   if (!IsRunning()) return Fail(ErrorCode::kInternal, "its decoder has ended");
   const Deadline deadline = Clock::now() + options.patience;
-  std::string answer;
-  IsolatedHeader header;
-  const auto exchange = [&]() -> Status {
+  const auto exchange = [&]() -> Expected<Expected<std::string>> {
     VICTORIOUS_RETURN_IF_ERROR(Send(HeaderBytes(IsolatedMessage::kRequest, request.size()), options, deadline));
     VICTORIOUS_RETURN_IF_ERROR(Send(request, options, deadline));
-    std::string head;
-    VICTORIOUS_RETURN_IF_ERROR(Receive(head, sizeof(header), options, deadline));
-    std::memcpy(&header, head.data(), sizeof(header));
-    const bool is_error = header.kind == IsolatedMessage::kError;
-    if ((!is_error && header.kind != IsolatedMessage::kResult) || (is_error && header.size == 0) ||
-        header.size > options.max_answer_bytes) {
-      return std::unexpected(NoMeaning());
-    }
-    VICTORIOUS_RETURN_IF_ERROR(Receive(answer, header.size, options, deadline));
-    if (is_error && static_cast<unsigned char>(answer.front()) >= kErrorCodeTexts.size()) {
-      return std::unexpected(NoMeaning());
-    }
-    return {};
+    return ReceiveAnswer(options, deadline);
   };
-  if (Status done = exchange(); !done) {
-    End();
-    return std::unexpected(std::move(done).error());
-  }
-  if (header.kind == IsolatedMessage::kResult) return answer;
-  return Fail(static_cast<ErrorCode>(answer.front()), answer.substr(1));
+  Expected<Expected<std::string>> answer = exchange();
+  if (answer) return *std::move(answer);
+  End();
+  return std::unexpected(std::move(answer).error());
 }
 
-Status IsolatedProcess::Send(std::string_view bytes, const AskOptions& options, Deadline deadline) {
+Expected<Expected<std::string>> IsolatedProcess::ReceiveAnswer(const AskOptions& options, Deadline deadline) {
+  std::string head;
+  IsolatedHeader header;
+  VICTORIOUS_RETURN_IF_ERROR(Receive(head, sizeof(header), options, deadline));
+  std::memcpy(&header, head.data(), sizeof(header));
+  const bool is_error = header.kind == IsolatedMessage::kError;
+  if ((!is_error && header.kind != IsolatedMessage::kResult) || (is_error && header.size == 0) ||
+      header.size > options.max_answer_bytes) {
+    return std::unexpected(NoMeaning());
+  }
+  std::string answer;
+  VICTORIOUS_RETURN_IF_ERROR(Receive(answer, header.size, options, deadline));
+  if (!is_error) return answer;
+  if (static_cast<unsigned char>(answer.front()) >= kErrorCodeTexts.size()) return std::unexpected(NoMeaning());
+  return Expected<std::string>(Fail(static_cast<ErrorCode>(answer.front()), answer.substr(1)));
+}
+
+Expected<IsolatedProcess> IsolatedProcess::Copy() {
+  const AskOptions options;
+  const Deadline deadline = Clock::now() + options.patience;
+  VICTORIOUS_ASSIGN_OR_RETURN(const SocketPair ends, OpenSocketPair());
+  const auto exchange = [&]() -> Expected<Expected<std::string>> {
+    VICTORIOUS_RETURN_IF_ERROR(Send(HeaderBytes(IsolatedMessage::kCopy, 0), options, deadline, ends.of_child));
+    return ReceiveAnswer(options, deadline);
+  };
+  const Expected<Expected<std::string>> answer = exchange();
+  ::close(ends.of_child);
+  pid_t pid = -1;
+  if (answer && *answer && (*answer)->size() == sizeof(pid)) std::memcpy(&pid, (*answer)->data(), sizeof(pid));
+  if (pid > 0) return IsolatedProcess(pid, ends.own);
+  ::close(ends.own);
+  End();
+  if (!answer) return std::unexpected(answer.error());
+  return std::unexpected(*answer ? NoMeaning() : answer->error());
+}
+
+Status IsolatedProcess::Send(std::string_view bytes, const AskOptions& options, Deadline deadline, int descriptor) {
   while (!bytes.empty()) {
-    const ssize_t sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const ssize_t sent = SendPart(descriptor_, bytes, descriptor);
     if (sent >= 0) {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
+      descriptor = -1;
     } else if (errno == EAGAIN) {
       VICTORIOUS_RETURN_IF_ERROR(WaitFor(POLLOUT, options, deadline));
     } else if (errno != EINTR) {

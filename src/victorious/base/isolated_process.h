@@ -62,6 +62,11 @@ class IsolatedProcess {
   /// Kills it if it runs, and waits for it.
   ~IsolatedProcess() { End(); }
 
+  /// Starts a copy of this process, which is neither confined nor asked yet, in some milliseconds: what takes long when
+  /// a program starts is to link its libraries. The copy is a child of the calling program, not of this process. Waits
+  /// for the start of this process. Any error ends this process.
+  [[nodiscard]] Expected<IsolatedProcess> Copy();
+
   /// Once, before the first question. A fault shows in the first answer.
   void Confine(IsolationLimits limits);
 
@@ -78,7 +83,10 @@ class IsolatedProcess {
 
   IsolatedProcess(pid_t pid, int descriptor) : pid_(pid), descriptor_(descriptor) {}
 
-  [[nodiscard]] Status Send(std::string_view bytes, const AskOptions& options, Deadline deadline);
+  /// @param descriptor  sent with the bytes; -1: none
+  [[nodiscard]] Status Send(std::string_view bytes, const AskOptions& options, Deadline deadline, int descriptor = -1);
+  /// Reads an answer: a result, or the error that it says.
+  [[nodiscard]] Expected<Expected<std::string>> ReceiveAnswer(const AskOptions& options, Deadline deadline);
   /// Appends what comes, until there are `size` bytes.
   [[nodiscard]] Status Receive(std::string& bytes, std::size_t size, const AskOptions& options, Deadline deadline);
   [[nodiscard]] Status WaitFor(short events, const AskOptions& options, Deadline deadline);

@@ -2,7 +2,7 @@
 
 #include <csignal>
 #include <fstream>
-#include <thread>
+#include <vector>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -48,6 +48,49 @@ TEST(IsolatedProcess, AnswersSeveralRequests) {
   EXPECT_EQ(process->Ask("", {}), "1");
   EXPECT_EQ(process->Ask("", {}), "2");
   EXPECT_TRUE(process->IsRunning());
+}
+
+// Each copy is a process of its own, with limits of its own, and the first one stays as it is.
+TEST(IsolatedProcess, CopiesItself) {
+  auto origin = IsolatedProcess::Start("count", {.program = TestProgram()});
+  ASSERT_TRUE(origin);
+  std::vector<IsolatedProcess> copies;
+  for (int i = 0; i < 3; ++i) {
+    auto copy = origin->Copy();
+    ASSERT_TRUE(copy) << copy.error().message;
+    copy->Confine({});
+    EXPECT_EQ(copy->Ask("", {}), "1");
+    copies.push_back(*std::move(copy));
+  }
+  EXPECT_EQ(copies[1].Ask("", {}), "2");
+  copies.erase(copies.begin());
+  EXPECT_EQ(copies[0].Ask("", {}), "3");
+  origin->Confine({});
+  EXPECT_EQ(origin->Ask("", {}), "1");
+  EXPECT_FALSE(origin->Copy()) << "it is confined";
+  EXPECT_FALSE(origin->IsRunning());
+  EXPECT_EQ(copies[1].Ask("", {}), "2");
+}
+
+TEST(IsolatedProcess, CrashOfACopyIsAnErrorOfTheCopy) {
+  auto origin = IsolatedProcess::Start("raise", {.program = TestProgram()});
+  ASSERT_TRUE(origin);
+  auto copy = origin->Copy();
+  ASSERT_TRUE(copy);
+  copy->Confine({});
+  for (const int signal : {SIGABRT, SIGSEGV}) {
+    EXPECT_EQ(copy->Ask(std::to_string(signal), {}).error().message, "damaged: its decoder crashed");
+    copy = origin->Copy();
+    ASSERT_TRUE(copy);
+    copy->Confine({});
+  }
+  auto other = IsolatedProcess::Start("descriptors", {.program = TestProgram()});
+  ASSERT_TRUE(other);
+  auto one = other->Copy();
+  auto two = other->Copy();
+  ASSERT_TRUE(one && two);
+  two->Confine({});
+  EXPECT_EQ(two->Ask("", {}), "0 1 2 3 ") << "the socket of another copy is not among them";
 }
 
 TEST(IsolatedProcess, ReturnsErrorsAndGoesOn) {

@@ -36,7 +36,15 @@ std::vector<fs::path> ReadableFiles(const fs::path& video) {
   return files;
 }
 
+// Without a group of its own, Ctrl-C in the terminal would end answers that the server still finishes.
+Expected<IsolatedProcess> StartOrigin() { return IsolatedProcess::Start(kFrames, {.has_own_group = true}); }
+
 }  // namespace
+
+DecoderPool::DecoderPool() {
+  // Who asks gets the error.
+  if (Expected<IsolatedProcess> started = StartOrigin()) origin_.emplace(*std::move(started));
+}
 
 Expected<std::string> DecoderPool::Ask(const fs::path& video, std::string_view request, const AskOptions& options) {
   const std::string key = DecoderKey(video);
@@ -52,18 +60,19 @@ Expected<std::string> DecoderPool::Ask(const fs::path& video, std::string_view r
   Expected<std::string> answer = decoder.process.Ask(request, options);
   const bool is_running = decoder.process.IsRunning();
   Keep(std::move(decoder));
-  StartSpare();
   if (answer || is_running) return answer;
   return std::unexpected(std::move(answer).error().WithContext(video.string()));
 }
 
-void DecoderPool::StartSpare() {
-  const std::scoped_lock lock(mutex_);
-  if (spare_) return;
-  // Without a process of its own group, Ctrl-C in the terminal would end answers that the server still finishes.
-  if (Expected<IsolatedProcess> started = IsolatedProcess::Start(kFrames, {.has_own_group = true})) {
-    spare_.emplace(*std::move(started));
+Expected<IsolatedProcess> DecoderPool::CopyOrigin() {
+  const std::scoped_lock lock(origin_mutex_);
+  if (origin_) {
+    Expected<IsolatedProcess> copy = origin_->Copy();
+    if (copy) return copy;
+    origin_.reset();  // somebody has killed it, or the thread that started it has ended
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(IsolatedProcess started, StartOrigin());
+  return origin_.emplace(std::move(started)).Copy();
 }
 
 std::optional<DecoderPool::Decoder> DecoderPool::TakeIdle(const std::string& key) {
@@ -78,17 +87,9 @@ std::optional<DecoderPool::Decoder> DecoderPool::TakeIdle(const std::string& key
 }
 
 Expected<DecoderPool::Decoder> DecoderPool::StartFor(const fs::path& video, const std::string& key) {
-  std::optional<IsolatedProcess> process;
-  {
-    const std::scoped_lock lock(mutex_);
-    process = std::exchange(spare_, std::nullopt);
-  }
-  if (!process) {
-    VICTORIOUS_ASSIGN_OR_RETURN(IsolatedProcess started, IsolatedProcess::Start(kFrames, {.has_own_group = true}));
-    process.emplace(std::move(started));
-  }
-  process->Confine({.memory_bytes = kDecoderBytes, .processor_s = kDecoderSeconds, .readable = ReadableFiles(video)});
-  return Decoder{key, *std::move(process)};
+  VICTORIOUS_ASSIGN_OR_RETURN(IsolatedProcess process, CopyOrigin());
+  process.Confine({.memory_bytes = kDecoderBytes, .processor_s = kDecoderSeconds, .readable = ReadableFiles(video)});
+  return Decoder{key, std::move(process)};
 }
 
 void DecoderPool::Keep(Decoder decoder) {

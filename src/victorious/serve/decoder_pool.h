@@ -1,6 +1,6 @@
 // The processes that decode videos for the page (decoder/, base/isolated_process.h). Each belongs to one video: it can
-// read nothing else, and keeps it open for the next frame. One that belongs to no video waits, so that a new video does
-// not wait for a program to start. Thread-safe.
+// read nothing else, and keeps it open for the next frame. They are copies of one that has started and reads nothing,
+// so that a new video does not wait for a program to start. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace victorious {
 
 class DecoderPool {
  public:
-  DecoderPool() { StartSpare(); }
+  DecoderPool();
 
   /// Asks a process of a video.
   /// @param request  PackFrameRequest of this path
@@ -33,15 +33,17 @@ class DecoderPool {
     IsolatedProcess process;
   };
 
-  void StartSpare();
+  /// A process that belongs to no video.
+  [[nodiscard]] Expected<IsolatedProcess> CopyOrigin();
   /// One that waits for this video.
   [[nodiscard]] std::optional<Decoder> TakeIdle(const std::string& key);
   [[nodiscard]] Expected<Decoder> StartFor(const std::filesystem::path& video, const std::string& key);
   void Keep(Decoder decoder);
 
   std::mutex mutex_;
-  std::optional<IsolatedProcess> spare_;
-  std::list<Decoder> idle_;  ///< most recently used first
+  std::mutex origin_mutex_;
+  std::optional<IsolatedProcess> origin_;  ///< std::nullopt: it has ended
+  std::list<Decoder> idle_;                ///< most recently used first
 };
 
 }  // namespace victorious
