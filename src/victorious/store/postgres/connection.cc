@@ -11,6 +11,7 @@
 #include <poll.h>
 
 #include "victorious/base/check.h"
+#include "victorious/store/postgres/connection_error.h"
 #include "victorious/store/sql/row.h"
 
 namespace victorious::postgres {
@@ -21,20 +22,6 @@ constexpr int kOldestServer = 150000;
 // Of the advisory locks of Exclusion: "VICT" and "SERV" in ASCII.
 constexpr std::int64_t kLockKey = 0x56494354;
 constexpr std::int64_t kServerLockKey = 0x53455256;
-
-// Runs of blanks and line ends become one space: libpq and the server write several lines, a message has one.
-std::string CollapseBlanks(std::string_view text) {
-  std::string line;
-  for (const char c : text) {
-    const bool is_space = c == '\n' || c == '\r' || c == '\t' || c == ' ';
-    if (!is_space) line += c;
-    if (is_space && !line.empty() && line.back() != ' ') line += ' ';
-  }
-  while (line.ends_with(' ')) line.pop_back();
-  return line;
-}
-
-std::string FirstLine(std::string_view text) { return CollapseBlanks(text.substr(0, text.find('\n'))); }
 
 struct FreeOptions {
   void operator()(PQconninfoOption* options) const { PQconninfoFree(options); }
@@ -83,28 +70,11 @@ struct ParameterArrays {
   std::vector<int> formats;
 };
 
-// The error of a connection that was not opened. libpq gives no code, only a text, which may be translated.
-Error ConnectionError(const std::string& name, const std::string& url, const std::string& text, bool is_for_task) {
+// Whether a server answers at an address.
+PGPing Ping(const std::string& url) {
   const std::array<const char*, 3> keywords = {"dbname", "connect_timeout", nullptr};
   const std::array<const char*, 3> values = {url.c_str(), "10", nullptr};
-  const PGPing ping = PQpingParams(keywords.data(), values.data(), 1);
-  if (ping == PQPING_NO_RESPONSE) {
-    return {is_for_task ? ErrorCode::kUnavailable : ErrorCode::kNotFound,
-            fmt::format("{}: {}: start the server, or correct its host and port", name, text)};
-  }
-  if (ping == PQPING_REJECT) {
-    return {ErrorCode::kUnavailable, fmt::format("{}: {}: the server is starting or stopping: try again", name, text)};
-  }
-  const std::array<std::string_view, 3> no_room = {"too many clients", "too many connections", "connection slots"};
-  if (std::ranges::any_of(no_room, [&](std::string_view words) { return text.find(words) != std::string::npos; })) {
-    return {ErrorCode::kUnavailable,
-            fmt::format("{}: {}: raise the server's max_connections, four for each worker, or run fewer", name, text)};
-  }
-  if (text.find("database") != std::string::npos && text.find("does not exist") != std::string::npos) {
-    return {ErrorCode::kNotFound, fmt::format("{}: {}: create it (createdb -E UTF8), or correct its name", name, text)};
-  }
-  return {ErrorCode::kPermissionDenied,
-          fmt::format("{}: {}: correct the role and its password (PGPASSWORD or ~/.pgpass)", name, text)};
+  return PQpingParams(keywords.data(), values.data(), 1);
 }
 
 }  // namespace
@@ -175,16 +145,32 @@ Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, b
   for (std::size_t i = 0; i < parameters.size(); ++i) std::tie(keywords[i], values[i]) = parameters[i];
   std::unique_ptr<Connection> connection(
       new Connection(DatabaseName(url), PQconnectdbParams(keywords.data(), values.data(), 1), task));
-  if (connection->IsLost()) {
-    return std::unexpected(
-        ConnectionError(connection->name_, url, FirstLine(PQerrorMessage(connection->handle_)), task.has_value()));
-  }
+  if (connection->IsLost()) VICTORIOUS_RETURN_IF_ERROR(connection->ConnectAgain(url));
   VICTORIOUS_RETURN_IF_ERROR(connection->CheckServer());
   VICTORIOUS_RETURN_IF_ERROR(connection->PrepareSession());
   return connection;
 }
 
 Connection::~Connection() { PQfinish(handle_); }
+
+// The first attempt gives no code: how much an error says can only be set of a connection that there is.
+Status Connection::ConnectAgain(const std::string& url) {
+  const std::string text = FirstLine(PQerrorMessage(handle_));
+  const PGPing ping = Ping(url);
+  if (ping == PQPING_NO_RESPONSE) {
+    return Fail(task_ ? ErrorCode::kUnavailable : ErrorCode::kNotFound,
+                fmt::format("{}: {}: start the server, or correct its host and port", name_, text));
+  }
+  if (ping == PQPING_REJECT) {
+    return Fail(ErrorCode::kUnavailable,
+                fmt::format("{}: {}: the server is starting or stopping: try again", name_, text));
+  }
+  PQsetErrorVerbosity(handle_, PQERRORS_VERBOSE);
+  PQreset(handle_);
+  PQsetErrorVerbosity(handle_, PQERRORS_DEFAULT);
+  if (!IsLost()) return {};
+  return std::unexpected(ErrorFromFailure(name_, ParseConnectionFailure(PQerrorMessage(handle_))));
+}
 
 Status Connection::CheckServer() const {
   if (PQserverVersion(handle_) < kOldestServer) {

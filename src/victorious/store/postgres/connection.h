@@ -96,6 +96,8 @@ class Connection {
   Connection(std::string name, pg_conn* handle, std::optional<TaskAttempt> task)
       : name_(std::move(name)), handle_(handle), task_(task) {}
 
+  /// After a failed attempt: connects once more, or says why not.
+  [[nodiscard]] Status ConnectAgain(const std::string& url);
   [[nodiscard]] Status CheckServer() const;
   /// Sets what a new session needs.
   [[nodiscard]] Status PrepareSession();

@@ -134,6 +134,31 @@ TEST_F(PostgresStoreTest, TooManyConnectionsAreNoFaultOfThePassword) {
   EXPECT_THAT(error.message, HasSubstr("raise the server's max_connections"));
 }
 
+// Where the translations are installed, the server speaks German; else the test is one of English.
+TEST(PostgresLanguage, ErrorsOfConnectionsAreToldApartInAnyLanguage) {
+  ::setenv("LANGUAGE", "de", 1);
+  const testing::ScratchPostgres server;
+  ::unsetenv("LANGUAGE");
+  std::string url;
+  VICTORIOUS_STORE_OR_SKIP(url, server.url());
+  const auto connection = Connection::Open(url, false);
+  ASSERT_TRUE(connection) << connection.error().message;
+  ASSERT_TRUE((*connection)
+                  ->Execute("CREATE ROLE with_password LOGIN PASSWORD 'right';"
+                            "CREATE ROLE one_at_a_time LOGIN CONNECTION LIMIT 1"));
+  const auto code_of = [&](const std::string& user, const std::string& database) {
+    const auto opened = Connection::Open("postgresql://" + user + "@/" + database + url.substr(url.find('?')), true);
+    return opened ? ErrorCode::kInternal : opened.error().code;
+  };
+  EXPECT_EQ(code_of("victorious", "none"), ErrorCode::kNotFound);
+  EXPECT_EQ(code_of("with_password:wrong", "index"), ErrorCode::kPermissionDenied);
+  EXPECT_EQ(code_of("with_password", "index"), ErrorCode::kPermissionDenied);
+  EXPECT_EQ(code_of("nobody", "index"), ErrorCode::kPermissionDenied);
+  const auto first = Connection::Open("postgresql://one_at_a_time@/index" + url.substr(url.find('?')), true);
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_EQ(code_of("one_at_a_time", "index"), ErrorCode::kUnavailable);
+}
+
 TEST_F(PostgresStoreTest, ReadingMakesNoIndex) {
   const Error error = OpenError(url_, StoreMode::kRead);
   EXPECT_EQ(error.code, ErrorCode::kNotFound);
