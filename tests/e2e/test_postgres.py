@@ -1,8 +1,10 @@
 """An index in PostgreSQL: the commands take its URL, and print what they print of a file."""
 
 import json
+import re
 import subprocess
 import unittest
+import urllib.request
 
 import program
 
@@ -72,6 +74,133 @@ class PostgresTest(program.ProgramTest):
         again = self.succeeds("index", flight / "flight.mkv", "--models", program.models(), "--db", self.url)
         self.same("export", "--format", "sightings")
         self.assertEqual(again.status, 0, "nothing is left to do")
+
+
+# Tries each kind of access to each table, as the role of the connection: "table SELECT", "table UPDATE column".
+TRY_EVERYTHING = """
+CREATE TEMPORARY TABLE allowed (what text);
+DO $$
+DECLARE
+  tried record;
+  is_allowed boolean;
+BEGIN
+  FOR tried IN
+    SELECT relname || ' ' || kind AS what, format(statement, oid::regclass) AS statement
+    FROM pg_class CROSS JOIN (VALUES ('SELECT', 'SELECT FROM %s LIMIT 0'), ('INSERT', 'INSERT INTO %s DEFAULT VALUES'),
+                                     ('DELETE', 'DELETE FROM %s WHERE false')) AS kinds (kind, statement)
+    WHERE relnamespace = 'victorious'::regnamespace AND relkind IN ('r', 'p', 'v') AND (relkind <> 'v' OR kind = 'SELECT')
+    UNION ALL
+    SELECT relname || ' UPDATE ' || attname, format('UPDATE %s SET %I = DEFAULT WHERE false', c.oid::regclass, attname)
+    FROM pg_class c JOIN pg_attribute a ON a.attrelid = c.oid AND attnum > 0 AND NOT attisdropped
+    WHERE relnamespace = 'victorious'::regnamespace AND relkind IN ('r', 'p')
+  LOOP
+    BEGIN
+      EXECUTE tried.statement;
+      RAISE EXCEPTION 'taken back';
+    EXCEPTION WHEN insufficient_privilege THEN is_allowed := false; WHEN OTHERS THEN is_allowed := true;
+    END;
+    IF is_allowed THEN INSERT INTO allowed VALUES (tried.what); END IF;
+  END LOOP;
+END $$;
+SELECT what FROM allowed
+"""
+
+RIGHTS = {
+    "reader": {"SELECT": {"reviews", "decisions", "reviewed_tracklets", "thresholds"}},
+    "worker": {
+        "INSERT": {"videos", "searches", "tracklets", "kept_fits", "video_cuts", "recordings", "models", "kept_frames",
+                   "shown_ground", "gaps", "segments", "tasks", "covered_times", "options", "sightings", "task_log", "objects"},
+        "UPDATE": {"videos", "searches", "tracklets", "kept_fits", "video_cuts", "recordings", "segments", "tasks",
+                   "covered_times", "objects"},
+        "DELETE": {"videos", "searches", "tracklets", "kept_fits", "video_cuts", "recordings", "models", "kept_frames",
+                   "shown_ground", "gaps", "objects"},
+    },
+    "server": {
+        "SELECT": {"reviews", "decisions", "reviewed_tracklets", "thresholds", "accounts", "credentials", "jobs", "audit"},
+        "INSERT": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials", "audit"},
+        "UPDATE": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials", "objects"},
+        "DELETE": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials"},
+    },
+}  # fmt: skip
+REVIEW_COLUMNS = {"verdict", "note", "reviewer", "reviewed_utc_us", "is_contested"}
+# What everybody of these roles reads: what was found, and what workers do.
+FOUND = {"version", "videos", "models", "options", "searches", "objects", "tracklets", "sightings", "kept_frames", "kept_fits",
+         "shown_ground", "covered_times", "tasks", "task_log", "video_cuts", "segments", "gaps", "recordings"}  # fmt: skip
+
+
+class RolesTest(program.ProgramTest):
+    """The roles of docs/cluster.md, by the statements that stand there."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.url = cls.enterClassContext(Postgres()).url
+
+    def setUp(self):
+        super().setUp()
+        self.sql(self.url, "DROP SCHEMA IF EXISTS victorious CASCADE")
+        self.video = self.scratch / "flight.mp4"
+        self.video.write_bytes((program.flight() / "flight.mp4").read_bytes())
+        self.succeeds("index", self.video, "--models", program.models(), "--db", self.url)
+        rights = (program.REPOSITORY / "docs" / "cluster.md").read_text().split("## Rights")[1].split("\n## ")[0]
+        self.blocks = re.findall(r"^```\n(GRANT .*?)^```", rights, re.MULTILINE | re.DOTALL)
+        self.assertEqual(len(self.blocks), len(RIGHTS))
+        for role, block in zip(RIGHTS, self.blocks):
+            self.sql(self.url, f"DO $$ BEGIN CREATE ROLE {role} LOGIN; EXCEPTION WHEN duplicate_object THEN END $$; {block}")
+
+    def sql(self, url, statement) -> list[str]:
+        command = ["psql", url, "--quiet", "--no-align", "--tuples-only", "--set=ON_ERROR_STOP=1", "--command", statement]
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout.splitlines()
+
+    def of(self, role) -> str:
+        return self.url.replace("victorious@", f"{role}@")
+
+    def test_each_table_as_each_role(self):
+        parts = re.compile(r"sightings_\d+ SELECT")  # of a table whose rights count
+        for role, rights in RIGHTS.items():
+            tried = [line for line in self.sql(self.of(role), TRY_EVERYTHING) if not parts.fullmatch(line)]
+            allowed = {kind: {} for kind in ("SELECT", "INSERT", "UPDATE", "DELETE")}
+            for table, kind, *column in map(str.split, tried):
+                allowed[kind].setdefault(table, set()).update(column)
+            for kind, tables in allowed.items():
+                expected = rights.get(kind, set()) | (FOUND if kind == "SELECT" else set())
+                self.assertEqual(set(tables), expected, f"{role} {kind}")
+            columns = allowed["UPDATE"].get("objects", set())
+            if role == "worker":
+                self.assertEqual(columns & (REVIEW_COLUMNS | {"id", "model_id"}), set())
+                refused = "INSERT INTO victorious.objects (id, model_id, verdict) VALUES (9, 1, 'accepted')"
+                command = ["psql", self.of(role), "--command", refused]
+                done = subprocess.run(command, check=False, capture_output=True, text=True)
+                self.assertIn("permission denied", done.stderr)
+            if role == "server":
+                self.assertEqual(columns, REVIEW_COLUMNS)
+
+    def test_each_role_does_its_work(self):
+        server, worker, reader = (self.of(role) for role in ("server", "worker", "reader"))
+        (number, *_) = (row["object_id"] for row in self.succeeds("search", "--db", reader, "--json").rows())
+        with program.Server(server, "--uploads", self.scratch / "u", "--copies", self.scratch / "c") as page:
+            request = urllib.request.Request(
+                f"{page.url}/api/v1/objects/{number}/review", b'{"verdict": "rejected", "note": "a shadow", "reviewer": "ann"}',
+                {"Content-Type": "application/json"}, method="PUT",
+            )  # fmt: skip
+            self.assertEqual(urllib.request.urlopen(request).status, 200)
+        self.succeeds("user", "add", "ann", "--role", "admin", "--db", server, input="correct horse battery")
+        models = ("--models", program.models(), "--db", worker)
+        self.succeeds("index", self.video, *models, "--redo")
+        kept = self.sql(self.url, "SELECT o.verdict, o.note, d.reviewer FROM victorious.objects o JOIN victorious.decisions d"
+                                  " ON d.object_id = o.id")  # fmt: skip
+        self.assertEqual(kept, ["rejected|a shadow|ann"], "the review follows the object that was found again")
+        other = self.scratch / "other.mkv"
+        other.write_bytes((program.flight() / "flight.mkv").read_bytes())
+        self.succeeds("submit", other, *models, "--segment", 1)
+        self.succeeds("submit", "udp://127.0.0.1:9", *models)
+        self.succeeds("work", "--db", worker, "--until-empty", "--threads", 2)
+        self.succeeds("cluster", "end", "udp://127.0.0.1:9", "--db", worker)
+        status = json.loads(self.succeeds("cluster", "status", "--db", reader, "--json").out)
+        self.assertEqual(status["done"], 1, status)
+        self.assertGreater(len(self.succeeds("export", "--db", reader, "--format", "objects").rows()), 1)
+        self.refuses(1, "permission denied", "index", self.video, "--models", program.models(), "--db", reader, "--redo")
 
 
 class AddressTest(program.ProgramTest):

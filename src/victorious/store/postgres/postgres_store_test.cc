@@ -406,7 +406,7 @@ TEST_F(PostgresStoreTest, RefusesOtherEncodings) {
 
 TEST_F(PostgresStoreTest, IndexWithoutTablesIsDataLoss) {
   const auto store = OpenOrDie();
-  Run("DROP TABLE sightings");
+  Run("DROP TABLE sightings CASCADE");
   EXPECT_EQ(store->Sightings({}).error().code, ErrorCode::kDataLoss);
   Run("INSERT INTO models (name, content_id, kind) VALUES ('m', '1', 'song')");
   EXPECT_EQ(store->Models().error().code, ErrorCode::kDataLoss);

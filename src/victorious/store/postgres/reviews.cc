@@ -1,5 +1,6 @@
 // The reviews of an index: bound to a sighting's place in a video, resolved to the object that is there at present.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "victorious/base/enum_text.h"
 #include "victorious/store/postgres/postgres_store.h"
@@ -32,27 +33,6 @@ constexpr std::string_view kFirstSightings =
     "ORDER BY f.frame LIMIT 1) s WHERE t.object_id = ?";
 
 constexpr std::string_view kDecisionColumns = "object_id, reviewer, verdict, note, decided_utc_us";
-
-// Each person's latest review of each object.
-// @param where  joins to kFromReviews
-std::string SelectDecisions(std::string_view where) {
-  return fmt::format(
-      "SELECT DISTINCT ON (t.object_id, r.reviewer) t.object_id, r.reviewer, r.verdict, r.note, r.updated_utc_us AS "
-      "decided_utc_us FROM {} {} ORDER BY t.object_id, r.reviewer, r.updated_utc_us DESC",
-      kFromReviews, where);
-}
-
-// Follows the decisions about some objects: the latest with a verdict, else the latest of all; NULL without any.
-// @param where  selects from objects o
-std::string AssignTeamReview(std::string_view where) {
-  return fmt::format(
-      "UPDATE objects o SET (verdict, note, reviewer, reviewed_utc_us) = "
-      "(SELECT d.verdict, d.note, d.reviewer, d.decided_utc_us FROM decisions d WHERE d.object_id = o.id "
-      "ORDER BY d.verdict IS NULL, d.decided_utc_us DESC, d.reviewer LIMIT 1), "
-      "is_contested = (SELECT CASE WHEN count(DISTINCT d.verdict) > 1 THEN 1 ELSE 0 END FROM decisions d "
-      "WHERE d.object_id = o.id) WHERE {}",
-      where);
-}
 
 constexpr std::string_view kReplaceDecision =
     "ON CONFLICT (object_id, reviewer) DO UPDATE SET verdict = excluded.verdict, note = excluded.note, "
@@ -92,48 +72,19 @@ Status PostgresStore::PutReview(std::int64_t object, const Review& review) {
         fmt::format("INSERT INTO decisions ({}) VALUES (?, ?, ?, ?, ?) {}", kDecisionColumns, kReplaceDecision), object,
         review.reviewer, verdict, review.note, review.updated_utc_us));
   }
-  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(AssignTeamReview("o.id = ?"), object));
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Execute(fmt::format("SELECT victorious.summarise_decisions('{{{}}}')", object)));
   const AuditRecord record = sql::AuditOfReview(object, review, place.Text(0), place.Text(1), place.Integer(2));
   VICTORIOUS_RETURN_IF_ERROR(connection_->Query(sql::kInsertAudit, record.time_utc_us, record.actor, record.action,
                                                 record.subject, record.detail));
   return transaction.Commit();
 }
 
-Status PostgresStore::AssignAllReviews() {
-  // Writes only what differs.
-  return connection_->Execute(fmt::format(
-      "CREATE TEMPORARY TABLE new_decisions ON COMMIT DROP AS {1}; "
-      "CREATE TEMPORARY TABLE decided_objects (object_id bigint) ON COMMIT DROP; ANALYZE new_decisions; "
-      "WITH gone AS (DELETE FROM decisions d WHERE NOT EXISTS (SELECT FROM new_decisions n WHERE n.object_id = "
-      "d.object_id AND n.reviewer = d.reviewer) RETURNING d.object_id) "
-      "INSERT INTO decided_objects SELECT object_id FROM gone; "
-      "WITH put AS (INSERT INTO decisions ({0}) SELECT {0} FROM new_decisions {2} WHERE (decisions.verdict, "
-      "decisions.note, decisions.decided_utc_us) IS DISTINCT FROM (excluded.verdict, excluded.note, "
-      "excluded.decided_utc_us) RETURNING object_id) INSERT INTO decided_objects SELECT object_id FROM put; "
-      "ANALYZE decided_objects; {3}",
-      kDecisionColumns, SelectDecisions(""), kReplaceDecision,
-      AssignTeamReview("o.id IN (SELECT object_id FROM decided_objects)")));
-}
+Status PostgresStore::AssignAllReviews() { return connection_->Execute("SELECT victorious.assign_all_reviews()"); }
 
 Status PostgresStore::AssignReviewsOf(std::span<const std::int64_t> tracklets) {
   if (tracklets.empty()) return {};
-  {
-    VICTORIOUS_ASSIGN_OR_RETURN(Result any, connection_->Query("SELECT EXISTS (SELECT FROM reviews)"));
-    if (!any.Next() || any.Integer(0) == 0) return {};
-  }
-  const std::string ids = sql::ListText(sql::Dialect::kPostgres, tracklets);
-  const std::string is_of_batch = sql::IsOneOf(sql::Dialect::kPostgres, "t.id");
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const Result added,
-      connection_->Query(fmt::format("INSERT INTO decisions ({}) {} {} WHERE excluded.decided_utc_us > "
-                                     "decisions.decided_utc_us",
-                                     kDecisionColumns, SelectDecisions("WHERE " + is_of_batch), kReplaceDecision),
-                         ids));
-  if (added.Changes() == 0) return {};
-  const auto assigned = connection_->Query(
-      AssignTeamReview(fmt::format("o.id IN (SELECT t.object_id FROM tracklets t WHERE {})", is_of_batch)), ids);
-  if (!assigned) return std::unexpected(assigned.error());
-  return {};
+  return connection_->Execute(fmt::format("SELECT victorious.assign_reviews_of('{{{}}}')", fmt::join(tracklets, ",")));
 }
 
 Expected<std::vector<ReviewedObject>> PostgresStore::Reviews() {
