@@ -1,7 +1,10 @@
 #include "victorious/cluster/index_task.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,6 +22,18 @@ bool IsArgument(const std::string& text) {
 }
 
 bool IsArgument(const nlohmann::json& value) { return value.is_string() && IsArgument(value.get<std::string>()); }
+
+// Whether these are options of `victorious index` that a task may have, each with its value: none that writes a file, and
+// none that a worker gives.
+bool AreOptions(std::span<const std::string> options) {
+  constexpr std::array<std::string_view, 7> kFlags = {"--models", "--categories", "--params", "--quality",
+                                                      "--every",  "--from",       "--to"};
+  if (options.size() % 2 != 0) return false;
+  for (std::size_t i = 0; i < options.size(); i += 2) {
+    if (std::ranges::find(kFlags, options[i]) == kFlags.end() || options[i + 1].starts_with('-')) return false;
+  }
+  return true;
+}
 
 nlohmann::ordered_json PayloadOf(const IndexTask& task) {
   nlohmann::ordered_json payload = {{"video", task.video}, {"options", task.options}, {"program", task.program}};
@@ -167,6 +182,7 @@ Expected<IndexTask> FromQueue(std::string_view kind, std::string_view payload) {
     if (!IsArgument(option)) return invalid(kOptionsRule);
     task.options.push_back(option);
   }
+  if (!AreOptions(task.options)) return invalid("options must be those of `victorious submit`");
   if (fields->contains("targets")) {
     Expected<std::map<std::string, std::string>> targets = TargetsOf((*fields)["targets"]);
     if (!targets) return invalid(targets.error().message);

@@ -109,10 +109,13 @@ TEST(IndexTask, NamesTheContentOfItsFiles) {
 
 TEST(IndexTask, InvalidPayloadsAreErrors) {
   EXPECT_THAT(FromQueue("stitch", "{}").error().message, HasSubstr("stitch"));
-  for (const char* payload :
-       {"", "[]", R"({"video": "a\u0000b", "program": "1", "options": []})", "{\"video\": \"\xFF\"}", "{}",
-        R"({"video": 1, "program": "1", "options": []})", R"({"video": "v", "program": "1"})",
-        R"({"video": "v", "program": "1", "options": [1]})"}) {
+  for (const char* payload : {"", "[]", R"({"video": "a\u0000b", "program": "1", "options": []})",
+                              "{\"video\": \"\xFF\"}", "{}", R"({"video": 1, "program": "1", "options": []})",
+                              R"({"video": "v", "program": "1"})", R"({"video": "v", "program": "1", "options": [1]})",
+                              R"({"video": "v", "program": "1", "options": ["--models"]})",
+                              R"({"video": "v", "program": "1", "options": ["--draw", "/home/ann/x.mp4"]})",
+                              R"({"video": "v", "program": "1", "options": ["--models", "--draw"]})",
+                              R"({"video": "v", "program": "1", "options": ["--db=x", "y"]})"}) {
     const auto task = FromQueue("index", payload);
     ASSERT_FALSE(task) << payload;
     EXPECT_EQ(task.error().code, ErrorCode::kInvalidArgument);
