@@ -28,7 +28,7 @@ MISSING = [
 @unittest.skipIf(MISSING, f"not there: {', '.join(MISSING)}")
 class PageTest(program.ProgramTest):
     def drive(self, scenario, db, *flags, inputs=()):
-        with program.Server(db, "--web", PAGE, *flags) as server:
+        with program.Server(db, "--web", PAGE, "--videos", program.flight(), *flags) as server:
             command = ["node", SCRIPT, scenario, server.url, *inputs]
             done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
         self.assertEqual(done.returncode, 0, f"{done.stdout}{done.stderr}{server.err}")

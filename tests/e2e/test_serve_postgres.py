@@ -40,7 +40,7 @@ class ServePostgresTest(test_serve.ServerCase):
         return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
 
     def serve(self, *flags, url=None):
-        folders = ("--uploads", self.scratch / "uploads", "--copies", self.scratch / "copies")
+        folders = ("--uploads", self.scratch / "uploads", "--copies", self.scratch / "copies", "--videos", self.scratch)
         return program.Server(url or self.url, *folders, *flags)
 
     def wait_until(self, is_so):

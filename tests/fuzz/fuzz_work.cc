@@ -38,7 +38,7 @@ void CheckTask(std::string_view kind, std::string_view payload) {
 
 void CheckJob(JobKind kind, std::string_view input) {
   const victorious::JobRecord job{.kind = kind, .input_json = std::string(input)};
-  const auto arguments = victorious::JobArguments(job, {.index = "/d/index.db", .models = "/m", .uploads = "/u"});
+  const auto arguments = victorious::JobArguments(job, {.index = "/d/index.db", .models = "/m", .copies = "/d"});
   if (!arguments) return CheckError(arguments.error());
   CheckArguments(*arguments);
   VICTORIOUS_CHECK(victorious::MadeFileOf(job).has_value() == victorious::MakesFile(kind));

@@ -123,6 +123,18 @@ void AddDb(ArgumentParser& parser, std::string& db, std::string_view description
       .TypeName("DB");
 }
 
+void AddFilesBelow(ArgumentParser& parser, std::vector<std::string>& folders) {
+  parser
+      .Add("--files-below", folders,
+           "For jobs of `serve`: of the files that the index names, open only those below this folder; repeatable")
+      .TypeName("DIR")
+      .OneValueEach();
+}
+
+FileRoots RootsOf(const std::vector<std::string>& folders) {
+  return folders.empty() ? FileRoots() : FileRoots({folders.begin(), folders.end()});
+}
+
 Status CheckSharedDatabase(const std::string& db) {
   if (IsDatabaseUrl(db)) return {};
   return Fail(ErrorCode::kInvalidArgument,

@@ -11,6 +11,7 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/file_writer.h"
+#include "victorious/base/file_roots.h"
 #include "victorious/base/one_line.h"
 #include "victorious/base/options.h"
 #include "victorious/cli/argument_parser.h"
@@ -58,6 +59,12 @@ struct CameraArguments {
 
 /// Adds the option --db: a SQLite file or the URL of a PostgreSQL database (store/open_store.h).
 void AddDb(ArgumentParser& parser, std::string& db, std::string_view description = "The index");
+
+/// Adds the option --files-below: folders that limit which of the files that an index names are opened.
+void AddFilesBelow(ArgumentParser& parser, std::vector<std::string>& folders);
+
+/// What its folders mean: every file if none was given.
+[[nodiscard]] FileRoots RootsOf(const std::vector<std::string>& folders);
 
 /// Checks that the argument of --db is a database, which workers share. Error: kInvalidArgument.
 [[nodiscard]] Status CheckSharedDatabase(const std::string& db);

@@ -39,6 +39,7 @@ struct CategoryArguments {
   std::string method = std::string(ToText(kCategoryMethodTexts, CategoryMethod::kPhrases));
   std::string explain;
   std::string db;
+  std::vector<std::string> files_below;
   bool json = false;
 };
 
@@ -199,6 +200,7 @@ Expected<std::vector<CategoryFeedback>> ReadReviewedMarks(const CategoryArgument
                                                           const CategoryFeaturizer& featurizer) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ReviewMark> reviewed, ListReviewMarks(*store));
+  const FileRoots roots = RootsOf(arguments.files_below);
   Progress progress(StoreName(arguments.db), std::ssize(reviewed), "marks");
   std::vector<CategoryFeedback> marks;
   std::int64_t done = 0;
@@ -208,7 +210,7 @@ Expected<std::vector<CategoryFeedback>> ReadReviewedMarks(const CategoryArgument
       LogWarning("{} is not a category of {}: its objects are left out", OneLine(one.category), arguments.model);
       continue;
     }
-    const auto grey = ReadMarkedFrame(one, Interrupt());
+    const auto grey = ReadMarkedFrame(one, roots, Interrupt());
     if (!grey) {
       if (grey.error().code == ErrorCode::kCancelled) return std::unexpected(grey.error());
       LogWarning("an object is left out: {}", OneLine(grey.error().message));
@@ -312,6 +314,7 @@ Action SetUpCategory(ArgumentParser& parser) {
            "Instead of a list, an index: its accepted and rejected objects of categories, each by the frame of its "
            "best sighting")
       .TypeName("FILE");
+  AddFilesBelow(refine, arguments->files_below);
   refine.Add("--out", arguments->out, "The new category model to write").Required().TypeName("FILE");
   refine.AddFlag("--json", arguments->json, "Print one JSON object: the model, the number of marks");
   for (ArgumentParser command : {train, classify, refine}) AddForce(command);

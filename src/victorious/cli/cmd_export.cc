@@ -32,6 +32,7 @@ constexpr std::string_view kVideoFormat = "video";
 struct ClipArguments {
   std::optional<double> margin_s;
   std::string telemetry;
+  std::vector<std::string> files_below;
 };
 
 // Prints what was exported to a file: the objects that match the filter, those of them that have a place (a map's), and
@@ -61,6 +62,8 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
     return Fail(ErrorCode::kInvalidArgument, "--format video: give --out FILE, a name that ends in .mp4 or .mkv");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexedDrawing drawing, ListIndexedDrawing(filter, store));
+  const FileRoots roots = RootsOf(clip.files_below);
+  VICTORIOUS_RETURN_IF_ERROR(roots.Check(drawing.video));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", out, FileKind::kVideo}}, {drawing.video}));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(out));
   DrawOptions options{.folder_frame_rate = VideoReaderOptions().folder_frame_rate};
@@ -84,7 +87,7 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
                               DrawVideo(drawing.video, drawing.sightings, options, out, Interrupt()));
   const auto warn = [](const std::string& line) { LogWarning(OneLine(line)); };
   const auto file =
-      clip.telemetry.empty() ? RememberedTelemetry(drawing.telemetry, warn) : std::optional(clip.telemetry);
+      clip.telemetry.empty() ? RememberedTelemetry(drawing.telemetry, roots, warn) : std::optional(clip.telemetry);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t states, WriteClipTelemetry(drawing.video, file, span, out, warn));
   LogInfo("{:.2f} s to {:.2f} s, {}", span.from_s, span.to_s,
           states > 0 ? "with telemetry beside it" : "without telemetry");
@@ -161,6 +164,7 @@ Action SetUpExport(ArgumentParser& parser) {
   parser.Add("--telemetry", arguments->clip.telemetry, "With --clip: telemetry of the video (default: as for index)")
       .Needs(clip)
       .TypeName("FILE");
+  AddFilesBelow(parser, arguments->clip.files_below);
   parser.AddFlag(
       "--json", arguments->json,
       "With --out: print one JSON object: the file, its numbers of objects, of those with a place, of sightings");

@@ -76,6 +76,7 @@ struct IndexArguments {
   std::string stored_as;
   std::string content_id;
   std::string covers;
+  std::vector<std::string> files_below;
 };
 
 // What is done with one video.
@@ -385,6 +386,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     VICTORIOUS_ASSIGN_OR_RETURN(segments, OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate, task));
   }
   const DeviceWarning device_warning(device.get());
+  const FileRoots roots = RootsOf(arguments.files_below);
   const Work work{.store = *store, .segments = segments.get(), .cut_s = arguments.cut_s, .frames = frames};
   for (const std::string& video : arguments.videos) {
     if (!can_be_searched(video)) continue;
@@ -394,6 +396,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
                        .content_id = arguments.content_id,
                        .covers = arguments.covers,
                        .telemetry = arguments.telemetry,
+                       .roots = roots,
                        .redo = RedoOf(arguments),
                        .threads = arguments.threads,
                        .from_s = arguments.from_s,
@@ -504,6 +507,7 @@ Action SetUpIndex(ArgumentParser& parser) {
       .TypeName("URL");
   parser.AddFlag("--redo-other", arguments->redo_other,
                  "For workers: as --redo, if the results were made with other parameters");
+  AddFilesBelow(parser, arguments->files_below);
   AddFieldOfView(parser, arguments->hfov_deg);
   AddCamera(parser, arguments->camera);
   AddGround(parser, arguments->ground);

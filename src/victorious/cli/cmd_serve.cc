@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -33,6 +34,7 @@ struct ServeArguments {
   std::string tiles_attribution;
   std::string uploads;
   std::string copies;
+  std::vector<std::string> videos;
   std::string tls_certificate;
   std::string tls_key;
   double max_upload_gb = 50;
@@ -59,6 +61,16 @@ std::string FilesBeside(const std::string& db) {
   return std::filesystem::absolute(database.substr(0, database.find('?')), error).string();
 }
 
+Status CheckFolders(const std::vector<std::string>& folders) {
+  for (const std::string& folder : folders) {
+    std::error_code error;
+    if (std::filesystem::is_directory(folder, error)) continue;
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--videos {}: no such folder: give one that holds videos of the index", OneLine(folder)));
+  }
+  return {};
+}
+
 Status Run(const ServeArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(HttpServerOptions server_options, ParseListenAddress(arguments.listen));
   server_options.tls_certificate = arguments.tls_certificate;
@@ -72,6 +84,9 @@ Status Run(const ServeArguments& arguments) {
   options.server = {.is_loopback = server_options.is_loopback, .has_tls = has_tls};
   options.uploads = arguments.uploads.empty() ? beside + ".uploads" : arguments.uploads;
   options.copies = arguments.copies.empty() ? beside + ".copies" : arguments.copies;
+  VICTORIOUS_RETURN_IF_ERROR(CheckFolders(arguments.videos));
+  options.videos.assign(arguments.videos.begin(), arguments.videos.end());
+  options.secrets = {arguments.tls_key, arguments.tls_certificate};
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   options.max_copies_bytes = static_cast<std::uint64_t>(arguments.max_copies_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
@@ -143,6 +158,13 @@ Action SetUpServe(ArgumentParser& parser) {
       .Add("--telemetry", arguments->telemetry,
            "Telemetry of the index's only video (default: in the video or beside it)")
       .TypeName("FILE");
+  parser
+      .Add(
+          "--videos", arguments->videos,
+          "Folder with videos of the index and their telemetry; repeatable. Files that the index names are opened only "
+          "below these folders, the index's, the present one, and those of uploads and copies")
+      .TypeName("DIR")
+      .OneValueEach();
   parser
       .Add("--uploads", arguments->uploads,
            "Folder for uploaded videos and models (default: FILE.uploads, or DATABASE.uploads in the present folder)")

@@ -170,8 +170,9 @@ Status CheckKind(const OutputFile& output, const struct stat& existing) {
                           output.path, ToText(kKindTexts, *output.kind)));
 }
 
-// An option whose values are paths, by the name of its value. Positional arguments are paths except NAME.
+// An option whose values are paths of inputs, by the name of its value. Positional arguments are paths except NAME.
 bool NamesPaths(const CLI::Option& option) {
+  if (option.get_name() == "--files-below") return false;  // a limit: what lies there is not read for that
   constexpr std::array<std::string_view, 5> kTypes = {"FILE", "DIR", "DB", "CSV", "SCENE.json"};
   if (option.get_positional()) return option.get_name() != "NAME";
   return std::ranges::find(kTypes, option.get_type_name()) != kTypes.end();

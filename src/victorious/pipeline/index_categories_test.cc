@@ -211,14 +211,16 @@ TEST_F(IndexCategoriesTest, ReviewsAreMarks) {
   EXPECT_FALSE(marks->at(1).is_right);
   EXPECT_GE(marks->at(1).time_s, 0.1 * kChange - 0.2);
   for (const ReviewMark& mark : *marks) {
-    const auto frame = ReadMarkedFrame(mark, {});
+    const auto frame = ReadMarkedFrame(mark, {}, {});
     ASSERT_TRUE(frame) << frame.error().message;
     EXPECT_EQ(frame->size(), cv::Size(160, 120));
     EXPECT_EQ(frame->type(), CV_8UC1);
   }
+  const FileRoots elsewhere({"/nowhere"});
+  EXPECT_EQ(ReadMarkedFrame(marks->at(0), elsewhere, {}).error().code, ErrorCode::kPermissionDenied);
   ReviewMark live = marks->at(0);
   live.video.name = "rtsp://camera/stream";
-  EXPECT_EQ(ReadMarkedFrame(live, {}).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(ReadMarkedFrame(live, {}, {}).error().code, ErrorCode::kUnsupported);
   ASSERT_TRUE(store->PutReview(right, {.note = "look again", .updated_utc_us = 3, .reviewer = "bob"}));
   EXPECT_FALSE(ListReviewMarks(*store)->at(0).is_right) << "Ann's decision is the team's again";
 }

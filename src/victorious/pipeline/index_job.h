@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "victorious/base/file_roots.h"
 #include "victorious/base/warning_sink.h"
 #include "victorious/geometry/sun.h"
 #include "victorious/kernels/nearest_device.h"
@@ -32,6 +33,7 @@ struct IndexJob {
   /// entered as covered (CoveredTime). Each `from_s` makes a video of its own. Empty: of none.
   std::string covers = {};
   std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
+  FileRoots roots = {};                  ///< that the telemetry file must lie below which the index names for the video
   Redo redo = Redo::kNever;
   int threads = 0;                    ///< 0: one per hardware thread
   std::optional<double> from_s = {};  ///< only frames at this time or later are searched

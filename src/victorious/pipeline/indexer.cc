@@ -147,7 +147,7 @@ Expected<std::optional<std::string>> GivenTelemetry(const IndexJob& job, const s
   const auto warn_of_loss = [&](const std::string& loss) {
     warn(loss + ": what is in the video or beside it is used, if there is any; --telemetry FILE names another file");
   };
-  const std::optional<std::string> file = RememberedTelemetry(before->telemetry, warn_of_loss);
+  const std::optional<std::string> file = RememberedTelemetry(before->telemetry, job.roots, warn_of_loss);
   if (file && job.inform) job.inform(fmt::format("telemetry: {}, as it was given for the video before", *file));
   return file;
 }

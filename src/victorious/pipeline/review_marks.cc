@@ -44,12 +44,13 @@ Expected<std::vector<ReviewMark>> ListReviewMarks(IndexStore& store) {
   return marks;
 }
 
-Expected<cv::Mat> ReadMarkedFrame(const ReviewMark& mark, const CancelToken& cancel) {
+Expected<cv::Mat> ReadMarkedFrame(const ReviewMark& mark, const FileRoots& roots, const CancelToken& cancel) {
   constexpr double kTimeTolerance_s = 1e-4;
   const std::string path = FindVideoFile(mark.video);
   if (path.find("://") != std::string::npos) {
     return Fail(ErrorCode::kUnsupported, path + ": a live source: its frames are not kept");
   }
+  VICTORIOUS_RETURN_IF_ERROR(roots.Check(path));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(path, {.color = FrameColor::kGrey}));
   reader->SeekTo(mark.time_s);  // if it cannot, the frames are read from the beginning
   while (!cancel.IsCancelled()) {

@@ -11,6 +11,7 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/base/file_roots.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {
@@ -25,8 +26,11 @@ struct ReviewMark {
 /// By video, then time, then category.
 [[nodiscard]] Expected<std::vector<ReviewMark>> ListReviewMarks(IndexStore& store);
 
-/// Reads the frame of a mark, CV_8UC1. Errors: those of VideoReader; kNotFound beyond the end; kUnsupported for a live
-/// source, whose frames are not kept; kCancelled.
-[[nodiscard]] Expected<cv::Mat> ReadMarkedFrame(const ReviewMark& mark, const CancelToken& cancel);
+/// Reads the frame of a mark, CV_8UC1.
+/// @param roots  that its video must lie below
+/// Errors: those of VideoReader and of FileRoots::Check; kNotFound beyond the end; kUnsupported for a live source, whose
+/// frames are not kept; kCancelled.
+[[nodiscard]] Expected<cv::Mat> ReadMarkedFrame(const ReviewMark& mark, const FileRoots& roots,
+                                                const CancelToken& cancel);
 
 }  // namespace victorious

@@ -127,9 +127,14 @@ Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const
   return telemetry;
 }
 
-std::optional<std::string> RememberedTelemetry(const std::string& file, const WarningSink& warn) {
+std::optional<std::string> RememberedTelemetry(const std::string& file, const FileRoots& roots,
+                                               const WarningSink& warn) {
   std::error_code error;
   if (file.empty()) return std::nullopt;
+  if (const Status allowed = roots.Check(file); !allowed) {
+    if (warn) warn("the telemetry file that was given for the video is not read: " + allowed.error().message);
+    return std::nullopt;
+  }
   if (fs::exists(file, error)) return file;
   if (warn) warn(fmt::format("the telemetry file {} that was given for the video is gone", file));
   return std::nullopt;

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "victorious/base/error.h"
+#include "victorious/base/file_roots.h"
 #include "victorious/base/warning_sink.h"
 #include "victorious/geometry/ground.h"
 #include "victorious/telemetry/telemetry.h"
@@ -45,8 +46,10 @@ namespace victorious {
                                                                const std::function<void(const std::string&)>& warn);
 
 /// The telemetry file that was given when a video was indexed (VideoRecord::telemetry). std::nullopt: none was given,
-/// or it is gone, which one line to `warn` says; `warn` may be empty.
-[[nodiscard]] std::optional<std::string> RememberedTelemetry(const std::string& file, const WarningSink& warn);
+/// it may not be opened, or it is gone; one line to `warn` says which of the last two. `warn` may be empty.
+/// @param roots  that it must lie below
+[[nodiscard]] std::optional<std::string> RememberedTelemetry(const std::string& file, const FileRoots& roots,
+                                                             const WarningSink& warn);
 
 /// Explains why no camera state is usable for any frame of a video; std::nullopt if one may be.
 /// @param duration_s  of the video, if known

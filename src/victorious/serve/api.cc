@@ -10,6 +10,7 @@
 
 #include "victorious/base/isolated_process.h"
 #include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/base/median.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/camera_states.h"
@@ -38,17 +39,38 @@ bool IsRead(const HttpRequest& request) {
   return request.method == HttpMethod::kGet || request.method == HttpMethod::kHead;
 }
 
-ApiExpected<HttpResponse> SendFile(const HttpRequest& request, const std::filesystem::path& path) {
+// @param name  that tells what kind of file it is
+ApiExpected<HttpResponse> SendFile(const HttpRequest& request, const std::filesystem::path& path,
+                                   const std::filesystem::path& name) {
   std::error_code error;
   const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
   const std::string etag = FileEtag(path);
-  if (error || etag.empty()) return NotFound(path.string() + ": cannot be read");
-  return FileResponse(request, path, size, ContentTypeOf(path), etag);
+  if (error || etag.empty()) return NotFound(name.filename().string() + ": cannot be read");
+  return FileResponse(request, path, size, ContentTypeOf(name), etag);
 }
 
 // As the page shows it: of a database all that its readers may see, of a file its name without its folder.
 std::string NameOfIndex(const std::string& index) {
   return IsDatabaseUrl(index) ? StoreName(index) : std::filesystem::path(index).filename().string();
+}
+
+// The files that may be opened where the index names them.
+FileRoots RootsOf(const ApiOptions& options) {
+  std::vector<std::filesystem::path> roots = options.videos;
+  std::vector<std::filesystem::path> secrets = options.secrets;
+  roots.push_back(options.uploads);
+  roots.push_back(options.copies);
+  if (options.telemetry) roots.emplace_back(*options.telemetry);
+  // A service that nobody gave a folder runs in "/", below which everything lies.
+  std::error_code unknown;
+  const std::filesystem::path current = std::filesystem::current_path(unknown);
+  if (current != current.root_path()) roots.push_back(current);
+  if (!IsDatabaseUrl(options.index)) {
+    const std::filesystem::path index = std::filesystem::absolute(options.index, unknown);
+    roots.push_back(index.parent_path());
+    for (const char* of_sqlite : {"", "-wal", "-shm", "-journal"}) secrets.emplace_back(index.string() + of_sqlite);
+  }
+  return FileRoots(roots, secrets);
 }
 
 bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() && segments.front() == "api"; }
@@ -59,7 +81,8 @@ Api::Api(ApiOptions options, std::unique_ptr<IndexView> index, const CancelToken
     : options_(std::move(options)),
       cancel_(cancel),
       index_(std::move(index)),
-      videos_(IsDatabaseUrl(options_.index) ? "" : options_.index),
+      roots_(RootsOf(options_), IsDatabaseUrl(options_.index) ? "" : options_.index),
+      videos_(roots_),
       copies_(options_.copies, {.max_bytes = options_.max_copies_bytes}),
       page_(options_.web),
       camera_paths_(kMaxCameraPaths),
@@ -89,9 +112,14 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
   VICTORIOUS_ASSIGN_OR_RETURN(auto access, AccessControl::Open(options.index, index->can_review(), options.server));
   VICTORIOUS_ASSIGN_OR_RETURN(
       auto thresholds, OpenThresholdStore(options.index, index->can_review() ? StoreMode::kCreate : StoreMode::kRead));
-  const JobFolders folders{
-      .index = options.index, .models = options.models, .uploads = options.uploads, .categories = options.categories};
   std::unique_ptr<Api> api(new Api(std::move(options), std::move(index), cancel));
+  const JobFolders folders{.index = api->options_.index,
+                           .models = api->options_.models,
+                           .copies = api->options_.copies,
+                           .categories = api->options_.categories,
+                           .files = api->roots_.files()};
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, api->index_->Lists());
+  if (const std::string outside = api->roots_.DescribeOutside(lists->videos); !outside.empty()) LogWarning(outside);
   api->telemetry_video_ = telemetry_video;
   api->access_ = std::move(access);
   api->thresholds_ = std::move(thresholds);
@@ -182,7 +210,7 @@ ApiExpected<HttpResponse> Api::Session(const Call& call) { return access_->Sessi
 
 ApiExpected<HttpResponse> Api::BaseMapFile(const Call& call) {
   if (options_.base_map.file.empty()) return NotFound("this server has no base map: `victorious serve --tiles FILE`");
-  return SendFile(call.request, options_.base_map.file);
+  return SendFile(call.request, options_.base_map.file, options_.base_map.file);
 }
 
 ApiExpected<HttpResponse> Api::LogIn(const Call& call) { return access_->LogIn(call.request, call.port); }
@@ -249,13 +277,11 @@ ApiExpected<HttpResponse> Api::VideoSightings(const Call& call) {
 
 ApiExpected<HttpResponse> Api::VideoFile(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, FindVideo(call.parameters[0]));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video.record));
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    return std::unexpected(
-        ApiError(Error{ErrorCode::kUnsupported, path.string() + ": a folder of images: read its frames one by one"}));
-  }
-  return SendFile(call.request, path);
+  VICTORIOUS_ASSIGN_OR_RETURN(const OpenedFile file, roots_.Open(*video.record));
+  // What was opened is sent, whatever has its name by then.
+  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendFile(call.request, file.path, video.record->name));
+  if (response.file) response.file->hold = file.descriptor;
+  return response;
 }
 
 ApiExpected<HttpResponse> Api::VideoCopy(const Call& call) {
@@ -268,7 +294,7 @@ ApiExpected<HttpResponse> Api::VideoCopy(const Call& call) {
 ApiExpected<HttpResponse> Api::SendMade(const HttpRequest& request, const std::string& name) {
   const auto use = copies_.Take(name);
   if (!use) return NotFound("the file was removed to make room for others: ask for it again");
-  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendFile(request, use->path));
+  VICTORIOUS_ASSIGN_OR_RETURN(HttpResponse response, SendFile(request, use->path, use->path));
   if (response.file) response.file->hold = use->hold;
   return response;
 }

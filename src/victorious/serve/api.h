@@ -32,6 +32,7 @@
 #include "victorious/serve/static_files.h"
 #include "victorious/serve/upload_folder.h"
 #include "victorious/serve/video_files.h"
+#include "victorious/serve/video_roots.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/threshold_store.h"
 #include "victorious/types/object_model.h"
@@ -47,6 +48,10 @@ struct ApiOptions {
   std::filesystem::path copies;           ///< where the videos go that are made for users; created when it is needed
   std::filesystem::path categories = {};  ///< category model that videos are searched for, and that reviews refine
   BaseMap base_map = {};
+  /// Folders whose files may be opened where the index names them, besides those of the index, of uploads and copies,
+  /// and the current one.
+  std::vector<std::filesystem::path> videos = {};
+  std::vector<std::filesystem::path> secrets = {};  ///< files that are never opened for the index: a private key
   std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
   ServerIdentity server;
@@ -239,6 +244,7 @@ class Api {
   std::chrono::steady_clock::time_point cluster_read_;
   std::mutex thresholds_mutex_;
   std::unique_ptr<ThresholdStore> thresholds_;  ///< for what is put into force; readers have their own
+  VideoRoots roots_;
   VideoFiles videos_;
   CopyFolder copies_;
   StaticFiles page_;

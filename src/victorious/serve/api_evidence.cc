@@ -13,7 +13,6 @@
 #include "victorious/model/model_library.h"
 #include "victorious/model/view_surface.h"
 #include "victorious/pipeline/sighting_evidence.h"
-#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
@@ -138,7 +137,7 @@ ApiExpected<SightingRecord> Api::ReadSighting(std::int64_t object, QueryReader& 
 
 // Videos that are added while the server runs have their own.
 std::optional<std::string> Api::TelemetryOf(const VideoRecord& video, const WarningSink& warn) const {
-  return video.id == telemetry_video_ ? options_.telemetry : RememberedTelemetry(video.telemetry, warn);
+  return video.id == telemetry_video_ ? options_.telemetry : roots_.Telemetry(video, warn);
 }
 
 Expected<CameraStates> Api::LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
@@ -153,6 +152,7 @@ Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const Vi
                                         const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const TelemetryOptions telemetry, TelemetryOptionsOf(options_json));
+  if (!telemetry.geoid_grid.empty()) VICTORIOUS_RETURN_IF_ERROR(roots_.files().Check(telemetry.geoid_grid));
   const auto load = [&] { return LoadCameras(video, path, telemetry, [](const std::string& /*warning*/) {}); };
   VICTORIOUS_ASSIGN_OR_RETURN(
       const auto cameras,

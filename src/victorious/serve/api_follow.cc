@@ -1,7 +1,5 @@
 // The jobs that follow something: a live source, and an object that a user boxed in a frame.
 #include <algorithm>
-#include <array>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,10 +16,6 @@ namespace {
 
 using Body = nlohmann::json;
 
-// Sources that send by themselves. Without http and file, an analyst cannot fetch pages and files that only the server
-// reaches; that an rtsp:// address answers can still be seen.
-constexpr std::array<std::string_view, 5> kLiveSchemes = {"rtsp://", "rtsps://", "udp://", "srt://", "rtp://"};
-
 }  // namespace
 
 ApiExpected<Json> Api::LiveInput(const Body& body) {
@@ -31,9 +25,7 @@ ApiExpected<Json> Api::LiveInput(const Body& body) {
   const std::string url = found != body.end() && found->is_string() ? found->get<std::string>() : "";
   // Quotes would end the address in a message, and its password would be shown.
   const auto is_plain = [](unsigned char c) { return c > ' ' && c < 0x7f && c != '"' && c != '\''; };
-  const bool is_live = std::ranges::any_of(
-      kLiveSchemes, [&](std::string_view scheme) { return url.starts_with(scheme) && url.size() > scheme.size(); });
-  if (!is_live || url.size() > kMaxBytes || !std::ranges::all_of(url, is_plain)) {
+  if (!IsLiveSource(url) || url.size() > kMaxBytes || !std::ranges::all_of(url, is_plain)) {
     return FailField("url",
                      "The address must begin with rtsp://, rtsps://, udp://, srt:// or rtp://, and have no spaces");
   }

@@ -291,7 +291,8 @@ ApiExpected<JobRecord> Api::FindJob(const std::string& id) {
 }
 
 ApiExpected<HttpResponse> Api::SendJobFile(const HttpRequest& request, const JobRecord& job, const std::string& name) {
-  const std::filesystem::path made = MadeFileOf(job).value();
+  // Whatever folder the queue names.
+  const std::filesystem::path made = copies_.PathOf(MadeFileOf(job).value().filename());
   std::error_code error;
   const auto send = [&](const std::filesystem::path& path, const std::string& type) {
     const auto bytes = std::filesystem::file_size(path, error);

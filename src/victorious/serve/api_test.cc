@@ -400,6 +400,69 @@ TEST_F(ApiTest, VideoIsSentInParts) {
   EXPECT_THAT(Get("/api/v1/videos/1")["missing"].get<std::string>(), HasSubstr("flight.mp4"));
 }
 
+// Whoever writes the index names a file of another folder, of the server itself, or a link.
+TEST_F(ApiTest, FilesThatTheIndexNamesAreOnlyVideosOfKnownFolders) {
+  const testing::ScratchFolder other;
+  const std::string secret = "-----BEGIN PRIVATE KEY-----\n";
+  testing::WriteBytes(other / "server.key", secret);
+  testing::WriteBytes(folder_ / "own.key", secret);
+  testing::WriteBytes(folder_ / "plain.txt", secret);
+  std::filesystem::copy(folder_ / "flight.mp4", other / "flight.mp4");
+  std::filesystem::create_directories(folder_ / ".hidden");
+  std::filesystem::copy(folder_ / "flight.mp4", folder_ / ".hidden/flight.mp4");
+  std::filesystem::create_symlink(other / "flight.mp4", folder_ / "link.mp4");
+  const auto name_video = [&](const std::filesystem::path& name) {
+    const auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+    ASSERT_TRUE(store) << store.error().message;
+    ASSERT_TRUE((*store)->PutVideo({.content_id = "c1", .name = name, .width = 320, .height = 240}));
+    auto api =
+        Api::Open({.index = folder_ / "index.db", .models = {}, .web = {}, .secrets = {folder_ / "own.key"}}, cancel_);
+    ASSERT_TRUE(api) << api.error().message;
+    api_ = *std::move(api);
+  };
+  const std::string id = std::to_string(ids_[0]);
+  for (const auto& name : {other / "server.key", other / "flight.mp4", other / "absent", folder_ / "own.key",
+                           folder_ / "index.db", folder_ / ".hidden/flight.mp4", folder_ / "link.mp4"}) {
+    name_video(name);
+    for (const std::string& route : {std::string("videos/1/file"), std::string("videos/1/times"),
+                                     std::string("videos/1/frames/0"), "objects/" + id + "/thumbnail"}) {
+      const json refusal = Get("/api/v1/" + route, 403);
+      EXPECT_THAT(refusal["message"].get<std::string>(), HasSubstr("--videos")) << name << route;
+    }
+    EXPECT_THAT(Get("/api/v1/videos/1")["missing"].get<std::string>(), HasSubstr("--videos")) << name;
+    EXPECT_TRUE(Get("/api/v1/videos/1/camera")["source"].is_null()) << name;
+  }
+  name_video(folder_ / "plain.txt");
+  EXPECT_THAT(Get("/api/v1/videos/1/file", 415)["message"].get<std::string>(), HasSubstr("neither a video"));
+  name_video(folder_ / "flight.mp4");
+  EXPECT_EQ(Send({.target = "/api/v1/videos/1/file"}).status, 200);
+}
+
+TEST_F(ApiTest, TelemetryThatTheIndexNamesLiesInAKnownFolder) {
+  const testing::ScratchFolder other;
+  const std::string table =
+      "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n0,52,13,140,0,-90,0,60\n";
+  testing::WriteBytes(other / "table.csv", table);
+  testing::WriteBytes(folder_ / "table.csv", table);
+  for (const bool is_known : {false, true}) {
+    {
+      const auto store = OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+      const std::string given = (is_known ? folder_ : other) / "table.csv";
+      ASSERT_TRUE((*store)->PutVideo({.content_id = "c1",
+                                      .name = (folder_ / "flight.mp4").string(),
+                                      .width = 320,
+                                      .height = 240,
+                                      .telemetry = given}));
+    }
+    Open();
+    const json camera = Get("/api/v1/videos/1/camera");
+    EXPECT_EQ(camera["source"].is_null(), !is_known);
+    if (!is_known) {
+      EXPECT_THAT(camera["reason"].get<std::string>(), HasSubstr("--videos"));
+    }
+  }
+}
+
 TEST_F(ApiTest, CameraPathComesFromTelemetry) {
   EXPECT_TRUE(Get("/api/v1/videos/1/camera")["source"].is_null());
   EXPECT_THAT(Get("/api/v1/videos/1/camera")["reason"].get<std::string>(), HasSubstr("telemetry"));

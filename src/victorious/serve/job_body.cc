@@ -1,11 +1,24 @@
 #include "victorious/serve/job_body.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace victorious {
+namespace {
+
+// Sources that send by themselves. Without http and file, an analyst cannot fetch pages and files that only the server
+// reaches; that an rtsp:// address answers can still be seen.
+constexpr std::array<std::string_view, 5> kLiveSchemes = {"rtsp://", "rtsps://", "udp://", "srt://", "rtp://"};
+
+}  // namespace
+
+bool IsLiveSource(std::string_view url) {
+  return std::ranges::any_of(
+      kLiveSchemes, [&](std::string_view scheme) { return url.starts_with(scheme) && url.size() > scheme.size(); });
+}
 
 ApiStatus CheckMembers(const nlohmann::json& body, std::initializer_list<std::string_view> names) {
   for (const auto& [name, value] : body.items()) {

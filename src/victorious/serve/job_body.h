@@ -14,6 +14,9 @@ namespace victorious {
 /// Checks that a body has no members but these. Error: kInvalidArgument with the member's name as its field.
 [[nodiscard]] ApiStatus CheckMembers(const nlohmann::json& body, std::initializer_list<std::string_view> names);
 
+/// Whether a job of the kind "live" may open this address: that of a source that sends by itself.
+[[nodiscard]] bool IsLiveSource(std::string_view url);
+
 /// The whole number under a name; -1 if there is none.
 [[nodiscard]] std::int64_t ReadNumber(const nlohmann::json& body, std::string_view name);
 

@@ -9,12 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "victorious/base/absolute_path.h"
 #include "victorious/base/file.h"
 #include "victorious/base/folder.h"
 #include "victorious/base/json.h"
 #include "victorious/base/lease_clock.h"
 #include "victorious/base/log.h"
 #include "victorious/base/utc.h"
+#include "victorious/serve/job_body.h"
 
 namespace victorious {
 namespace {
@@ -33,6 +35,30 @@ Expected<std::string> TextMember(const nlohmann::json& input, const char* name) 
   const auto found = input.find(name);
   if (found != input.end() && IsArgument(*found)) return found->get<std::string>();
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must be a text without zero bytes", name));
+}
+
+// The path of a file that the job reads.
+Expected<std::string> SourceMember(const nlohmann::json& input, const char* name, const JobFolders& folders) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::string path, TextMember(input, name));
+  VICTORIOUS_RETURN_IF_ERROR(folders.files.Check(path));
+  return path;
+}
+
+// The path of the file that the job makes.
+Expected<std::string> MadeMember(const nlohmann::json& input, const char* name, const JobFolders& folders) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::string text, TextMember(input, name));
+  const std::filesystem::path path = text;
+  const bool has_name = path.has_filename() && path.filename().native().front() != '.';
+  if (has_name && AbsolutePath(path.parent_path()) == AbsolutePath(folders.copies)) return text;
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: must lie in the folder of copies of this server: ask for it anew", name));
+}
+
+// Tells a command that reads paths out of the index which of these it may open.
+void AddFilesBelow(const JobFolders& folders, std::vector<std::string>& arguments) {
+  for (const std::filesystem::path& root : folders.files.roots()) {
+    arguments.push_back("--files-below=" + root.string());
+  }
 }
 
 // Appends FLAG=NUMBER with the number that the input has under a name, if it has one.
@@ -55,17 +81,17 @@ Expected<std::string> BoxFlag(const nlohmann::json& input) {
 }
 
 // Appends --telemetry=FILE, if the input has one.
-Status AddTelemetry(const nlohmann::json& input, std::vector<std::string>& arguments) {
+Status AddTelemetry(const nlohmann::json& input, const JobFolders& folders, std::vector<std::string>& arguments) {
   const auto found = input.find("telemetry");
   if (found == input.end() || found->is_null()) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, TextMember(input, "telemetry"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string telemetry, SourceMember(input, "telemetry", folders));
   arguments.push_back("--telemetry=" + telemetry);
   return {};
 }
 
 Expected<std::vector<std::string>> ClipArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string clip, TextMember(input, "clip"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string clip, MadeMember(input, "clip", folders));
   const auto object = input.find("object");
   if (object == input.end() || !object->is_number_integer()) {
     return Fail(ErrorCode::kInvalidArgument, "object: must be the number of an object");
@@ -77,18 +103,27 @@ Expected<std::vector<std::string>> ClipArguments(const nlohmann::json& input, co
                                         "--clip",      "2"};
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "from_s", "--from", arguments));
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "to_s", "--to", arguments));
-  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
+  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, folders, arguments));
+  AddFilesBelow(folders, arguments);
   arguments.insert(arguments.end(), {"--force", "--out", clip});
   return arguments;
 }
 
 // In these, "--" ends the options and "=" binds a value to its flag, so that a name may begin with a dash.
 
-Expected<std::vector<std::string>> IndexArguments(const nlohmann::json& input, const JobFolders& folders) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
+Expected<std::vector<std::string>> IndexArguments(JobKind kind, const nlohmann::json& input,
+                                                  const JobFolders& folders) {
+  std::string video;
+  if (kind == JobKind::kLive) {
+    VICTORIOUS_ASSIGN_OR_RETURN(video, TextMember(input, "video"));
+    if (!IsLiveSource(video)) return Fail(ErrorCode::kInvalidArgument, "video: must be the address of a live source");
+  } else {
+    VICTORIOUS_ASSIGN_OR_RETURN(video, SourceMember(input, "video", folders));
+  }
   std::vector<std::string> arguments = {"index", "--models", folders.models.string(), "--db", folders.index};
   if (!folders.categories.empty()) arguments.push_back("--categories=" + folders.categories.string());
-  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
+  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, folders, arguments));
+  AddFilesBelow(folders, arguments);
   arguments.insert(arguments.end(), {"--", video});
   return arguments;
 }
@@ -108,20 +143,21 @@ Expected<std::vector<std::string>> ModelArguments(const nlohmann::json& input, c
   }
   for (const nlohmann::json& file : *files) {
     if (!IsArgument(file)) return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
+    VICTORIOUS_RETURN_IF_ERROR(folders.files.Check(file.get<std::string>()));
     arguments.push_back(file.get<std::string>());
   }
   return arguments;
 }
 
-Expected<std::vector<std::string>> CopyArguments(const nlohmann::json& input) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string copy, TextMember(input, "copy"));
+Expected<std::vector<std::string>> CopyArguments(const nlohmann::json& input, const JobFolders& folders) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, SourceMember(input, "video", folders));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string copy, MadeMember(input, "copy", folders));
   return std::vector<std::string>{"copy", "--force", "--out", copy, "--", video};
 }
 
-Expected<std::vector<std::string>> TrackArguments(const nlohmann::json& input) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, TextMember(input, "video"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string track, TextMember(input, "track"));
+Expected<std::vector<std::string>> TrackArguments(const nlohmann::json& input, const JobFolders& folders) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, SourceMember(input, "video", folders));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string track, MadeMember(input, "track", folders));
   VICTORIOUS_ASSIGN_OR_RETURN(std::string box, BoxFlag(input));
   std::vector<std::string> arguments = {"track", std::move(box)};
   const auto at = input.find("at_s");
@@ -131,16 +167,21 @@ Expected<std::vector<std::string>> TrackArguments(const nlohmann::json& input) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string word, TextMember(input, "type"));
     arguments.push_back("--type=" + word);
   }
-  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, arguments));
+  VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, folders, arguments));
   arguments.insert(arguments.end(), {"--", video});
   return arguments;
 }
 
 Expected<std::vector<std::string>> RefineArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string categories, TextMember(input, "categories"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string refined, TextMember(input, "refine"));
-  return std::vector<std::string>{"category", "refine",          "--model=" + categories, "--db=" + folders.index,
-                                  "--force",  "--out=" + refined};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string refined, MadeMember(input, "refine", folders));
+  if (categories != folders.categories) {
+    return Fail(ErrorCode::kInvalidArgument, "categories: must be the category model of this server");
+  }
+  std::vector<std::string> arguments = {"category", "refine", "--model=" + categories, "--db=" + folders.index};
+  AddFilesBelow(folders, arguments);
+  arguments.insert(arguments.end(), {"--force", "--out=" + refined});
+  return arguments;
 }
 
 }  // namespace
@@ -151,13 +192,13 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
   switch (job.kind) {
     case JobKind::kIndex:
     case JobKind::kLive:
-      return IndexArguments(input, folders);
+      return IndexArguments(job.kind, input, folders);
     case JobKind::kModel:
       return ModelArguments(input, folders);
     case JobKind::kCopy:
-      return CopyArguments(input);
+      return CopyArguments(input, folders);
     case JobKind::kTrack:
-      return TrackArguments(input);
+      return TrackArguments(input, folders);
     case JobKind::kRefine:
       return RefineArguments(input, folders);
     case JobKind::kClip:

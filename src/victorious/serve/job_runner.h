@@ -16,19 +16,22 @@
 
 #include "victorious/base/child_task.h"
 #include "victorious/base/error.h"
+#include "victorious/base/file_roots.h"
 #include "victorious/store/job_queue.h"
 
 namespace victorious {
 
 struct JobFolders {
-  std::string index;                      ///< by the name that OpenStore takes; without a password
-  std::filesystem::path models;           ///< the model library; empty: no job can run
-  std::filesystem::path uploads;          ///< one folder an upload
-  std::filesystem::path categories = {};  ///< the category model that videos are searched for; empty: none
+  std::string index;                        ///< by the name that OpenStore takes; without a password
+  std::filesystem::path models;             ///< the model library; empty: no job can run
+  std::filesystem::path copies;             ///< where the files go that are made for users
+  std::filesystem::path categories = {};    ///< the category model that videos are searched for; empty: none
+  FileRoots files = {};                     ///< that a job may read
 };
 
-/// The arguments of `victorious` that do a job. Error: kInvalidArgument for an input that is not valid, with the member
-/// that is wrong.
+/// The arguments of `victorious` that do a job. The queue is a part of the index, which may come from elsewhere: what a
+/// job reads and writes is checked again. Errors: kInvalidArgument for an input that is not valid, with the member that
+/// is wrong; kPermissionDenied for a file that may not be read.
 ///   index  {"video": path, "telemetry": path or null}
 ///   live   {"video": URL, "telemetry": path or null}
 ///   track  {"video": path, "at_s": number, "box": [x, y, w, h], "type": text or null, "telemetry": path or null,

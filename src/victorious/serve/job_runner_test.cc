@@ -26,7 +26,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-const JobFolders kFolders{.index = "/d/index.db", .models = "/d/models", .uploads = "/d/uploads"};
+const JobFolders kFolders{.index = "/d/index.db", .models = "/d/models", .copies = "/d"};
 
 TEST(JobArguments, AreThoseOfTheCommands) {
   EXPECT_THAT(*JobArguments({.kind = JobKind::kIndex, .input_json = R"({"video": "/v/a.mp4"})"}, kFolders),
@@ -50,10 +50,10 @@ TEST(JobArguments, OfCategories) {
               ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--categories=/d/kinds.vcat", "--",
                           "/v/a.mp4"));
   const JobRecord refine{.kind = JobKind::kRefine,
-                         .input_json = R"({"categories": "/d/kinds.vcat", "refine": "/u/categories-1.vcat"})"};
+                         .input_json = R"({"categories": "/d/kinds.vcat", "refine": "/d/categories-1.vcat"})"};
   EXPECT_THAT(*JobArguments(refine, folders), ElementsAre("category", "refine", "--model=/d/kinds.vcat",
-                                                          "--db=/d/index.db", "--force", "--out=/u/categories-1.vcat"));
-  EXPECT_EQ(MadeFileOf(refine), "/u/categories-1.vcat");
+                                                          "--db=/d/index.db", "--force", "--out=/d/categories-1.vcat"));
+  EXPECT_EQ(MadeFileOf(refine), "/d/categories-1.vcat");
   EXPECT_FALSE(JobArguments({.kind = JobKind::kRefine, .input_json = "{}"}, folders));
 }
 
@@ -92,11 +92,12 @@ TEST(JobArguments, OfTracksSayWhatIsWrong) {
   const auto message = [](const char* input) {
     return JobArguments({.kind = JobKind::kTrack, .input_json = input}, kFolders).error().message;
   };
-  EXPECT_THAT(message(R"({"track": "t"})"), HasSubstr("video"));
+  EXPECT_THAT(message(R"({"track": "/d/t.jsonl"})"), HasSubstr("video"));
   EXPECT_THAT(message(R"({"video": "v", "box": [1, 2, 3, 4], "at_s": 0})"), HasSubstr("track"));
-  EXPECT_THAT(message(R"({"video": "v", "track": "t", "box": [1, 2, 3, 4]})"), HasSubstr("at_s"));
-  EXPECT_THAT(message(R"({"video": "v", "track": "t", "at_s": 0, "box": [1, 2, 3]})"), HasSubstr("box"));
-  EXPECT_THAT(message(R"({"video": "v", "track": "t", "at_s": 0, "box": [1, 2, 3, 4], "type": 5})"), HasSubstr("type"));
+  EXPECT_THAT(message(R"({"video": "v", "track": "/d/t.jsonl", "box": [1, 2, 3, 4]})"), HasSubstr("at_s"));
+  EXPECT_THAT(message(R"({"video": "v", "track": "/d/t.jsonl", "at_s": 0, "box": [1, 2, 3]})"), HasSubstr("box"));
+  EXPECT_THAT(message(R"({"video": "v", "track": "/d/t.jsonl", "at_s": 0, "box": [1, 2, 3, 4], "type": 5})"),
+              HasSubstr("type"));
 }
 
 TEST(JobArguments, InvalidInputsAreErrors) {
@@ -114,11 +115,48 @@ TEST(JobArguments, InvalidInputsAreErrors) {
            {JobKind::kModel, R"({"name": "jeep", "files": ["a"], "length_m": "x"})"},
            {JobKind::kModel, R"({"name": "jeep", "files": ["a"], "box": [1, 2, 3]})"},
            {JobKind::kClip, R"({"video": "a", "object": 3})"},
-           {JobKind::kClip, R"({"video": "a", "clip": "b", "object": "3"})"},
-           {JobKind::kClip, R"({"video": "a", "clip": "b", "object": 3, "from_s": "x"})"},
+           {JobKind::kClip, R"({"video": "a", "clip": "/d/b", "object": "3"})"},
+           {JobKind::kClip, R"({"video": "a", "clip": "/d/b", "object": 3, "from_s": "x"})"},
            {JobKind::kCopy, R"({"video": "a"})"},
            {JobKind::kCopy, R"({"copy": "a"})"}}) {
     EXPECT_FALSE(JobArguments({.kind = kind, .input_json = input}, kFolders)) << ToText(kind) << input;
+  }
+}
+
+// An index from elsewhere may hold jobs, too.
+TEST(JobArguments, NameNoOtherFilesThanTheServerKnows) {
+  JobFolders folders = kFolders;
+  folders.categories = "/d/kinds.vcat";
+  folders.files = FileRoots({"/v", "/given.csv"}, {"/v/server.key"});
+  EXPECT_THAT(
+      *JobArguments({.kind = JobKind::kIndex, .input_json = R"({"video": "/v/a.mp4", "telemetry": "/given.csv"})"},
+                    folders),
+      ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--categories=/d/kinds.vcat",
+                  "--telemetry=/given.csv", "--files-below=/given.csv", "--files-below=/v", "--", "/v/a.mp4"));
+  EXPECT_TRUE(JobArguments({.kind = JobKind::kLive, .input_json = R"({"video": "rtsp://host/one"})"}, folders));
+  for (const auto& [kind, input] : std::initializer_list<std::pair<JobKind, const char*>>{
+           {JobKind::kIndex, R"({"video": "/etc/passwd"})"},
+           {JobKind::kIndex, R"({"video": "/v/../etc/passwd"})"},
+           {JobKind::kIndex, R"({"video": "/v/server.key"})"},
+           {JobKind::kIndex, R"({"video": "/v/.hidden/a.mp4"})"},
+           {JobKind::kIndex, R"({"video": "http://host/a.mp4"})"},
+           {JobKind::kIndex, R"({"video": "file:///v/a.mp4"})"},
+           {JobKind::kIndex, R"({"video": "/v/a.mp4", "telemetry": "/etc/passwd"})"},
+           {JobKind::kLive, R"({"video": "/v/a.mp4"})"},
+           {JobKind::kLive, R"({"video": "file:///v/a.mp4"})"},
+           {JobKind::kLive, R"({"video": "http://host/"})"},
+           {JobKind::kModel, R"({"name": "jeep", "files": ["/v/a.jpg", "/etc/passwd"]})"},
+           {JobKind::kCopy, R"({"video": "/etc/passwd", "copy": "/d/c.mp4"})"},
+           {JobKind::kCopy, R"({"video": "/v/a.mp4", "copy": "/home/ann/c.mp4"})"},
+           {JobKind::kCopy, R"({"video": "/v/a.mp4", "copy": "/d/../home/c.mp4"})"},
+           {JobKind::kCopy, R"({"video": "/v/a.mp4", "copy": "/d/.."})"},
+           {JobKind::kClip, R"({"video": "/v/a.mp4", "object": 3, "clip": "/etc/c.mp4"})"},
+           {JobKind::kClip, R"({"video": "/v/a.mp4", "object": 3, "clip": "/d/c.mp4", "telemetry": "/etc/passwd"})"},
+           {JobKind::kTrack, R"({"video": "/v/a.mp4", "track": "/etc/t", "box": [1, 2, 3, 4], "at_s": 0})"},
+           {JobKind::kTrack, R"({"video": "/etc/x", "track": "/d/t.jsonl", "box": [1, 2, 3, 4], "at_s": 0})"},
+           {JobKind::kRefine, R"({"categories": "/etc/x.vcat", "refine": "/d/r.vcat"})"},
+           {JobKind::kRefine, R"({"categories": "/d/kinds.vcat", "refine": "/etc/r.vcat"})"}}) {
+    EXPECT_FALSE(JobArguments({.kind = kind, .input_json = input}, folders)) << ToText(kind) << input;
   }
 }
 

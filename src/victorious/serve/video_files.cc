@@ -28,22 +28,8 @@ Error WithRemedy(Error error) {
 
 }  // namespace
 
-VideoFiles::VideoFiles(const std::filesystem::path& index)
-    : folder_(index.parent_path()), images_(kImageCacheBytes), making_(kMaxAtOnce), times_(kMaxTables) {}
-
-Expected<std::filesystem::path> VideoFiles::Find(const VideoRecord& video) const {
-  if (video.name.find("://") != std::string::npos) {
-    return Fail(ErrorCode::kUnsupported, ShownName(video) + ": a live source: its frames are not kept");
-  }
-  std::error_code error;
-  const std::filesystem::path path = FindVideoFile(video);
-  if (std::filesystem::exists(path, error)) return path;
-  if (path.is_relative() && std::filesystem::exists(folder_ / path, error)) return folder_ / path;
-  return Fail(ErrorCode::kNotFound,
-              fmt::format("{}: the video is not there: move it back, or start `victorious serve` in the folder that "
-                          "the index was made in",
-                          ShownName(video)));
-}
+VideoFiles::VideoFiles(const VideoRoots& roots)
+    : roots_(roots), images_(kImageCacheBytes), making_(kMaxAtOnce), times_(kMaxTables) {}
 
 // A content id is a hash or a text with any characters.
 std::string CopyName(const VideoRecord& video) {

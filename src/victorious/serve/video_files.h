@@ -1,4 +1,4 @@
-// The videos of an index as files: where they are, their frames as JPEG, crops of objects, and their tables of
+// The videos of an index as files: their frames as JPEG, crops of objects, and their tables of
 // presentation times. Processes without rights read the files (decoder_pool.h). Results are cached in memory; what
 // several ask for at once is made once. Thread-safe.
 #pragma once
@@ -18,18 +18,18 @@
 #include "victorious/serve/byte_cache.h"
 #include "victorious/serve/decoder_pool.h"
 #include "victorious/serve/once_cache.h"
+#include "victorious/serve/video_roots.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {
 
 class VideoFiles {
  public:
-  /// @param index   the file of the index: a relative name of a video that is not found from the current folder is
-  ///                looked for from the index's folder; empty: there is no file
-  explicit VideoFiles(const std::filesystem::path& index);
+  /// @param roots  where the videos are; must outlive this
+  explicit VideoFiles(const VideoRoots& roots);
 
-  /// The path of a video. Errors: kNotFound with the name and the remedy; kUnsupported for a live source.
-  [[nodiscard]] Expected<std::filesystem::path> Find(const VideoRecord& video) const;
+  /// The path of a video. Errors: those of VideoRoots::Find.
+  [[nodiscard]] Expected<std::filesystem::path> Find(const VideoRecord& video) const { return roots_.Find(video); }
 
   /// The frame at a time, as JPEG. Errors: those of Find and of reading; kNotFound beyond the end; kUnsupported for an
   /// image of more than kMaxServedPixels, or one that takes more than 30 s; kCancelled.
@@ -55,7 +55,7 @@ class VideoFiles {
   [[nodiscard]] Expected<std::shared_ptr<const std::string>> Jpeg(const VideoRecord& video, const FrameRequest& request,
                                                                   const std::string& key, const CancelToken& cancel);
 
-  std::filesystem::path folder_;
+  const VideoRoots& roots_;
   DecoderPool decoders_;
   ByteCache images_;
   OnceCache<std::string> making_;         ///< images by the same keys

@@ -27,10 +27,12 @@ constexpr std::array<std::string_view, 12> kUrlSchemes = {"rtsp",  "rtsps", "rtp
 // Formats accepted for a local file. Only self-contained containers: no playlists, manifests or session descriptions,
 // which refer to other files, and no text art, which would accept any .txt file. Audio formats are included so that an
 // audio file gives the error "no video stream".
-constexpr const char* kFileFormats =
-    "mov,matroska,mpegts,mpeg,mpegvideo,avi,flv,asf,ogg,mxf,gif,apng,ivf,h264,hevc,m4v,mjpeg,yuv4mpegpipe,nut,dv,vc1,"
-    "obu,"
-    "rm,wtv,mp3,wav,flac,aac";
+#define VICTORIOUS_VIDEO_FILE_FORMATS                                                                                \
+  "mov,matroska,mpegts,mpeg,mpegvideo,avi,flv,asf,ogg,mxf,gif,apng,ivf,h264,hevc,m4v,mjpeg,yuv4mpegpipe,nut,dv,vc1," \
+  "obu,rm,wtv"
+constexpr const char* kVideoFileFormats = VICTORIOUS_VIDEO_FILE_FORMATS;
+constexpr const char* kFileFormats = VICTORIOUS_VIDEO_FILE_FORMATS ",mp3,wav,flac,aac";
+#undef VICTORIOUS_VIDEO_FILE_FORMATS
 
 // What an address may lead to. Whoever sends to an open port must not make this program fetch other addresses:
 // playlists are read over HTTP only.
@@ -88,6 +90,8 @@ auto VideoRank(const AVStream& stream) {
 }
 
 }  // namespace
+
+const char* VideoFileFormats() { return kVideoFileFormats; }
 
 std::optional<std::string> UrlScheme(const std::string& source) {
   const std::size_t end = source.find("://");

@@ -28,6 +28,9 @@ struct MediaSource {
 /// Error: kInvalidArgument for a URL of a kind that cannot be read, or a path.
 [[nodiscard]] Status CheckUrlScheme(const std::string& url);
 
+/// The names of the formats of local files that may hold a picture, separated by commas, as FFmpeg names them.
+[[nodiscard]] const char* VideoFileFormats();
+
 class Demuxer {
  public:
   /// Opens a source. Errors: kInvalidArgument (unsupported URL scheme), kNotFound (also a URL without an answer),
