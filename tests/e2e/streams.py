@@ -4,6 +4,7 @@ import contextlib
 import ctypes
 import select
 import socket
+import ssl
 import struct
 import threading
 from pathlib import Path
@@ -72,6 +73,10 @@ class Rtsp(Source):
         super().__init__(stream, seconds)
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.url = f"rtsp://127.0.0.1:{self.listener.getsockname()[1]}/camera"
+        self.requests = []  # each as its lines
+
+    def accept(self) -> socket.socket:
+        return self.listener.accept()[0]
 
     def __exit__(self, *_):
         self.listener.shutdown(socket.SHUT_RDWR)  # ends accept()
@@ -80,9 +85,10 @@ class Rtsp(Source):
 
     def run(self):
         with contextlib.suppress(OSError):  # the viewer has gone
-            viewer, _ = self.listener.accept()
+            viewer = self.accept()
             with viewer, viewer.makefile("rb") as lines:
                 while request := self.read_request(lines):
+                    self.requests.append(request)
                     if self.answer(viewer, request) == "PLAY":
                         return self.send(viewer)
 
@@ -104,6 +110,26 @@ class Rtsp(Source):
             stamp = int(90_000 * self.seconds * number / len(self.packets))
             rtp = struct.pack(">BBHII", 0x80, 33, number & 0xFFFF, stamp, 1) + packet
             viewer.sendall(struct.pack(">cBH", b"$", 0, len(rtp)) + rtp)
+
+
+class Rtsps(Rtsp):
+    """The same by TLS, for a viewer with a name and a password."""
+
+    def __init__(self, stream: Path, seconds: float, certificate: Path, key: Path):
+        super().__init__(stream, seconds)
+        self.url = self.url.replace("rtsp://", "rtsps://ann:secret@")
+        self.context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        self.context.load_cert_chain(certificate, key)
+
+    def accept(self) -> socket.socket:
+        return self.context.wrap_socket(super().accept(), server_side=True)
+
+    def answer(self, viewer: socket.socket, request: list[str]) -> str:
+        if any(line.lower().startswith("authorization") for line in request):
+            return super().answer(viewer, request)
+        number = next(line for line in request if line.lower().startswith("cseq"))
+        viewer.sendall("\r\n".join(["RTSP/1.0 401 Unauthorized", number, 'WWW-Authenticate: Basic realm="camera"', "", ""]).encode())
+        return ""
 
 
 class Srt(Source):

@@ -19,6 +19,7 @@
 #include "victorious/cluster/worker.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/postgres_segment_store.h"
+#include "victorious/video/trusted_certificates.h"
 
 namespace victorious::cli {
 namespace {
@@ -99,6 +100,7 @@ Status Run(const WorkArguments& arguments) {
   };
   const auto warn = [](const std::string& warning) { LogWarning(OneLine(warning)); };
   std::vector<std::string> options = {"--db", arguments.db, "--threads", fmt::format("{}", arguments.threads)};
+  if (!TrustedCertificates().empty()) options.insert(options.end(), {"--ca", TrustedCertificates().string()});
   if (cache) options.insert(options.end(), {"--cache", arguments.cache + "/templates"});
   RunTask run = RunIndex(std::move(options), warn);
   if (cache) run = RunWithContent(std::move(run), *cache);

@@ -19,6 +19,7 @@ struct Command {
   Action (*setup)(ArgumentParser& parser);  ///< nullptr if `program` is set
   bool has_threads = false;                 ///< gets the flag --threads
   const char* program = nullptr;            ///< executable in the folder of this one that gets all arguments as given
+  bool has_addresses = false;               ///< gets the flag --ca: it opens live sources or other addresses
 };
 
 Action SetUpCategory(ArgumentParser& parser);

@@ -18,6 +18,7 @@
 #include "victorious/cli/argument_parser.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/run_program.h"
+#include "victorious/video/trusted_certificates.h"
 
 namespace victorious::cli {
 namespace {
@@ -26,33 +27,46 @@ namespace {
 // flag of their own, which also applies to decoding.
 constexpr bool kHasThreads = true;
 
+// Of a command that opens live sources or other addresses, by itself or by processes that it starts.
+constexpr bool kHasAddresses = true;
+
 constexpr std::array kCommands = {
     Command{"model", "Make", "Make, list, show and remove models of objects", &SetUpModel, kHasThreads},
-    Command{"frame", "Make", "Write one frame of a video as an image, to cut an object out", &SetUpFrame},
-    Command{"copy", "Make", "Write a copy of a video that browsers play, every frame at its time", &SetUpCopy},
+    Command{"frame", "Make", "Write one frame of a video as an image, to cut an object out", &SetUpFrame, !kHasThreads,
+            nullptr, kHasAddresses},
+    Command{"copy", "Make", "Write a copy of a video that browsers play, every frame at its time", &SetUpCopy,
+            !kHasThreads, nullptr, kHasAddresses},
     Command{"category", "Make", "Train categories from images, and classify images", &SetUpCategory, kHasThreads},
     Command{"simulate", "Make", "Render a flight over a scene, with telemetry and ground truth", &SetUpSimulate,
             kHasThreads},
-    Command{"index", "Find", "Find every model in every video, and store the results", &SetUpIndex},
+    Command{"index", "Find", "Find every model in every video, and store the results", &SetUpIndex, !kHasThreads,
+            nullptr, kHasAddresses},
     Command{"search", "Find", "List the objects found, ranked, or the moments similar to an image", &SetUpSearch,
             kHasThreads},
     Command{"export", "Find", "Export the results as JSON, map or annotation files", &SetUpExport},
-    Command{"track", "Find", "Track the objects in user boxes through one or more videos", &SetUpTrack, kHasThreads},
-    Command{"serve", "Find", "Show the results in the browser: ranked list, video and map", &SetUpServe},
+    Command{"track", "Find", "Track the objects in user boxes through one or more videos", &SetUpTrack, kHasThreads,
+            nullptr, kHasAddresses},
+    Command{"serve", "Find", "Show the results in the browser: ranked list, video and map", &SetUpServe, !kHasThreads,
+            nullptr, kHasAddresses},
     Command{"user", "Find", "Say who may use `serve`: accounts, roles, tokens, log", &SetUpUser},
     Command{"sheet", "Find", "Draw the objects found on a contact sheet", &SetUpSheet},
     Command{"locate", "Find", "Locate the intersection of lines of sight, with covariance", &SetUpLocate},
-    Command{"navigate", "Find", "Estimate the camera pose from landmarks of known place", &SetUpNavigate, kHasThreads},
+    Command{"navigate", "Find", "Estimate the camera pose from landmarks of known place", &SetUpNavigate, kHasThreads,
+            nullptr, kHasAddresses},
     Command{"submit", "Cluster", "Give videos and live sources to workers that share a PostgreSQL database",
-            &SetUpSubmit},
-    Command{"work", "Cluster", "Index submitted videos, one after the other", &SetUpWork},
+            &SetUpSubmit, !kHasThreads, nullptr, kHasAddresses},
+    Command{"work", "Cluster", "Index submitted videos, one after the other", &SetUpWork, !kHasThreads, nullptr,
+            kHasAddresses},
     Command{"cluster", "Cluster", "List the tasks of the workers and their progress; end live sources", &SetUpCluster},
-    Command{"record", "Cluster", "Record a live source into files, as it comes", &SetUpRecord},
+    Command{"record", "Cluster", "Record a live source into files, as it comes", &SetUpRecord, !kHasThreads, nullptr,
+            kHasAddresses},
     Command{"match", "Look inside", "Match two images, stage by stage", &SetUpMatch, kHasThreads},
     Command{"features", "Look inside", "Print the features of an image as text", &SetUpFeatures, kHasThreads},
-    Command{"telemetry", "Look inside", "Print the camera states of a video or telemetry file", &SetUpTelemetry},
+    Command{"telemetry", "Look inside", "Print the camera states of a video or telemetry file", &SetUpTelemetry,
+            !kHasThreads, nullptr, kHasAddresses},
     Command{"params", "Look inside", "List every parameter with default, range and reason", &SetUpParams},
-    Command{"doctor", "Look inside", "Describe this machine, or the content of a file", &SetUpDoctor},
+    Command{"doctor", "Look inside", "Describe this machine, or the content of a file", &SetUpDoctor, !kHasThreads,
+            nullptr, kHasAddresses},
     Command{"manual", "Look inside", "Print the manual page, or the completion for a shell", &SetUpManual},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
     Command{"experiment", "Measure", "Reproduce a table or figure of the thesis", nullptr, false,
@@ -72,6 +86,14 @@ void AddThreads(ArgumentParser& command, int& threads) {
   command.Add("--threads", threads, "Number of threads that compute; 0: one per processor")
       .Range(0, 1024)
       .TypeName("N");
+}
+
+void AddCertificates(ArgumentParser& command, std::string& file) {
+  command
+      .Add("--ca", file,
+           "Certificates (PEM) of the authorities that the servers of encrypted addresses (rtsps, https, rtmps) are "
+           "verified by (default: those of the system)")
+      .TypeName("FILE");
 }
 
 // The words of the command line.
@@ -124,12 +146,14 @@ Expected<int> Main(int argc, char** argv) {
   if (error) return std::unexpected(*error);
   program.RequireCommand();
   int threads = 0;
+  std::string certificates;
   std::vector<std::pair<ArgumentParser, Action>> actions;
   for (const Command& command : kCommands) {
     ArgumentParser parser = program.AddCommand(command.name, command.summary, command.group);
     if (command.setup == nullptr) continue;
     actions.emplace_back(parser, command.setup(parser));
     if (command.has_threads) AddThreads(parser, threads);
+    if (command.has_addresses) AddCertificates(parser, certificates);
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<int> ended, ParseArguments(program, line.rest));
   if (ended) return *ended;
@@ -142,6 +166,7 @@ Expected<int> Main(int argc, char** argv) {
     limit.emplace(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     cv::setNumThreads(threads);
   }
+  if (!certificates.empty()) VICTORIOUS_RETURN_IF_ERROR(TrustCertificates(certificates));
   VICTORIOUS_RETURN_IF_ERROR(chosen->second());
   return 0;
 }

@@ -19,6 +19,7 @@
 #include "victorious/serve/byte_range.h"
 #include "victorious/serve/request_guard.h"
 #include "victorious/store/open_store.h"
+#include "victorious/video/trusted_certificates.h"
 
 namespace victorious {
 namespace {
@@ -117,7 +118,8 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
                            .models = api->options_.models,
                            .copies = api->options_.copies,
                            .categories = api->options_.categories,
-                           .files = api->roots_.files()};
+                           .files = api->roots_.files(),
+                           .certificates = TrustedCertificates()};
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, api->index_->Lists());
   if (const std::string outside = api->roots_.DescribeOutside(lists->videos); !outside.empty()) LogWarning(outside);
   api->telemetry_video_ = telemetry_video;

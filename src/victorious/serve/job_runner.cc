@@ -124,6 +124,7 @@ Expected<std::vector<std::string>> IndexArguments(JobKind kind, const nlohmann::
   if (!folders.categories.empty()) arguments.push_back("--categories=" + folders.categories.string());
   VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, folders, arguments));
   AddFilesBelow(folders, arguments);
+  if (!folders.certificates.empty()) arguments.push_back("--ca=" + folders.certificates.string());
   arguments.insert(arguments.end(), {"--", video});
   return arguments;
 }

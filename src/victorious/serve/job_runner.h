@@ -27,6 +27,7 @@ struct JobFolders {
   std::filesystem::path copies;             ///< where the files go that are made for users
   std::filesystem::path categories = {};    ///< the category model that videos are searched for; empty: none
   FileRoots files = {};                     ///< that a job may read
+  std::filesystem::path certificates = {};  ///< that servers of live sources are verified by; empty: the system's
 };
 
 /// The arguments of `victorious` that do a job. The queue is a part of the index, which may come from elsewhere: what a

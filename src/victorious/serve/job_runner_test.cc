@@ -123,6 +123,14 @@ TEST(JobArguments, InvalidInputsAreErrors) {
   }
 }
 
+TEST(JobArguments, OfLiveSourcesNameTheTrustedCertificates) {
+  JobFolders folders = kFolders;
+  folders.certificates = "/d/ca.pem";
+  EXPECT_THAT(
+      *JobArguments({.kind = JobKind::kLive, .input_json = R"({"video": "rtsps://host/one"})"}, folders),
+      ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--ca=/d/ca.pem", "--", "rtsps://host/one"));
+}
+
 // An index from elsewhere may hold jobs, too.
 TEST(JobArguments, NameNoOtherFilesThanTheServerKnows) {
   JobFolders folders = kFolders;

@@ -12,6 +12,7 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/text.h"
+#include "victorious/video/tls_verification.h"
 #include "victorious/video/video_reader.h"
 
 extern "C" {
@@ -174,6 +175,8 @@ Status Demuxer::OpenContainer() {
   options.Set("rtsp_flags", "prefer_tcp");
   options.Set("overrun_nonfatal", "1");
   const std::string url = source_.remote ? source_.name : "file:" + source_.name;
+  if (source_.remote) VICTORIOUS_RETURN_IF_ERROR(CheckVerifies(UrlScheme(source_.name).value_or(""), source_.name));
+  static_cast<void>(TakeTlsFault());  // of another connection
   StartTimer();
   int result = avformat_open_input(&context_, url.c_str(), nullptr, options.address());  // frees context_ on failure
   if (result < 0) return std::unexpected(OpenError(result));
@@ -214,6 +217,10 @@ void Demuxer::StartTimer() {
 
 Error Demuxer::OpenError(int result) const {
   if (source_.remote) {
+    // Also of a source that is encrypted only in part, as a playlist.
+    if (const std::string fault = TakeTlsFault(); !fault.empty() && !IsTimedOut()) {
+      return {ErrorCode::kNotFound, fmt::format("{}: {}", source_.name, fault)};
+    }
     const std::string reason =
         IsTimedOut() ? fmt::format("no answer within {:g} s", source_.timeout_s) : FfmpegErrorText(result);
     return {ErrorCode::kNotFound, fmt::format("{}: {}; check that the source is sending", source_.name, reason)};

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 
+#include "victorious/video/tls_verification.h"
+
 extern "C" {
 #include <libavutil/error.h>
 #include <libavutil/log.h>
@@ -14,15 +16,14 @@ namespace {
 
 constexpr std::size_t kMaxAllocationBytes = std::size_t{1} << 28;  // > a 16-bit plane of kMaxFramePixels
 
-void DropLogLine(void* /*object*/, int /*level*/, const char* /*format*/, va_list /*arguments*/) {}
-
 }  // namespace
 
 void PrepareFfmpeg() {
   static const bool prepared = [] {
-    av_log_set_callback(&DropLogLine);
+    av_log_set_callback(&KeepTlsFault);
     av_max_alloc(kMaxAllocationBytes);
     avformat_network_init();
+    VerifyCertificates();  // what cannot be verified is not opened (CheckVerifies)
     return true;
   }();
   static_cast<void>(prepared);

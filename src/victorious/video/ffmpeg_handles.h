@@ -27,8 +27,8 @@ using ScalerHandle = std::unique_ptr<SwsContext, FfmpegDeleter>;
 /// Maximum number of pixels of a video frame: 8192 x 4096, above 8K. Bounds the memory that a hostile file can request.
 inline constexpr int kMaxFramePixels = 1 << 25;
 
-/// Disables FFmpeg's log (stderr is reserved for the program) and limits its single allocations. Idempotent and cheap;
-/// call it before any use of FFmpeg.
+/// Disables FFmpeg's log (stderr is reserved for the program), limits its single allocations, and makes it verify the
+/// certificates of servers. Idempotent and cheap; call it before any use of FFmpeg.
 void PrepareFfmpeg();
 
 /// Returns FFmpeg's message for a negative result code.

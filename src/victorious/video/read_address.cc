@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "victorious/video/demuxer.h"
+#include "victorious/video/tls_verification.h"
 
 extern "C" {
 #include <libavutil/dict.h>
@@ -67,6 +68,9 @@ Error AddressError(const std::string& address, int result, bool is_opened, ReadD
   if (deadline.IsTimedOut()) {
     return {ErrorCode::kUnavailable, fmt::format("{}: nothing came for {:g} s", address, options.timeout_s)};
   }
+  if (const std::string fault = TakeTlsFault(); !is_opened && !fault.empty()) {
+    return {ErrorCode::kUnavailable, fmt::format("{}: {}", address, fault)};
+  }
   const ErrorCode code = is_opened                   ? ErrorCode::kDataLoss
                          : IsRefusalOfServer(result) ? ErrorCode::kNotFound
                                                      : ErrorCode::kUnavailable;
@@ -84,9 +88,10 @@ Status ReadAddress(const std::string& address, const AddressOptions& options,
                    const std::function<Status(std::span<const std::byte>)>& sink) {
   PrepareFfmpeg();
   const bool is_of_web = IsWebAddress(address);
+  if (is_of_web) VICTORIOUS_RETURN_IF_ERROR(CheckVerifies(UrlScheme(address).value_or(""), address));
+  static_cast<void>(TakeTlsFault());  // of another connection
   AVDictionary* settings = nullptr;
   av_dict_set(&settings, "protocol_whitelist", is_of_web ? "http,https,httpproxy,crypto,tcp,tls" : "file", 0);
-  if (is_of_web) av_dict_set(&settings, "tls_verify", "1", 0);
   ReadDeadline deadline(options);
   const AVIOInterruptCB interrupt = deadline.callback();
   AVIOContext* opened = nullptr;

@@ -19,8 +19,8 @@ struct AddressOptions {
 /// Whether this is an address that ReadAddress reads over HTTP: "http://…" or "https://…".
 [[nodiscard]] bool IsWebAddress(const std::string& address);
 
-/// Passes the bytes to `sink` as they come. The certificate of an https server must be valid for this system; proxies
-/// are those of the environment (http_proxy).
+/// Passes the bytes to `sink` as they come. The certificate of an https server must be trusted
+/// (trusted_certificates.h); proxies are those of the environment (http_proxy).
 /// @param address  IsWebAddress, or the path of a file
 /// @param sink     an error of it ends the reading
 /// Errors: kNotFound, also what the server says of an address that it does not give; kUnavailable if the server cannot
