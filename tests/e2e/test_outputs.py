@@ -1,9 +1,12 @@
 """No output overwrites an input, and no existing file of another kind is replaced without --force."""
 
+import contextlib
 import itertools
 import json
 import os
 import re
+import shutil
+import sqlite3
 import struct
 import subprocess
 
@@ -150,6 +153,33 @@ class OutputsTest(program.ProgramTest):
             self.assertEqual(said, {"file": str(out), "format": form, **counts, "placed_objects": said["placed_objects"]})
             self.assertLessEqual(said["placed_objects"], counts["objects"])
         self.refuses(2, "--out", "export", "--db", self.db, "--format", "objects", "--json")
+
+    def test_export_does_not_hold_the_archive_in_memory(self):
+        """The peak memory does not grow with the sightings; the file does, by far more than that."""
+        if re.search(rb"__[at]san_init", program.PROGRAM.read_bytes()):
+            self.skipTest("sanitizers keep memory that was freed")
+        db, out = self.scratch / "large.db", self.scratch / "out"
+
+        def export():
+            """The peak memory and the file's size, in MB."""
+            command = [program.PROGRAM, "export", "--db", db, "--format", "sightings", "--out", out]
+            child = subprocess.Popen(list(map(str, command)))
+            _, status, usage = os.wait4(child.pid, 0)
+            child.returncode = os.waitstatus_to_exitcode(status)
+            self.assertEqual(child.returncode, 0)
+            return usage.ru_maxrss / 1e3, out.stat().st_size / 1e6
+
+        shutil.copy(program.index(), db)
+        small_memory, small_size = export()
+        with contextlib.closing(sqlite3.connect(db)) as index, index:
+            columns = [row[1] for row in index.execute("PRAGMA table_info(sightings)")]
+            values = ["frame + 1000 * n" if name == "frame" else name for name in columns]
+            index.execute(f"""WITH RECURSIVE numbers (n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM numbers WHERE n < 2000)
+                              INSERT INTO sightings ({", ".join(columns)})
+                              SELECT {", ".join(values)} FROM sightings, numbers""")
+        memory, size = export()
+        self.assertGreater(size - small_size, 30)
+        self.assertLess(memory - small_memory, 15)
 
     def test_footage_is_kept_by_simulate(self):
         footage = self.scratch / "flight"
