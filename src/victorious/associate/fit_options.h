@@ -9,8 +9,8 @@
 
 namespace victorious {
 
-/// The options that decide what becomes of fits, and that no fit reads: gates of merging, and rejection. A change of one
-/// leaves the kept fits as they are. Every other option is in the text, a new one too.
+/// The options that decide what becomes of fits, and that no fit reads: gates of merging, and rejection. A change of
+/// one leaves the kept fits as they are. Every other option is in the text, a new one too.
 inline constexpr std::array<std::string_view, 5> kOptionsOfNoFit = {
     "merge_gate_sigma", "max_merge_distance_m", "max_size_ratio", "false_alarm_rate", "max_height_deviation_m"};
 

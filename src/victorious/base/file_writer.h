@@ -14,8 +14,8 @@ namespace victorious {
 /// Writes a content to a stream. The stream is not good() any more once the file or descriptor takes no more bytes.
 using WriteContent = std::function<Status(std::ostream&)>;
 
-/// As WriteFileAtomically, of the bytes that `write` gives, with a buffer of kWriterBufferBytes. If `write` fails, the file
-/// stays as it was. Errors: those of WriteFileAtomically, which come first, and those of `write`.
+/// As WriteFileAtomically, of the bytes that `write` gives, with a buffer of kWriterBufferBytes. If `write` fails, the
+/// file stays as it was. Errors: those of WriteFileAtomically, which come first, and those of `write`.
 [[nodiscard]] Status WriteFileInParts(const std::filesystem::path& path, const WriteContent& write);
 
 /// Writes to an open descriptor, which stays open. A content of at most kWriterBufferBytes is written only if `write`

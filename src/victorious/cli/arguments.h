@@ -129,7 +129,7 @@ struct FieldFlag {
 
 /// Writes `text` to stdout (`path` empty or "-"), or atomically to a file.
 [[nodiscard]] Status WriteOutput(const std::string& path, std::string_view text);
-/// As the above, of what `write` gives to a stream, in parts (base/file_writer.h): for what may be too large for memory.
+/// As the above, of what `write` gives to a stream, in parts (base/file_writer.h): for what is too large for memory.
 [[nodiscard]] Status WriteOutput(const std::string& path, const WriteContent& write);
 
 /// Checks that WriteOutput can write to `path`. Called before long work.

@@ -2,8 +2,9 @@
 // queries, reviews. Thread-safe.
 //
 // The lists are read again when another process has changed the index, within a second and in at most a fifth of the
-// time; meanwhile the former ones are given out, as they are for a short time if they cannot be read (list_freshness.h). Objects and sightings stay in the database: each query for them is
-// bounded and uses an index of the store.
+// time; meanwhile the former ones are given out, as they are for a short time if they cannot be read
+// (list_freshness.h). Objects and sightings stay in the database: each query for them is bounded and uses an index of
+// the store.
 #pragma once
 
 #include <chrono>

@@ -31,8 +31,8 @@ class ListFreshness {
   /// @return whether it is the first failure after a success
   bool Failed(Error error, Clock::time_point begun, Clock::time_point ended);
 
-  /// How old the lists are; 0 as long as no attempt failed. Error: kUnavailable, with that of the last attempt, if they are
-  /// too old to be given out.
+  /// How old the lists are; 0 as long as no attempt failed. Error: kUnavailable, with that of the last attempt, if they
+  /// are too old to be given out.
   [[nodiscard]] Expected<std::chrono::seconds> Age(Clock::time_point now) const;
 
  private:

@@ -6,8 +6,8 @@ struct sqlite3;
 namespace victorious::sqlite {
 
 /// Adds to a connection:
-///   is_within(latitude, longitude, centre_latitude, centre_longitude, altitude, radius)  radians, m
-///   is_inside(latitude, longitude, corners)                                              radians; corners: "lat,lon,lat,…"
+///   is_within(latitude, longitude, centre_latitude, centre_longitude, altitude, radius): radians, m
+///   is_inside(latitude, longitude, corners): radians; the corners are "lat,lon,lat,lon,…"
 /// Only the program's own statements may call them, not the schema of a file. False: no memory.
 [[nodiscard]] bool AddPlaceFunctions(sqlite3* connection);
 
