@@ -83,7 +83,7 @@ TEST_F(FileRootsTest, SaysTheSameOfWhatIsNotThere) {
   EXPECT_THAT(there.error().message, Not(HasSubstr(folder_.path().string())));
 }
 
-TEST_F(FileRootsTest, WhatWasOpenedStaysWhatItIs) {
+TEST_F(FileRootsTest, AnOpenFileStaysTheSame) {
   const auto file = roots_.Open(folder_ / "videos/a.mp4");
   ASSERT_TRUE(file) << file.error().message;
   fs::remove(folder_ / "videos/a.mp4");

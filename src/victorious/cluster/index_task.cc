@@ -23,8 +23,8 @@ bool IsArgument(const std::string& text) {
 
 bool IsArgument(const nlohmann::json& value) { return value.is_string() && IsArgument(value.get<std::string>()); }
 
-// Whether these are options of `victorious index` that a task may have, each with its value: none that writes a file, and
-// none that a worker gives.
+// Whether these are options of `victorious index` that a task may have, each with its value: none that writes a file,
+// and none that a worker gives.
 bool AreOptions(std::span<const std::string> options) {
   constexpr std::array<std::string_view, 7> kFlags = {"--models", "--categories", "--params", "--quality",
                                                       "--every",  "--from",       "--to"};

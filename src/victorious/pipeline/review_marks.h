@@ -28,8 +28,8 @@ struct ReviewMark {
 
 /// Reads the frame of a mark, CV_8UC1.
 /// @param roots  that its video must lie below
-/// Errors: those of VideoReader and of FileRoots::Check; kNotFound beyond the end; kUnsupported for a live source, whose
-/// frames are not kept; kCancelled.
+/// Errors: those of VideoReader and of FileRoots::Check; kNotFound beyond the end; kUnsupported for a live source,
+/// whose frames are not kept; kCancelled.
 [[nodiscard]] Expected<cv::Mat> ReadMarkedFrame(const ReviewMark& mark, const FileRoots& roots,
                                                 const CancelToken& cancel);
 

@@ -87,7 +87,7 @@ TEST_F(VideoRootsTest, ReadsTelemetryBelowTheRoots) {
   EXPECT_THAT(warnings[0], HasSubstr("--videos"));
 }
 
-TEST_F(VideoRootsTest, TellsTheOperatorWhatLiesElsewhere) {
+TEST_F(VideoRootsTest, NamesTheFlagForVideosElsewhere) {
   EXPECT_EQ(roots_.DescribeOutside({Named("/flights/a.mp4"), Named("/flights/absent.mp4")}), "");
   const std::string said = roots_.DescribeOutside({Named("/flights/a.mp4"), Named("/elsewhere/b.mp4")});
   EXPECT_THAT(said, HasSubstr("1 of 2 videos"));

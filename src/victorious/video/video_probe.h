@@ -1,4 +1,4 @@
-// Whether a file begins as a video or an image that VideoReader opens: told by its first bytes alone, without a decoder.
+// Whether a file begins as a video or an image that VideoReader opens: by its first bytes alone, without a decoder.
 #pragma once
 
 #include <filesystem>

@@ -14,7 +14,7 @@
 namespace victorious {
 namespace {
 
-TEST(BeginsAsVideo, TellsVideosAndImages) {
+TEST(BeginsAsVideo, RecognisesVideosAndImages) {
   const testing::ScratchFolder folder;
   for (const char* name : {"a.mp4", "a.mkv", "a.ts", "a.avi"}) {
     const char* const muxer = std::strstr(name, "mkv") != nullptr   ? "matroska"
@@ -24,7 +24,7 @@ TEST(BeginsAsVideo, TellsVideosAndImages) {
     testing::WriteTestVideo(folder / name, {.muxer = muxer, .size = {64, 48}, .pts = testing::SteadyTimes(20, 1)});
     EXPECT_TRUE(BeginsAsVideo(folder / name)) << name;
     std::filesystem::rename(folder / name, folder / "server.key");
-    EXPECT_TRUE(BeginsAsVideo(folder / "server.key")) << "told by the content, not by the name";
+    EXPECT_TRUE(BeginsAsVideo(folder / "server.key")) << "by the content, not by the name";
   }
   for (const char* name : {"a.png", "a.jpg"}) {
     cv::imwrite(folder / name, cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(90)));
@@ -32,7 +32,7 @@ TEST(BeginsAsVideo, TellsVideosAndImages) {
   }
 }
 
-TEST(BeginsAsVideo, TellsOtherFilesApart) {
+TEST(BeginsAsVideo, RefusesOtherFiles) {
   const testing::ScratchFolder folder;
   const std::string base64 = "MIGHAgEAMBMGByqGSM49AgEGCCqGSM49AwEHBG0wawIBAQQg7kFJx0Zp4Yh2mUS2qhQ6\n";
   std::string key = "-----BEGIN PRIVATE KEY-----\n";

@@ -33,7 +33,7 @@ TEST(ConnectionFailure, HasTheCodeInEveryLanguage) {
   }
 }
 
-TEST(ConnectionFailure, IsToldByTheCodeAndNotByWords) {
+TEST(ConnectionFailure, FollowsTheCodeAndNotTheWords) {
   EXPECT_EQ(ErrorOf("x: FATAL:  53300: zu viele Verbindungen\n").code, ErrorCode::kUnavailable);
   EXPECT_THAT(ErrorOf("x: FATAL:  53300: zu viele Verbindungen\n").message, HasSubstr("max_connections"));
   EXPECT_EQ(ErrorOf("x: FATAL:  3D000: Datenbank >>none<< existiert nicht\n").code, ErrorCode::kNotFound);

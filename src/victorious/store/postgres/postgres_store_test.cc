@@ -135,7 +135,7 @@ TEST_F(PostgresStoreTest, TooManyConnectionsAreNoFaultOfThePassword) {
 }
 
 // Where the translations are installed, the server speaks German; else the test is one of English.
-TEST(PostgresLanguage, ErrorsOfConnectionsAreToldApartInAnyLanguage) {
+TEST(PostgresLanguage, ErrorsOfConnectionsAreKnownInAnyLanguage) {
   ::setenv("LANGUAGE", "de", 1);
   const testing::ScratchPostgres server;
   ::unsetenv("LANGUAGE");
