@@ -118,6 +118,7 @@ class ServeDecodingTest(test_serve.ServerCase):
         with self.serve(image) as server:
             video = self.only_video(server)
             before = peak_bytes(server.process.pid)
+            self.get(server, f"/api/v1/videos/{video}/camera")  # its tags are looked for, and none are there
             for path in (f"/api/v1/videos/{video}/frames/0", f"/api/v1/videos/{video}/times", "/api/v1/objects/1/thumbnail"):
                 status, _, body = self.ask(server, path)
                 self.assertEqual(status, 422, body[:200])

@@ -15,8 +15,11 @@
 
 namespace victorious {
 
-/// The name of FrameSource in the program (base/isolated_main.h).
-inline constexpr std::string_view kFrames = "frames";
+/// The name of the function of the program (base/isolated_main.h) that answers the page. A request is one of these
+/// characters, and what it asks for.
+inline constexpr std::string_view kPage = "page";
+inline constexpr char kFrameRequest = 'f';   ///< PackFrameRequest
+inline constexpr char kCameraRequest = 'c';  ///< pipeline/camera_request.h
 
 /// Pixels of the largest image that is decoded for the page: 8192 x 8192.
 inline constexpr std::uint64_t kMaxServedPixels = std::uint64_t{1} << 26;

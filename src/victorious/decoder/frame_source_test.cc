@@ -65,9 +65,9 @@ TEST_F(FrameSourceTest, GivesTimesAndCrops) {
 class DecoderTest : public FrameSourceTest {
  protected:
   static Expected<std::string> Ask(const FrameRequest& request, std::vector<std::filesystem::path> readable) {
-    VICTORIOUS_ASSIGN_OR_RETURN(IsolatedProcess decoder, IsolatedProcess::Start(kFrames, {}));
+    VICTORIOUS_ASSIGN_OR_RETURN(IsolatedProcess decoder, IsolatedProcess::Start(kPage, {}));
     decoder.Confine({.memory_bytes = std::uint64_t{1} << 30, .readable = std::move(readable)});
-    return decoder.Ask(PackFrameRequest(request), {});
+    return decoder.Ask(kFrameRequest + PackFrameRequest(request), {});
   }
 };
 

@@ -1,4 +1,4 @@
-// Of mesh/ and the program decoder/: what an import is asked for, and the import itself.
+// Of mesh/ and the program victorious-decoder: what an import is asked for, and the import itself.
 #pragma once
 
 #include <array>

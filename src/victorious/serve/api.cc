@@ -312,12 +312,13 @@ ApiExpected<HttpResponse> Api::VideoFrame(const Call& call) {
 }
 
 // From the telemetry; without it, from the camera positions stored with the sightings.
-Expected<CameraPath> Api::ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m) {
+Expected<CameraPath> Api::ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m,
+                                         const CancelToken& cancel) {
   constexpr std::size_t kMaxPoints = 1000;
   constexpr int kMaxVisited = 100'000;
   std::string reason = "the video has no telemetry, and no file beside it";
   if (const auto path = videos_.Find(video)) {
-    const auto cameras = LoadCameras(video, *path, {}, [&](const std::string& warning) { reason = warning; });
+    const auto cameras = LoadCameras(video, *path, {}, [&](const std::string& warning) { reason = warning; }, cancel);
     if (!cameras) return std::unexpected(cameras.error());
     if (cameras->HasStates()) {
       return MakeCameraPath(ThinStates(cameras->trajectory()->states(), kMaxPoints), CameraPathSource::kTelemetry,
@@ -354,10 +355,11 @@ ApiExpected<HttpResponse> Api::VideoCamera(const Call& call) {
   // The ground's height, and with it the footprints, follows the objects.
   const std::string key =
       fmt::format("{} {} {} {}", video.content_id, ground_m.value_or(NAN), video.id, video.telemetry);
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, camera_paths_.Get(key, [&]() -> Expected<std::string> {
-    VICTORIOUS_ASSIGN_OR_RETURN(const CameraPath path, ReadCameraPath(video, ground_m));
-    return DumpJson(CameraPathToJson(path)) + "\n";
-  }));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const auto body, GetUnlessCancelled(camera_paths_, key, call.cancel, [&]() -> Expected<std::string> {
+        VICTORIOUS_ASSIGN_OR_RETURN(const CameraPath path, ReadCameraPath(video, ground_m, call.cancel));
+        return DumpJson(CameraPathToJson(path)) + "\n";
+      }));
   return JsonTextResponse(*body);
 }
 

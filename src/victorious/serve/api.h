@@ -226,12 +226,14 @@ class Api {
   /// @param warn  receives a line if the file is gone; may be empty
   [[nodiscard]] std::optional<std::string> TelemetryOf(const VideoRecord& video, const WarningSink& warn = {}) const;
   [[nodiscard]] Expected<CameraStates> LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
-                                                   const TelemetryOptions& options, const WarningSink& warn);
+                                                   const TelemetryOptions& options, const WarningSink& warn,
+                                                   const CancelToken& cancel);
   /// The body of an answer, at most one at a time.
   [[nodiscard]] Expected<std::string> MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
                                                    const std::string& options_json, const ObjectModel& model,
                                                    const CancelToken& cancel);
-  [[nodiscard]] Expected<CameraPath> ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m);
+  [[nodiscard]] Expected<CameraPath> ReadCameraPath(const VideoRecord& video, std::optional<double> ground_m,
+                                                    const CancelToken& cancel);
 
   ApiOptions options_;
   const CancelToken& cancel_;

@@ -141,10 +141,14 @@ std::optional<std::string> Api::TelemetryOf(const VideoRecord& video, const Warn
 }
 
 Expected<CameraStates> Api::LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
-                                        const TelemetryOptions& options, const WarningSink& warn) {
-  VideoInfo info;
-  info.duration_s = video.duration_s;
-  return CameraStates::Load(path.string(), info, TelemetryOf(video, warn), options, "the map has no camera path", warn);
+                                        const TelemetryOptions& options, const WarningSink& warn,
+                                        const CancelToken& cancel) {
+  return videos_.Cameras({.video = path.string(),
+                          .duration_s = video.duration_s,
+                          .file = TelemetryOf(video, warn),
+                          .options = options,
+                          .consequence = "the map has no camera path"},
+                         warn, cancel);
 }
 
 Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
@@ -153,10 +157,12 @@ Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const Vi
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const TelemetryOptions telemetry, TelemetryOptionsOf(options_json));
   if (!telemetry.geoid_grid.empty()) VICTORIOUS_RETURN_IF_ERROR(roots_.files().Check(telemetry.geoid_grid));
-  const auto load = [&] { return LoadCameras(video, path, telemetry, [](const std::string& /*warning*/) {}); };
+  const auto load = [&] { return LoadCameras(video, path, telemetry, [](const std::string& /*warning*/) {}, cancel); };
   VICTORIOUS_ASSIGN_OR_RETURN(
       const auto cameras,
-      cameras_.Get(fmt::format("{} {} {}", video.content_id, video.telemetry, OptionsToJsonText(telemetry)), load));
+      GetUnlessCancelled(cameras_,
+                         fmt::format("{} {} {}", video.content_id, video.telemetry, OptionsToJsonText(telemetry)),
+                         cancel, load));
   const SearchSlot slot(evidence_slots_);
   if (!slot.is_taken()) return Fail(ErrorCode::kConflict, "others ask for evidence, too: ask again in a moment");
   VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat grey, videos_.GreyFrame(video, sighting.time_s, cancel));

@@ -37,7 +37,15 @@ std::vector<fs::path> ReadableFiles(const fs::path& video) {
 }
 
 // Without a group of its own, Ctrl-C in the terminal would end answers that the server still finishes.
-Expected<IsolatedProcess> StartOrigin() { return IsolatedProcess::Start(kFrames, {.has_own_group = true}); }
+Expected<IsolatedProcess> StartOrigin() { return IsolatedProcess::Start(kPage, {.has_own_group = true}); }
+
+// The errors of the process itself do not name the video.
+Expected<std::string> AskNamed(IsolatedProcess& process, const fs::path& video, std::string_view request,
+                               const AskOptions& options) {
+  Expected<std::string> answer = process.Ask(request, options);
+  if (answer || process.IsRunning()) return answer;
+  return std::unexpected(std::move(answer).error().WithContext(video.string()));
+}
 
 }  // namespace
 
@@ -56,12 +64,16 @@ Expected<std::string> DecoderPool::Ask(const fs::path& video, std::string_view r
     if (is_running || is_cancelled) return answer;
     // It may have ended while it waited, or at the end of its processor time: another one is asked once.
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(Decoder decoder, StartFor(video, key));
-  Expected<std::string> answer = decoder.process.Ask(request, options);
-  const bool is_running = decoder.process.IsRunning();
+  VICTORIOUS_ASSIGN_OR_RETURN(Decoder decoder, StartFor(video, key, {}));
+  Expected<std::string> answer = AskNamed(decoder.process, video, request, options);
   Keep(std::move(decoder));
-  if (answer || is_running) return answer;
-  return std::unexpected(std::move(answer).error().WithContext(video.string()));
+  return answer;
+}
+
+Expected<std::string> DecoderPool::AskOnce(const fs::path& video, const std::vector<fs::path>& files,
+                                           std::string_view request, const AskOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Decoder decoder, StartFor(video, "", files));
+  return AskNamed(decoder.process, video, request, options);
 }
 
 Expected<IsolatedProcess> DecoderPool::CopyOrigin() {
@@ -86,9 +98,12 @@ std::optional<DecoderPool::Decoder> DecoderPool::TakeIdle(const std::string& key
   return std::nullopt;
 }
 
-Expected<DecoderPool::Decoder> DecoderPool::StartFor(const fs::path& video, const std::string& key) {
+Expected<DecoderPool::Decoder> DecoderPool::StartFor(const fs::path& video, const std::string& key,
+                                                     const std::vector<fs::path>& files) {
   VICTORIOUS_ASSIGN_OR_RETURN(IsolatedProcess process, CopyOrigin());
-  process.Confine({.memory_bytes = kDecoderBytes, .processor_s = kDecoderSeconds, .readable = ReadableFiles(video)});
+  std::vector<fs::path> readable = ReadableFiles(video);
+  readable.insert(readable.end(), files.begin(), files.end());
+  process.Confine({.memory_bytes = kDecoderBytes, .processor_s = kDecoderSeconds, .readable = std::move(readable)});
   return Decoder{key, std::move(process)};
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "victorious/base/error.h"
 #include "victorious/base/isolated_process.h"
@@ -22,10 +23,16 @@ class DecoderPool {
   DecoderPool();
 
   /// Asks a process of a video.
-  /// @param request  PackFrameRequest of this path
+  /// @param request  for the function kPage (decoder/frame_request.h), about this path
   /// Errors: those of IsolatedProcess::Start and Ask, with the video's name; those of the decoder.
   [[nodiscard]] Expected<std::string> Ask(const std::filesystem::path& video, std::string_view request,
                                           const AskOptions& options);
+
+  /// The same of a process that is not kept.
+  /// @param files  that it may read, too
+  [[nodiscard]] Expected<std::string> AskOnce(const std::filesystem::path& video,
+                                              const std::vector<std::filesystem::path>& files, std::string_view request,
+                                              const AskOptions& options);
 
  private:
   struct Decoder {
@@ -37,7 +44,8 @@ class DecoderPool {
   [[nodiscard]] Expected<IsolatedProcess> CopyOrigin();
   /// One that waits for this video.
   [[nodiscard]] std::optional<Decoder> TakeIdle(const std::string& key);
-  [[nodiscard]] Expected<Decoder> StartFor(const std::filesystem::path& video, const std::string& key);
+  [[nodiscard]] Expected<Decoder> StartFor(const std::filesystem::path& video, const std::string& key,
+                                           const std::vector<std::filesystem::path>& files);
   void Keep(Decoder decoder);
 
   std::mutex mutex_;

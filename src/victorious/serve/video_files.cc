@@ -43,7 +43,7 @@ Expected<std::shared_ptr<const std::string>> VideoFiles::Jpeg(const VideoRecord&
     VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, Find(video));
     FrameRequest of_file = request;
     of_file.video = path.string();
-    return decoders_.Ask(path, PackFrameRequest(of_file), {.patience = kFrameTime, .cancel = &cancel});
+    return decoders_.Ask(path, kFrameRequest + PackFrameRequest(of_file), {.patience = kFrameTime, .cancel = &cancel});
   });
   if (!made) return std::unexpected(WithRemedy(std::move(made).error()));
   images_.Put(key, *made);
@@ -65,9 +65,9 @@ Expected<std::shared_ptr<const std::string>> VideoFiles::Crop(const VideoRecord&
 
 Expected<cv::Mat> VideoFiles::GreyFrame(const VideoRecord& video, double time_s, const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, Find(video));
-  const auto bytes =
-      decoders_.Ask(path, PackFrameRequest({.task = FrameTask::kGrey, .video = path.string(), .time_s = time_s}),
-                    {.patience = kFrameTime, .cancel = &cancel});
+  const auto bytes = decoders_.Ask(
+      path, kFrameRequest + PackFrameRequest({.task = FrameTask::kGrey, .video = path.string(), .time_s = time_s}),
+      {.patience = kFrameTime, .cancel = &cancel});
   if (!bytes) return std::unexpected(WithRemedy(bytes.error()));
   return UnpackGrey(*bytes);
 }
@@ -77,10 +77,18 @@ Expected<std::shared_ptr<const std::vector<double>>> VideoFiles::Times(const Vid
   return GetUnlessCancelled(times_, video.content_id, cancel, [&]() -> Expected<std::vector<double>> {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, Find(video));
     const FrameRequest request{.task = FrameTask::kTimes, .video = path.string(), .frames = video.frame_count};
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, decoders_.Ask(path, PackFrameRequest(request),
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, decoders_.Ask(path, kFrameRequest + PackFrameRequest(request),
                                                                        {.patience = kTableTime, .cancel = &cancel}));
     return UnpackTimes(bytes);
   });
+}
+
+Expected<CameraStates> VideoFiles::Cameras(const CameraRequest& request, const WarningSink& warn,
+                                           const CancelToken& cancel) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string answer, decoders_.AskOnce(request.video, FilesOfCameraRequest(request),
+                                                                          kCameraRequest + PackCameraRequest(request),
+                                                                          {.patience = kTableTime, .cancel = &cancel}));
+  return UnpackCameraAnswer(answer, warn);
 }
 
 }  // namespace victorious

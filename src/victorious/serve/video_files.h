@@ -15,6 +15,7 @@
 #include "victorious/base/error.h"
 #include "victorious/decoder/frame_request.h"
 #include "victorious/geometry/box.h"
+#include "victorious/pipeline/camera_request.h"
 #include "victorious/serve/byte_cache.h"
 #include "victorious/serve/decoder_pool.h"
 #include "victorious/serve/once_cache.h"
@@ -49,6 +50,11 @@ class VideoFiles {
   /// it takes more than 10 minutes; kCancelled.
   [[nodiscard]] Expected<std::shared_ptr<const std::vector<double>>> Times(const VideoRecord& video,
                                                                            const CancelToken& cancel);
+
+  /// What the telemetry of a video says of its camera: CameraStates::Load. Errors: those of it; kUnsupported if it
+  /// takes more than 10 minutes; kCancelled.
+  [[nodiscard]] Expected<CameraStates> Cameras(const CameraRequest& request, const WarningSink& warn,
+                                               const CancelToken& cancel);
 
  private:
   /// @param request  without the video's path

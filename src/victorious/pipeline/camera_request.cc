@@ -1,0 +1,96 @@
+#include "victorious/pipeline/camera_request.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "victorious/base/check.h"
+#include "victorious/base/options.h"
+#include "victorious/base/packed_bytes.h"
+#include "victorious/pipeline/video_telemetry.h"
+#include "victorious/telemetry/geoid.h"
+
+namespace victorious {
+namespace {
+
+void PutText(ByteWriter& writer, const std::string& text) { writer.PutItems(std::span<const char>(text)); }
+
+std::string GetText(ByteReader& reader) {
+  const std::vector<char> text = reader.GetItems<char>();
+  return {text.begin(), text.end()};
+}
+
+std::string AsText(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+bool IsSound(const std::vector<CameraState>& states) {
+  const auto is_number = [](const CameraState& state) {
+    return std::isfinite(state.time_s) && std::isfinite(state.place.latitude_rad) &&
+           std::isfinite(state.place.longitude_rad) && std::isfinite(state.place.altitude_m);
+  };
+  return std::ranges::all_of(states, is_number) && std::ranges::is_sorted(states, {}, &CameraState::time_s);
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> FilesOfCameraRequest(const CameraRequest& request) {
+  std::vector<std::filesystem::path> files;
+  if (request.file) files.emplace_back(*request.file);
+  if (const auto beside = FindTelemetryFile(request.video)) files.push_back(*beside);
+  if (const auto grid = FindEgm96Grid()) files.push_back(*grid);
+  return files;
+}
+
+std::string PackCameraRequest(const CameraRequest& request) {
+  ByteWriter writer;
+  PutText(writer, request.video);
+  writer.PutOptional(request.duration_s);
+  writer.Put(request.file.has_value());
+  PutText(writer, request.file.value_or(""));
+  PutText(writer, OptionsToJsonText(request.options));
+  PutText(writer, request.consequence);
+  return AsText(writer.Take());
+}
+
+Expected<std::string> AnswerCameraRequest(std::string_view packed) {
+  ByteReader reader(std::as_bytes(std::span(packed)));
+  CameraRequest request;
+  request.video = GetText(reader);
+  request.duration_s = reader.GetOptional<double>();
+  const bool has_file = reader.Get<bool>();
+  std::string file = GetText(reader);
+  if (has_file) request.file = std::move(file);
+  const std::string options = GetText(reader);
+  request.consequence = GetText(reader);
+  VICTORIOUS_CHECK(reader.IsAtEnd());
+  VICTORIOUS_RETURN_IF_ERROR(SetFromJsonText(options, CollectFields(request.options)));
+
+  VideoInfo info;
+  info.duration_s = request.duration_s;
+  std::vector<std::string> warnings;
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const CameraStates cameras,
+      CameraStates::Load(request.video, info, request.file, request.options, request.consequence,
+                         [&](const std::string& warning) { warnings.push_back(warning); }));
+  ByteWriter writer;
+  writer.Put(std::uint64_t{warnings.size()});
+  for (const std::string& warning : warnings) PutText(writer, warning);
+  cameras.Pack(writer);
+  return AsText(writer.Take());
+}
+
+Expected<CameraStates> UnpackCameraAnswer(std::string_view answer, const WarningSink& warn) {
+  ByteReader reader(std::as_bytes(std::span(answer)));
+  for (std::size_t left = reader.GetCount(sizeof(std::uint64_t)); left > 0; --left) {
+    const std::string warning = GetText(reader);
+    if (warn) warn(warning);
+  }
+  CameraStates cameras = CameraStates::Unpack(reader);
+  const bool is_sound =
+      reader.IsAtEnd() && (cameras.trajectory() == nullptr || IsSound(cameras.trajectory()->states()));
+  if (is_sound) return cameras;
+  return Fail(ErrorCode::kDataLoss, "damaged: its decoder gave an answer without a meaning");
+}
+
+}  // namespace victorious
