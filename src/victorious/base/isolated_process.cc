@@ -16,6 +16,7 @@
 
 #include "victorious/base/child_start.h"
 #include "victorious/base/isolated_message.h"
+#include "victorious/base/one_line.h"
 #include "victorious/base/packed_bytes.h"
 #include "victorious/base/version.h"
 
@@ -23,6 +24,8 @@ namespace victorious {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMaxMessageBytes = 2000;
 
 std::string HeaderBytes(IsolatedMessage kind, std::size_t size) {
   const IsolatedHeader header{.kind = kind, .size = size};
@@ -150,7 +153,9 @@ Expected<Expected<std::string>> IsolatedProcess::ReceiveAnswer(const AskOptions&
   VICTORIOUS_RETURN_IF_ERROR(Receive(answer, header.size, options, deadline));
   if (!is_error) return answer;
   if (static_cast<unsigned char>(answer.front()) >= kErrorCodeTexts.size()) return std::unexpected(NoMeaning());
-  return Expected<std::string>(Fail(static_cast<ErrorCode>(answer.front()), answer.substr(1)));
+  // Who has taken the process over writes the message, too.
+  return Expected<std::string>(
+      Fail(static_cast<ErrorCode>(answer.front()), OneLine(answer.substr(1, kMaxMessageBytes))));
 }
 
 Expected<IsolatedProcess> IsolatedProcess::Copy() {

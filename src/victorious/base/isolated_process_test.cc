@@ -101,6 +101,12 @@ TEST(IsolatedProcess, ReturnsErrorsAndGoesOn) {
   }
 }
 
+TEST(IsolatedProcess, ErrorIsOneShortLine) {
+  const auto result = AskOnce("shout");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().message, "two?lines " + std::string(1990, 'x'));
+}
+
 TEST(IsolatedProcess, CrashIsAnError) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE}) {
     const auto result = AskOnce("raise", std::to_string(signal));

@@ -29,6 +29,10 @@ Expected<std::string> Refuse(std::string_view /*request*/) {
   return Fail(ErrorCode::kUnsupported, "too round: square is right");
 }
 
+Expected<std::string> Shout(std::string_view /*request*/) {
+  return Fail(ErrorCode::kDataLoss, "two\nlines " + std::string(100'000, 'x'));
+}
+
 Expected<std::string> Raise(std::string_view request) {
   std::raise(std::atoi(std::string(request).c_str()));
   return "survived";
@@ -104,9 +108,10 @@ Expected<std::string> ListDescriptors(std::string_view /*request*/) {
   return list;
 }
 
-const std::array<IsolatedFunction, 18> kFunctions = {{{"echo", &Echo},
+const std::array<IsolatedFunction, 19> kFunctions = {{{"echo", &Echo},
                                                       {"count", &Count},
                                                       {"refuse", &Refuse},
+                                                      {"shout", &Shout},
                                                       {"raise", &Raise},
                                                       {"spin", &Spin},
                                                       {"sleep", &Sleep},

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "victorious/base/check.h"
+#include "victorious/base/one_line.h"
 #include "victorious/base/options.h"
 #include "victorious/base/packed_bytes.h"
 #include "victorious/pipeline/video_telemetry.h"
@@ -84,7 +85,7 @@ Expected<CameraStates> UnpackCameraAnswer(std::string_view answer, const Warning
   ByteReader reader(std::as_bytes(std::span(answer)));
   for (std::size_t left = reader.GetCount(sizeof(std::uint64_t)); left > 0; --left) {
     const std::string warning = GetText(reader);
-    if (warn) warn(warning);
+    if (warn) warn(OneLine(warning));
   }
   CameraStates cameras = CameraStates::Unpack(reader);
   const bool is_sound =
