@@ -71,8 +71,8 @@ class IsolatedProcess {
   void Confine(IsolationLimits limits);
 
   /// Returns the function's result for a request.
-  /// Errors: those of the function, on one line, after which the process goes on. All others end it: kDataLoss if it crashes or its
-  /// answer is none; kUnsupported if it exceeds its limits or `patience`; kCancelled.
+  /// Errors: those of the function, on one line, after which the process goes on. All others end it: kDataLoss if it
+  /// crashes or its answer is none; kUnsupported if it exceeds its limits or `patience`; kCancelled.
   [[nodiscard]] Expected<std::string> Ask(std::string_view request, const AskOptions& options);
 
   /// Whether it can be asked again.
