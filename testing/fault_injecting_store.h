@@ -48,6 +48,9 @@ class FaultInjectingStore : public IndexStore {
     return store_.FindSearch(video, model);
   }
   [[nodiscard]] Expected<std::vector<SearchRecord>> Searches() override { return store_.Searches(); }
+  [[nodiscard]] Expected<std::vector<SearchPart>> SearchParts(std::int64_t video) override {
+    return store_.SearchParts(video);
+  }
   [[nodiscard]] Status DeleteSearch(std::int64_t video, std::int64_t model) override {
     return store_.DeleteSearch(video, model);
   }

@@ -641,6 +641,26 @@ async function checkFrames(page) {
     const wanted = times.reduce((best, one, at) => (Math.abs(one - time) < Math.abs(times[best] - time) ? at : best), 0);
     await page.mouse.click(x, ruler.y + 6);
     await waitForFrame(page, wanted);
+/** Of a video of which only the first 0.3 s were searched, the time line shows this part alone, and says why. */
+async function coverage(page) {
+  await open(page, "/");
+  const { duration_s: duration, left_out: leftOut } = await api(page, "/videos/1");
+  assert.equal(duration, null);
+  assert.deepEqual(leftOut.map(({ from_s, to_s, reason }) => [from_s, to_s, reason]), [[0.3, null, "not_wanted"]]);
+  const text = "0:00.30 to the end: outside of --from and --to";
+  const [ruler, whole, none] = await Promise.all(
+    [".timeline .ruler .track", ".timeline .searched.whole", ".timeline .searched.none"].map((one) => page.locator(one).boundingBox()),
+  );
+  const { times_s: times } = await api(page, "/videos/1/times");
+  assert.ok(Math.abs(whole.width / ruler.width - 0.3 / times.at(-1)) < 0.02, `${whole.width} of ${ruler.width} is searched`);
+  assert.ok(Math.abs(none.x - (whole.x + whole.width)) < 2 && Math.abs(none.x + none.width - (ruler.x + ruler.width)) < 2);
+  assert.equal(await page.locator(".timeline .searched.none").getAttribute("title"), text);
+  assert.equal(await page.locator(".timeline .searched.whole").getAttribute("title"), "Searched for all models");
+  assert.equal(await page.locator(".timeline .left-out p").innerText(), text);
+  await page.locator(".timeline .searched.none").click();
+  await becomes(() => shownFrame(page), Math.round((times.length - 1) * (1 + 0.3 / times.at(-1)) / 2), "the frame under the pointer");
+}
+
     assert.deepEqual(await readNumber(page), { shown: wanted, said: wanted });
   }
   await page.mouse.click(ruler.x + 0.3, ruler.y + 6);
@@ -1347,7 +1367,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, link, frames, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow, tabs, notes }[scenario](page, inputs);
+  await { triage, link, frames, coverage, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow, tabs, notes }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

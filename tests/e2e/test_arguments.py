@@ -164,7 +164,8 @@ class ArgumentsTest(program.ProgramTest):
     def test_doctor_says_how_far_a_part_was_searched(self):
         db = self.scratch / "part.db"
         self.succeeds("index", VIDEO, "--models", MODELS, "--db", db, "--to", "0")
-        self.assertIn("searched up to frame 1\n", self.succeeds("doctor", db).out)
+        self.assertIn("searched, 1 frame; 0.00 s to the end: outside of --from and --to\n", self.succeeds("doctor", db).out)
+        self.assertRegex(self.succeeds("search", "--db", db).err, r"not all of it was searched: 0.00 s to the end: outside of --from and --to\n")
 
     def test_an_object_that_is_not_in_the_index_is_refused(self):
         for command in (

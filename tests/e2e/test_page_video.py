@@ -25,6 +25,9 @@ class PageTest(page.PageTest):
             with self.subTest(name):
                 self.drive("frames", self.index_numbers(name))
 
+    def test_time_line_shows_what_was_searched(self):
+        self.drive("coverage", self.index(program.flight() / "flight.mp4", "--to", "0.3"))
+
     def test_copies_show_the_same_frames(self):
         """Remuxed (H.264 in MPEG-TS) and encoded again (MPEG-1)."""
         for name in ("numbers.ts", "numbers.mpg"):

@@ -431,6 +431,36 @@ class ServeTest(ServerCase):
                 time.sleep(0.05)
             self.assertEqual(seen, 1)
 
+    def test_tells_what_was_searched(self):
+        """Of a part, of a model that was added later, and of the whole: by the times of frames."""
+        part = self.scratch / "part.db"
+        self.succeeds("index", self.video, "--models", program.models(), "--db", part, "--from", "1", "--to", "2")
+        with program.Server(part) as server:
+            (video,) = self.described(self.ask(server, "/api/v1/videos")[2], "VideoList")["videos"]
+            detail = self.described(self.ask(server, f"/api/v1/videos/{video['id']}")[2], "VideoDetail")
+        self.assertFalse(video["is_searched"])
+        self.assertEqual(video["searched"], [{"from_s": 1, "to_s": 2}])
+        self.assertEqual(video["searched_s"], 1)
+        wanted = [(0, 1, "not_wanted", None), (2, None, "not_wanted", None)]
+        self.assertEqual([tuple(one.values()) for one in video["left_out"]], wanted)
+        for search in detail["searches"]:
+            self.assertTrue(search["finished"])
+            self.assertEqual((search["searched_frames"], search["searched"]), (11, video["searched"]))
+        with contextlib.closing(sqlite3.connect(self.db)) as db, db:
+            db.execute("INSERT INTO models (name, content_id, kind) VALUES ('later', '1', 'cad')")
+        with self.serve() as server:
+            (video,) = self.described(self.ask(server, "/api/v1/videos")[2], "VideoList")["videos"]
+            later = self.get(server, "/api/v1/project")["models"][-1]["id"]
+            self.assertFalse(video["is_searched"])
+            end = video["duration_s"]
+            self.assertEqual([tuple(one.values()) for one in video["left_out"]], [(0, end, "not_begun", [later])])
+            with contextlib.closing(sqlite3.connect(self.db)) as db, db:
+                db.execute("DELETE FROM models WHERE name = 'later'")
+            time.sleep(1.1)
+            (video,) = self.get(server, "/api/v1/videos")["videos"]
+            self.assertTrue(video["is_searched"])
+            self.assertEqual((video["searched"], video["left_out"]), ([{"from_s": 0, "to_s": end}], []))
+
     def test_jobs_make_a_model_and_search_an_uploaded_video(self):
         """From an empty index and no model to finds, by the API alone."""
         db, models = self.scratch / "new.db", self.scratch / "models"

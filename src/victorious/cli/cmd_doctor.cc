@@ -30,6 +30,7 @@
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/model_file.h"
 #include "victorious/store/open_store.h"
+#include "victorious/store/video_coverage.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/telemetry/telemetry_report.h"
 #include "victorious/video/codecs.h"
@@ -262,17 +263,26 @@ Expected<Report> DescribeIndex(const std::string& db) {
     const std::string name = ShownName(video);
     std::string state;
     ordered_json searches = ordered_json::array();
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchPart> parts, store->SearchParts(video.id));
     for (const ModelRecord& model : models) {
       VICTORIOUS_ASSIGN_OR_RETURN(const auto search, store->FindSearch(video.id, model.id));
-      // Of a search that ended at --to the number of the video's frames is unknown.
-      const std::string progress = !search ? "not searched"
-                                   : search->finished && video.frame_count
-                                       ? "searched to the end"
-                                       : fmt::format("searched up to frame {}", search->next_frame);
+      const auto own = std::ranges::equal_range(parts, model.id, {}, &SearchPart::model);
+      const SearchCoverage coverage = CoverageOf(video, search ? &*search : nullptr, own);
+      std::string progress = !search ? "not searched" : "searched";
+      if (search && coverage.left_out.empty()) progress += " to the end";
+      if (search && !coverage.left_out.empty()) progress += fmt::format(", {}", CountText(coverage.frames, "frame"));
+      ordered_json left_out = ordered_json::array();
+      for (const LeftOutTime& one : coverage.left_out) {
+        if (search) progress += fmt::format("; {}", DescribeLeftOut(one));
+        left_out.push_back({{"from_s", one.from_s},
+                            {"to_s", one.to_s ? ordered_json(*one.to_s) : ordered_json()},
+                            {"reason", ToText(one.reason)}});
+      }
       state += fmt::format("    {}: {}\n", model.name, progress);
       searches.push_back({{"model", model.name},
                           {"next_frame", search ? search->next_frame : 0},
-                          {"finished", search && search->finished}});
+                          {"finished", search && search->finished},
+                          {"left_out", std::move(left_out)}});
     }
     text += fmt::format("  {}: {} x {} px{}\n{}", name, video.width, video.height,
                         video.frame_count ? ", " + CountText(*video.frame_count, "frame") : "", state);

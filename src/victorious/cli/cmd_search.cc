@@ -17,6 +17,7 @@
 #include "victorious/store/catalogue.h"
 #include "victorious/store/listed_object.h"
 #include "victorious/store/open_store.h"
+#include "victorious/store/video_coverage.h"
 
 namespace victorious::cli {
 namespace {
@@ -146,16 +147,25 @@ Status PrintMoments(const SearchArguments& arguments, const SightingFilter& filt
 Status WarnAboutUnfinished(const Catalogue& catalogue, IndexStore& store) {
   if (catalogue.videos().empty()) LogWarning("no matching video in this index");
   for (const VideoRecord& video : catalogue.videos()) {
-    bool begun = false;
+    std::vector<ModelRecord> begun;
+    std::vector<SearchRecord> searches;
     for (const ModelRecord& model : catalogue.models()) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
-      begun |= search.has_value();
-      if (search && !search->finished) {
-        LogWarning("{}: searched for {} up to frame {} only: run `index` again to continue", video.name, model.name,
-                   search->next_frame);
-      }
+      if (!search) continue;
+      begun.push_back(model);
+      searches.push_back(*search);
     }
-    if (!begun) LogWarning("{}: not searched for the requested models: run `index` on it", video.name);
+    if (begun.empty()) {
+      LogWarning("{}: not searched for the requested models: run `index` on it", video.name);
+      continue;
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchPart> parts, store.SearchParts(video.id));
+    const std::vector<LeftOutTime> left_out = CoverageOf(video, begun, searches, parts).left_out;
+    if (left_out.empty()) continue;
+    const std::size_t others = left_out.size() - 1;
+    LogWarning(
+        "{}: not all of it was searched: {}{}", video.name, DescribeLeftOut(left_out.front()),
+        others > 0 ? fmt::format("; and {} (`victorious doctor` lists them)", CountText(others, "other time")) : "");
   }
   return {};
 }
@@ -179,9 +189,9 @@ Status Run(const SearchArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
+  if (!arguments.image.empty()) VICTORIOUS_RETURN_IF_ERROR(PrintMoments(arguments, filter, *store));
   VICTORIOUS_RETURN_IF_ERROR(WarnAboutUnfinished(catalogue, *store));
-  return arguments.image.empty() ? PrintObjects(arguments, filter, catalogue, *store)
-                                 : PrintMoments(arguments, filter, *store);
+  return arguments.image.empty() ? PrintObjects(arguments, filter, catalogue, *store) : Status();
 }
 
 }  // namespace

@@ -20,7 +20,9 @@
 #include "victorious/pipeline/backward_follower.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/full_search_schedule.h"
+#include "victorious/pipeline/kept_frame_selector.h"
 #include "victorious/pipeline/search_pace.h"
+#include "victorious/pipeline/search_part_writer.h"
 #include "victorious/track/camera_motion.h"
 #include "victorious/video/frame_loop.h"
 
@@ -38,6 +40,7 @@ struct FrameTask {
   bool motion_only = false;                    // before the restart of tracking: only camera motion is needed
   bool has_time = true;                        // within the pace of the pass
   bool left_out = false;                       // no full-frame search, to keep the pace, although one was due
+  std::optional<DamagedTime> damaged;          // the time before the frame
   std::optional<Similarity2> now_from_before;  // camera motion from the previous frame
   std::optional<CameraState> camera;
   FeatureSet features;
@@ -47,25 +50,13 @@ struct FrameTask {
   std::vector<SightingRecord> sightings;
 };
 
-// Selects one frame per interval, counted from the beginning of the video: the same frames after any interruption.
-class KeptFrameSelector {
- public:
-  explicit KeptFrameSelector(double interval_s) : interval_s_(interval_s) {}
-
-  bool IsSelected(double time_s) {
-    if (interval_s_ < 0) return false;
-    if (interval_s_ == 0) return true;
-    const double slot = std::floor(time_s / interval_s_ + 1e-9);
-    return std::exchange(last_slot_, slot) != slot;
-  }
-
- private:
-  double interval_s_;
-  double last_slot_ = -1;
-};
-
 // True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
 bool IsTrackingEnabled(const IndexPass& pass) { return pass.follow.enabled && !pass.recognizer.models().empty(); }
+
+// Most frames between two that are searched or tracked.
+std::int64_t MaxStep(const IndexPass& pass) {
+  return IsTrackingEnabled(pass) ? 1 : std::max(pass.intervals.models, pass.intervals.categories);
+}
 
 // True if the frame lies beyond the interval of time to search, or the segment.
 bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
@@ -237,6 +228,7 @@ class ResultWriter {
         store_(store),
         report_(report),
         linker_(MakeTrackletOptions(pass, info.frame_rate), pass.options.objects),
+        parts_(pass.searches, MaxStep(pass)),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {
@@ -251,6 +243,8 @@ class ResultWriter {
   // Restores the tracklets that may still grow.
   Status Resume() {
     if (next_frame_ == 0 || pass_.segment) return {};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchPart> stored, store_.SearchParts(pass_.video.id));
+    parts_.Resume(stored);
     VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> tracklets, store_.Tracklets());
     std::erase_if(tracklets, [&](const TrackletRecord& tracklet) {
       return tracklet.video != pass_.video.id ||
@@ -283,6 +277,7 @@ class ResultWriter {
                                     .features = std::move(work.kept)});
     }
     next_frame_ = work.now.frame.index + 1;
+    parts_.Enter(work.now.frame.index, work.now.frame.time_s, work.left_out, work.damaged);
     EnterCovered(work.now.frame);
     constexpr auto kInterval = std::chrono::seconds(2);
     constexpr std::size_t kKeptFrames = 32;
@@ -302,6 +297,7 @@ class ResultWriter {
       batch_.progress.push_back({.search = std::move(record), .expected_next_frame = committed_frame_});
     }
     if (covered_) PutCovered();
+    parts_.MoveTo(batch_);
     const Expected<std::vector<std::int64_t>> ids = store_.Commit(batch_);
     if (!ids) {
       can_commit_ = false;
@@ -312,6 +308,12 @@ class ResultWriter {
     committed_frame_ = next_frame_;
     last_commit_ = Clock::now();
     return {};
+  }
+
+  /// Enters what lies after the last search, to the last frame that was read.
+  void EnterEnd(std::int64_t last_frame, double last_time_s, const std::optional<DamagedTime>& damaged) {
+    parts_.ExtendTo(last_frame, last_time_s);
+    if (damaged) parts_.EnterDamage(*damaged);
   }
 
   /// False after a failed commit.
@@ -394,6 +396,7 @@ class ResultWriter {
   IndexStore& store_;
   IndexReport& report_;
   TrackletLinker linker_;
+  SearchPartWriter parts_;
   IndexBatch batch_;
   std::int64_t next_frame_;
   std::int64_t committed_frame_;
@@ -516,11 +519,17 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
       return reader.ArrivalUtc(time_s).value_or(recorded_utc_us);
     });
   }
+  DamageFinder damage(reader);
   const Expected<FrameLoopEnd> end = loop.Run<FrameTask>(
       [&](Frame frame) -> std::optional<FrameTask> {
-        if (!IsBeyondEnd(pass, frame)) return selector.Select(std::move(frame), loop.ReadBehind());
-        loop.Stop();
-        return std::nullopt;
+        if (IsBeyondEnd(pass, frame)) {
+          loop.Stop();
+          return std::nullopt;
+        }
+        damage.Enter(frame);
+        auto task = selector.Select(std::move(frame), loop.ReadBehind());
+        if (task) task->damaged = damage.Take();
+        return task;
       },
       {Parallel<FrameTask>([&](FrameTask& task) {
          Status searched = Search(pass, task);
@@ -541,6 +550,8 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
   const bool cancelled = *end == FrameLoopEnd::kCancelled;
   // What is held of a cancelled video is searched again: frames that would have come might add to it.
   if (!cancelled) VICTORIOUS_RETURN_IF_ERROR(tracking.Finish());
+  const bool is_read = *end == FrameLoopEnd::kEndOfVideo;
+  if (!cancelled) sink.EnterEnd(damage.last_frame(), damage.last_time_s(), is_read ? damage.Finish() : std::nullopt);
   report.stopped_live = cancelled && reader.info().live;  // cannot be resumed
   VICTORIOUS_RETURN_IF_ERROR(sink.Commit(!cancelled || report.stopped_live));
   if (cancelled && !report.stopped_live) {
@@ -572,6 +583,7 @@ Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
       }
       FrameTask task;
       task.now.frame.index = result.frame;
+      task.now.frame.time_s = pass.times_s[static_cast<std::size_t>(result.frame)];
       task.whole = result.is_whole;
       task.already_stored = result.frame < next_frame;
       task.now_from_before = result.now_from_before;
@@ -580,6 +592,7 @@ Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
     }
     return {};
   });
+  if (joined && is_end) sink.EnterEnd(std::ssize(pass.times_s) - 1, pass.times_s.back(), {});
   if (joined) return sink.Commit(is_end);
   if (sink.can_commit()) VICTORIOUS_RETURN_IF_ERROR(sink.Commit(false));
   return joined;

@@ -157,6 +157,20 @@ TEST_F(IndexPassTest, TimesOfALiveSourceAreCovered) {
   EXPECT_EQ(covered[1].to_utc_us, FakeReader::kFirstUtc_us + 9'000'000);
 }
 
+TEST_F(IndexPassTest, PartsThatWereSearchedAreStored) {
+  FakeReader reader(/*live=*/false, [](std::int64_t /*frame*/) {});
+  reader.interrupted_at = 20;
+  ASSERT_TRUE(Run(reader));
+  const std::vector<SearchPart> parts = store_->SearchParts(search_->video).value();
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_EQ(parts[0].to_frame, 20);
+  EXPECT_NEAR(parts[0].to_s, 1.9, 1e-9);
+  EXPECT_EQ(parts[1].kind, SearchPartKind::kDamaged);
+  EXPECT_NEAR(parts[1].to_s, 7, 1e-9);
+  EXPECT_EQ(parts[2].from_frame, 20);
+  EXPECT_EQ(parts[2].to_frame, kFrames);
+}
+
 TEST_F(IndexPassTest, TimesOfARecordingAreCovered) {
   FakeReader reader(/*live=*/false, [](std::int64_t /*frame*/) {});
   source_ = "udp://a";

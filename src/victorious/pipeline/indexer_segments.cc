@@ -358,7 +358,8 @@ Expected<bool> Indexer::JoinSegments(PlannedCut& found, const IndexJob& job, con
             return add(std::move(results));
           });
     };
-    const IndexPass pass = MakePass(found.pass, recognizer, {}, job, video);
+    IndexPass pass = MakePass(found.pass, recognizer, {}, job, video);
+    pass.times_s = prepared.times_s;
     VICTORIOUS_RETURN_IF_ERROR(JoinFrames(pass, reader->info(), visit, !first_open, cancel, store, report));
     if (first_open) {
       // What the next join needs stays: it goes on as after an interruption.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <ranges>
+#include <span>
 
 #include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,7 @@
 #include "victorious/pipeline/drawn_video.h"
 #include "victorious/serve/job_runner.h"
 #include "victorious/store/listed_object.h"
+#include "victorious/store/video_coverage.h"
 
 namespace victorious {
 namespace {
@@ -68,6 +70,43 @@ Json VideoIdOf(const JobRecord& job) {
   if (job.kind != JobKind::kTrack) return nullptr;
   const auto input = ParseJson(job.input_json);
   return input && input->is_object() ? Json(input->value("video_id", nlohmann::json())) : Json();
+}
+
+Json IntervalsToJson(const std::vector<TimeInterval>& intervals) {
+  Json rows = Json::array();
+  for (const TimeInterval& one : intervals) {
+    rows.push_back({{"from_s", TimeJson(one.from_s)}, {"to_s", TimeJson(one.to_s)}});
+  }
+  return rows;
+}
+
+Json LeftOutToJson(const std::vector<LeftOutTime>& times) {
+  Json rows = Json::array();
+  for (const LeftOutTime& one : times) {
+    rows.push_back({{"from_s", TimeJson(one.from_s)},
+                    {"to_s", OrNull(one.to_s, &TimeJson)},
+                    {"reason", ToText(one.reason)},
+                    {"model_ids", one.models.empty() ? Json() : Json(one.models)}});
+  }
+  return rows;
+}
+
+// What each search has covered of a video.
+Json SearchesToJson(const VideoRecord& video, std::span<const SearchRecord> searches,
+                    std::span<const SearchPart> parts) {
+  Json rows = Json::array();
+  for (const SearchRecord& search : searches) {
+    const auto own = std::ranges::equal_range(parts, search.model, {}, &SearchPart::model);
+    const SearchCoverage coverage = CoverageOf(video, &search, own);
+    Json left_out = LeftOutToJson(coverage.left_out);
+    for (Json& one : left_out) one.erase("model_ids");
+    rows.push_back({{"model_id", search.model},
+                    {"searched_frames", coverage.frames},
+                    {"finished", search.finished},
+                    {"searched", IntervalsToJson(coverage.searched)},
+                    {"left_out", std::move(left_out)}});
+  }
+  return rows;
 }
 
 }  // namespace
@@ -221,16 +260,9 @@ Json ModelViewsToJson(const ObjectModel& model, Json sightings) {
 
 Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::string& missing, bool has_copy,
                  bool with_searches) {
-  Json searches = Json::array();
-  std::optional<std::int64_t> searched;  // by the search that is behind all others
-  bool is_begun = false;
-  for (const SearchRecord& search : std::ranges::equal_range(lists.searches, video.id, {}, &SearchRecord::video)) {
-    is_begun |= search.finished || search.next_frame > 0;
-    if (!search.finished) searched = std::min(searched.value_or(search.next_frame), search.next_frame);
-    if (!with_searches) continue;
-    searches.push_back(
-        {{"model_id", search.model}, {"searched_frames", search.next_frame}, {"finished", search.finished}});
-  }
+  const auto searches = std::ranges::equal_range(lists.searches, video.id, {}, &SearchRecord::video);
+  const auto parts = std::ranges::equal_range(lists.search_parts, video.id, {}, &SearchPart::video);
+  const VideoCoverage coverage = CoverageOf(video, lists.models, searches, parts);
   const auto objects = lists.objects_of_video.find(video.id);
   Json json = {{"id", video.id},
                {"name", ShownName(video)},
@@ -242,9 +274,11 @@ Json VideoToJson(const VideoRecord& video, const IndexLists& lists, const std::s
                {"objects", objects == lists.objects_of_video.end() ? 0 : objects->second},
                {"missing", missing.empty() ? Json() : Json(missing)},
                {"has_copy", has_copy},
-               {"is_searched", is_begun},
-               {"searched_frames", OrNull(searched)}};
-  if (with_searches) json["searches"] = std::move(searches);
+               {"is_searched", coverage.IsWhole()},
+               {"searched", IntervalsToJson(coverage.searched)},
+               {"searched_s", TimeJson(coverage.searched_s)},
+               {"left_out", LeftOutToJson(coverage.left_out)}};
+  if (with_searches) json["searches"] = SearchesToJson(video, searches, parts);
   return json;
 }
 

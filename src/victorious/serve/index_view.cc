@@ -36,6 +36,7 @@ Expected<IndexLists> ReadLists(const IndexReader& reader) {
   VICTORIOUS_ASSIGN_OR_RETURN(lists.videos, reader.sightings->Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(lists.models, reader.sightings->Models());
   VICTORIOUS_ASSIGN_OR_RETURN(lists.searches, reader.objects->Searches());
+  VICTORIOUS_ASSIGN_OR_RETURN(lists.search_parts, reader.objects->SearchParts());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto of_videos, reader.objects->ObjectsOfVideos());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto of_models, reader.objects->ObjectsOfModels());
   lists.objects_of_video = ById(of_videos);

@@ -29,6 +29,7 @@ struct IndexLists {
   std::vector<VideoRecord> videos;                                  ///< by id
   std::vector<ModelRecord> models;                                  ///< by id
   std::vector<SearchRecord> searches;                               ///< begun or finished, by video
+  std::vector<SearchPart> search_parts;                             ///< by video, model and frame
   std::unordered_map<std::int64_t, std::int64_t> objects_of_video;  ///< video id -> number of objects
   std::unordered_map<std::int64_t, std::int64_t> objects_of_model;  ///< model id -> number of objects
   std::optional<GeoBox> places;                                     ///< where the objects of known place lie

@@ -59,7 +59,7 @@ struct SearchRecord {
   std::int64_t video = 0;
   std::int64_t model = 0;
   std::int64_t next_frame = 0;  ///< frames before this one are searched
-  bool finished = false;        ///< searched to the end of the video
+  bool finished = false;        ///< ended: at the end of the video, or at that of the time that was to be searched
   std::string options_json;     ///< the options of the search
   std::string program_version;
 };
@@ -176,6 +176,37 @@ struct CoveredTime {
   bool operator==(const CoveredTime&) const = default;
 };
 
+/// What a search did with a part of a video.
+enum class SearchPartKind {
+  kSearched,
+  kThinned,  ///< to keep a pace, whole frames were searched less often than the options say
+  kDamaged,  ///< no frame could be read
+  kFailed,   ///< left out: it killed who searched it (CoverageGap)
+};
+
+/// The texts in the index and in the API.
+inline constexpr auto kSearchPartKindTexts =
+    std::to_array<EnumText<SearchPartKind>>({{SearchPartKind::kSearched, "searched"},
+                                             {SearchPartKind::kThinned, "thinned"},
+                                             {SearchPartKind::kDamaged, "damaged"},
+                                             {SearchPartKind::kFailed, "failed"}});
+
+constexpr std::string_view ToText(SearchPartKind kind) { return ToText(kSearchPartKindTexts, kind); }
+
+/// A part of a video as a search for one model went through it. What no part holds was not searched. Deleted with the
+/// search.
+struct SearchPart {
+  std::int64_t video = 0;
+  std::int64_t model = 0;
+  SearchPartKind kind = SearchPartKind::kSearched;
+  std::int64_t from_frame = 0;
+  std::int64_t to_frame = 0;  ///< the frame after the last one; kDamaged: from_frame, it has none
+  double from_s = 0;          ///< presentation time of the first frame; kDamaged: of the last frame before the part
+  double to_s = 0;            ///< of the last frame; kDamaged: of the first one after it, or the end of the video
+
+  bool operator==(const SearchPart&) const = default;
+};
+
 /// The results of an interval of frames. Committed in one transaction.
 struct IndexBatch {
   /// A new tracklet (no id), which is an object by itself until PutObjects joins it to another, or an update of an
@@ -199,6 +230,8 @@ struct IndexBatch {
   std::vector<NewSighting> sightings;
   std::vector<KeptFrame> kept_frames;
   std::vector<Progress> progress;
+  /// Added, or put in the place of the one of this kind that begins at the same frame. Never kFailed.
+  std::vector<SearchPart> parts;
   std::vector<CoveredTime> covered;  ///< added, or put in the place of the one that begins at the same frame
 };
 
@@ -307,6 +340,8 @@ class IndexStore {
   [[nodiscard]] virtual Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) = 0;
   /// Returns all searches, in no order.
   [[nodiscard]] virtual Expected<std::vector<SearchRecord>> Searches() = 0;
+  /// Returns the parts of a video that were searched, or left out for a known reason, by model and frame.
+  [[nodiscard]] virtual Expected<std::vector<SearchPart>> SearchParts(std::int64_t video) = 0;
   /// Deletes the tracklets and sightings of a model in a video, and the progress of the search.
   [[nodiscard]] virtual Status DeleteSearch(std::int64_t video, std::int64_t model) = 0;
   /// Deletes the kept features of a video.

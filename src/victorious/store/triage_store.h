@@ -183,6 +183,8 @@ class TriageStore {
   [[nodiscard]] virtual Expected<std::vector<ObjectNumbers>> ObjectsOfModels() = 0;
   /// All searches, by video and model; without their options.
   [[nodiscard]] virtual Expected<std::vector<SearchRecord>> Searches() = 0;
+  /// IndexStore::SearchParts of all videos, by video, model and frame.
+  [[nodiscard]] virtual Expected<std::vector<SearchPart>> SearchParts() = 0;
 };
 
 /// Opens the index that OpenStore opens under this name, for reading. Errors: those of OpenStore.

@@ -91,6 +91,36 @@ TEST_P(VideosTest, CoveredTimesGrowByTheirFirstFrame) {
   EXPECT_TRUE(store_->CoveredTimes("udp://c")->empty());
 }
 
+TEST_P(VideosTest, PartsOfASearchGrowAndGoWithIt) {
+  const VideoRecord video = PutVideo("c1", "a.mp4");
+  const std::int64_t model = store_->PutModel({.name = "m", .content_id = "1", .kind = ModelKind::kCad})->id;
+  const auto commit = [&](std::int64_t before, std::int64_t next, const std::vector<SearchPart>& parts) {
+    IndexBatch batch;
+    batch.progress.push_back({.search = {.video = video.id,
+                                         .model = model,
+                                         .next_frame = next,
+                                         .finished = false,
+                                         .options_json = "{}",
+                                         .program_version = "1"},
+                              .expected_next_frame = before});
+    batch.parts = parts;
+    const auto done = store_->Commit(batch);
+    ASSERT_TRUE(done) << done.error().message;
+  };
+  const SearchPart first{video.id, model, SearchPartKind::kSearched, 0, 10, 0, 0.9};
+  const SearchPart grown{video.id, model, SearchPartKind::kSearched, 0, 20, 0, 1.9};
+  const SearchPart damaged{video.id, model, SearchPartKind::kDamaged, 20, 20, 1.9, 5};
+  const SearchPart thinned{video.id, model, SearchPartKind::kThinned, 20, 30, 5, 5.9};
+  commit(0, 10, {first});
+  EXPECT_THAT(*store_->SearchParts(video.id), ElementsAre(first));
+  commit(10, 30, {grown, damaged, thinned});
+  Reopen();
+  EXPECT_THAT(*store_->SearchParts(video.id), ElementsAre(grown, damaged, thinned));
+  EXPECT_THAT(*store_->SearchParts(video.id + 1), IsEmpty());
+  ASSERT_TRUE(store_->DeleteSearch(video.id, model));
+  EXPECT_THAT(*store_->SearchParts(video.id), IsEmpty());
+}
+
 TEST_P(VideosTest, TextsRoundTripByteForByte) {
   using namespace std::string_literals;
   const std::string name = "/data/\xFF\xC3(\0 \xED\xA0\x80 \xF4\x8F\xBC\x80 Übung.mp4"s;

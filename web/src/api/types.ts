@@ -6,6 +6,7 @@ type Schemas = components["schemas"];
 export type Session = Schemas["Session"];
 export type Project = Schemas["Project"];
 export type Video = Schemas["Video"];
+export type LeftOutTime = Schemas["LeftOutTime"];
 export type FoundObject = Schemas["Object"];
 export type ObjectDetail = Schemas["ObjectDetail"];
 export type Evidence = Schemas["Evidence"];

@@ -1,5 +1,5 @@
 // Filters of the list: they grey objects out.
-import type { FoundObject, Verdict, Video } from "../api/types";
+import type { FoundObject, Verdict } from "../api/types";
 import { type Area, formatArea, isInArea } from "./area";
 import { ownDecision } from "./decisions";
 
@@ -136,13 +136,4 @@ export function filterParams(filters: Filters, me: string): URLSearchParams {
   if (filters.thresholds.size > 0) params.set("thresholds", "applied");
   if (words.length > 0) params.set("q", words.slice(0, 16).join(" "));
   return params;
-}
-
-/** Hours of video that are searched for all models, as far as the lengths are known. */
-export function searchedHours(videos: readonly Pick<Video, "duration_s" | "frame_count" | "searched_frames" | "is_searched">[]): number {
-  return videos.reduce((hours, { duration_s, frame_count, searched_frames, is_searched }) => {
-    if (!is_searched || duration_s === null || frame_count === null || frame_count === 0) return hours;
-    const part = searched_frames === null ? 1 : Math.min(searched_frames / frame_count, 1);
-    return hours + (part * duration_s) / 3600;
-  }, 0);
 }

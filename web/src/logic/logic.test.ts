@@ -4,7 +4,7 @@ import type { CameraPath, FoundObject, Place, Review } from "../api/types";
 import { rectangle } from "./area";
 import { withDecision } from "./decisions";
 import { toCsv, toGeoJson } from "./export";
-import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery, searchedHours } from "./filters";
+import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery } from "./filters";
 import { baseName, explainScore, formatAngle, formatExpected, formatMetres, formatPosition, formatScore, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
 import { type Position, cameraAt, contains, ellipseRing, gridLines, gridSpacing, offset, whenSeen } from "./geo";
@@ -450,14 +450,6 @@ describe("boxBetween", () => {
   it("is none if it is too small for an object", () => {
     expect(boxBetween([100, 100], [100, 100], frame, at)).toBeNull();
     expect(boxBetween([100, 100], [400, 110], frame, at)).toBeNull();
-  });
-});
-
-describe("searchedHours", () => {
-  it("counts the part of each video that is searched", () => {
-    const video = { duration_s: 7200, frame_count: 1000, searched_frames: null, is_searched: true };
-    expect(searchedHours([video, { ...video, searched_frames: 250 }])).toBeCloseTo(2.5);
-    expect(searchedHours([{ ...video, is_searched: false }, { ...video, duration_s: null, frame_count: null }])).toBe(0);
   });
 });
 

@@ -6,7 +6,8 @@ import { useEffect, useLayoutEffect, useReducer, useRef, useState } from "preact
 import { thumbnailUrl } from "../api/client";
 import type { FoundObject } from "../api/types";
 import { describeDecisions, summarise } from "../logic/decisions";
-import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, parseQuery, searchedHours } from "../logic/filters";
+import { searchedHours } from "../logic/coverage";
+import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, parseQuery } from "../logic/filters";
 import { baseName, explainScore, formatExpected, formatMetres, formatScore, formatSpan, plural } from "../logic/format";
 import type { PagedList } from "../logic/paged_list";
 import { thresholdCost } from "../logic/threshold_cost";
@@ -326,7 +327,7 @@ function SearchHint() {
 }
 
 function Nothing() {
-  const isSearched = state.videos.value.some((one) => one.is_searched);
+  const isSearched = state.videos.value.some((one) => one.searched_s > 0);
   return (
     <div class="empty">
       <h3>{state.videos.value.length === 0 ? "No video yet" : "Nothing found yet"}</h3>

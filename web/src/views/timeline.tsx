@@ -3,6 +3,7 @@ import { computed } from "@preact/signals";
 import { useRef } from "preact/hooks";
 
 import { followed, hide } from "../followed";
+import { bandsOf, describeCoverage, endOf, listLeftOut } from "../logic/coverage";
 import { formatTime, plural } from "../logic/format";
 import { objectOf, videoObjects } from "../objects";
 import * as selection from "../selection";
@@ -12,8 +13,7 @@ const TICK_STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 120, 300, 600, 1800, 360
 
 const length = computed(() => {
   const table = state.frameTable.value;
-  if (table.state === "ready") return table.value.end;
-  return state.video.value?.duration_s ?? 0;
+  return endOf(table.state === "ready" ? table.value.end : (state.video.value?.duration_s ?? 0), state.video.value);
 });
 
 const here = computed(() => (videoObjects.value?.video === state.videoId.value ? videoObjects.value : null));
@@ -29,19 +29,35 @@ const lanes = computed(() => {
 
 const percent = (time: number) => (length.value > 0 ? `${(100 * Math.min(time, length.value)) / length.value}%` : "0%");
 
+/** What was searched, and what was not and why. */
 function Searched() {
   const video = state.video.value;
-  if (!video) return null;
-  const frames = video.frame_count;
-  const searched = video.is_searched ? video.searched_frames : 0;
-  const isPart = searched !== null;
-  const end = frames === null || !isPart ? 100 : (100 * searched) / Math.max(frames, 1);
+  if (!video || length.value <= 0) return null;
   return (
-    <div
-      class="searched"
-      style={{ width: `${end}%` }}
-      title={isPart ? `Searched for all models up to frame ${searched}; run \`victorious index\` again to go on` : "Searched to the end"}
-    />
+    <>
+      {bandsOf(video, length.value, state.modelNames.value.length).map(({ from, to, state: how, leftOut }) => (
+        <div
+          key={from}
+          class={`searched ${how}`}
+          style={{ left: percent(from), width: percent(to - from) }}
+          title={how === "whole" ? "Searched for all models" : listLeftOut(leftOut, state.modelName)}
+        />
+      ))}
+    </>
+  );
+}
+
+const leftOut = computed(() => (state.video.value ? describeCoverage(state.video.value, state.modelName) : null));
+
+/** The same in words, if something is left out. */
+function LeftOut() {
+  const video = state.video.value;
+  if (!video || leftOut.value === null) return null;
+  return (
+    <div class="left-out">
+      <div class="caption">left out</div>
+      <p title={listLeftOut(video.left_out, state.modelName)}>{leftOut.value}</p>
+    </div>
   );
 }
 
@@ -83,7 +99,7 @@ export function Timeline() {
   };
   return (
     <div class="timeline" aria-label="Time line" role="group">
-      <div class="over" style={{ height: `${24 + 22 * (lanes.value.length + followed.value.length)}px` }}>
+      <div class="over" style={{ height: `${24 + (leftOut.value === null ? 0 : 18) + 22 * (lanes.value.length + followed.value.length)}px` }}>
         <div class="playhead" style={{ left: percent(time) }} />
       </div>
       <div class="ruler">
@@ -106,6 +122,7 @@ export function Timeline() {
           <Ticks />
         </div>
       </div>
+      <LeftOut />
       {followed.value.map((one) => (
         <div key={`job-${one.job}`} class="lane">
           <button title={`${one.name}: boxed and followed. Click: leave it out`} onClick={() => hide(one.job)}>

@@ -96,6 +96,18 @@ Expected<std::vector<SearchRecord>> PostgresStore::Searches() {
   return searches;
 }
 
+Expected<std::vector<SearchPart>> PostgresStore::SearchParts(std::int64_t video) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Result rows,
+                              connection_->Query(sql::SelectSearchParts(sql::Dialect::kPostgres, "WHERE video_id = ?") +
+                                                     std::string(sql::kOrderSearchParts),
+                                                 video, video));
+  std::vector<SearchPart> parts;
+  while (rows.Next()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(parts.emplace_back(), sql::ReadSearchPart(rows, connection_->name()));
+  }
+  return parts;
+}
+
 Status PostgresStore::DeleteSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
   for (const std::string_view sql :
@@ -223,6 +235,10 @@ Expected<std::vector<std::int64_t>> PostgresStore::Commit(const IndexBatch& batc
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::int64_t> tracklet_ids, PutTracklets(batch.tracklets));
   VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
+  for (const SearchPart& one : batch.parts) {
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Query(sql::kPutSearchPart, one.video, one.model, ToText(one.kind),
+                                                  one.from_frame, one.to_frame, one.from_s, one.to_s));
+  }
   for (const CoveredTime& one : batch.covered) {
     VICTORIOUS_RETURN_IF_ERROR(connection_->Query(sql::kPutCoveredTime, one.video, one.from_frame, one.source,
                                                   one.from_utc_us, one.to_utc_us));

@@ -46,6 +46,7 @@ class PostgresStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override;
   [[nodiscard]] Expected<std::vector<SearchRecord>> Searches() override;
+  [[nodiscard]] Expected<std::vector<SearchPart>> SearchParts(std::int64_t video) override;
   [[nodiscard]] Status DeleteSearch(std::int64_t video, std::int64_t model) override;
   [[nodiscard]] Status DeleteKeptFrames(std::int64_t video) override;
 

@@ -299,6 +299,28 @@ CoveredTime ReadCoveredTime(const Row& row) {
           .to_utc_us = row.Integer(4)};
 }
 
+std::string SelectSearchParts(Dialect dialect, std::string_view condition) {
+  constexpr std::string_view kSelect = "SELECT video_id, model_id, {}, from_frame, to_frame, from_s, to_s FROM {} {} ";
+  std::string sql = fmt::format(kSelect, "kind", "search_parts", condition);
+  if (dialect == Dialect::kPostgres) {
+    sql += "UNION ALL " +
+           fmt::format(kSelect, fmt::format("'{}' AS kind", ToText(SearchPartKind::kFailed)), "gaps", condition);
+  }
+  return sql;
+}
+
+Expected<SearchPart> ReadSearchPart(const Row& row, std::string_view name) {
+  const std::optional<SearchPartKind> kind = FromText(kSearchPartKindTexts, row.Text(2));
+  if (!kind) return std::unexpected(DamagedIndex(name, "a part of a search of an unknown kind"));
+  return SearchPart{.video = row.Integer(0),
+                    .model = row.Integer(1),
+                    .kind = *kind,
+                    .from_frame = row.Integer(3),
+                    .to_frame = row.Integer(4),
+                    .from_s = row.Real(5),
+                    .to_s = row.Real(6)};
+}
+
 TrackletRecord ReadTracklet(const Row& row) {
   constexpr const auto& kTracklet = kTrackletColumns;
   return {.id = row.Integer(kTracklet.Size()),

@@ -12,6 +12,7 @@
 #include "victorious/base/error.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/sql/column_list.h"
+#include "victorious/store/sql/dialect.h"
 #include "victorious/store/sql/row.h"
 
 namespace victorious::sql {
@@ -90,6 +91,14 @@ inline constexpr std::string_view kPutCoveredTime =
 inline constexpr std::string_view kSelectCoveredTimes =
     "SELECT video_id, from_frame, source, from_utc_us, to_utc_us FROM covered_times WHERE source = ? "
     "ORDER BY from_utc_us, video_id";
+inline constexpr std::string_view kPutSearchPart =
+    "INSERT INTO search_parts (video_id, model_id, kind, from_frame, to_frame, from_s, to_s) VALUES (?, ?, ?, ?, ?, ?, "
+    "?) ON CONFLICT (video_id, model_id, from_frame, kind) DO UPDATE SET to_frame = excluded.to_frame, from_s = "
+    "excluded.from_s, to_s = excluded.to_s";
+/// To be followed by kOrderSearchParts. @param condition  that selects rows of a table with the column "video_id", or
+/// empty; of PostgreSQL it stands twice, with its parameter
+std::string SelectSearchParts(Dialect dialect, std::string_view condition);
+inline constexpr std::string_view kOrderSearchParts = " ORDER BY video_id, model_id, from_frame, kind";
 inline constexpr std::string_view kSelectKeptFits = "SELECT tracklet_id, key, fit FROM kept_fits";
 inline constexpr std::string_view kFindKeptPath = "SELECT path FROM kept_fits WHERE tracklet_id = ? AND key = ?";
 /// To be followed by conditions and kOrderSightings. Aliases: s for the sighting, t for its tracklet, o for its object.
@@ -113,6 +122,8 @@ VideoRecord ReadVideo(const Row& row);
 SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model);
 TrackletRecord ReadTracklet(const Row& row);
 CoveredTime ReadCoveredTime(const Row& row);
+/// Error: kDataLoss for an unknown kind. @param name  of the index, for messages
+Expected<SearchPart> ReadSearchPart(const Row& row, std::string_view name);
 /// Columns of kSelectKeptFits.
 KeptFit ReadKeptFit(const Row& row);
 /// Columns: ObjectResultColumns(), then the ids of its videos and of its tracklets, each as a text "3,1,3".

@@ -240,6 +240,11 @@ class SqlTriageStore final : public TriageStore {
         });
   }
 
+  Expected<std::vector<SearchPart>> SearchParts() override {
+    return database_->ReadAll(SelectSearchParts(dialect_, "") + std::string(kOrderSearchParts), ValueList(),
+                              [&](const Row& row) { return ReadSearchPart(row, database_->name()); });
+  }
+
  private:
   static ValueList ValuesOf(const Conditions& conditions) {
     ValueList values;

@@ -259,5 +259,36 @@ TEST_F(MigrationTest, MigratesReviewsOfVersion11) {
   EXPECT_EQ(IntegrityCheck(path_), "ok");
 }
 
+// An index of schema 20: of its searches as much is known as their options and the lengths of the videos tell.
+TEST_F(MigrationTest, MigratesSearchesOfVersion20) {
+  {
+    const auto connection = Connection::Open(path_, Access::kCreate);
+    ASSERT_TRUE(Migrate(**connection, Migrations().first(20)));
+    const Status filled =
+        (*connection)
+            ->Execute(
+                "INSERT INTO options (id, json) VALUES (1, '{\"every\":3}'), (2, "
+                "'{\"searched\":{\"from_s\":1.5,\"to_s\":4}}'), (3, 'none');"
+                "INSERT INTO videos (id, content_id, name, width_px, height_px, frame_count, duration_s) VALUES "
+                "(1, 'a', 'a.mp4', 640, 480, 101, 10), (2, 'b', 'b.mp4', 640, 480, NULL, NULL);"
+                "INSERT INTO models (id, name, content_id, kind) VALUES (1, 'm', '1', 'cad'), (2, 'n', '2', 'cad'), "
+                "(3, 'o', '3', 'cad');"
+                "INSERT INTO searches (video_id, model_id, next_frame, finished, options_id, program_version) VALUES "
+                "(1, 1, 101, 1, 1, ''), (1, 2, 41, 1, 2, ''), (1, 3, 51, 0, 3, ''), (2, 1, 30, 0, 1, ''), "
+                "(2, 2, 0, 0, 1, '');"
+                "INSERT INTO kept_frames (video_id, frame, time_s, image_width_px, image_height_px, keypoints, "
+                "descriptors) VALUES (2, 20, 2, 640, 480, x'', x''), (2, 40, 4, 640, 480, x'', x'')");
+    ASSERT_TRUE(filled) << filled.error().message;
+  }
+  const auto store = OpenOrDie(path_);
+  const auto part = [](std::int64_t video, std::int64_t model, std::int64_t to_frame, double from_s, double to_s) {
+    return SearchPart{video, model, SearchPartKind::kSearched, 0, to_frame, from_s, to_s};
+  };
+  EXPECT_THAT(*store->SearchParts(1),
+              ::testing::ElementsAre(part(1, 1, 101, 0, 10), part(1, 2, 41, 1.5, 4), part(1, 3, 51, 0, 5)));
+  EXPECT_THAT(*store->SearchParts(2), ::testing::ElementsAre(part(2, 1, 30, 0, 2)));
+  EXPECT_EQ(IntegrityCheck(path_), "ok");
+}
+
 }  // namespace
 }  // namespace victorious::sqlite

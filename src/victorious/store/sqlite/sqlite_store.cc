@@ -224,6 +224,14 @@ Expected<std::vector<SearchRecord>> SqliteStore::Searches() {
   }
 }
 
+Expected<std::vector<SearchPart>> SqliteStore::SearchParts(std::int64_t video) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
+                              connection_->Prepare(sql::SelectSearchParts(sql::Dialect::kSqlite, "WHERE video_id = ?") +
+                                                   std::string(sql::kOrderSearchParts)));
+  select.Bind(video);
+  return ReadAll(select, connection_->name(), &sql::ReadSearchPart);
+}
+
 Status SqliteStore::DeleteSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   for (const std::string_view sql :
@@ -251,8 +259,11 @@ Status SqliteStore::PutProgress(const IndexBatch::Progress& progress) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t options, PutOptions(search.options_json));
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement put, connection_->Prepare("INSERT OR REPLACE INTO searches (video_id, model_id, next_frame, finished, "
-                                          "options_id, program_version) VALUES (?, ?, ?, ?, ?, ?)"));
+      Statement put,
+      connection_->Prepare("INSERT INTO searches (video_id, model_id, next_frame, finished, options_id, "
+                           "program_version) VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (video_id, model_id) DO UPDATE SET "
+                           "next_frame = excluded.next_frame, finished = excluded.finished, options_id = "
+                           "excluded.options_id, program_version = excluded.program_version"));
   return put.Bind(search.video, search.model, search.next_frame, search.finished, options, search.program_version)
       .Run();
 }
@@ -307,6 +318,15 @@ Status SqliteStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
   return {};
 }
 
+Status SqliteStore::PutSearchParts(const std::vector<SearchPart>& parts) {
+  for (const SearchPart& one : parts) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement put, connection_->Prepare(sql::kPutSearchPart));
+    VICTORIOUS_RETURN_IF_ERROR(
+        put.Bind(one.video, one.model, ToText(one.kind), one.from_frame, one.to_frame, one.from_s, one.to_s).Run());
+  }
+  return {};
+}
+
 Status SqliteStore::PutCoveredTimes(const std::vector<CoveredTime>& covered) {
   for (const CoveredTime& one : covered) {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement put, connection_->Prepare(sql::kPutCoveredTime));
@@ -332,6 +352,7 @@ Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch)
   }
   VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
+  VICTORIOUS_RETURN_IF_ERROR(PutSearchParts(batch.parts));
   VICTORIOUS_RETURN_IF_ERROR(PutCoveredTimes(batch.covered));
   VICTORIOUS_RETURN_IF_ERROR(AssignReviewsOf(tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());

@@ -29,6 +29,7 @@ class SqliteStore final : public IndexStore {
 
   [[nodiscard]] Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override;
   [[nodiscard]] Expected<std::vector<SearchRecord>> Searches() override;
+  [[nodiscard]] Expected<std::vector<SearchPart>> SearchParts(std::int64_t video) override;
   [[nodiscard]] Status DeleteSearch(std::int64_t video, std::int64_t model) override;
   [[nodiscard]] Status DeleteKeptFrames(std::int64_t video) override;
 
@@ -72,6 +73,7 @@ class SqliteStore final : public IndexStore {
   /// Likewise, to the objects of these tracklets, whose former reviews stay.
   [[nodiscard]] Status AssignReviewsOf(std::span<const std::int64_t> tracklets);
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
+  [[nodiscard]] Status PutSearchParts(const std::vector<SearchPart>& parts);
   [[nodiscard]] Status PutCoveredTimes(const std::vector<CoveredTime>& covered);
   /// Runs a statement that must change exactly one row. Error: kNotFound otherwise.
   [[nodiscard]] Status ExecuteOnRow(Statement& statement, std::string_view what, std::int64_t id);
