@@ -500,6 +500,31 @@ async function videos(page) {
     const wanted = own.size > 1 ? `${own.size} videos` : all.find((one) => own.has(one.id)).name.replace(/.*\//, "");
     await becomes(() => page.locator(`#object-${id} .where`).innerText(), wanted);
   }
+  // Times belong to a video: an object that two show has those of each, in the panel, the list and the tables.
+  const twice = objects.find(({ moments }) => new Set(moments.map((one) => one.video_id)).size > 1);
+  await page.locator(`#object-${twice.id}`).click();
+  const timesIn = (id) => {
+    const own = twice.moments.filter((one) => one.video_id === id);
+    return [Math.min(...own.map((one) => one.first_time_s)), Math.max(...own.map((one) => one.last_time_s))];
+  };
+  const shownIn = [...new Set(twice.moments.map((one) => one.video_id))].sort();
+  const nameOf = (id) => all.find((one) => one.id === id).name;
+  const wanted = shownIn.map((id) => `${timesIn(id).map((one) => one.toFixed(1)).join(" – ")} s in ${nameOf(id).replace(/.*\//, "")}`);
+  await becomes(async () => (await page.locator(".inspector .seen dd").allInnerTexts()).map((one) => one.replace(/ \(.*/, "")).join("; "), wanted.join("; "));
+  await becomes(() => page.locator(`#object-${twice.id} .facts`).first().innerText(), /^\d+\.\d – \d+\.\d s here$/);
+  await page.locator(".inspector .seen button").nth(1).click();
+  await becomes(() => page.locator(".stage .corner").innerText(), nameOf(shownIn[1]).replace(/.*\//, ""));
+  const saved = async (item) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), saveAs(page, item)]);
+    return readFileSync(await file.path(), "utf8").trim();
+  };
+  const [head, ...rows] = (await saved("Moments by video (CSV)")).split("\r\n").map((one) => one.split(","));
+  assert.deepEqual(head.slice(0, 5), ["object_id", "model", "video", "first_time_s", "last_time_s"]);
+  const own = rows.filter(([id]) => Number(id) === twice.id).map(([, , name, first, last]) => [name, Number(first), Number(last)]);
+  assert.deepEqual(own, shownIn.map((id) => [nameOf(id), ...timesIn(id)]));
+  const { features } = JSON.parse(await saved("Map (GeoJSON)"));
+  assert.deepEqual(features.find(({ id }) => id === twice.id).properties.videos, shownIn.map(nameOf));
+  await open(page, "/?video=1&t=0");
   // The middle of the map shows the camera's path; its ground says when, and a click goes there.
   await page.waitForSelector(".map .canvas[data-ready=true]");
   await page.getByRole("button", { name: "All", exact: true }).click();

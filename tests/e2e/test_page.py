@@ -1,7 +1,9 @@
 """The page in a real browser: triage by mouse and keys, the list, the map, what axe and narrow windows find."""
 
+import contextlib
 import json
 import shutil
+import sqlite3
 
 import page
 import program
@@ -50,7 +52,18 @@ class PageTest(page.PageTest):
         self.write_telemetry(videos[1], 52.501)
         self.index(videos[1])  # what its camera shows is known from then on
         self.place_objects(db, videos[0])
+        self.join_first_objects(db)
         self.drive("videos", db, "--models", program.models())
+
+    def join_first_objects(self, db):
+        """Makes the first object of the first video and one of the second the same, seen there for longer."""
+        with contextlib.closing(sqlite3.connect(db)) as index, index:
+            ((model, one),) = index.execute("SELECT model_id, object_id FROM tracklets WHERE video_id = 1 ORDER BY id LIMIT 1").fetchall()
+            ((two, tracklet),) = index.execute(
+                "SELECT object_id, id FROM tracklets WHERE video_id = 2 AND model_id = ? ORDER BY id LIMIT 1", (model,)
+            ).fetchall()
+            index.execute("UPDATE tracklets SET object_id = ?, last_time_s = last_time_s + 0.5 WHERE id = ?", (one, tracklet))
+            index.execute("DELETE FROM objects WHERE id = ? AND id NOT IN (SELECT object_id FROM tracklets)", (two,))
 
     def test_many_objects(self):
         """3000 drawn rows: ten are of the model "rare"."""

@@ -1,19 +1,29 @@
 // Saves the list as a file.
-import { toCsv, toGeoJson } from "./logic/export";
+import { momentsToCsv, toCsv, toGeoJson } from "./logic/export";
 import { messageOf } from "./logic/errors";
 import { plural } from "./logic/format";
 import { notify } from "./notices";
 import * as objects from "./objects";
-import { filters, sort } from "./state";
+import { filters, sort, videos } from "./state";
+
+const FILES = {
+  csv: { name: "objects.csv", type: "text/csv", make: toCsv },
+  moments: { name: "moments.csv", type: "text/csv", make: momentsToCsv },
+  geojson: {
+    name: "objects.geojson",
+    type: "application/geo+json",
+    make: (...args: Parameters<typeof toGeoJson>) => JSON.stringify(toGeoJson(...args)),
+  },
+};
 
 /** Saves the objects that match the filters as a file, in the order of the list. */
-export async function saveList(kind: "csv" | "geojson") {
+export async function saveList(kind: keyof typeof FILES) {
   try {
     const found = await objects.loadAll(sort.peek(), filters.peek());
-    const text = kind === "csv" ? toCsv(found) : JSON.stringify(toGeoJson(found));
+    const { name, type, make } = FILES[kind];
     const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([text], { type: kind === "csv" ? "text/csv" : "application/geo+json" }));
-    link.download = `objects.${kind}`;
+    link.href = URL.createObjectURL(new Blob([make(found, videos.peek())], { type }));
+    link.download = name;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
     notify(`Saved ${plural(found.length, "object")}.`);

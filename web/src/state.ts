@@ -5,6 +5,7 @@ import { computed, effect, signal } from "@preact/signals";
 import type { CameraPath, FoundObject, ObjectDetail, Project, Video } from "./api/types";
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
 import { COORDINATE_STYLES, type CoordinateStyle } from "./logic/format";
+import { type SeenIn, seenIn } from "./logic/moments";
 import type { FrameTable } from "./logic/frame_table";
 import { me } from "./me";
 import * as objects from "./objects";
@@ -83,9 +84,8 @@ export function colourOf(model: string): string {
   return COLOURS[Math.max(at, 0) % COLOURS.length] ?? "#e69f00";
 }
 
-/** Names of the videos that show an object. */
-export const videosOf = (object: FoundObject): string[] =>
-  [...new Set(object.moments.map((one) => one.video_id))].map((id) => videos.value.find((one) => one.id === id)?.name ?? String(id));
+/** When each video shows an object. */
+export const seenOf = (object: FoundObject): SeenIn[] => seenIn(object, videos.value);
 
 export function setFilters(change: Partial<Filters>) {
   filters.value = { ...filters.value, ...change };

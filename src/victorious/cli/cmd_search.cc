@@ -63,11 +63,18 @@ std::string ReasonText(const ObjectRecord& object) {
 std::string ObjectLine(const ListedObject& listed) {
   const ObjectRecord& object = listed.object;
   const std::optional<double> speed_m_s = ComputeSpeed(object);
-  return fmt::format(
-      "{:>4}  {:<16} {:>6.3f} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}{}\n", listed.rank, listed.model,
-      object.score, object.frames, TimeText(object.first_time_s), TimeText(object.last_time_s), object.id,
-      PlaceText(object), object.heading_rad ? fmt::format("{:.0f}", DegreesFromRadians(*object.heading_rad)) : "-",
-      speed_m_s ? fmt::format("{:.1f}", *speed_m_s) : "-", fmt::join(listed.videos, ", "), ReasonText(object));
+  const bool are_several = listed.moments.size() > 1;  // their times have nothing in common
+  std::vector<std::string> videos;
+  for (const ObjectMoment& one : listed.moments) {
+    videos.push_back(
+        are_several ? fmt::format("{} {} to {}", one.video_name, TimeText(one.first_time_s), TimeText(one.last_time_s))
+                    : one.video_name);
+  }
+  return fmt::format("{:>4}  {:<16} {:>6.3f} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}{}\n", listed.rank,
+                     listed.model, object.score, object.frames, are_several ? "-" : TimeText(object.first_time_s),
+                     are_several ? "-" : TimeText(object.last_time_s), object.id, PlaceText(object),
+                     object.heading_rad ? fmt::format("{:.0f}", DegreesFromRadians(*object.heading_rad)) : "-",
+                     speed_m_s ? fmt::format("{:.1f}", *speed_m_s) : "-", fmt::join(videos, ", "), ReasonText(object));
 }
 
 Status PrintObjects(const SearchArguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/base/count_text.h"
 #include "victorious/pipeline/choose_moments.h"
 #include "victorious/store/catalogue.h"
 #include "victorious/video/video_reader.h"
@@ -104,6 +105,13 @@ cv::Mat CutOut(const cv::Mat& frame, const Moment& moment, int side) {
   return scaled;
 }
 
+// Times of several videos have nothing in common: the number of videos stands instead.
+std::string SeenText(const ObjectRecord& object) {
+  const std::string frames = CountText(object.frames, "frame");
+  if (object.videos.size() > 1) return fmt::format("{} in {}", frames, CountText(object.videos.size(), "video"));
+  return fmt::format("seen {:.1f} to {:.1f} s, {}", object.first_time_s, object.last_time_s, frames);
+}
+
 // The frame, below it the cut-outs side by side with their times, and the caption.
 cv::Mat DrawTile(const Tile& tile, const ContactSheetOptions& options) {
   const int side = options.tile_width_px / options.moments;
@@ -123,9 +131,7 @@ cv::Mat DrawTile(const Tile& tile, const ContactSheetOptions& options) {
   const ObjectRecord& object = tile.object;
   Caption(image, fmt::format("{}  score {:.2f}  object {}", tile.model, object.score, object.id), {4, below + 13});
   Caption(image,
-          object.rejected.empty() ? fmt::format("{:.2f} s (seen {:.1f} to {:.1f} s, {} {})",
-                                                tile.moments[tile.best].time_s, object.first_time_s, object.last_time_s,
-                                                object.frames, object.frames == 1 ? "frame" : "frames")
+          object.rejected.empty() ? fmt::format("{:.2f} s ({})", tile.moments[tile.best].time_s, SeenText(object))
                                   : "rejected: " + object.rejected,
           {4, below + 28});
   return image;

@@ -53,6 +53,7 @@ constexpr auto kColumns = std::to_array<Column>({{"model", OFTString},
                                                  {"sigma_speed_m_s", OFTReal},
                                                  {"course_deg", OFTReal},
                                                  {"sigma_course_deg", OFTReal},
+                                                 {"moments", OFTString},
                                                  {"against", OFTString},
                                                  {"evidence", OFTString},
                                                  {"rejected", OFTString}});

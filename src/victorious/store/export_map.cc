@@ -1,8 +1,6 @@
 #include "victorious/store/export_map.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <utility>
@@ -64,30 +62,15 @@ std::string CoordinatesText(const GeodeticPoint& point) {
   return fmt::format("{:.9f},{:.9f}", DegreesFromRadians(point.longitude_rad), DegreesFromRadians(point.latitude_rad));
 }
 
-struct TimeSpan {
-  std::int64_t begin_us = 0;
-  std::int64_t end_us = 0;
-};
-
-// The times of the first and last sighting of each object, by its id.
-Expected<std::map<std::int64_t, TimeSpan>> ReadTimeSpans(IndexStore& store) {
-  std::map<std::int64_t, std::int64_t> start_us;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
-  for (const VideoRecord& video : videos) start_us[video.id] = video.start_utc_us.value_or(0);
-  std::map<std::int64_t, TimeSpan> spans;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> tracklets, store.Tracklets());
-  for (const TrackletRecord& tracklet : tracklets) {
-    const std::int64_t begin_us = start_us[tracklet.video] + std::llround(tracklet.first_time_s * 1e6);
-    const std::int64_t end_us = start_us[tracklet.video] + std::llround(tracklet.last_time_s * 1e6);
-    const auto [at, added] = spans.emplace(tracklet.object, TimeSpan{begin_us, end_us});
-    at->second = {std::min(at->second.begin_us, begin_us), std::max(at->second.end_us, end_us)};
-  }
-  return spans;
-}
-
 constexpr int kTimeDecimals = 3;
 
-std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
+std::string PlacemarkText(const ListedObject& listed) {
+  // A date that is not known is left out: a viewer would show the object at another time.
+  std::string times;
+  if (const std::optional<UtcSpan> span = SpanOf(listed.moments)) {
+    times = fmt::format("<TimeSpan><begin>{}</begin><end>{}</end></TimeSpan>", FormatUtc(span->begin_us, kTimeDecimals),
+                        FormatUtc(span->end_us, kTimeDecimals));
+  }
   const Geolocation& place = *listed.object.place;
   std::string ellipse;
   for (const GeodeticRing& ring : ComputeEllipse(place)) {
@@ -104,12 +87,11 @@ std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
   return fmt::format(
       "<Placemark id=\"object-{}\"><name>{} {}</name>"
       "<description>score {:.3f}, {} frames, within {:.2f} m in 90 %{}{}</description>"
-      "<TimeSpan><begin>{}</begin><end>{}</end></TimeSpan><styleUrl>#object</styleUrl><MultiGeometry>"
+      "{}<styleUrl>#object</styleUrl><MultiGeometry>"
       "<Point><coordinates>{},{:.3f}</coordinates></Point>"
       "{}</MultiGeometry></Placemark>\n",
       listed.object.id, EscapedXml(listed.model), listed.object.id, listed.object.score, listed.object.frames,
-      place.ce90_m, heading, rejected, FormatUtc(span.begin_us, kTimeDecimals), FormatUtc(span.end_us, kTimeDecimals),
-      CoordinatesText(place.point), place.point.altitude_m, ellipse);
+      place.ce90_m, heading, rejected, times, CoordinatesText(place.point), place.point.altitude_m, ellipse);
 }
 
 }  // namespace
@@ -128,12 +110,10 @@ Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const Sighti
 
 Status ExportKml(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto spans, ReadTimeSpans(store));
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>"
          "<Style id=\"object\"><PolyStyle><color>4000ffff</color></PolyStyle></Style>\n";
   for (const ListedObject& object : objects) {
-    const auto span = spans.find(object.object.id);
-    if (object.object.place && span != spans.end()) out << PlacemarkText(object, span->second);
+    if (object.object.place) out << PlacemarkText(object);
   }
   out << "</Document></kml>\n";
   return {};

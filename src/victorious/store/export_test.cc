@@ -17,6 +17,7 @@ namespace {
 using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // Two videos; "box" has sightings in frames 37 and 38 of the first, "shed" in frame 0 of the second.
 class ExportTest : public ::testing::Test {
@@ -85,12 +86,14 @@ TEST_F(ExportTest, ObjectsHaveTheDocumentedLines) {
           R"("first_time_s":0.0,"last_time_s":0.0,"place_time_s":null,"latitude_deg":null,"longitude_deg":null,)"
           R"("altitude_m":null,"covariance_enu_m2":null,"ce90_m":null,"le90_m":null,"heading_deg":null,)"
           R"("speed_m_s":null,"sigma_speed_m_s":null,"course_deg":null,"sigma_course_deg":null,)"
-          R"("against":[],"evidence":null})",
+          R"("moments":[{"video":"b.mp4","first_time_s":0.0,"last_time_s":0.0,"first_utc":null,"last_utc":null,)"
+          R"("frames":1}],"against":[],"evidence":null})",
           R"({"object_id":1,"model":"box","category":null,"rank":2,"score":0.9123,"videos":["flight/a.mp4"],)"
           R"("frames":2,"first_time_s":1.48,"last_time_s":1.52,"place_time_s":null,"latitude_deg":null,)"
           R"("longitude_deg":null,"altitude_m":null,"covariance_enu_m2":null,"ce90_m":null,"le90_m":null,)"
           R"("heading_deg":null,"speed_m_s":null,"sigma_speed_m_s":null,"course_deg":null,)"
-          R"("sigma_course_deg":null,"against":[],"evidence":null})"));
+          R"("sigma_course_deg":null,"moments":[{"video":"flight/a.mp4","first_time_s":1.48,"last_time_s":1.52,)"
+          R"("first_utc":null,"last_utc":null,"frames":2}],"against":[],"evidence":null})"));
 }
 
 TEST_F(ExportTest, RanksCountTheListedObjects) {
@@ -208,6 +211,43 @@ TEST_F(ExportTest, EllipseIsSplitAtTheAntimeridian) {
       EXPECT_LE(std::abs(longitude_deg), 180);
     }
   }
+}
+
+TEST_F(ExportTest, TimesBelongToAVideo) {
+  const std::int64_t model = store_->Objects({.model_name = "box"}).value().front().model;
+  constexpr std::int64_t kStart_us = 1'700'000'000'000'000;
+  const VideoRecord with_utc =
+      store_->PutVideo({.content_id = "utc", .name = "utc.mp4", .width = 640, .height = 480, .start_utc_us = kStart_us})
+          .value();
+  IndexBatch batch;
+  batch.tracklets.push_back(
+      {std::nullopt,
+       {.video = with_utc.id, .model = model, .score = 0.5, .frames = 3, .first_time_s = 4, .last_time_s = 5.1}});
+  ASSERT_TRUE(store_->Commit(batch));
+  ObjectRecord object = store_->Objects({.model_name = "box"}).value().front();
+  object.tracklets = {1, 3};
+  object.place.emplace();
+  object.place->point = {RadiansFromDegrees(52.5), RadiansFromDegrees(13.25), 81.5};
+  object.place->covariance_enu_m2 = 9 * Eigen::Matrix3d::Identity();
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  const json joined = json::parse(Lines(ExportFormat::kObjects, {.model_name = "box"}).front());
+  ASSERT_EQ(joined["moments"].size(), 2U);
+  EXPECT_EQ(joined["moments"][0]["first_time_s"], 1.48);
+  EXPECT_EQ(joined["moments"][0]["first_utc"], nullptr);
+  EXPECT_EQ(joined["moments"][1]["video"], "utc.mp4");
+  EXPECT_EQ(joined["moments"][1]["last_time_s"], 5.1);
+  EXPECT_EQ(joined["moments"][1]["first_utc"], "2023-11-14T22:13:24.000Z");
+  const json map = json::parse(Text(ExportFormat::kGeoJson));
+  EXPECT_EQ(map["features"][0]["properties"]["moments"], joined["moments"]);
+  EXPECT_THAT(Text(ExportFormat::kKml), Not(HasSubstr("TimeSpan"))) << "the UTC of one of the two is not known";
+
+  std::vector<ObjectRecord> apart = {object, object};
+  apart[0].tracklets = {1};
+  apart[1].id = 3;
+  apart[1].tracklets = {3};
+  ASSERT_TRUE(store_->PutObjects(apart));
+  EXPECT_THAT(Text(ExportFormat::kKml),
+              HasSubstr("<TimeSpan><begin>2023-11-14T22:13:24.000Z</begin><end>2023-11-14T22:13:25.100Z</end>"));
 }
 
 // Reads the KML back by GDAL.

@@ -16,6 +16,7 @@ Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalog
   // Reads the names again without a filter: another process may have added videos or models, and an object may be in
   // videos that the filter excludes.
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue everything, Catalogue::Read(store, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(MomentsByObject moments, ReadMoments(store, everything));
   std::vector<ListedObject> listed;
   for (ObjectRecord& object : objects) {
     const ModelRecord* model = catalogue.Model(object.model);
@@ -24,7 +25,9 @@ Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalog
     for (const std::int64_t id : object.videos) {
       if (const VideoRecord* video = everything.Video(id)) videos.push_back(ShownName(*video));
     }
-    listed.push_back({std::move(object), listed.size() + 1, model->name, model->IsCategory(), std::move(videos)});
+    std::vector<ObjectMoment> seen = std::move(moments[object.id]);
+    listed.push_back(
+        {std::move(object), listed.size() + 1, model->name, model->IsCategory(), std::move(videos), std::move(seen)});
   }
   return listed;
 }
@@ -87,6 +90,7 @@ Json ObjectJson(const ListedObject& listed) {
     json["ce90_m"] = MetresJson(place.ce90_m);
     json["le90_m"] = MetresJson(place.le90_m);
   }
+  json["moments"] = MomentsJson(listed.moments);
   json["against"] = object.against;
   json["evidence"] = ParseStrictJson(object.evidence_json).value_or(nullptr);
   if (!object.rejected.empty()) json["rejected"] = object.rejected;

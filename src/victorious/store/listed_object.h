@@ -11,6 +11,7 @@
 #include "victorious/store/catalogue.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/index_store.h"
+#include "victorious/store/object_moments.h"
 
 namespace victorious {
 
@@ -20,6 +21,7 @@ struct ListedObject {
   std::string model;     ///< name of the model or category
   bool is_category = false;
   std::vector<std::string> videos;  ///< names
+  std::vector<ObjectMoment> moments;
 };
 
 /// Returns the objects that match the filter and whose model is in the catalogue, best first.

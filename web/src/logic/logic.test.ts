@@ -3,7 +3,7 @@ import { describe, expect, it } from "vitest";
 import type { CameraPath, FoundObject, Place, Review } from "../api/types";
 import { rectangle } from "./area";
 import { withDecision } from "./decisions";
-import { toCsv, toGeoJson } from "./export";
+import { momentsToCsv, toCsv, toGeoJson } from "./export";
 import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery } from "./filters";
 import { baseName, explainScore, formatAngle, formatExpected, formatMetres, formatPosition, formatScore, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
@@ -415,22 +415,43 @@ describe("keys", () => {
 describe("saved lists", () => {
   const review = { ...accepted, note: 'a "shed", red', reviewer: "=1+1" };
   const decisions = [review, { ...accepted, verdict: "rejected" as const, reviewer: "ann" }];
+  const videos = [
+    { id: 1, name: "/v/a.mp4", start_utc_us: 1_700_000_000_000_000 },
+    { id: 2, name: "/v/b.mp4", start_utc_us: null },
+  ];
+  const moments = [
+    { video_id: 1, first_time_s: 3, last_time_s: 5.1, frames: 2, score: 0.9 },
+    { video_id: 2, first_time_s: 2, last_time_s: 2.5, frames: 1, score: 0.8 },
+  ];
   const placed = found(7, { place: place(52.5, 13.25), heading_deg: 90, review, decisions, is_disputed: true });
 
   it("are tables that spreadsheets read, without formulas", () => {
-    const rows = toCsv([placed, found(8)]).split("\r\n");
+    const rows = toCsv([placed, found(8)], videos).split("\r\n");
     expect(rows[0]?.split(",").slice(0, 3)).toEqual(["object_id", "model", "score"]);
-    expect(rows[1]).toBe(`7,jeep,0.9,3,0,1,52.5,13.25,0,1,1,90,,accepted,'=1+1,"a ""shed"", red",1,accepted by =1+1; rejected by ann`);
-    expect(rows[2]).toBe("8,jeep,0.9,3,0,1,,,,,,,,,,,0,");
+    expect(rows[1]).toBe(`7,jeep,0.9,3,/v/a.mp4,0,1,2023-11-14T22:13:20.000Z,2023-11-14T22:13:21.000Z,52.5,13.25,0,1,1,90,,accepted,'=1+1,"a ""shed"", red",1,accepted by =1+1; rejected by ann`);
+    expect(rows[2]).toBe("8,jeep,0.9,3,/v/a.mp4,0,1,2023-11-14T22:13:20.000Z,2023-11-14T22:13:21.000Z,,,,,,,,,,,0,");
     expect(rows).toHaveLength(4);
   });
 
+  it("do not join the times of two videos", () => {
+    const rows = toCsv([found(9, { moments })], videos).split("\r\n");
+    expect(rows[1]).toMatch(/^9,jeep,0.9,3,\/v\/a.mp4; \/v\/b.mp4,,,,,/);
+    expect(momentsToCsv([found(9, { moments })], videos).split("\r\n")).toEqual([
+      "object_id,model,video,first_time_s,last_time_s,first_utc,last_utc,frames",
+      "9,jeep,/v/a.mp4,3,5.1,2023-11-14T22:13:23.000Z,2023-11-14T22:13:25.100Z,2",
+      "9,jeep,/v/b.mp4,2,2.5,,,1",
+      "",
+    ]);
+    const { properties } = toGeoJson([found(9, { moments, place: place(52.5, 13.25) })], videos).features[0] ?? {};
+    expect(properties).toMatchObject({ videos: ["/v/a.mp4", "/v/b.mp4"], first_time_s: null, moments: [{ video: "/v/a.mp4", first_time_s: 3 }, { video: "/v/b.mp4", first_utc: null }] });
+  });
+
   it("keep a negative number a number", () => {
-    expect(toCsv([found(1, { place: place(-33.9, 18.4) })])).toContain(",-33.9,18.4,");
+    expect(toCsv([found(1, { place: place(-33.9, 18.4) })], videos)).toContain(",-33.9,18.4,");
   });
 
   it("are points, longitude first, without objects of unknown place", () => {
-    const { features } = toGeoJson([placed, found(8)]);
+    const { features } = toGeoJson([placed, found(8)], videos);
     expect(features).toHaveLength(1);
     expect(features[0]).toMatchObject({ id: 7, geometry: { coordinates: [13.25, 52.5, 0] }, properties: { model: "jeep", verdict: "accepted", speed_m_s: null } });
   });

@@ -5,6 +5,7 @@ import { listDecisions, thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail, Review } from "../api/types";
 import { MAX_DECISIONS, isOwnKnown, nameOf, ownDecision } from "../logic/decisions";
 import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatScore, formatSpan, formatTime, plural } from "../logic/format";
+import { formatUtcSpan } from "../logic/moments";
 import { askForClip, canAdd } from "../jobs";
 import { me } from "../me";
 import * as notices from "../notices";
@@ -108,10 +109,29 @@ function CoordinateChoice() {
   );
 }
 
+/** When each video shows it; a click goes there. */
+function Seen({ object }: { object: FoundObject }) {
+  return (
+    <div class="wide seen">
+      <dt>Seen</dt>
+      {state.seenOf(object).map((one) => (
+        <dd key={one.video_id}>
+          <button class="link" title={`${one.video}\n${plural(one.frames, "frame")}`} onClick={() => selection.showTime(one.video_id, one.first_time_s)}>
+            {formatSpan(one.first_time_s, one.last_time_s)}
+          </button>{" "}
+          in {baseName(one.video)}
+          {one.first_utc !== null && one.last_utc !== null && (
+            <span class="muted" title={`${one.first_utc} to ${one.last_utc}`}>{` (${formatUtcSpan(one.first_utc, one.last_utc)})`}</span>
+          )}
+        </dd>
+      ))}
+    </div>
+  );
+}
+
 function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail | null }) {
   const place = object.place;
   const best = detail?.best ?? null;
-  const videos = state.videosOf(object);
   return (
     <div>
       <div class="facts-head">
@@ -138,10 +158,7 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
           <dt>Score</dt>
           <dd title={explainScore(object.score)}>{formatScore(object.score, 3)}</dd>
         </div>
-        <div>
-          <dt>Seen</dt>
-          <dd>{formatSpan(object.first_time_s, object.last_time_s)}</dd>
-        </div>
+        <Seen object={object} />
         {object.against.length > 0 && (
           <div class="wide">
             <dt>Speaks against it</dt>
@@ -181,10 +198,6 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
             {formatMetres(best?.distance_m)}
             {best?.sigma_distance_m ? ` ± ${formatMetres(best.sigma_distance_m)}` : ""}
           </dd>
-        </div>
-        <div>
-          <dt>{videos.length === 1 ? "Video" : "Videos"}</dt>
-          <dd title={videos.join("\n")}>{videos.length === 1 ? baseName(videos[0] ?? "") : plural(videos.length, "video")}</dd>
         </div>
       </dl>
     </div>

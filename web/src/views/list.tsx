@@ -8,7 +8,8 @@ import type { FoundObject } from "../api/types";
 import { describeDecisions, summarise } from "../logic/decisions";
 import { searchedHours } from "../logic/coverage";
 import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, parseQuery } from "../logic/filters";
-import { baseName, explainScore, formatExpected, formatMetres, formatScore, formatSpan, plural } from "../logic/format";
+import { baseName, explainScore, formatExpected, formatMetres, formatScore, plural } from "../logic/format";
+import { describeSeen, summarizeSeen } from "../logic/moments";
 import type { PagedList } from "../logic/paged_list";
 import { thresholdCost } from "../logic/threshold_cost";
 import { canAdd } from "../jobs";
@@ -89,7 +90,7 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
   const isMarked = reviews.marked.value.has(object.id);
   const place = object.place;
   const accuracy = place ? `± ${formatMetres(place.ce90_m)}` : "no place";
-  const videos = state.videosOf(object);
+  const seen = state.seenOf(object);
   const areSeveral = state.videos.value.length > 1;
   return (
     <div
@@ -122,12 +123,14 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
           </span>
         </div>
         <div class="line">
-          <div class="facts">{formatSpan(object.first_time_s, object.last_time_s)}</div>
+          <div class="facts" title={seen.length > 1 ? seen.map(describeSeen).join("\n") : undefined}>
+            {summarizeSeen(seen, state.videoId.value)}
+          </div>
           <span class="facts">{areSeveral ? accuracy : plural(object.frames, "frame")}</span>
         </div>
         <div class="line">
-          <div class="facts where" title={areSeveral ? videos.join("\n") : undefined}>
-            {!areSeveral ? accuracy : videos.length === 1 ? baseName(videos[0] ?? "") : plural(videos.length, "video")}
+          <div class="facts where" title={areSeveral ? seen.map((one) => one.video).join("\n") : undefined}>
+            {!areSeveral ? accuracy : seen.length === 1 ? baseName(seen[0]?.video ?? "") : plural(seen.length, "video")}
           </div>
           <VerdictMark object={object} />
         </div>
@@ -310,6 +313,7 @@ function Save() {
       title="Save the objects that match the filters"
       items={[
         { label: "Table (CSV)", choose: () => void save.saveList("csv") },
+        { label: "Moments by video (CSV)", choose: () => void save.saveList("moments") },
         { label: "Map (GeoJSON)", choose: () => void save.saveList("geojson") },
       ]}
     />
