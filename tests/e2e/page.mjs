@@ -444,7 +444,7 @@ async function triage(page) {
 
   // Coordinates as MGRS.
   await page.getByLabel("Coordinates as").selectOption("mgrs");
-  await becomes(() => page.locator(".facts-grid .wide dd").innerText(), /^33U UU \d{5} \d{5}/);
+  await becomes(() => page.locator(".facts-grid .wide:not(.seen) dd").innerText(), /^33U UU \d{5} \d{5}/);
 
   // The next sighting is the next frame that the object was found in.
   await page.click(`#object-${objects[0].id}`);

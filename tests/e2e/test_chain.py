@@ -8,12 +8,12 @@ import unittest
 import program
 
 OBJECT_KEYS = {
-    "object_id", "model", "category", "rank", "score", "videos", "frames", "first_time_s", "last_time_s",
+    "object_id", "model", "category", "rank", "score", "videos", "frames", "first_time_s", "last_time_s", "moments",
     "place_time_s", "latitude_deg", "longitude_deg", "altitude_m", "covariance_enu_m2", "ce90_m", "le90_m",
     "heading_deg", "speed_m_s", "sigma_speed_m_s", "course_deg", "sigma_course_deg", "against", "evidence",
 }  # fmt: skip
 UNKNOWN_WITHOUT_TELEMETRY = OBJECT_KEYS - {
-    "object_id", "model", "rank", "score", "videos", "frames", "first_time_s", "last_time_s", "against", "evidence",
+    "object_id", "model", "rank", "score", "videos", "frames", "first_time_s", "last_time_s", "moments", "against", "evidence",
 }  # fmt: skip
 SIGHTING_KEYS = {
     "object_id", "model", "category", "video", "frame", "time_s", "box", "score", "source", "matches", "view",
