@@ -641,6 +641,26 @@ async function frames(page) {
   await checkFrames(page);
 }
 
+/** Of a video of which only the first 0.3 s were searched, the time line shows this part alone, and says why. */
+async function coverage(page) {
+  await open(page, "/");
+  const { duration_s: duration, left_out: leftOut } = await api(page, "/videos/1");
+  assert.equal(duration, null);
+  assert.deepEqual(leftOut.map(({ from_s, to_s, reason }) => [from_s, to_s, reason]), [[0.3, null, "not_wanted"]]);
+  const text = "0:00.30 to the end: outside of --from and --to";
+  const [ruler, whole, none] = await Promise.all(
+    [".timeline .ruler .track", ".timeline .searched.whole", ".timeline .searched.none"].map((one) => page.locator(one).boundingBox()),
+  );
+  const { times_s: times } = await api(page, "/videos/1/times");
+  assert.ok(Math.abs(whole.width / ruler.width - 0.3 / times.at(-1)) < 0.02, `${whole.width} of ${ruler.width} is searched`);
+  assert.ok(Math.abs(none.x - (whole.x + whole.width)) < 2 && Math.abs(none.x + none.width - (ruler.x + ruler.width)) < 2);
+  assert.equal(await page.locator(".timeline .searched.none").getAttribute("title"), text);
+  assert.equal(await page.locator(".timeline .searched.whole").getAttribute("title"), "Searched for all models");
+  assert.equal(await page.locator(".timeline .left-out p").innerText(), text);
+  await page.locator(".timeline .searched.none").click();
+  await becomes(() => shownFrame(page), Math.round((times.length - 1) * (1 + 0.3 / times.at(-1)) / 2), "the frame under the pointer");
+}
+
 /** The server copies what the browser cannot play; after a seek, the copy shows the frame that the video has there. */
 async function copies(page) {
   await open(page, "/");
@@ -666,26 +686,6 @@ async function checkFrames(page) {
     const wanted = times.reduce((best, one, at) => (Math.abs(one - time) < Math.abs(times[best] - time) ? at : best), 0);
     await page.mouse.click(x, ruler.y + 6);
     await waitForFrame(page, wanted);
-/** Of a video of which only the first 0.3 s were searched, the time line shows this part alone, and says why. */
-async function coverage(page) {
-  await open(page, "/");
-  const { duration_s: duration, left_out: leftOut } = await api(page, "/videos/1");
-  assert.equal(duration, null);
-  assert.deepEqual(leftOut.map(({ from_s, to_s, reason }) => [from_s, to_s, reason]), [[0.3, null, "not_wanted"]]);
-  const text = "0:00.30 to the end: outside of --from and --to";
-  const [ruler, whole, none] = await Promise.all(
-    [".timeline .ruler .track", ".timeline .searched.whole", ".timeline .searched.none"].map((one) => page.locator(one).boundingBox()),
-  );
-  const { times_s: times } = await api(page, "/videos/1/times");
-  assert.ok(Math.abs(whole.width / ruler.width - 0.3 / times.at(-1)) < 0.02, `${whole.width} of ${ruler.width} is searched`);
-  assert.ok(Math.abs(none.x - (whole.x + whole.width)) < 2 && Math.abs(none.x + none.width - (ruler.x + ruler.width)) < 2);
-  assert.equal(await page.locator(".timeline .searched.none").getAttribute("title"), text);
-  assert.equal(await page.locator(".timeline .searched.whole").getAttribute("title"), "Searched for all models");
-  assert.equal(await page.locator(".timeline .left-out p").innerText(), text);
-  await page.locator(".timeline .searched.none").click();
-  await becomes(() => shownFrame(page), Math.round((times.length - 1) * (1 + 0.3 / times.at(-1)) / 2), "the frame under the pointer");
-}
-
     assert.deepEqual(await readNumber(page), { shown: wanted, said: wanted });
   }
   await page.mouse.click(ruler.x + 0.3, ruler.y + 6);
@@ -750,14 +750,49 @@ async function recordLabels(page) {
   });
 }
 
+/** An empty page leads to the first finds: an object, a video, the search. */
+async function steps(page, [photo, video]) {
+  await page.goto("/");
+  const step = (number) => page.locator(`.first-steps .step:nth-child(${number})`);
+  const states = async () => (await Promise.all([1, 2, 3].map((one) => step(one).getAttribute("class")))).map((one) => one.replace("step ", "")).join(" ");
+  await becomes(states, "open waits waits");
+  await checkAccessible(page, "an empty index");
+  assert.ok(await step(2).locator("button").isDisabled());
+
+  // A video alone is not sent before there is something to search for; the server would not take its search either.
+  await page.getByRole("button", { name: "Add" }).click();
+  await page.setInputFiles("aside input[type=file]", video);
+  await page.locator(".notice", { hasText: "First say what is to be found" }).waitFor();
+  await page.keyboard.press("Escape");
+  assert.equal((await api(page, "/jobs")).jobs.length, 0);
+
+  // The sample is three jobs, in this order.
+  await page.getByRole("button", { name: "Try the sample" }).click();
+  await until(page, "/jobs", ({ jobs }) => jobs.length === 3);
+  const { jobs: queued } = await api(page, "/jobs");
+  assert.deepEqual(queued.sort((a, b) => a.id - b.id).map((one) => one.kind), ["model", "sample", "index"]);
+  await becomes(states, "runs runs waits");
+  for (const { id } of queued.reverse()) await page.request.post(`/api/v1/jobs/${id}/cancel`, { data: {} });
+  await until(page, "/jobs", ({ jobs }) => jobs.every((one) => one.state === "cancelled"));
+  for (const { id } of queued) await page.request.delete(`/api/v1/jobs/${id}`);
+  await becomes(states, "open waits waits");
+
+  await step(1).locator("input[type=file]").setInputFiles(photo);
+  await page.waitForSelector("dialog.model[open]");
+  await page.getByRole("button", { name: "Make the model" }).click();
+  await becomes(states, "done open waits");
+  await step(2).locator("input[type=file]").setInputFiles(video);
+  await page.waitForSelector("[role=option]", { timeout: 120_000 });
+  assert.equal(await page.locator(".first-steps").count(), 0);
+}
+
 /** From nothing to finds: photos are dropped, then a video; the results come without a reload, to every tab. */
 async function jobs(page, [photos, video]) {
   await page.goto("/");
-  await page.waitForSelector(".empty");
-  await checkAccessible(page, "an empty index");
+  await page.waitForSelector(".first-steps");
   const second = await page.context().newPage();
   await second.goto(page.url());
-  await second.waitForSelector(".empty");
+  await second.waitForSelector(".first-steps");
   await page.getByRole("button", { name: "Add" }).click();
 
   const makeModel = async (photo) => {
@@ -1392,7 +1427,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, link, frames, coverage, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, workers, accounts, videos, narrow, tabs, notes }[scenario](page, inputs);
+  await { triage, link, frames, coverage, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, steps, workers, accounts, videos, narrow, tabs, notes }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

@@ -27,8 +27,8 @@ MISSING = [
 
 @unittest.skipIf(MISSING, f"not there: {', '.join(MISSING)}")
 class PageTest(program.ProgramTest):
-    def drive(self, scenario, db, *flags, inputs=()):
-        with program.Server(db, "--web", PAGE, "--videos", program.flight(), *flags) as server:
+    def drive(self, scenario, db, *flags, inputs=(), cwd=None):
+        with program.Server(db, "--web", PAGE, "--videos", program.flight(), *flags, cwd=cwd) as server:
             command = ["node", SCRIPT, scenario, server.url, *inputs]
             done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
         self.assertEqual(done.returncode, 0, f"{done.stdout}{done.stderr}{server.err}")

@@ -52,12 +52,15 @@ class Outcome(NamedTuple):
 
 
 class Server:
-    """`victorious serve` on a free port, as a context manager. `url` ends without a slash."""
+    """`victorious serve` on a free port, as a context manager. `url` ends without a slash.
 
-    def __init__(self, db: Path, *flags, listen="127.0.0.1:0"):
-        command = [PROGRAM, "serve", "--db", db, "--listen", listen, *flags]
+    Without `db`, on the index of the folder `cwd`."""
+
+    def __init__(self, db: Path | None, *flags, listen="127.0.0.1:0", cwd: Path | None = None):
+        index = [] if db is None else ["--db", db]
+        command = [PROGRAM, "serve", *index, "--listen", listen, *flags]
         self.process = subprocess.Popen(
-            list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cwd
         )
         self.url = self.process.stdout.readline().strip().rstrip("/")
 

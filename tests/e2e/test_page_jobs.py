@@ -16,6 +16,14 @@ class PageTest(page.PageTest):
         photos = ",".join(str(program.flight() / f"{name}.png") for name in ("crate", "truck"))
         self.drive("jobs", db, "--models", models, inputs=(photos, program.flight() / "flight.mp4"))
 
+    def test_first_steps(self):
+        """From an empty folder, without a flag, to the first finds."""
+        folder = self.scratch / "nothing"
+        folder.mkdir()
+        self.drive("steps", None, cwd=folder, inputs=(program.flight() / "crate.png", program.flight() / "flight.mp4"))
+        self.assertEqual(sorted(one.name for one in folder.glob("*.vmodel")), [])
+        self.assertEqual([one.name for one in (folder / "models").glob("*.vmodel")], ["crate.vmodel"])
+
     def test_workers(self):
         """Two videos that wait, one that is gone; then a worker takes them."""
         videos = [self.scratch / "flight.mp4", self.scratch / "gone.mp4"]

@@ -198,7 +198,7 @@ class ServeTest(ServerCase):
 
     def test_evidence(self):
         """Made again from video and model; an error once one of them is gone."""
-        models = self.scratch / "models"
+        models = self.scratch / "library"
         shutil.copytree(program.models(), models)
         with self.serve("--models", models) as server:
             found = self.get(server, "/api/v1/objects")["objects"][0]
@@ -896,9 +896,43 @@ class ServeTest(ServerCase):
                 server.process.send_signal(sent)
                 self.assertEqual(server.process.wait(timeout=program.TIMEOUT_S), 0)
 
+    def test_begins_from_nothing(self):
+        """Alone, `serve` makes its index and library; a name that is mistyped is not made without --create."""
+        folder = self.scratch / "nothing"
+        folder.mkdir()
+        for _ in range(2):
+            with program.Server(None, cwd=folder) as server:
+                project = self.described(self.ask(server, "/api/v1/project")[2], "Project")
+                self.assertTrue(project["can_review"] and project["has_jobs"])
+                self.assertFalse(project["has_targets"])
+                self.assertEqual((project["videos"], project["models"]), (0, []))
+                upload = self.upload(server, program.flight() / "flight.mkv")
+                status, _, body = self.ask(server, "/api/v1/jobs", "POST", json.dumps({"kind": "index", "upload": upload}))
+                self.assertEqual(status, 409, body)
+                self.assertIn("first add photos or a CAD file", self.described(body, "Error")["message"])
+        self.assertTrue((folder / "victorious.db").is_file() and (folder / "models").is_dir())
+        with program.Server(None, cwd=folder) as server:
+            photo = self.upload(server, program.flight() / "crate.png")
+            self.wait_for_job(server, self.post_job(server, kind="model", name="crate", uploads=[photo]), "done")
+            self.assertTrue(self.get(server, "/api/v1/project")["has_targets"])
+            upload = self.upload(server, program.flight() / "flight.mkv")
+            self.wait_for_job(server, self.post_job(server, kind="index", upload=upload), "done")
+            self.assertGreater(self.get(server, "/api/v1/project")["objects"], 0)
+            self.assertFalse(self.get(server, "/api/v1/project")["has_sample"], "there is a video")
+        new = self.scratch / "new" / "index.db"
+        new.parent.mkdir()
+        self.refuses(2, ["index.db: no such file", "--create"], "serve", "--db", new)
+        self.assertFalse(new.exists())
+        with program.Server(new, "--create") as server:
+            self.assertTrue(self.get(server, "/api/v1/project")["has_jobs"])
+        self.succeeds("user", "add", "ann", "--role", "admin", "--db", new, input="correct horse battery\n")
+        with program.Server(new) as server:
+            self.assertEqual(self.ask(server, "/api/v1/project")[0], 401)
+
     def test_refuses_bad_arguments(self):
         self.refuses(2, "loopback", "serve", "--db", self.db, "--listen", "0.0.0.0:8080")
         self.refuses(2, "127.0.0.1:8080", "serve", "--db", self.db, "--listen", "8080")
+        self.refuses(2, "create it first", "serve", "--db", self.scratch / "none" / "new.db", "--create")
         self.refuses(2, "none.db", "serve", "--db", self.scratch / "none.db")
         self.refuses(2, "index.html", "serve", "--db", self.db, "--web", self.scratch)
         self.refuses(2, "no models", "serve", "--db", self.db, "--models", self.scratch / "no models")

@@ -61,6 +61,7 @@ const READY = {
   model: (title: string) => `The model ${title} is ready.`,
   index: (title: string) => `${title} is searched.`,
   live: (title: string) => `${title} has ended.`,
+  sample: (title: string) => `The ${title} is made; it is searched next.`,
   track: (title: string) => `${title} was followed: its track is on the video, the time line and the map.`,
   refine: (title: string) => `${title} is refined: the new file and what it changes are under Add.`,
   clip: (title: string) => `The clip ${title} is ready: it is under Add.`,
@@ -122,6 +123,19 @@ async function addVideo({ file, telemetry }: Plan<File>["videos"][number]) {
   await postJob(job);
 }
 
+/** Makes the sample: a model, a flight, and its search. */
+export async function trySample() {
+  try {
+    await postJob({ kind: "sample" });
+  } catch (error) {
+    notices.notifyError(error);
+  }
+}
+
+/** Whether there is something to search for, or soon will be. */
+const hasTargets = () =>
+  (state.project.value.state === "ready" && state.project.value.value.has_targets) || active.value.some((one) => one.kind === "model");
+
 /** Follows an object that was boxed in a frame through its video. */
 export async function follow(source: Extract<ModelSource, { video: number }>, type: string) {
   isOpen.value = true;
@@ -174,6 +188,10 @@ export function addFiles(files: readonly File[]) {
   }
   const plan = planFiles(files);
   for (const problem of plan.problems) notices.notify(problem, "error");
+  if (plan.videos.length > 0 && plan.model.length === 0 && !hasTargets()) {
+    notices.notify("First say what is to be found: add photos or a CAD file of an object, alone or together with the video.", "error");
+    return;
+  }
   if (plan.videos.length > 0) isOpen.value = true;
   for (const video of plan.videos) {
     addVideo(video).catch((error: unknown) => {

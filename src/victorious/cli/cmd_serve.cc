@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -24,7 +25,8 @@ namespace victorious::cli {
 namespace {
 
 struct ServeArguments {
-  std::string db;
+  std::string db;  ///< empty: kDefaultIndex
+  bool is_created = false;
   std::string models;
   std::string categories;
   std::string listen = "127.0.0.1:8080";
@@ -49,6 +51,51 @@ std::filesystem::path FindPage() {
     if (std::filesystem::exists(program / relative / "index.html", error)) return program / relative;
   }
   return {};
+}
+
+constexpr const char* kDefaultIndex = "victorious.db";
+
+// The demo's scene and a CAD file of one of its objects, in the repository or where they are installed beside the
+// program.
+std::optional<SampleFiles> FindSample() {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  for (const char* relative : {"..", "../share/victorious"}) {
+    const std::filesystem::path folder = (program / relative).lexically_normal();
+    SampleFiles files{.scene = folder / "scenes/demo.json", .object = folder / "assets/models/jeep.glb"};
+    if (std::filesystem::exists(files.scene, error) && std::filesystem::exists(files.object, error) &&
+        std::filesystem::exists(folder / "assets/town", error)) {
+      return files;
+    }
+  }
+  return std::nullopt;
+}
+
+// Makes an empty index where there is none, if that was asked for: a name that is mistyped is not an index.
+// @return whether it was made
+Expected<bool> MakeIndex(const ServeArguments& arguments, const std::string& name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool has_index, HasIndex(name));
+  if (has_index) return false;
+  if (!arguments.db.empty() && !arguments.is_created) {
+    if (IsDatabaseUrl(name)) return false;  // opening it says what it lacks
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file: give an index that `victorious index` makes, or "
+                                                  "--create for a new one without videos",
+                                                  name));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(OpenStore(name, StoreMode::kCreate));
+  LogInfo("{}: made, without videos", StoreName(name));
+  return true;
+}
+
+// The library that is given, else the folder "models" beside the index: if it is there, or the index is new. Empty: the
+// server takes no files.
+Expected<std::filesystem::path> FindModels(const ServeArguments& arguments, const std::string& index, bool is_new) {
+  if (!arguments.models.empty() || IsDatabaseUrl(index)) return arguments.models;
+  const std::filesystem::path beside = std::filesystem::absolute(index).parent_path() / "models";
+  std::error_code error;
+  if (is_new) std::filesystem::create_directories(beside, error);
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), beside.string()));
+  return std::filesystem::is_directory(beside, error) ? beside : std::filesystem::path();
 }
 
 // What the names of the folders of uploads and copies begin with: that of a file, or of a database in the present
@@ -76,11 +123,12 @@ Status Run(const ServeArguments& arguments) {
   server_options.tls_certificate = arguments.tls_certificate;
   server_options.tls_key = arguments.tls_key;
   const bool has_tls = !arguments.tls_certificate.empty();
-  const StoreAddress address = TakePassword(arguments.db);
+  const StoreAddress address = TakePassword(arguments.db.empty() ? kDefaultIndex : arguments.db);
   // For this process and those of its jobs.
   if (!address.password.empty()) ::setenv("PGPASSWORD", address.password.c_str(), 1);
   const std::string beside = FilesBeside(address.name);
-  ApiOptions options{.index = address.name, .models = arguments.models, .telemetry = {}, .web = arguments.web};
+  ApiOptions options{.index = address.name, .models = {}, .telemetry = {}, .web = arguments.web};
+  options.sample = FindSample();
   options.server = {.is_loopback = server_options.is_loopback, .has_tls = has_tls};
   options.uploads = arguments.uploads.empty() ? beside + ".uploads" : arguments.uploads;
   options.copies = arguments.copies.empty() ? beside + ".copies" : arguments.copies;
@@ -111,6 +159,8 @@ Status Run(const ServeArguments& arguments) {
   // Uploads, copies and models that are added are of those who may log in: other users of the machine cannot read them,
   // its group can.
   ::umask(::umask(0) | 0027);
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool is_new, MakeIndex(arguments, address.name));
+  VICTORIOUS_ASSIGN_OR_RETURN(options.models, FindModels(arguments, address.name, is_new));
   const CancelToken& interrupt = Interrupt();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<Api> api, Api::Open(std::move(options), interrupt));
   VICTORIOUS_ASSIGN_OR_RETURN(
@@ -135,8 +185,16 @@ Status Run(const ServeArguments& arguments) {
 
 Action SetUpServe(ArgumentParser& parser) {
   const auto arguments = std::make_shared<ServeArguments>();
-  AddDb(parser, arguments->db, "The index");
-  parser.Add("--models", arguments->models, "Model library: shows the view that matched beside a sighting")
+  parser
+      .Add("--db", arguments->db,
+           "The index: a file, or postgresql://USER@HOST/DATABASE (default: victorious.db in the present folder, which "
+           "is made if it is not there)")
+      .TypeName("DB");
+  parser.AddFlag("--create", arguments->is_created, "Make the index if it is not there, without videos");
+  parser
+      .Add("--models", arguments->models,
+           "Model library: shows the view that matched beside a sighting, and takes new models (default: the folder "
+           "models beside the file of the index, which is made with a new index)")
       .TypeName("DIR");
   parser
       .Add("--categories", arguments->categories,

@@ -224,9 +224,12 @@ ApiExpected<HttpResponse> Api::Project(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count({}));
   const bool may_decide = call.caller.May(Role::kAnalyst);
-  return JsonResponse(ProjectToJson(NameOfIndex(options_.index), *lists, counts, index_->can_review() && may_decide,
-                                    !options_.models.empty(), live_->has_jobs() && may_decide, options_.categories,
-                                    options_.base_map));
+  const bool has_jobs = live_->has_jobs() && may_decide;
+  Json project = ProjectToJson(NameOfIndex(options_.index), *lists, counts, index_->can_review() && may_decide,
+                               !options_.models.empty(), has_jobs, options_.categories, options_.base_map);
+  project["has_targets"] = HasModels() || !options_.categories.empty();
+  project["has_sample"] = has_jobs && HasSample(*lists);
+  return JsonResponse(project);
 }
 
 ApiExpected<HttpResponse> Api::Audit(const Call& call) {

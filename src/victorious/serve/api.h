@@ -39,6 +39,12 @@
 
 namespace victorious {
 
+/// What the page offers to try on an empty index.
+struct SampleFiles {
+  std::filesystem::path scene;   ///< that `victorious simulate` makes a flight of
+  std::filesystem::path object;  ///< CAD file of an object of the scene
+};
+
 struct ApiOptions {
   std::string index;                      ///< by the name that OpenStore takes; without a password
   std::filesystem::path models;           ///< model library, for the images of views; empty: none
@@ -52,6 +58,7 @@ struct ApiOptions {
   /// and the current one.
   std::vector<std::filesystem::path> videos = {};
   std::vector<std::filesystem::path> secrets = {};  ///< files that are never opened for the index: a private key
+  std::optional<SampleFiles> sample = {};  ///< std::nullopt: none
   std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
   ServerIdentity server;
@@ -193,6 +200,15 @@ class Api {
   ApiExpected<Json> CopyInput(const nlohmann::json& body);
   ApiExpected<Json> ClipInput(const nlohmann::json& body);
   ApiExpected<Json> RefineInput(const nlohmann::json& body);
+  /// Errors: kUnsupported without a sample, or if the index has a video.
+  ApiExpected<Json> SampleInput(const nlohmann::json& body);
+  /// Submits three jobs: the model of its object, the flight, its search. Returns the second.
+  ApiExpected<HttpResponse> SubmitSample(const Json& input, const std::string& actor);
+  /// Whether the library has a model.
+  [[nodiscard]] bool HasModels() const;
+  [[nodiscard]] bool HasSample(const IndexLists& lists) const;
+  /// Fails with kConflict if there is nothing that a video could be searched for, nor will be.
+  ApiStatus CheckHasTargets();
   /// The job of an id in the address. Errors: kNotFound; those of LiveService::Find.
   ApiExpected<JobRecord> FindJob(const std::string& id);
   /// Fails with kConflict if a job that reads the index would not do what was asked for: it names what has changed.

@@ -103,6 +103,8 @@ ApiExpected<Json> Api::JobInput(JobKind kind, const Body& body, const CancelToke
       return TrackInput(body, cancel);
     case JobKind::kRefine:
       return RefineInput(body);
+    case JobKind::kSample:
+      return SampleInput(body);
     case JobKind::kClip:
       break;
   }
@@ -335,10 +337,13 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(*body, "kind"));
   const std::optional<JobKind> kind = FromText(kJobKindTexts, name);
   if (!kind) {
-    return FailField("kind",
-                     fmt::format("The kind \"{}\" must be one of index, live, model, copy, clip, track, refine", name));
+    return FailField(
+        "kind",
+        fmt::format("The kind \"{}\" must be one of index, live, model, copy, clip, track, refine, sample", name));
   }
+  if (*kind == JobKind::kIndex || *kind == JobKind::kLive) VICTORIOUS_RETURN_IF_ERROR(CheckHasTargets());
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, JobInput(*kind, *body, call.cancel));
+  if (*kind == JobKind::kSample) return SubmitSample(input, call.caller.name());
   const NewJob asked{.kind = *kind,
                      .input_json = DumpJson(input),
                      .now_us = NowUtcMicroseconds(),
@@ -351,6 +356,57 @@ ApiExpected<HttpResponse> Api::SubmitJob(const Call& call) {
   }
   // Several viewers ask for the same file.
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, MakesFile(*kind) ? live_->SubmitOnce(asked) : live_->Submit(asked));
+  return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
+}
+
+ApiStatus Api::CheckHasTargets() {
+  if (!live_->has_jobs()) return {};  // submitting the job says so
+  if (!options_.categories.empty() || HasModels()) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, live_->Jobs());
+  const auto makes_model = [](const JobRecord& job) {
+    return job.kind == JobKind::kModel && (job.state == WorkState::kQueued || job.state == WorkState::kRunning);
+  };
+  if (std::ranges::any_of(jobs, makes_model)) return {};
+  return std::unexpected(ApiError(
+      Error{ErrorCode::kConflict,
+            "there is nothing to search for: first add photos or a CAD file of an object, which make a model"}));
+}
+
+bool Api::HasModels() const {
+  if (options_.models.empty()) return false;
+  const auto names = ModelLibrary(options_.models).Names();
+  return names && !names->empty();
+}
+
+bool Api::HasSample(const IndexLists& lists) const { return options_.sample && lists.videos.empty(); }
+
+ApiExpected<Json> Api::SampleInput(const Body& body) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind"}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  if (!HasSample(*lists)) {
+    return std::unexpected(ApiError(
+        Error{ErrorCode::kUnsupported, options_.sample ? "the index has videos: the sample is for an empty one"
+                                                       : "the files of the sample are not beside the program"}));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path video, uploads_.Create("video.mp4"));
+  return Json{{"scene", options_.sample->scene.string()}, {"folder", video.parent_path().string()}};
+}
+
+ApiExpected<HttpResponse> Api::SubmitSample(const Json& input, const std::string& actor) {
+  const auto submit = [&](JobKind kind, const Json& one) {
+    return live_->Submit(
+        {.kind = kind, .input_json = DumpJson(one), .now_us = NowUtcMicroseconds(), .actor = actor, .logged = ""});
+  };
+  const std::filesystem::path& object = options_.sample->object;
+  const std::string name = object.stem().string();
+  if (ModelLibrary(options_.models).CheckNewName(name)) {
+    VICTORIOUS_RETURN_IF_ERROR(submit(JobKind::kModel, {{"name", name}, {"files", {object.string()}}}));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, submit(JobKind::kSample, input));
+  // They are worked off in this order.
+  const std::filesystem::path folder = input["folder"].get<std::string>();
+  VICTORIOUS_RETURN_IF_ERROR(submit(JobKind::kIndex, {{"video", (folder / "video.mp4").string()},
+                                                      {"telemetry", (folder / "telemetry.csv").string()}}));
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 

@@ -322,6 +322,7 @@ std::string JobTitle(const JobRecord& job) {
     return found != input->end() && found->is_string() ? found->get<std::string>() : std::string();
   };
   if (job.kind == JobKind::kModel) return text("name");
+  if (job.kind == JobKind::kSample) return "sample flight";
   if (job.kind == JobKind::kClip || job.kind == JobKind::kTrack || job.kind == JobKind::kLive) return text("title");
   return std::filesystem::path(text(job.kind == JobKind::kRefine ? "categories" : "video")).filename().string();
 }

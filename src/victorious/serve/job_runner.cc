@@ -185,6 +185,13 @@ Expected<std::vector<std::string>> RefineArguments(const nlohmann::json& input, 
   return arguments;
 }
 
+// A second attempt goes on from nothing: --force.
+Expected<std::vector<std::string>> SampleArguments(const nlohmann::json& input) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string scene, TextMember(input, "scene"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string folder, TextMember(input, "folder"));
+  return std::vector<std::string>{"simulate", "--force", "--out=" + folder, "--", scene};
+}
+
 }  // namespace
 
 Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders) {
@@ -202,6 +209,8 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
       return TrackArguments(input, folders);
     case JobKind::kRefine:
       return RefineArguments(input, folders);
+    case JobKind::kSample:
+      return SampleArguments(input);
     case JobKind::kClip:
       break;
   }

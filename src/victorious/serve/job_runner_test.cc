@@ -41,6 +41,9 @@ TEST(JobArguments, AreThoseOfTheCommands) {
   EXPECT_THAT(
       *JobArguments({.kind = JobKind::kCopy, .input_json = R"({"video": "-x.ts", "copy": "/d/c.mp4"})"}, kFolders),
       ElementsAre("copy", "--force", "--out", "/d/c.mp4", "--", "-x.ts"));
+  EXPECT_THAT(
+      *JobArguments({.kind = JobKind::kSample, .input_json = R"({"scene": "/s/a.json", "folder": "/u/1"})"}, kFolders),
+      ElementsAre("simulate", "--force", "--out=/u/1", "--", "/s/a.json"));
 }
 
 TEST(JobArguments, OfCategories) {

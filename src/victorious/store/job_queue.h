@@ -30,6 +30,7 @@ enum class JobKind {
   kLive,    ///< searches a live source as it comes
   kTrack,   ///< follows a box of a frame
   kRefine,  ///< refines the categories by what was reviewed
+  kSample,  ///< simulates the flight of the sample
 };
 
 /// The texts in the index and in the API.
@@ -39,7 +40,8 @@ inline constexpr auto kJobKindTexts = std::to_array<EnumText<JobKind>>({{JobKind
                                                                         {JobKind::kClip, "clip"},
                                                                         {JobKind::kLive, "live"},
                                                                         {JobKind::kTrack, "track"},
-                                                                        {JobKind::kRefine, "refine"}});
+                                                                        {JobKind::kRefine, "refine"},
+                                                                        {JobKind::kSample, "sample"}});
 
 constexpr std::string_view ToText(JobKind kind) { return ToText(kJobKindTexts, kind); }
 

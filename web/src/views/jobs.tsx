@@ -12,7 +12,7 @@ import * as state from "../state";
 import * as turntable from "../turntable";
 import { Icon } from "./icons";
 
-const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories" } as const;
+const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories", sample: "simulate" } as const;
 const FILES = { track: "Save the track", clip: "Save the clip", telemetry: "Save its telemetry", categories: "Save the refined model" } as const;
 
 function Bar({ of, part }: { of: string; part: number | null }) {

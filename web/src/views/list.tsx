@@ -12,7 +12,7 @@ import { baseName, explainScore, formatExpected, formatMetres, formatScore, plur
 import { describeSeen, summarizeSeen } from "../logic/moments";
 import type { PagedList } from "../logic/paged_list";
 import { thresholdCost } from "../logic/threshold_cost";
-import { canAdd } from "../jobs";
+import * as jobs from "../jobs";
 import * as load from "../load";
 import { me } from "../me";
 import * as notices from "../notices";
@@ -21,6 +21,7 @@ import * as reviews from "../reviews";
 import * as save from "../save";
 import * as selection from "../selection";
 import * as state from "../state";
+import { FirstSteps } from "./first_steps";
 import { Icon } from "./icons";
 import { Learnt } from "./learnt";
 import { Menu } from "./menu";
@@ -331,17 +332,15 @@ function SearchHint() {
 }
 
 function Nothing() {
-  const isSearched = state.videos.value.some((one) => one.searched_s > 0);
+  const isSearched = state.videos.value.some((one) => one.searched_s > 0) && !jobs.active.value.some((one) => one.kind === "index");
+  // Before there is a video, the pane of the video has more room for them.
+  if (!isSearched && jobs.canAdd.value) return state.videos.value.length > 0 ? <FirstSteps /> : <p class="empty">The finds appear here.</p>;
   return (
     <div class="empty">
       <h3>{state.videos.value.length === 0 ? "No video yet" : "Nothing found yet"}</h3>
-      {state.videos.value.length === 0 || !isSearched ? (
+      {!isSearched ? (
         <>
-          <p>
-            {canAdd.value
-              ? "Drop photos or a CAD file of what is to be found here, with a video or before it. Or search from the command line:"
-              : "Search a video for your models, and the finds appear here:"}
-          </p>
+          <p>Search a video for your models, and the finds appear here:</p>
           <code>victorious index VIDEO --models DIR --db FILE</code>
         </>
       ) : (

@@ -12,6 +12,7 @@ import { sightingsAt, sightingsVersion, trailOf } from "../sightings";
 import * as notices from "../notices";
 import * as selection from "../selection";
 import * as state from "../state";
+import { FirstSteps } from "./first_steps";
 import { Icon } from "./icons";
 import { Timeline } from "./timeline";
 
@@ -200,7 +201,7 @@ function Stage() {
       {!problem && unplayable.value && <div class="message">{unplayable.value}</div>}
       {!problem && video && state.shownFrame.value === null && <div class="message middle">Loading the video</div>}
       {state.project.value.state === "ready" && state.project.value.value.videos === 0 && (
-        <div class="message middle">There is no video in this index.</div>
+        jobs.canAdd.value ? <FirstSteps /> : <div class="message middle">There is no video in this index.</div>
       )}
     </div>
   );
