@@ -4,7 +4,7 @@ import { computed, effect, signal } from "@preact/signals";
 
 import type { CameraPath, FoundObject, ObjectDetail, Project, Video } from "./api/types";
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
-import { COORDINATE_STYLES, type CoordinateStyle } from "./logic/format";
+import { COORDINATE_STYLES, type CoordinateStyle, baseName, formatTime } from "./logic/format";
 import { type SeenIn, seenIn } from "./logic/moments";
 import type { FrameTable } from "./logic/frame_table";
 import { me } from "./me";
@@ -82,6 +82,12 @@ export const FOLLOWED_COLOUR = "#ffffff";
 export function colourOf(model: string): string {
   const at = modelNames.value.indexOf(model);
   return COLOURS[Math.max(at, 0) % COLOURS.length] ?? "#e69f00";
+}
+
+/** A time of a video, with its name where there are several. */
+export function describeTime(video: number, time: number): string {
+  const name = videos.value.length > 1 ? videos.value.find((one) => one.id === video)?.name : undefined;
+  return name === undefined ? formatTime(time) : `${formatTime(time)} in ${baseName(name)}`;
 }
 
 /** When each video shows an object. */

@@ -4,7 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { listDecisions, thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail, Review } from "../api/types";
 import { MAX_DECISIONS, isOwnKnown, nameOf, ownDecision } from "../logic/decisions";
-import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatScore, formatSpan, formatTime, plural } from "../logic/format";
+import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatScore, formatSpan, plural } from "../logic/format";
 import { formatUtcSpan } from "../logic/moments";
 import { askForClip, canAdd } from "../jobs";
 import { me } from "../me";
@@ -31,7 +31,7 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
         <figcaption>
           {best ? (
             <button class="link" onClick={() => selection.showTime(best.video_id, best.time_s)}>
-              best sighting, {formatTime(best.time_s)}
+              best sighting, {state.describeTime(best.video_id, best.time_s)}
             </button>
           ) : (
             "best sighting"

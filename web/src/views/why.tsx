@@ -4,7 +4,6 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { frameUrl, fullViewUrl } from "../api/client";
 import type { Evidence } from "../api/types";
 import { STAGES, SHEET, layOut, placeOn, sizeOf, verdictOf } from "../logic/evidence";
-import { formatTime } from "../logic/format";
 import * as state from "../state";
 import * as why from "../why";
 import { Icon } from "./icons";
@@ -114,7 +113,7 @@ export function WhyDialog() {
           {sighting && (
             <small class="muted">
               {" "}
-              {formatTime(sighting.time_s)}, frame {sighting.frame.toLocaleString("en")}
+              {state.describeTime(sighting.video_id, sighting.time_s)}, frame {sighting.frame.toLocaleString("en")}
               {asked?.at === null ? ", best sighting" : ""}
             </small>
           )}
