@@ -35,6 +35,8 @@ class DamageTest(program.ProgramTest):
         self.assertGreater(len(sightings), 5)
         expected = [(row["frame"], row["model"], row["box"]) for row in self.whole][: len(sightings)]
         self.assertEqual([(row["frame"], row["model"], row["box"]) for row in sightings], expected)
+        searched = self.succeeds("doctor", self.scratch / "index.db").out
+        self.assertRegex(searched, r"searched, \d+ frames; \d\.\d+ s to \d\.\d+ s: no frames, the video is damaged\n")
 
     def test_time_beyond_a_truncated_video(self):
         content = VIDEO.read_bytes()

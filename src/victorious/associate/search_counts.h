@@ -24,9 +24,9 @@ struct SearchedFrames {
   }
 
   /// The number of such frames before frame `end`. Those before `index --from` are counted, too, though they were not
-  /// searched: the store does not keep that time. It makes an object need log10(1 + n / m) more of -log10 NFA, where n
-  /// frames before that time are counted with the m that were searched. The same holds for the searches that
-  /// FullSearchSchedule leaves out while the image stands still, and for the views that it leaves out of a search.
+  /// searched: SearchPart, which tells it, is not read here. It makes an object need log10(1 + n / m) more of -log10
+  /// NFA, where n frames before that time are counted with the m that were searched. The same holds for the searches
+  /// that FullSearchSchedule leaves out while the image stands still, and for the views that it leaves out of a search.
   [[nodiscard]] std::int64_t CountBefore(std::int64_t end) const;
 };
 

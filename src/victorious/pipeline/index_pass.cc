@@ -53,11 +53,6 @@ struct FrameTask {
 // True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
 bool IsTrackingEnabled(const IndexPass& pass) { return pass.follow.enabled && !pass.recognizer.models().empty(); }
 
-// Most frames between two that are searched or tracked.
-std::int64_t MaxStep(const IndexPass& pass) {
-  return IsTrackingEnabled(pass) ? 1 : std::max(pass.intervals.models, pass.intervals.categories);
-}
-
 // True if the frame lies beyond the interval of time to search, or the segment.
 bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
   return (pass.to_s && frame.time_s > *pass.to_s + kSameTime_s) ||
@@ -228,7 +223,7 @@ class ResultWriter {
         store_(store),
         report_(report),
         linker_(MakeTrackletOptions(pass, info.frame_rate), pass.options.objects),
-        parts_(pass.searches, MaxStep(pass)),
+        parts_(pass.searches, IsTrackingEnabled(pass) ? 1 : std::max(pass.intervals.models, pass.intervals.categories)),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {

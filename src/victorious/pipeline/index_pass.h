@@ -57,7 +57,7 @@ struct IndexPass {
   std::optional<std::chrono::duration<double>> frame_budget = {};  ///< see IndexJob
   std::string source = {};  ///< the live source whose times the frames cover (CoveredTime); empty: none
   std::optional<std::int64_t> recorded_utc_us = {};  ///< when the first frame came; std::nullopt: they come now
-  std::span<const double> times_s = {};  ///< of all frames; only used by JoinFrames, which needs them
+  std::span<const double> times_s = {};              ///< of all frames; only used by JoinFrames, which needs them
   WarningSink inform = {};
   /// Of a segment, whose `searches` begin at its first frame; null: all frames. Nothing is written to the store then.
   const SegmentOutput* segment = nullptr;

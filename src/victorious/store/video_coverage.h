@@ -1,5 +1,5 @@
-// Which times of a video were searched, and why the others were not. Input: the records of its searches (index_store.h).
-// Output: what lists and time lines show.
+// Which times of a video were searched, and why the others were not. Input: the records of its searches
+// (index_store.h). Output: what lists and time lines show.
 #pragma once
 
 #include <array>

@@ -123,7 +123,7 @@ SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model);
 TrackletRecord ReadTracklet(const Row& row);
 CoveredTime ReadCoveredTime(const Row& row);
 /// Error: kDataLoss for an unknown kind. @param name  of the index, for messages
-Expected<SearchPart> ReadSearchPart(const Row& row, std::string_view name);
+[[nodiscard]] Expected<SearchPart> ReadSearchPart(const Row& row, std::string_view name);
 /// Columns of kSelectKeptFits.
 KeptFit ReadKeptFit(const Row& row);
 /// Columns: ObjectResultColumns(), then the ids of its videos and of its tracklets, each as a text "3,1,3".
