@@ -153,11 +153,12 @@ HttpResponse Api::Answer(const HttpRequest& request, const Admitted& admitted, i
   try {
     auto answer = AskHandler(request, admitted, port, cancel);
     HttpResponse response = answer ? *std::move(answer) : ErrorResponse(answer.error());
-  // Age says what it says in caches (RFC 9111): for so long, nobody looked whether the answer holds.
-  const auto age = index_->ListsAge();
-  if (admitted->match.route != nullptr && age.count() > 0)
-    response.headers.emplace_back("Age", std::to_string(age.count()));
-  return response;
+    // Age says what it says in caches (RFC 9111): for so long, nobody looked whether the answer holds.
+    const auto age = index_->ListsAge();
+    if (admitted.match.route != nullptr && age.count() > 0) {
+      response.headers.emplace_back("Age", std::to_string(age.count()));
+    }
+    return response;
   } catch (const std::bad_alloc&) {
     return ErrorResponse(ApiError(Error{ErrorCode::kUnavailable, "the server is out of memory: ask again later"}));
   }
