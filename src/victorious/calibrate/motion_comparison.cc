@@ -1,6 +1,9 @@
 #include "victorious/calibrate/motion_comparison.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
 
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
@@ -44,10 +47,14 @@ std::optional<PlanePose> PoseAt(const CameraTrajectory& cameras, double time_s, 
 MotionComparison::MotionComparison(const ImageMotions& seen, const CameraTrajectory& cameras)
     : seen_(seen), cameras_(cameras), plane_(cameras.states().front().place), corners_(Corners(seen.image)) {
   std::vector<double> heights_m;
+  std::vector<double> heights_then_m;  // of the states during the motions
   for (const CameraState& state : cameras.states()) {
     heights_m.push_back(plane_.EnuFromGeodetic(state.place).z());
+    if (seen.motions.empty() || state.time_s < seen.motions.front().from_s || state.time_s > seen.motions.back().to_s)
+      continue;
+    heights_then_m.push_back(heights_m.back());
   }
-  height_m_ = Median(std::move(heights_m));
+  height_m_ = MedianOr(std::move(heights_then_m), Median(std::move(heights_m)));
   const Vector2d middle(seen.image.width / 2.0, seen.image.height / 2.0);
   for (const ImageMotion& motion : seen.motions) {
     std::array<Vector2d, 4> shifts;
@@ -78,6 +85,10 @@ MotionComparison::Poses MotionComparison::PosesAt(double offset_s) const {
     if (from && to) poses[i].emplace(*from, *to);
   }
   return poses;
+}
+
+double MotionComparison::GroundAltitude(const Vector3d& place, double per_m) const {
+  return plane_.GeodeticFromEnu({place.x(), place.y(), height_m_ - 1 / per_m}).altitude_m;
 }
 
 std::optional<Vector3d> MotionComparison::Predict(const std::pair<PlanePose, PlanePose>& pair, double per_m) const {
@@ -114,6 +125,50 @@ ResidualSet ComputeResiduals(const MotionComparison& comparison, const MotionCom
     residual_set.residuals.push_back(comparison.measured(i) - *predicted);
   }
   return residual_set;
+}
+
+SecondMotions AverageSeconds(const MotionComparison& comparison, const ResidualSet& residual_set) {
+  constexpr std::size_t kMinPairsInSecond = 5;
+  std::map<std::int64_t, std::vector<std::size_t>> of_second;
+  for (std::size_t k = 0; k < residual_set.pairs.size(); ++k)
+    of_second[static_cast<std::int64_t>(std::floor(comparison.time_s(residual_set.pairs[k])))].push_back(k);
+  SecondMotions seconds;
+  for (const auto& [second, pairs] : of_second) {
+    if (pairs.size() < kMinPairsInSecond) continue;
+    Vector3d seen = Vector3d::Zero();
+    Vector3d residual = Vector3d::Zero();
+    for (const std::size_t k : pairs) {
+      seen += comparison.measured(residual_set.pairs[k]) / static_cast<double>(pairs.size());
+      residual += residual_set.residuals[k] / static_cast<double>(pairs.size());
+    }
+    seconds.seen.push_back(seen);
+    seconds.residuals.push_back(residual);
+  }
+  return seconds;
+}
+
+std::optional<BestHeight> FindBestHeight(const MotionComparison& comparison, const MotionComparison::Poses& poses,
+                                         const std::function<double(const SecondMotions&)>& cost) {
+  constexpr std::size_t kMinSeconds = 4;
+  constexpr double kMinHeight_m = 1;
+  constexpr double kMaxHeight_m = 6400;
+  constexpr double kCoarseStep = 1.5;
+  // A camera that circles turns by as much as it moves: of the motion that its way alone would cause, so much remains.
+  constexpr double kFineStep = 1.02;
+  std::optional<BestHeight> best;
+  const auto try_heights = [&](double from_m, double to_m, double step) {
+    for (double height_m = from_m; height_m <= to_m; height_m *= step) {
+      SecondMotions seconds = AverageSeconds(comparison, ComputeResiduals(comparison, poses, 1 / height_m));
+      if (seconds.residuals.size() < kMinSeconds) continue;
+      const double here = cost(seconds);
+      if (best && here >= best->cost) continue;
+      best = BestHeight{.per_m = 1 / height_m, .cost = here, .seconds = std::move(seconds)};
+    }
+  };
+  try_heights(kMinHeight_m, kMaxHeight_m, kCoarseStep);
+  const double coarse_m = best ? 1 / best->per_m : kMinHeight_m;
+  try_heights(coarse_m / kCoarseStep, coarse_m * kCoarseStep, kFineStep);
+  return best;
 }
 
 Vector3d Medians(const std::vector<Vector3d>& values) {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -50,7 +51,11 @@ class MotionComparison {
   using Poses = std::vector<std::optional<std::pair<PlanePose, PlanePose>>>;
   [[nodiscard]] Poses PosesAt(double offset_s) const;
 
-  /// Predicted motion of flat ground at a depth of 1 / `per_m` below the median camera height; 0: at infinity.
+  /// The altitude of ground at a depth of 1 / `per_m` below the median camera height, above or below a place.
+  [[nodiscard]] double GroundAltitude(const Eigen::Vector3d& place, double per_m) const;
+
+  /// Predicted motion of flat ground at a depth of 1 / `per_m` below the median camera height while the motions were
+  /// measured; 0: at infinity.
   [[nodiscard]] std::optional<Eigen::Vector3d> Predict(const std::pair<PlanePose, PlanePose>& pair, double per_m) const;
 
  private:
@@ -74,6 +79,29 @@ struct ResidualSet {
 
 [[nodiscard]] ResidualSet ComputeResiduals(const MotionComparison& comparison, const MotionComparison::Poses& poses,
                                            double per_m);
+
+/// Motions and their residuals, averaged over each second with five pairs of frames or more: what noise of telemetry
+/// adds to one pair, it takes from the next.
+struct SecondMotions {
+  std::vector<Eigen::Vector3d> seen;
+  std::vector<Eigen::Vector3d> residuals;
+};
+
+[[nodiscard]] SecondMotions AverageSeconds(const MotionComparison& comparison, const ResidualSet& residual_set);
+
+/// The height of the ground that fits best, and what remains there.
+struct BestHeight {
+  double per_m = 0;
+  double cost = 0;
+  SecondMotions seconds;
+};
+
+/// Searches the heights from 1 m to 6400 m below the median camera height, to 2 %. std::nullopt with fewer than four
+/// seconds.
+/// @param cost  to be minimised
+[[nodiscard]] std::optional<BestHeight> FindBestHeight(const MotionComparison& comparison,
+                                                       const MotionComparison::Poses& poses,
+                                                       const std::function<double(const SecondMotions&)>& cost);
 
 /// The median of each component.
 [[nodiscard]] Eigen::Vector3d Medians(const std::vector<Eigen::Vector3d>& values);
