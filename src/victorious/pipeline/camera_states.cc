@@ -127,7 +127,24 @@ void CameraStates::CorrectYaw(double error_rad) {
   trajectory_.emplace(std::move(states), max_gap_s_);
 }
 
+std::optional<double> CameraStates::HeightAboveGround(const std::optional<CameraState>& camera,
+                                                      const Ground* given) const {
+  if (!camera || !camera->attitude) return std::nullopt;
+  std::optional<double> ground_m;
+  if (given == nullptr) {
+    if (ground_height_ && ground_height_->datum == camera->datum) ground_m = ground_height_->height_m;
+  } else if (camera->datum == VerticalDatum::kEllipsoid) {
+    const TangentPlane plane(camera->place);
+    const Eigen::Vector3d along = CameraFromEnu(*camera->attitude).conjugate() * Eigen::Vector3d::UnitZ();
+    const auto patch = IntersectGround(*given, plane, Eigen::Vector3d::Zero(), along, 0);
+    ground_m = patch ? std::optional(plane.GeodeticFromEnu(patch->point).altitude_m) : given->HeightAt(camera->place);
+  }
+  if (!ground_m || !(camera->place.altitude_m > *ground_m)) return std::nullopt;
+  return camera->place.altitude_m - *ground_m;
+}
+
 void CameraStates::Forget() {
+  ground_height_.reset();
   is_forgotten_ = true;
   trajectory_.reset();
   first_hfov_rad_.reset();
@@ -199,6 +216,10 @@ void CameraStates::Pack(ByteWriter& writer) const {
   writer.Put(clock_prior_.extent);
   for (const double value : {clock_prior_.offset_s, clock_prior_.sigma_s, max_gap_s_, clock_sigma_s_, focal_sigma_})
     writer.Put(value);
+  if (writer.PutHas(ground_height_)) {
+    for (const double value : {ground_height_->height_m, ground_height_->sigma_m}) writer.Put(value);
+    writer.Put(ground_height_->datum);
+  }
   writer.PutOptional(fallback_hfov_rad_);
   writer.PutOptional(first_hfov_rad_);
   writer.PutOptional(start_utc_us_);
@@ -218,6 +239,11 @@ CameraStates CameraStates::Unpack(ByteReader& reader) {
   for (double* value : {&cameras.clock_prior_.offset_s, &cameras.clock_prior_.sigma_s, &cameras.max_gap_s_,
                         &cameras.clock_sigma_s_, &cameras.focal_sigma_})
     *value = reader.Get<double>();
+  if (reader.Get<bool>()) {
+    GroundHeight& ground = cameras.ground_height_.emplace();
+    for (double* value : {&ground.height_m, &ground.sigma_m}) *value = reader.Get<double>();
+    ground.datum = reader.GetEnum(VerticalDatum::kUnknown);
+  }
   cameras.fallback_hfov_rad_ = reader.GetOptional<double>();
   cameras.first_hfov_rad_ = reader.GetOptional<double>();
   cameras.start_utc_us_ = reader.GetOptional<std::int64_t>();

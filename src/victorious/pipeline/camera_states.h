@@ -12,6 +12,8 @@
 #include "victorious/base/packed_bytes.h"
 #include "victorious/base/warning_sink.h"
 #include "victorious/calibrate/clock_prior.h"
+#include "victorious/calibrate/ground_height.h"
+#include "victorious/geometry/ground.h"
 #include "victorious/pipeline/live_cameras.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/telemetry/telemetry.h"
@@ -65,6 +67,18 @@ class CameraStates {
   /// Subtracts an error from the yaw of all states of the whole video.
   void CorrectYaw(double error_rad);
 
+  /// Sets the height of the ground that was estimated from the motion of the image; std::nullopt: none is known.
+  void SetGroundHeight(const std::optional<GroundHeight>& ground) { ground_height_ = ground; }
+  [[nodiscard]] const std::optional<GroundHeight>& ground_height() const { return ground_height_; }
+
+  /// Height of a camera above the ground that the middle of its image shows, m, or above that below it if its line of
+  /// sight meets none. std::nullopt without an attitude, and where the ground is not known, or not in the datum of the
+  /// camera, or not below it.
+  /// @param camera  of At()
+  /// @param given   ground that the user gave, which counts alone; null: the estimate
+  [[nodiscard]] std::optional<double> HeightAboveGround(const std::optional<CameraState>& camera,
+                                                        const Ground* given) const;
+
   /// Sets attitudes of a camera without telemetry (calibrate/assumed_attitude.h), for ForSearch() only; empty: none.
   void SetAssumedAttitudes(std::vector<CameraState> states);
   [[nodiscard]] bool has_assumed_attitudes() const { return assumed_.has_value(); }
@@ -112,6 +126,7 @@ class CameraStates {
   ClockPrior clock_prior_;
   double clock_sigma_s_ = 0;
   double focal_sigma_ = 0;
+  std::optional<GroundHeight> ground_height_;
   std::optional<double> fallback_hfov_rad_;
   std::optional<double> first_hfov_rad_;
   std::optional<std::int64_t> start_utc_us_;

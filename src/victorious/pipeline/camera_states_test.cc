@@ -79,6 +79,34 @@ TEST_F(CameraStatesTest, AnErrorOfTheClockMovesAndTurnsTheCamera) {
   EXPECT_FALSE(hovering.At(1)->clock_error);
 }
 
+// Looking 60 degrees below the horizon.
+TEST_F(CameraStatesTest, HeightIsAboveTheGivenGroundOrTheEstimate) {
+  CameraStates cameras = Load(kRows).value();
+  EXPECT_FALSE(cameras.HeightAboveGround(cameras.At(0.5), nullptr)) << "unknown";
+  cameras.SetGroundHeight(GroundHeight{.height_m = 40, .sigma_m = 1});
+  ByteWriter writer;
+  cameras.Between(0, 1).Pack(writer);
+  const std::vector<std::byte> bytes = writer.Take();
+  ByteReader reader(bytes);
+  const CameraStates part = CameraStates::Unpack(reader);
+  EXPECT_FALSE(reader.HasFailed());
+  EXPECT_EQ(part.ground_height(), cameras.ground_height());
+  EXPECT_NEAR(part.HeightAboveGround(part.At(0.5), nullptr).value(), 60, 1e-6);
+  const FlatGround given(10);
+  EXPECT_NEAR(part.HeightAboveGround(part.At(0.5), &given).value(), 90, 0.01);
+  const FlatGround above_camera(120);
+  EXPECT_FALSE(part.HeightAboveGround(part.At(0.5), &above_camera));
+  EXPECT_FALSE(part.HeightAboveGround(part.At(9), &given)) << "no camera";
+  cameras.SetFallbackFieldOfView(0.3);
+  EXPECT_FALSE(cameras.HeightAboveGround(cameras.At(9), nullptr)) << "a field of view is no place";
+  std::optional<CameraState> other_datum = part.At(0.5);
+  other_datum->datum = VerticalDatum::kTakeoff;
+  EXPECT_FALSE(part.HeightAboveGround(other_datum, nullptr));
+  EXPECT_FALSE(part.HeightAboveGround(other_datum, &given));
+  cameras.Forget();
+  EXPECT_FALSE(cameras.ground_height());
+}
+
 // What a segment of a video is given.
 TEST_F(CameraStatesTest, PartHasTheSameStates) {
   std::string rows(kRows.substr(0, kRows.find('\n') + 1));

@@ -173,6 +173,7 @@ bool ReconcileFieldOfView(const ImageMotions& motions, const TimeOffsetOptions& 
   if (offset.contradicted) return false;
   CorrectCamera(errors, given, warn, cameras);
   ShiftClockBy(offset, warn, cameras);
+  cameras.SetGroundHeight(EstimateGroundHeight(motions, *cameras.trajectory()));
   return true;
 }
 
@@ -199,6 +200,7 @@ Status CorrectTelemetry(const std::string& video, double impulse_fraction, const
   }
   ShiftClockBy(offset, warn, cameras);
   CorrectCamera(MeasureCameraErrors(*motions, *cameras.trajectory()), given, warn, cameras);
+  cameras.SetGroundHeight(EstimateGroundHeight(*motions, *cameras.trajectory()));
   return {};
 }
 

@@ -100,6 +100,8 @@ class FrameSelector {
     if (whole) task.views = schedule_.SetSearched(frame, index == 0 || is_first_wanted);
     task.camera = pass_.cameras.At(frame.time_s);
     task.now.conditions = MakeFrameConditions(pass_.cameras.ForSearch(frame.time_s), frame.image.size(), pass_.sun);
+    task.now.conditions.height_above_ground_m =
+        pass_.cameras.HeightAboveGround(task.camera, pass_.options.objects.ground.get());
     task.now.frame = std::move(frame);
     task.already_stored = index < next_frame_;
     task.motion_only = index < follow_from_;

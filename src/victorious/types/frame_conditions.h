@@ -13,6 +13,9 @@ struct FrameConditions {
   /// The sun; its azimuth is measured clockwise from the azimuth of the line of sight through the image centre. Set
   /// only together with `vertical`.
   std::optional<Sun> relative_sun;
+  /// Height of the camera above the ground in the middle of the image, m: of the ground given, or of the estimate
+  /// (calibrate/ground_height.h); nullopt: unknown.
+  std::optional<double> height_above_ground_m = {};
 };
 
 }  // namespace victorious
