@@ -39,6 +39,7 @@ class FlatViewSource : public RelitTemplateSource {
                                                                               int /*half_octaves*/) const override {
     return appearance_;
   }
+  [[nodiscard]] Expected<RenderedSurface> GetSurface(std::size_t /*view*/) const override { return RenderedSurface{}; }
 
  private:
   std::shared_ptr<const ViewAppearance> appearance_;

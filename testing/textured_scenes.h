@@ -121,6 +121,7 @@ class SunDependentTemplates : public RelitTemplateSource {
                                                                               int /*half_octaves*/) const override {
     return std::make_shared<const ViewAppearance>();
   }
+  [[nodiscard]] Expected<RenderedSurface> GetSurface(std::size_t /*view*/) const override { return RenderedSurface{}; }
 
   /// The views queried under a sun, at half and at full resolution.
   [[nodiscard]] const std::set<std::size_t>& coarse() const { return coarse_; }

@@ -27,12 +27,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct OpenedFile {
+struct RegularFile {
   FileDescriptor descriptor;
   std::size_t size;  // bytes
 };
 
-Expected<OpenedFile> OpenRegularFile(const fs::path& path) {
+Expected<RegularFile> OpenRegularFile(const fs::path& path) {
   // Without O_NONBLOCK, opening a pipe would block until a writer opens it, before it can be rejected.
   FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat info{};
@@ -40,7 +40,7 @@ Expected<OpenedFile> OpenRegularFile(const fs::path& path) {
   if (!S_ISREG(info.st_mode)) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a regular file", path.string()));
   }
-  return OpenedFile{std::move(file), static_cast<std::size_t>(info.st_size)};
+  return RegularFile{std::move(file), static_cast<std::size_t>(info.st_size)};
 }
 
 // Reads until `buffer` is full or the file ends. Returns the number of bytes read.
@@ -63,7 +63,7 @@ class Hasher {
       : cancel_(cancel), progress_(progress), total_bytes_(total_bytes) {}
 
   Expected<XXH128_hash_t> Hash(const fs::path& path) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const OpenedFile file, OpenRegularFile(path));
+    VICTORIOUS_ASSIGN_OR_RETURN(const RegularFile file, OpenRegularFile(path));
     XXH3_state_t state;
     XXH3_128bits_reset(&state);
     while (true) {
@@ -143,7 +143,7 @@ FileMappings& Mappings() {
 }  // namespace
 
 Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const OpenedFile file, OpenRegularFile(path));
+  VICTORIOUS_ASSIGN_OR_RETURN(const RegularFile file, OpenRegularFile(path));
   if (file.size > max_bytes) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: {} bytes, above the limit of {}", path.string(), file.size, max_bytes));
@@ -166,7 +166,7 @@ Status WriteFileAtomically(const fs::path& path, std::string_view text) {
 }
 
 Expected<std::shared_ptr<const MappedFile>> MappedFile::Open(const fs::path& path) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const OpenedFile file, OpenRegularFile(path));
+  VICTORIOUS_ASSIGN_OR_RETURN(const RegularFile file, OpenRegularFile(path));
   if (file.size == 0) return std::shared_ptr<const MappedFile>(new MappedFile(nullptr, 0));
   void* data = ::mmap(nullptr, file.size, PROT_READ, MAP_PRIVATE, file.descriptor.fd(), 0);
   if (data == MAP_FAILED) return std::unexpected(ErrorFromErrno(errno, fmt::format("map {}", path.string())));

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "victorious/base/isolated_main.h"
+#include "victorious/base/text.h"
 
 namespace victorious {
 namespace {
@@ -34,7 +35,7 @@ Expected<std::string> Shout(std::string_view /*request*/) {
 }
 
 Expected<std::string> Raise(std::string_view request) {
-  std::raise(std::atoi(std::string(request).c_str()));
+  std::raise(static_cast<int>(ParseInteger(request).value()));
   return "survived";
 }
 
@@ -49,7 +50,7 @@ Expected<std::string> Sleep(std::string_view /*request*/) {
 }
 
 Expected<std::string> Allocate(std::string_view request) {
-  return std::string(std::strtoull(std::string(request).c_str(), nullptr, 10), 'x');
+  return std::string(static_cast<std::size_t>(ParseInteger(request).value()), 'x');
 }
 
 Expected<std::string> Lie(std::string_view /*request*/) {

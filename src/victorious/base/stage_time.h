@@ -26,6 +26,7 @@ enum class Stage {
   kPoses,           ///< votes, MLESAC and significance
   kRelitTemplates,  ///< templates for the sun's direction
   kDetection,       ///< non-maximum suppression and scores
+  kShape,           ///< search by the shape of edges
   kNcc,             ///< rescoring of uncertain detections in the image
   kTracking,        ///< of objects and their regions, bearing observations included
   kStore,           ///< linking to tracklets, and the database
@@ -37,6 +38,7 @@ inline constexpr auto kStageTexts = std::to_array<EnumText<Stage>>({{Stage::kRea
                                                                     {Stage::kPoses, "poses"},
                                                                     {Stage::kRelitTemplates, "relit_templates"},
                                                                     {Stage::kDetection, "detection"},
+                                                                    {Stage::kShape, "shape"},
                                                                     {Stage::kNcc, "ncc"},
                                                                     {Stage::kTracking, "tracking"},
                                                                     {Stage::kStore, "store"}});

@@ -22,17 +22,17 @@
 
 namespace victorious {
 
-inline const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 400};
+inline const GeodeticPoint kFilmedOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 400};
 inline const cv::Size kImage(640, 480);
 inline const double kHfov = RadiansFromDegrees(18);
 
 // 15 s of camera poses over flat ground at the height of the origin.
-using Path = std::function<CameraState(double time_s)>;
+using FlightPath = std::function<CameraState(double time_s)>;
 
 inline CameraState Above(const Eigen::Vector3d& enu, double yaw_deg, double pitch_deg, double roll_deg, double time_s) {
   return {
       .time_s = time_s,
-      .place = TangentPlane(kOrigin).GeodeticFromEnu(enu),
+      .place = TangentPlane(kFilmedOrigin).GeodeticFromEnu(enu),
       .attitude = Attitude{RadiansFromDegrees(yaw_deg), RadiansFromDegrees(pitch_deg), RadiansFromDegrees(roll_deg)},
       .hfov_rad = kHfov};
 }
@@ -51,9 +51,9 @@ inline CameraState Rocking(double time_s) {
 inline constexpr double kLength_s = 15;
 
 // Image motion of ground points seen from this path, with tracking noise.
-inline ImageMotions Film(const Path& path, std::uint64_t seed = 1, double noise_px = 0.15) {
+inline ImageMotions Film(const FlightPath& path, std::uint64_t seed = 1, double noise_px = 0.15) {
   Random random(seed);
-  const TangentPlane plane(kOrigin);
+  const TangentPlane plane(kFilmedOrigin);
   const double focal_px = kImage.width / 2.0 / std::tan(kHfov / 2);
   const Eigen::Vector2d middle(kImage.width / 2.0, kImage.height / 2.0);
   ImageMotions seen{.motions = {}, .image = kImage};
@@ -80,7 +80,7 @@ inline ImageMotions Film(const Path& path, std::uint64_t seed = 1, double noise_
 }
 
 // Its telemetry, 10 states per second, with a clock error of `late_s`.
-inline CameraTrajectory Recorded(const Path& path, double late_s) {
+inline CameraTrajectory RecordedLate(const FlightPath& path, double late_s) {
   std::vector<CameraState> states;
   for (int i = -30; i < (kLength_s + 3) * 10; ++i) {
     states.push_back(path(0.1 * i));

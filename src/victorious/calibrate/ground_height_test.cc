@@ -28,9 +28,9 @@ CameraState Climbing(double time_s) {
 CameraState Hovering(double time_s) { return Above({0.02 * std::sin(time_s), -60, kDepth_m}, 0, -60, 0, time_s); }
 
 // Its telemetry, with noise in each state.
-CameraTrajectory Noisy(const Path& path, double attitude_deg, double place_m) {
+CameraTrajectory Noisy(const FlightPath& path, double attitude_deg, double place_m) {
   Random random(11);
-  std::vector<CameraState> states = Recorded(path, 0).states();
+  std::vector<CameraState> states = RecordedLate(path, 0).states();
   for (CameraState& state : states) {
     for (double* angle_rad : {&state.attitude->yaw_rad, &state.attitude->pitch_rad, &state.attitude->roll_rad})
       *angle_rad += RadiansFromDegrees(attitude_deg) * random.Normal();
@@ -41,8 +41,9 @@ CameraTrajectory Noisy(const Path& path, double attitude_deg, double place_m) {
 }
 
 TEST(GroundHeight, FollowsFromTheMotionOfTheGround) {
-  for (const Path& path : {Path(Straight), Path(Swerving), Path(CirclingOnePoint), Path(Climbing)}) {
-    const auto ground = EstimateGroundHeight(Film(path), Recorded(path, 0));
+  for (const FlightPath& path :
+       {FlightPath(Straight), FlightPath(Swerving), FlightPath(CirclingOnePoint), FlightPath(Climbing)}) {
+    const auto ground = EstimateGroundHeight(Film(path), RecordedLate(path, 0));
     ASSERT_TRUE(ground);
     EXPECT_NEAR(ground->height_m, kGround_m, 0.02 * kDepth_m);
     EXPECT_GE(ground->sigma_m, 0.01 * kDepth_m) << "the ground is not flat";
@@ -52,7 +53,7 @@ TEST(GroundHeight, FollowsFromTheMotionOfTheGround) {
 }
 
 TEST(GroundHeight, NoiseOfTelemetryIsWithinTheError) {
-  for (const Path& path : {Path(Straight), Path(Swerving), Path(CirclingOnePoint)}) {
+  for (const FlightPath& path : {FlightPath(Straight), FlightPath(Swerving), FlightPath(CirclingOnePoint)}) {
     const auto ground = EstimateGroundHeight(Film(path), Noisy(path, 0.1, 0.1));
     ASSERT_TRUE(ground);
     EXPECT_NEAR(ground->height_m, kGround_m, 0.03 * kDepth_m);
@@ -61,8 +62,8 @@ TEST(GroundHeight, NoiseOfTelemetryIsWithinTheError) {
 }
 
 TEST(GroundHeight, IsUnknownIfTheCameraHardlyMoves) {
-  for (const Path& path : {Path(Hovering), Path(Rocking)}) {
-    EXPECT_FALSE(EstimateGroundHeight(Film(path), Recorded(path, 0)));
+  for (const FlightPath& path : {FlightPath(Hovering), FlightPath(Rocking)}) {
+    EXPECT_FALSE(EstimateGroundHeight(Film(path), RecordedLate(path, 0)));
     EXPECT_FALSE(EstimateGroundHeight(Film(path), Noisy(path, 0.1, 0.3)));
   }
   EXPECT_FALSE(EstimateGroundHeight(Film(Straight), Noisy(Straight, 0, 3))) << "noise of places hides the way";
@@ -70,14 +71,14 @@ TEST(GroundHeight, IsUnknownIfTheCameraHardlyMoves) {
 
 TEST(GroundHeight, IsUnknownIfTelemetryDoesNotExplainTheMotion) {
   const auto otherwise = [](double time_s) { return Above({8 * time_s, -60, kDepth_m}, 40, -60, 0, time_s); };
-  EXPECT_FALSE(EstimateGroundHeight(Film(Straight), Recorded(otherwise, 0)));
-  EXPECT_FALSE(EstimateGroundHeight(Film(CirclingOnePoint), Recorded(Straight, 0)));
+  EXPECT_FALSE(EstimateGroundHeight(Film(Straight), RecordedLate(otherwise, 0)));
+  EXPECT_FALSE(EstimateGroundHeight(Film(CirclingOnePoint), RecordedLate(Straight, 0)));
 }
 
 TEST(GroundHeight, NeedsAttitudesFieldsOfViewHeightsAndFourSeconds) {
   const ImageMotions seen = Film(Straight);
   const auto measured = [&](auto&& spoil) {
-    std::vector<CameraState> states = Recorded(Straight, 0).states();
+    std::vector<CameraState> states = RecordedLate(Straight, 0).states();
     for (CameraState& state : states) spoil(state);
     return EstimateGroundHeight(seen, CameraTrajectory(std::move(states), 2));
   };
@@ -90,12 +91,12 @@ TEST(GroundHeight, NeedsAttitudesFieldsOfViewHeightsAndFourSeconds) {
   EXPECT_FALSE(EstimateGroundHeight(seen, CameraTrajectory({}, 2)));
   ImageMotions short_one = seen;
   short_one.motions.resize(30);
-  EXPECT_FALSE(EstimateGroundHeight(short_one, Recorded(Straight, 0)));
+  EXPECT_FALSE(EstimateGroundHeight(short_one, RecordedLate(Straight, 0)));
 }
 
 // The flight goes on after what was measured, lower than the ground there.
 TEST(GroundHeight, IsThatOfThePartThatWasMeasured) {
-  std::vector<CameraState> states = Recorded(Straight, 0).states();
+  std::vector<CameraState> states = RecordedLate(Straight, 0).states();
   for (int i = 0; i < 600; ++i) states.push_back(Above({144 + 0.8 * i, -60, -200}, 0, -60, 0, 60 + 0.1 * i));
   const auto ground = EstimateGroundHeight(Film(Straight), CameraTrajectory(std::move(states), 2));
   ASSERT_TRUE(ground);

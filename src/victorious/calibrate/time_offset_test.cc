@@ -28,7 +28,7 @@ using ::testing::HasSubstr;
 
 TEST(EstimateTimeOffset, ManoeuvringFlightGivesSubFrameOffset) {
   for (const double late_s : {0.0, 0.4, -0.25, 0.037, 1.7}) {
-    const TimeOffset offset = EstimateTimeOffset(Film(Swerving), Recorded(Swerving, late_s), {});
+    const TimeOffset offset = EstimateTimeOffset(Film(Swerving), RecordedLate(Swerving, late_s), {});
     ASSERT_TRUE(offset.offset_s) << late_s << ": " << DescribeStatus(offset);
     EXPECT_NEAR(*offset.offset_s, -late_s, 0.01);
     EXPECT_LT(offset.sigma_s, 0.01);
@@ -41,7 +41,7 @@ TEST(EstimateTimeOffset, StandardErrorIsConsistent) {
   int inside = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     const auto seen = Film(Swerving, 100 + static_cast<std::uint64_t>(draw), 1.5);
-    const TimeOffset offset = EstimateTimeOffset(seen, Recorded(Swerving, 0.2), {});
+    const TimeOffset offset = EstimateTimeOffset(seen, RecordedLate(Swerving, 0.2), {});
     ASSERT_TRUE(offset.offset_s) << DescribeStatus(offset);
     inside += std::abs(*offset.offset_s + 0.2) < 1.645 * offset.sigma_s ? 1 : 0;
   }
@@ -53,7 +53,7 @@ TEST(EstimateTimeOffset, TelemetryNoiseDoesNotBiasOffset) {
   constexpr int kDraws = 20;
   for (int draw = 0; draw < kDraws; ++draw) {
     Random random(static_cast<std::uint64_t>(draw) + 5);
-    std::vector<CameraState> states = Recorded(Swerving, 0.4).states();
+    std::vector<CameraState> states = RecordedLate(Swerving, 0.4).states();
     for (CameraState& state : states) {
       state.attitude->yaw_rad += 1e-3 * random.Normal();
       state.attitude->pitch_rad += 1e-3 * random.Normal();
@@ -67,7 +67,7 @@ TEST(EstimateTimeOffset, TelemetryNoiseDoesNotBiasOffset) {
 }
 
 TEST(EstimateTimeOffset, StraightFlightIsNotObservable) {
-  const TimeOffset offset = EstimateTimeOffset(Film(Straight), Recorded(Straight, 0.4), {});
+  const TimeOffset offset = EstimateTimeOffset(Film(Straight), RecordedLate(Straight, 0.4), {});
   EXPECT_FALSE(offset.offset_s);
   EXPECT_EQ(offset.status, TimeOffsetStatus::kUncertain);
   EXPECT_THAT(Describe(offset), HasSubstr("too little"));
@@ -81,18 +81,18 @@ CameraState Circling(double time_s) {
 }
 
 TEST(EstimateTimeOffset, SteadyTelemetryOfAnotherFlightIsContradicted) {
-  const TimeOffset circling = EstimateTimeOffset(Film(Circling), Recorded(Straight, 0), {});
+  const TimeOffset circling = EstimateTimeOffset(Film(Circling), RecordedLate(Straight, 0), {});
   EXPECT_FALSE(circling.offset_s);
   ASSERT_TRUE(circling.contradicted) << DescribeStatus(circling);
   EXPECT_GT(std::abs(circling.contradicted->seen_px_s.z()), 10) << "the image turns";
   EXPECT_LT(std::abs(circling.contradicted->predicted_px_s.z()), 5) << "by the telemetry it does not";
-  EXPECT_TRUE(FindContradiction(Film(Straight), Recorded(Circling, 0)));
+  EXPECT_TRUE(FindContradiction(Film(Straight), RecordedLate(Circling, 0)));
 }
 
 TEST(EstimateTimeOffset, TheFlightsOwnTelemetryIsNotContradicted) {
-  for (const Path& path : {Path(Straight), Path(Circling), Path(Swerving)}) {
-    EXPECT_FALSE(FindContradiction(Film(path), Recorded(path, 0)));
-    EXPECT_FALSE(FindContradiction(Film(path), Recorded(path, 0.4)));
+  for (const FlightPath& path : {FlightPath(Straight), FlightPath(Circling), FlightPath(Swerving)}) {
+    EXPECT_FALSE(FindContradiction(Film(path), RecordedLate(path, 0)));
+    EXPECT_FALSE(FindContradiction(Film(path), RecordedLate(path, 0.4)));
   }
   // Yaw 5 degrees and field of view 20 % wrong: the mean motion is still that of the flight.
   const auto spoilt = [](double time_s) {
@@ -101,20 +101,20 @@ TEST(EstimateTimeOffset, TheFlightsOwnTelemetryIsNotContradicted) {
     *state.hfov_rad *= 1.2;
     return state;
   };
-  EXPECT_FALSE(FindContradiction(Film(Straight), Recorded(spoilt, 0)));
+  EXPECT_FALSE(FindContradiction(Film(Straight), RecordedLate(spoilt, 0)));
   // A yaw that was given once for the flight, in which the camera turns by 2 degrees a second.
   const auto turning = [](double time_s) { return Above({8 * time_s, -60, 110}, 2 * time_s, -60, 0, time_s); };
   const auto with_one_yaw = [](double time_s) { return Above({8 * time_s, -60, 110}, kLength_s, -60, 0, time_s); };
-  EXPECT_FALSE(FindContradiction(Film(turning), Recorded(with_one_yaw, 0)));
+  EXPECT_FALSE(FindContradiction(Film(turning), RecordedLate(with_one_yaw, 0)));
   // Positions of one second repeated, as some telemetry has them.
   const auto stepping = [](double time_s) {
     CameraState state = Straight(std::floor(time_s));
     state.time_s = time_s;
     return state;
   };
-  EXPECT_FALSE(FindContradiction(Film(Straight), Recorded(stepping, 0)));
+  EXPECT_FALSE(FindContradiction(Film(Straight), RecordedLate(stepping, 0)));
   const auto hovering = [](double time_s) { return Above({0, -60, 110}, 0, -60, 0, time_s); };
-  EXPECT_FALSE(FindContradiction(Film(hovering), Recorded(hovering, 0)));
+  EXPECT_FALSE(FindContradiction(Film(hovering), RecordedLate(hovering, 0)));
   // About one point: what the way of the camera would move the image by, its turn takes back, at the right height only.
   for (const double height_m : {80.0, 90.0, 100.0, 120.0}) {
     const auto orbiting = [&](double time_s) {
@@ -123,15 +123,15 @@ TEST(EstimateTimeOffset, TheFlightsOwnTelemetryIsNotContradicted) {
       return Above({-radius_m * std::sin(azimuth_rad), -radius_m * std::cos(azimuth_rad), height_m},
                    DegreesFromRadians(azimuth_rad), -50, 0, time_s);
     };
-    EXPECT_FALSE(FindContradiction(Film(orbiting), Recorded(orbiting, 0))) << height_m;
+    EXPECT_FALSE(FindContradiction(Film(orbiting), RecordedLate(orbiting, 0))) << height_m;
   }
   // Just after take-off: the ground is nearer than in any survey.
   const auto low = [](double time_s) { return Above({0.5 * time_s, -60, 2}, 0, -60, 0, time_s); };
-  EXPECT_FALSE(FindContradiction(Film(low), Recorded(low, 0)));
+  EXPECT_FALSE(FindContradiction(Film(low), RecordedLate(low, 0)));
 }
 
 TEST(EstimateTimeOffset, PeriodicMotionIsAmbiguous) {
-  const TimeOffset offset = EstimateTimeOffset(Film(Rocking), Recorded(Rocking, 0.3), {});
+  const TimeOffset offset = EstimateTimeOffset(Film(Rocking), RecordedLate(Rocking, 0.3), {});
   EXPECT_FALSE(offset.offset_s);
   EXPECT_EQ(offset.status, TimeOffsetStatus::kPeriodic);
   EXPECT_THAT(Describe(offset), HasSubstr("is periodic"));
@@ -141,7 +141,7 @@ TEST(EstimateTimeOffset, TelemetryOfAnotherFlightGivesNoOffset) {
   const auto other = [](double time_s) {
     return Above({8 * time_s, -60, 110}, 3 * std::sin(1.7 * time_s + 2), -60 + 2 * std::sin(2.3 * time_s), 0, time_s);
   };
-  const TimeOffset offset = EstimateTimeOffset(Film(Swerving), Recorded(other, 0), {});
+  const TimeOffset offset = EstimateTimeOffset(Film(Swerving), RecordedLate(other, 0), {});
   EXPECT_FALSE(offset.offset_s) << *offset.offset_s;
 }
 
@@ -151,8 +151,8 @@ TEST(EstimateTimeOffset, MissingFieldOfViewOrMotionsGiveNoOffset) {
     state.hfov_rad.reset();
     return state;
   };
-  EXPECT_EQ(EstimateTimeOffset(Film(Swerving), Recorded(blind, 0), {}).status, TimeOffsetStatus::kNoAttitude);
-  const TimeOffset none = EstimateTimeOffset({.motions = {}, .image = kImage}, Recorded(Swerving, 0), {});
+  EXPECT_EQ(EstimateTimeOffset(Film(Swerving), RecordedLate(blind, 0), {}).status, TimeOffsetStatus::kNoAttitude);
+  const TimeOffset none = EstimateTimeOffset({.motions = {}, .image = kImage}, RecordedLate(Swerving, 0), {});
   EXPECT_EQ(none.status, TimeOffsetStatus::kFewPairs);
   EXPECT_THAT(DescribeStatus(none), HasSubstr("0 pairs"));
 }

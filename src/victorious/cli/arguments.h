@@ -10,8 +10,8 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
-#include "victorious/base/file_writer.h"
 #include "victorious/base/file_roots.h"
+#include "victorious/base/file_writer.h"
 #include "victorious/base/one_line.h"
 #include "victorious/base/options.h"
 #include "victorious/cli/argument_parser.h"

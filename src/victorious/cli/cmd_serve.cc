@@ -91,8 +91,10 @@ Expected<bool> MakeIndex(const ServeArguments& arguments, const std::string& nam
 // server takes no files.
 Expected<std::filesystem::path> FindModels(const ServeArguments& arguments, const std::string& index, bool is_new) {
   if (!arguments.models.empty() || IsDatabaseUrl(index)) return arguments.models;
-  const std::filesystem::path beside = std::filesystem::absolute(index).parent_path() / "models";
   std::error_code error;
+  const std::filesystem::path file = std::filesystem::absolute(index, error);
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), index));
+  const std::filesystem::path beside = file.parent_path() / "models";
   if (is_new) std::filesystem::create_directories(beside, error);
   if (error) return std::unexpected(ErrorFromErrno(error.value(), beside.string()));
   return std::filesystem::is_directory(beside, error) ? beside : std::filesystem::path();

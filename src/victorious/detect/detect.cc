@@ -85,6 +85,8 @@ double ComputeScore(double neg_log10_nfa) {
   return 1 / (1 + std::exp(-(neg_log10_nfa - kScoreMidpoint) / kScoreScale));
 }
 
+double NegLog10NfaOf(double score) { return kScoreMidpoint + kScoreScale * std::log(score / (1 - score)); }
+
 double ComputeNegLog10Nfa(std::size_t matches, std::size_t agreeing, double chance, std::size_t views) {
   if (agreeing < 3 || matches < agreeing) return 0;
   if (!(chance < 1)) return 0;

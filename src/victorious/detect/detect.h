@@ -76,6 +76,9 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
 /// The score, 0 to 1, of a -log10 NFA in decades (formula above).
 double ComputeScore(double neg_log10_nfa);
 
+/// The inverse of ComputeScore. @param score  in (0, 1)
+double NegLog10NfaOf(double score);
+
 /// -log10 NFA of `agreeing` = k of `matches` = n matches that agree with a pose (formula above), decades. Values of 0
 /// or less: chance explains the pose. 0 for k < 3, k > n or chance >= 1, and if k - 2 does not exceed its expectation.
 /// @param chance  p

@@ -27,6 +27,7 @@
 #include "victorious/model/template_features.h"
 #include "victorious/model/view_appearance.h"
 #include "victorious/model/view_surface.h"
+#include "victorious/render/relight.h"
 
 namespace victorious {
 namespace {
@@ -76,6 +77,7 @@ class RelitViews : public RelitTemplateSource {
              std::shared_ptr<const FeatureExtractor> extractor, std::shared_ptr<RelitViewCache> cache,
              std::unique_ptr<const StoredRelitTemplates> stored)
       : name_(model.name),
+        centre_m_(model.box_m.value_or(Eigen::AlignedBox3d(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero())).center()),
         views_(RenderedViewsOf(model)),
         storage_(model.storage),
         options_(options),
@@ -107,6 +109,22 @@ class RelitViews : public RelitTemplateSource {
       VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface, DecodeSurface(views_[view].surface, NameOf(view)));
       return SampleTemplatePoints(surface, std::exp2(half_octaves / 2.0));
     });
+  }
+
+  Expected<RenderedSurface> GetSurface(std::size_t view) const override {
+    constexpr int kShrink = 2;
+    VICTORIOUS_ASSIGN_OR_RETURN(const ShownPart part,
+                                GetShownPart({.sun_view = view, .view = view, .half_resolution = true}));
+    const PosedCamera& camera = part.surface.depth_map.camera;
+    RenderedSurface made{.centre_in_model_m = centre_m_};
+    made.surface.points = ReadSurface(part.surface.grey, part.surface.depth_map, options_.light);
+    for (SurfacePoint& point : made.surface.points) point.position_m -= centre_m_.cast<float>();
+    const Eigen::Vector3d centre = camera.camera_from_world.Apply(centre_m_);
+    const Eigen::Vector2d centre_in_part = camera.pinhole.Project(centre).value_or(Eigen::Vector2d::Zero());
+    made.centre_px = kShrink * (centre_in_part + Eigen::Vector2d(part.origin.x, part.origin.y));
+    made.pixels_per_m = kShrink * camera.pinhole.fx / centre.z();
+    made.surface.spacing_m = kShrink / made.pixels_per_m;
+    return made;
   }
 
  private:
@@ -210,6 +228,7 @@ class RelitViews : public RelitTemplateSource {
   }
 
   std::string name_;
+  Eigen::Vector3d centre_m_;  // of the bounding box, model frame
   std::vector<UnlitView> views_;
   std::shared_ptr<const void> storage_;  // of the surfaces
   CadModelOptions options_;

@@ -15,7 +15,8 @@ std::size_t HeldFrameCount(const FollowOptions& options, std::size_t frame_bytes
 }
 
 Status FollowBackward(const Recognizer& recognizer, const FeatureExtractor& extractor, const FollowOptions& options,
-                      const FollowedFrame& now, const FeatureSet& features, std::span<FollowedFrame* const> before) {
+                      const FollowedFrame& now, const FeatureSet& features, std::span<FollowedFrame* const> before,
+                      const ShapeSearch* shapes) {
   std::vector<Detection> started;
   std::vector<std::int64_t> tracks;  // of the detections
   for (const ObservedObject& object : now.objects) {
@@ -26,6 +27,7 @@ Status FollowBackward(const Recognizer& recognizer, const FeatureExtractor& extr
   if (started.empty() || before.empty()) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(Follower follower,
                               Follower::Create(recognizer, extractor, options, FrameOrder::kBackward));
+  if (shapes != nullptr) follower.SearchByShape(*shapes);
   std::map<std::int64_t, std::int64_t> track_of;  // by the track of `follower`
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> at_start,
                               follower.Follow(now.frame, FullFrameResult{features, started}, now.conditions));

@@ -41,6 +41,6 @@ struct FollowedFrame {
 /// Errors: those of feature extraction.
 [[nodiscard]] Status FollowBackward(const Recognizer& recognizer, const FeatureExtractor& extractor,
                                     const FollowOptions& options, const FollowedFrame& now, const FeatureSet& features,
-                                    std::span<FollowedFrame* const> before);
+                                    std::span<FollowedFrame* const> before, const ShapeSearch* shapes = nullptr);
 
 }  // namespace victorious

@@ -150,26 +150,52 @@ ObservedObject Follower::AssignToTrack(const Detection& detection, const Feature
   return seen;
 }
 
-// Extracts features of the region only, in frame coordinates; then matches the last view and its neighbours.
-void Follower::Search(const Frame& frame, const FrameConditions& conditions, Region& region) const {
-  region.features = FeaturesIn(frame.image, region.step.search_box, extractor_);
-  if (!region.features || region.features->keypoints.empty()) return;
+// Matches the last view and its neighbours.
+Status Follower::SearchByKeypoints(const FrameConditions& conditions, Region& region) const {
+  if (region.features->keypoints.empty()) return {};
   const Detection& last = tracks_.at(region.step.track).last;
   const ModelView& view = recognizer_.models()[last.model_index].views[last.view];
   std::vector<std::size_t> views(view.neighbours.begin(), view.neighbours.end());
   views.push_back(last.view);
-  Expected<std::vector<Detection>> detections =
-      recognizer_.RecognizeViews(*region.features, last.model_index, views, conditions);
-  if (!detections) {
-    region.features = std::unexpected(std::move(detections).error());
-    return;
-  }
-  for (Detection& detection : *detections) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Detection> detections,
+                              recognizer_.RecognizeViews(*region.features, last.model_index, views, conditions));
+  for (Detection& detection : detections) {
     if (IntersectionOverUnion(detection.box, StepBox(region.step)) < kMinTrackOverlap) continue;
     detection.score = std::min(detection.score, tracks_.at(region.step.track).max_full_frame_score);
     region.found = std::move(detection);
-    return;
+    return {};
   }
+  return {};
+}
+
+// Where the tracked points, or the motion of the image, put the object.
+Status Follower::SearchByShape(const Frame& frame, const FrameConditions& conditions, Region& region) const {
+  constexpr double kMinNegLog10Nfa = 4;
+  const TrackRecord& followed = tracks_.at(region.step.track);
+  const Detection& last = followed.last;
+  const Box before = BoundingBox(last.outline);
+  const Box now = BoundingBox(region.step.outline);
+  const Eigen::Vector2d shift_px(now.x + now.width / 2 - before.x - before.width / 2,
+                                 now.y + now.height / 2 - before.y - before.height / 2);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> match,
+                              shapes_->FindAgain(frame.image, conditions, last, shift_px, kMinNegLog10Nfa));
+  if (!match) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(Detection detection, shapes_->MakeDetection(*match, *region.features));
+  detection.score = std::min(detection.score, followed.max_full_frame_score);
+  region.found = std::move(detection);
+  return {};
+}
+
+// Extracts features of the region only, in frame coordinates.
+void Follower::Search(const Frame& frame, const FrameConditions& conditions, Region& region) const {
+  region.features = FeaturesIn(frame.image, region.step.search_box, extractor_);
+  if (!region.features) return;
+  Status searched = SearchByKeypoints(conditions, region);
+  if (searched && !region.found && shapes_ != nullptr &&
+      tracks_.at(region.step.track).last.cue == DetectionCue::kShape) {
+    searched = SearchByShape(frame, conditions, region);
+  }
+  if (!searched) region.features = std::unexpected(std::move(searched).error());
 }
 
 bool AreOneObject(const ObservedObject& a, const ObservedObject& b) {

@@ -18,6 +18,7 @@
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/recognize/recognizer.h"
+#include "victorious/recognize/shape_search.h"
 #include "victorious/track/region_tracker.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
@@ -96,6 +97,10 @@ class Follower {
                                                              const FrameConditions& conditions,
                                                              RegionSearches searches = RegionSearches::kAllDue);
 
+  /// Objects that were found by their shape are searched for by it in the regions of their tracks, too.
+  /// @param shapes  outlives this
+  void SearchByShape(const ShapeSearch& shapes) { shapes_ = &shapes; }
+
   /// True if a track is active.
   [[nodiscard]] bool HasTracks() const { return !tracks_.empty(); }
 
@@ -135,6 +140,8 @@ class Follower {
                                std::optional<std::uint64_t> track);
   void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, double time_s);
   void Search(const Frame& frame, const FrameConditions& conditions, Region& region) const;
+  [[nodiscard]] Status SearchByKeypoints(const FrameConditions& conditions, Region& region) const;
+  [[nodiscard]] Status SearchByShape(const Frame& frame, const FrameConditions& conditions, Region& region) const;
   [[nodiscard]] ObservedObject MakeTrackedObject(const TrackStep& step, const Frame& frame) const;
   [[nodiscard]] bool IsSearchDue(const TrackStep& step, const Frame& frame, RegionSearches searches) const;
 
@@ -143,6 +150,7 @@ class Follower {
   FollowOptions options_;
   FrameOrder order_;
   RegionTracker tracker_;
+  const ShapeSearch* shapes_ = nullptr;  // null: by keypoints alone
   std::map<std::uint64_t, TrackRecord> tracks_;
   std::int64_t last_number_ = 0;
 };

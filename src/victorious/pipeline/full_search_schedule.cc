@@ -12,7 +12,7 @@ namespace {
 constexpr double kMinMotion = 0.03;  // fraction of the frame's diagonal
 constexpr double kMaxInterval_s = 1;
 constexpr std::size_t kViewParts = 3;
-constexpr double kTimeRounding_s = 1e-3;
+constexpr double kScheduleRounding_s = 1e-3;
 
 // The farthest that a corner of the frame, or its centre, has moved, as a fraction of the diagonal.
 double MotionOf(const Similarity2& now_from_searched, const cv::Size& size) {
@@ -45,7 +45,7 @@ bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarit
   }
   if (!IsFullSearchFrame(frame.index, interval_, follow_)) return false;
   if (!by_motion_ || !now_from_searched_) return true;
-  return frame.time_s - searched_time_s_ > spacing_ * kMaxInterval_s - kTimeRounding_s ||
+  return frame.time_s - searched_time_s_ > spacing_ * kMaxInterval_s - kScheduleRounding_s ||
          MotionOf(*now_from_searched_, frame.image.size()) >= spacing_ * kMinMotion;
 }
 

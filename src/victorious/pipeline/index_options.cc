@@ -31,6 +31,19 @@ void VideoOptions::ListFields(FieldList& fields) {
               .reason = "frame rate of a folder of images, which have no time stamps"});
 }
 
+void ShapeSearchOptions::ListFields(FieldList& fields) {
+  fields.Add(
+      "enabled", enabled,
+      {.reason = "CAD models are also searched for by the shape of their edges, where telemetry and the motion of "
+                 "the image give the height above the ground: objects of one colour, small or repainted"});
+  fields.Add("interval_s", interval_s,
+             {.min = 0,
+              .max = 1000,
+              .unit = "s",
+              .reason = "minimum interval between searches by shape; they take most "
+                        "of their time for models that are not there"});
+}
+
 void IndexOptions::ListFields(FieldList& fields) {
   ListSearchFields(fields);
   fields.AddGroup("objects", objects);
@@ -41,6 +54,7 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("video", video);
   fields.AddGroup("features", features);
   recognize.ListFields(fields);
+  fields.AddGroup("shape", shape);
   fields.AddGroup("categories", categories);
   fields.AddGroup("daylight", sun_direction);
   fields.AddGroup("telemetry", telemetry);
@@ -65,6 +79,15 @@ SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo
 }
 
 int PartInterval(int interval) { return std::max(1, static_cast<int>(std::lround(kPartSpacing * interval))); }
+
+TrackletOptions MakeTrackletOptions(TrackletOptions tracklets, const SearchIntervals& intervals,
+                                    const FollowOptions* follow, double frame_rate) {
+  constexpr double kFrames = 2.5;
+  const double frames =
+      std::max(kFrames * intervals.models, follow == nullptr ? 0.0 : follow->track.missed_frames + 1.5);
+  if (frame_rate > 0) tracklets.gap_s = std::max(tracklets.gap_s, frames / frame_rate);
+  return tracklets;
+}
 
 bool IsFullSearchFrame(std::int64_t frame, int interval, const FollowOptions& options) {
   const int restart = options.enabled ? options.restart_interval_frames : 0;

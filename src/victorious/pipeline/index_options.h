@@ -37,10 +37,24 @@ struct VideoOptions {
   void ListFields(FieldList& fields);
 };
 
+/// The search for CAD models by the shape of their edges (recognize/shape_search.h).
+struct ShapeSearchOptions {
+  bool enabled = true;
+  double interval_s = 1;  ///< between two searches at least
+  /// Standard deviations of a match: of its centre, of its range as a fraction, and of its direction of view. Not user
+  /// parameters.
+  double centre_sigma_px = 2;
+  double range_sigma_fraction = 0.06;
+  double view_sigma_deg = 4;
+
+  void ListFields(FieldList& fields);
+};
+
 struct IndexOptions {
   VideoOptions video;
   FeatureOptions features = LowContrastFeatureOptions();
   RecognizeOptions recognize;
+  ShapeSearchOptions shape;
   CategoryFindOptions categories;
   SunDirectionOptions sun_direction;
   TelemetryOptions telemetry;
@@ -83,6 +97,12 @@ inline constexpr double kPartSpacing = 2.0 / 3;
 
 /// The frames between two searches for a part of the views. @param interval  between two for all
 [[nodiscard]] int PartInterval(int interval);
+
+/// The options with the gap of a tracklet raised to 2.5 searched frames, and to the frames that a track may miss.
+/// @param follow      null: nothing is tracked
+/// @param frame_rate  0: unknown, the options stay as they are
+[[nodiscard]] TrackletOptions MakeTrackletOptions(TrackletOptions tracklets, const SearchIntervals& intervals,
+                                                  const FollowOptions* follow, double frame_rate);
 
 /// True if a frame is searched as a whole: one each `interval` frames, and those where tracks restart.
 [[nodiscard]] bool IsFullSearchFrame(std::int64_t frame, int interval, const FollowOptions& options);

@@ -20,9 +20,10 @@
 #include "victorious/pipeline/backward_follower.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/full_search_schedule.h"
-#include "victorious/pipeline/kept_frame_selector.h"
+#include "victorious/pipeline/interval_selector.h"
 #include "victorious/pipeline/search_pace.h"
 #include "victorious/pipeline/search_part_writer.h"
+#include "victorious/pipeline/shape_detections.h"
 #include "victorious/track/camera_motion.h"
 #include "victorious/video/frame_loop.h"
 
@@ -30,10 +31,11 @@ namespace victorious {
 namespace {
 
 // A frame on its way through the stages.
-struct FrameTask {
+struct FrameWork {
   FollowedFrame now;
   bool whole = true;                           // full-frame search for models
   ViewPart views;                              // that are searched for
+  bool by_shape = false;                       // search for models by their shape
   bool classify = false;                       // search for categories
   bool keep = false;                           // keep its features
   bool already_stored = false;                 // results are stored already: only updates the trackers
@@ -66,6 +68,7 @@ class FrameSelector {
   FrameSelector(const IndexPass& pass, const VideoInfo& info, SearchPace& pace,
                 std::optional<std::int64_t> first_required_frame)
       : kept_frames_(pass.options.keep.interval_s),
+        shape_frames_(ShapeSearchInterval(pass.options.shape, pass.follow, info.frame_rate)),
         schedule_(pass.intervals.models, pass.follow, SelectsByMotion(pass, info)),
         pace_(pace),
         pass_(pass),
@@ -78,7 +81,7 @@ class FrameSelector {
   }
 
   /// @param behind_s  FrameLoop::ReadBehind
-  std::optional<FrameTask> Select(Frame frame, std::optional<double> behind_s) {
+  std::optional<FrameWork> Select(Frame frame, std::optional<double> behind_s) {
     pace_.Enter(behind_s);
     if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
     const std::int64_t index = frame.index;
@@ -90,7 +93,7 @@ class FrameSelector {
     // Selects by time, whatever the motion of the image.
     const bool keep = (may_be_searched || classify) && kept_frames_.IsSelected(frame.time_s);
     if (index < first_frame_ || (!may_be_searched && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
-    FrameTask task;
+    FrameWork task;
     {
       const StageScope scope(Stage::kTracking);
       task.now_from_before = motion_.Step(frame.image);
@@ -106,6 +109,8 @@ class FrameSelector {
     task.already_stored = index < next_frame_;
     task.motion_only = index < follow_from_;
     task.whole = whole && !task.motion_only;
+    if (IsTrackingEnabled(pass_) && index % pass_.follow.restart_interval_frames == 0) shape_frames_.Restart();
+    task.by_shape = task.whole && pass_.shapes != nullptr && shape_frames_.IsSelected(task.now.frame.time_s);
     task.has_time = pace_.HasTime();
     if (task.whole) pace_.BeginFullSearch();
     task.left_out = is_due && !whole && !task.already_stored;
@@ -120,7 +125,8 @@ class FrameSelector {
     return pass.options.every == 0 && IsTrackingEnabled(pass) && !info.of_images && info.frame_rate > 0;
   }
 
-  KeptFrameSelector kept_frames_;
+  IntervalSelector kept_frames_;
+  IntervalSelector shape_frames_;
   ImageMotionEstimator motion_;
   FullSearchSchedule schedule_;
   SearchPace& pace_;
@@ -134,6 +140,7 @@ class FrameSelector {
 SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const FeatureSet& features,
                           const std::optional<CameraState>& camera, const ObservedObject& seen) {
   const Detection& detection = seen.detection;
+  const bool by_shape = detection.cue == DetectionCue::kShape;
   const ObjectModel& model = pass.recognizer.models()[detection.model_index];
   SightingRecord sighting{.video = pass.video.id,
                           .model = pass.searches[detection.model_index].model,
@@ -143,7 +150,7 @@ SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const Featu
                           .outline = detection.outline,
                           .score = detection.score,
                           .source = seen.tracked() ? SightingSource::kTracked : SightingSource::kRecognised,
-                          .matches = static_cast<int>(detection.fit.inliers.size()),
+                          .matches = by_shape ? 0 : static_cast<int>(detection.fit.inliers.size()),
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,
                           .in_plane_rad = detection.fit.scene_from_template.rotation_rad,
@@ -151,6 +158,7 @@ SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const Featu
   const CameraState known = camera.value_or(CameraState{});
   auto object_pose = EstimateObjectPose(detection, model, features, known, pass.options.observation, UpInCamera(known));
   if (!object_pose) return sighting;
+  if (by_shape) SetShapeErrors(*object_pose, pass.options.shape);
   AddTrackingDrift(*object_pose, seen.followed_frames, pass.options.observation);
   if (object_pose->view) {
     sighting.view = object_pose->view->angles;
@@ -163,7 +171,7 @@ SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const Featu
   return sighting;
 }
 
-SightingRecord ToSighting(const IndexPass& pass, const FrameTask& work, const FoundCategory& found) {
+SightingRecord ToSighting(const IndexPass& pass, const FrameWork& work, const FoundCategory& found) {
   const CameraState known = work.camera.value_or(CameraState{});
   const auto object_pose = EstimateBoxDirection(found.box, work.now.frame.image.size(), known, kCategoryCentreFraction);
   return {.video = pass.video.id,
@@ -182,7 +190,7 @@ Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Fr
 
 // Features, recognition and categories of full frames. Where objects are tracked, or rescored in the image, it is left
 // without impulse noise. Parallel.
-Status Search(const IndexPass& pass, FrameTask& work) {
+Status Search(const IndexPass& pass, FrameWork& work) {
   if (work.classify) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->Find(work.now.frame.image));
     std::erase_if(work.categories, [&](const FoundCategory& one) { return !pass.category_ids[one.category]; });
@@ -203,17 +211,9 @@ Status Search(const IndexPass& pass, FrameTask& work) {
   if (!work.whole) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(work.detections,
                               pass.recognizer.Recognize(work.features, work.now.conditions, image, work.views));
-  return {};
-}
-
-// Raises the gap of a tracklet to 2.5 searched frames, and to the number of frames that a track may miss.
-TrackletOptions MakeTrackletOptions(const IndexPass& pass, double frame_rate) {
-  constexpr double kFrames = 2.5;
-  TrackletOptions tracklets = pass.options.tracklets;
-  const double frames =
-      std::max(kFrames * pass.intervals.models, IsTrackingEnabled(pass) ? pass.follow.track.missed_frames + 1.5 : 0.0);
-  if (frame_rate > 0) tracklets.gap_s = std::max(tracklets.gap_s, frames / frame_rate);
-  return tracklets;
+  if (!work.by_shape) return {};
+  return AddShapeDetections(*pass.shapes, image, work.now.conditions, pass.options.recognize.detect, work.features,
+                            work.detections);
 }
 
 // Links and stores, in the order of frames. Serial.
@@ -224,7 +224,9 @@ class ResultWriter {
         is_live_(info.live),
         store_(store),
         report_(report),
-        linker_(MakeTrackletOptions(pass, info.frame_rate), pass.options.objects),
+        linker_(MakeTrackletOptions(pass.options.tracklets, pass.intervals,
+                                    IsTrackingEnabled(pass) ? &pass.follow : nullptr, info.frame_rate),
+                pass.options.objects),
         parts_(pass.searches, IsTrackingEnabled(pass) ? 1 : std::max(pass.intervals.models, pass.intervals.categories)),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
@@ -256,9 +258,9 @@ class ResultWriter {
     return {};
   }
 
-  Status Add(FrameTask& work) { return pass_.segment ? AddToSegment(work) : Link(work); }
+  Status Add(FrameWork& work) { return pass_.segment ? AddToSegment(work) : Link(work); }
 
-  Status Link(FrameTask& work) {
+  Status Link(FrameWork& work) {
     const StageScope scope(Stage::kStore);
     linker_.Step(work.now.frame.index, work.now_from_before);
     if (work.already_stored) return {};
@@ -348,7 +350,7 @@ class ResultWriter {
   }
 
   // Another process links the segments.
-  Status AddToSegment(FrameTask& work) {
+  Status AddToSegment(FrameWork& work) {
     if (work.already_stored) return {};
     report_.frames_searched += work.whole || work.classify ? 1 : 0;
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
@@ -414,12 +416,13 @@ class TrackingStage {
     TrackingStage stage(pass, is_live, writer);
     if (IsTrackingEnabled(pass)) {
       VICTORIOUS_ASSIGN_OR_RETURN(Follower follower, Follower::Create(pass.recognizer, pass.extractor, pass.follow));
+      if (pass.shapes != nullptr) follower.SearchByShape(*pass.shapes);
       stage.follower_.emplace(std::move(follower));
     }
     return stage;
   }
 
-  Status Add(FrameTask& task) {
+  Status Add(FrameWork& task) {
     const FollowedFrame& now = task.now;
     if (now.frame.index % pass_.follow.restart_interval_frames == 0) VICTORIOUS_RETURN_IF_ERROR(Finish());
     {
@@ -445,7 +448,7 @@ class TrackingStage {
       : pass_(pass), is_live_(is_live), writer_(writer) {}
 
   // Sets the objects of a frame, and adds to those of the held frames.
-  Status Track(FrameTask& task) {
+  Status Track(FrameWork& task) {
     FollowedFrame& now = task.now;
     if (!follower_) {
       for (const Detection& detection : task.detections) {
@@ -453,18 +456,17 @@ class TrackingStage {
       }
       return {};
     }
-    std::optional<FullFrameResult> whole;
-    if (task.whole) whole.emplace(task.features, task.detections);
+    const auto whole = task.whole ? std::optional<FullFrameResult>({task.features, task.detections}) : std::nullopt;
     const auto searches = task.has_time ? RegionSearches::kAllDue : RegionSearches::kUnconfirmedOnly;
     VICTORIOUS_ASSIGN_OR_RETURN(now.objects, follower_->Follow(now.frame, whole, now.conditions, searches));
     std::vector<FollowedFrame*> before;
-    for (FrameTask& held : held_ | std::views::reverse) before.push_back(&held.now);
-    return FollowBackward(pass_.recognizer, pass_.extractor, pass_.follow, now, task.features, before);
+    for (FrameWork& held : held_ | std::views::reverse) before.push_back(&held.now);
+    return FollowBackward(pass_.recognizer, pass_.extractor, pass_.follow, now, task.features, before, pass_.shapes);
   }
 
   // Makes the sightings of the oldest held frame.
   Status PassOn() {
-    FrameTask oldest = std::move(held_.front());
+    FrameWork oldest = std::move(held_.front());
     held_.pop_front();
     {
       const StageScope scope(Stage::kTracking);
@@ -482,7 +484,7 @@ class TrackingStage {
   bool is_live_;
   ResultWriter& writer_;
   std::optional<Follower> follower_;
-  std::deque<FrameTask> held_;  // oldest first
+  std::deque<FrameWork> held_;  // oldest first
 };
 
 std::string MissedBudgetText(std::chrono::duration<double> budget, std::chrono::duration<double> mean) {
@@ -517,8 +519,8 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
     });
   }
   DamageFinder damage(reader);
-  const Expected<FrameLoopEnd> end = loop.Run<FrameTask>(
-      [&](Frame frame) -> std::optional<FrameTask> {
+  const Expected<FrameLoopEnd> end = loop.Run<FrameWork>(
+      [&](Frame frame) -> std::optional<FrameWork> {
         if (IsBeyondEnd(pass, frame)) {
           loop.Stop();
           return std::nullopt;
@@ -528,12 +530,12 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
         if (task) task->damaged = damage.Take();
         return task;
       },
-      {Parallel<FrameTask>([&](FrameTask& task) {
+      {Parallel<FrameWork>([&](FrameWork& task) {
          Status searched = Search(pass, task);
          if (task.whole) pace.EndFullSearch();
          return searched;
        }),
-       InOrder<FrameTask>([&](FrameTask& task) { return tracking.Add(task); })});
+       InOrder<FrameWork>([&](FrameWork& task) { return tracking.Add(task); })});
   if (warn) {
     if (const auto mean = pace.MissedBudget()) warn(MissedBudgetText(*pass.frame_budget, *mean));
     std::ranges::for_each(reader.warnings(), warn);
@@ -578,7 +580,7 @@ Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
         return Fail(ErrorCode::kCancelled,
                     fmt::format("{}: stopped at frame {}; run again to resume", pass.video.name, sink.next_frame()));
       }
-      FrameTask task;
+      FrameWork task;
       task.now.frame.index = result.frame;
       task.now.frame.time_s = pass.times_s[static_cast<std::size_t>(result.frame)];
       task.whole = result.is_whole;

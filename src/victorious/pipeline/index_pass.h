@@ -20,6 +20,7 @@
 #include "victorious/pipeline/index_options.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
+#include "victorious/recognize/shape_search.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/segment_store.h"
 #include "victorious/video/video_reader.h"
@@ -43,6 +44,7 @@ struct IndexPass {
   const CategoryFinder* categories = nullptr;  ///< null: no categories are searched for
   /// Database id of each category of the finder; std::nullopt for those that this pass does not search for.
   std::span<const std::optional<std::int64_t>> category_ids = {};
+  const ShapeSearch* shapes = nullptr;  ///< null: models are not searched for by their shape
   const FeatureExtractor& extractor;
   const FeatureExtractor& kept_extractor;  ///< of the features that are kept
   const IndexOptions& options;

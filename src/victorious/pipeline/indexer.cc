@@ -27,6 +27,7 @@
 #include "victorious/pipeline/clock_offset.h"
 #include "victorious/pipeline/indexer_parts.h"
 #include "victorious/pipeline/model_engine.h"
+#include "victorious/pipeline/shape_background.h"
 #include "victorious/pipeline/shown_ground.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/terrain/terrain.h"
@@ -517,6 +518,22 @@ Status Indexer::EstimateSun(const Recognizer& recognizer, const IndexJob& job, O
   return {};
 }
 
+Expected<std::unique_ptr<const ShapeSearch>> Indexer::MakeShapeSearch(const Recognizer& recognizer, const IndexJob& job,
+                                                                      const CameraStates& cameras,
+                                                                      std::optional<double> duration_s,
+                                                                      const CancelToken& cancel) const {
+  const bool has_ground = cameras.ground_height() || options_.objects.ground;
+  if (!options_.shape.enabled || !has_ground || !recognizer.HasRelitTemplates() ||
+      !HasAttitudes(cameras.trajectory())) {
+    return nullptr;
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::vector<GradientCells> background,
+      ReadBackground(job.video, duration_s.value_or(0), options_.features.impulse_fraction, cancel));
+  if (background.empty()) return nullptr;
+  return std::make_unique<const ShapeSearch>(recognizer.models(), recognizer.relit_templates(), background);
+}
+
 Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video, const CancelToken& cancel,
                         IndexStore& store, const WarningSink& warn, IndexReport& report) const {
   if (!video.reader) {
@@ -528,6 +545,9 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
   IndexPass pass = MakePass(plan, recognizer, category_ids, job, video);
   pass.sun = report.sun;
   pass.duration_s = video.reader->info().duration_s;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<const ShapeSearch> shapes,
+                              MakeShapeSearch(recognizer, job, video.cameras, pass.duration_s, cancel));
+  pass.shapes = shapes.get();
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *video.reader, cancel, store, warn, report));
   video.reader.reset();
   return {};

@@ -312,6 +312,9 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   IndexPass pass = MakePass(found->pass, recognizer, category_ids, job, video);
   pass.sun = prepared.sun;
   pass.segment = &output;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<const ShapeSearch> shapes,
+                              MakeShapeSearch(recognizer, job, video.cameras, reader->info().duration_s, cancel));
+  pass.shapes = shapes.get();
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *reader, cancel, store, warn, report));
   if (!reader->IsExact()) {
     if (job.inform) job.inform("its frames are not those that its container lists: it is indexed by one process");

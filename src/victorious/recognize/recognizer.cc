@@ -62,7 +62,7 @@ Expected<Recognizer> Recognizer::Create(std::shared_ptr<const std::vector<Object
 Recognizer::Recognizer(std::shared_ptr<const std::vector<ObjectModel>> models, const RecognizeOptions& options,
                        const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates,
                        std::shared_ptr<kernels::NearestDevice> device)
-    : models_(std::move(models)), options_(options), device_(std::move(device)) {
+    : models_(std::move(models)), relit_templates_(relit_templates), options_(options), device_(std::move(device)) {
   for (std::size_t m = 0; m < models_->size(); ++m) {
     shortened_.push_back(std::make_shared<const ShortenedViews>((*models_)[m]));
     searchers_.push_back(MakeModelSearcher((*models_)[m], shortened_.back(),

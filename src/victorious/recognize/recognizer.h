@@ -53,6 +53,10 @@ class Recognizer {
       std::shared_ptr<kernels::NearestDevice> device = {});
 
   [[nodiscard]] const std::vector<ObjectModel>& models() const { return *models_; }
+  /// As given to Create().
+  [[nodiscard]] std::span<const std::shared_ptr<const RelitTemplateSource>> relit_templates() const {
+    return relit_templates_;
+  }
 
   /// The detections of all models, by falling score. Deterministic.
   /// @param conditions  known priors: restrict models with known view angles to upright poses, and relight their
@@ -93,7 +97,8 @@ class Recognizer {
 
   [[nodiscard]] Status RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& detections) const;
 
-  std::shared_ptr<const std::vector<ObjectModel>> models_;        // the searchers keep references to models
+  std::shared_ptr<const std::vector<ObjectModel>> models_;  // the searchers keep references to models
+  std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates_;
   std::vector<std::shared_ptr<const ShortenedViews>> shortened_;  // one per model
   std::vector<std::shared_ptr<const ModelSearcher>> searchers_;   // one per model
   RecognizeOptions options_;

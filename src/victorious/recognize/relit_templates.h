@@ -16,6 +16,7 @@
 #include "victorious/match/descriptor_cells.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/object_model.h"
+#include "victorious/types/surface_point.h"
 
 namespace victorious {
 
@@ -49,6 +50,14 @@ struct ViewAppearance {
   double pixels_per_m = 1;                              ///< scale of the view at the centroid
 };
 
+/// The surface that a view shows, and where the view shows it.
+struct RenderedSurface {
+  VisibleSurface surface;
+  Eigen::Vector3d centre_in_model_m = Eigen::Vector3d::Zero();  ///< that of the object's bounding box
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();          ///< its projection into the view, px
+  double pixels_per_m = 1;                                      ///< scale of the view there
+};
+
 /// Standard deviation of the Gaussian blur of rendering and scene, in scene pixels.
 inline constexpr double kAppearanceBlur_px = 1.5;
 
@@ -71,6 +80,10 @@ class RelitTemplateSource {
   /// Errors: kDataLoss for a damaged rendering in the model.
   [[nodiscard]] virtual Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t view,
                                                                                       int half_octaves) const = 0;
+
+  /// The surface of a view, from its rendering at half resolution. Deterministic.
+  /// Errors: kDataLoss for a damaged rendering in the model.
+  [[nodiscard]] virtual Expected<RenderedSurface> GetSurface(std::size_t view) const = 0;
 };
 
 }  // namespace victorious

@@ -117,6 +117,10 @@ class SurfaceGeometry {
   std::vector<double> y_;  // by row
 };
 
+double Irradiance(const Light& light, double cos_up, double sun) {
+  return light.ground + (light.sky - light.ground) * 0.5 * (1 + cos_up) + light.sun * sun;
+}
+
 // The least float that is not below a value: the same floats are less than either.
 float RoundUp(double value) {
   const auto nearest = static_cast<float>(value);
@@ -190,9 +194,6 @@ cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light
   const Vector3d up = camera_from_world.rotation * Vector3d::UnitZ();
   const Vector3d to_sun_before = camera_from_world.rotation * before.to_sun_in_world.normalized();
   const Vector3d to_sun_after = camera_from_world.rotation * after.to_sun_in_world.normalized();
-  const auto irradiance = [](const Light& light, double cos_up, double sun) {
-    return light.ground + (light.sky - light.ground) * 0.5 * (1 + cos_up) + light.sun * sun;
-  };
   const SurfaceGeometry geometry(depth_map);
   const SunShadow shadows(from_sun, world_from_camera);
   cv::Mat relit = grey.clone();
@@ -206,11 +207,31 @@ cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light
       const double sun_before = std::max(0.0, normal.dot(to_sun_before));
       double sun_after = std::max(0.0, normal.dot(to_sun_after));
       if (sun_after > 0) sun_after *= shadows.SunVisibleFraction(geometry.PointAt(row, column), normal);
-      greys[column] = kGreyFromLinear(linear_from_grey[greys[column]] * irradiance(after, cos_up, sun_after) /
-                                      std::max(kMinIrradiance, irradiance(before, cos_up, sun_before)));
+      greys[column] = kGreyFromLinear(linear_from_grey[greys[column]] * Irradiance(after, cos_up, sun_after) /
+                                      std::max(kMinIrradiance, Irradiance(before, cos_up, sun_before)));
     }
   }
   return relit;
+}
+
+std::vector<SurfacePoint> ReadSurface(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light& light) {
+  const std::array<float, 256>& linear_from_grey = LinearFromGreyTable();
+  const Rigid3 world_from_camera = depth_map.camera.camera_from_world.Inverse();
+  const Vector3d to_sun = light.to_sun_in_world.normalized();
+  const SurfaceGeometry geometry(depth_map);
+  std::vector<SurfacePoint> points;
+  for (int row = 0; row < grey.rows; ++row) {
+    for (int column = 0; column < grey.cols; ++column) {
+      if (std::isnan(depth_map.depth_m.at<float>(row, column))) continue;
+      const Vector3d normal = world_from_camera.rotation * geometry.NormalAt(row, column);
+      const double irradiance = Irradiance(light, normal.z(), std::max(0.0, normal.dot(to_sun)));
+      const double albedo = linear_from_grey[grey.at<std::uint8_t>(row, column)] / std::max(kMinIrradiance, irradiance);
+      points.push_back({.position_m = world_from_camera.Apply(geometry.PointAt(row, column)).cast<float>(),
+                        .normal = normal.cast<float>(),
+                        .albedo = static_cast<float>(std::min(1.0, albedo))});
+    }
+  }
+  return points;
 }
 
 }  // namespace victorious

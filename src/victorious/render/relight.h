@@ -9,11 +9,14 @@
 // from near the direction of the sun.
 #pragma once
 
+#include <vector>
+
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/render/renderer.h"
+#include "victorious/types/surface_point.h"
 
 namespace victorious {
 
@@ -35,5 +38,11 @@ struct PosedDepthMap {
 /// @return           CV_8UC1, the image under `after`; pixels without depth are copied from `grey`
 [[nodiscard]] cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light& before,
                               const Light& after, const PosedDepthMap& from_sun);
+
+/// The points of a rendering's pixels, with normals and albedo as above; positions in the world frame. Row by row,
+/// without the pixels of the background.
+/// @param light  of the rendering; without shadows
+[[nodiscard]] std::vector<SurfacePoint> ReadSurface(const cv::Mat& grey, const PosedDepthMap& depth_map,
+                                                    const Light& light);
 
 }  // namespace victorious

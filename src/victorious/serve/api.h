@@ -58,7 +58,7 @@ struct ApiOptions {
   /// and the current one.
   std::vector<std::filesystem::path> videos = {};
   std::vector<std::filesystem::path> secrets = {};  ///< files that are never opened for the index: a private key
-  std::optional<SampleFiles> sample = {};  ///< std::nullopt: none
+  std::optional<SampleFiles> sample = {};           ///< std::nullopt: none
   std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
   ServerIdentity server;

@@ -29,9 +29,8 @@ std::vector<fs::path> ReadableFiles(const fs::path& video) {
   std::vector<fs::path> files = {video};
   std::error_code error;
   if (!fs::is_directory(video, error)) return files;
-  for (fs::directory_iterator it(video, error), end; !error && it != end; it.increment(error)) {
-    std::error_code ignored;
-    if (it->is_symlink(ignored)) files.push_back(it->path());
+  for (const fs::path& entry : ListFolder(video).value_or(std::vector<fs::path>())) {
+    if (fs::is_symlink(entry, error)) files.push_back(entry);
   }
   return files;
 }

@@ -1,4 +1,4 @@
-// Which frames of a pass keep their features for the search by image.
+// One frame an interval of a pass: those that keep their features for the search by image, and those searched by shape.
 #pragma once
 
 #include <cmath>
@@ -7,10 +7,10 @@
 namespace victorious {
 
 /// Selects one frame per interval, counted from the beginning of the video: the same frames after any interruption.
-class KeptFrameSelector {
+class IntervalSelector {
  public:
   /// @param interval_s  0: all frames; negative: none
-  explicit KeptFrameSelector(double interval_s) : interval_s_(interval_s) {}
+  explicit IntervalSelector(double interval_s) : interval_s_(interval_s) {}
 
   /// Call in the order of frames.
   [[nodiscard]] bool IsSelected(double time_s) {
@@ -19,6 +19,9 @@ class KeptFrameSelector {
     const double slot = std::floor(time_s / interval_s_ + 1e-9);
     return std::exchange(last_slot_, slot) != slot;
   }
+
+  /// The next frame is selected, and those after it as if no frame came before.
+  void Restart() { last_slot_ = -1; }
 
  private:
   double interval_s_;

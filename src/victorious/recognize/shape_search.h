@@ -1,0 +1,107 @@
+// recognize/, the search for CAD models by the shape of their edges, for objects of one colour, small or repainted:
+// they have few keypoints, or others than the file. Needs the camera's attitude and height above the ground, which
+// leave one size and one off-nadir angle for each place of the frame; the heading is searched.
+//
+// Method: templates are drawn from the model's stored surfaces (shape/surface_template.h) in the model's own paint and
+// in one grey, and whitened by the statistics of the video's background (shape/background_spectrum.h): exemplar linear
+// discriminants, as Aubry et al. (CVPR 2014) align CAD models. A response s has standard deviation 1 on background.
+//   coarse  templates of 64 px for all headings, 10 degrees apart, lit from above, over the whole frame: the best
+//           places of each model
+//   fine    templates of 96 px, 5 degrees apart, in the sun, around each of them
+//   -log10 NFA = kDecadesPerResponse (s - kResponseOfOneFalseAlarm)
+// The two constants describe the largest responses of frames without the object, fitted in docs/adr/0033. Of matches
+// of several models in one place the largest response counts.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "victorious/base/error.h"
+#include "victorious/geometry/view_direction.h"
+#include "victorious/recognize/relit_templates.h"
+#include "victorious/shape/surface_template.h"
+#include "victorious/types/detection.h"
+#include "victorious/types/feature_set.h"
+#include "victorious/types/frame_conditions.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// The response that one place in a frame without the object reaches, for one model, and how fast larger ones become
+/// rare (docs/adr/0033).
+inline constexpr double kResponseOfOneFalseAlarm = 7.3;
+inline constexpr double kResponseOfOneFalseAlarmPlain = 7.4;  ///< of templates in one grey: vehicles of other kinds fit
+inline constexpr double kDecadesPerResponse = 1.3;
+
+/// The diagonal of a model's bounding box in its fine and its coarse templates at most, px.
+inline constexpr double kFineSize_px = 96;
+inline constexpr double kCoarseSize_px = 64;
+
+/// What is gained where only a place and a heading are searched instead of a frame.
+inline constexpr double kDecadesOfOnePlace = 2.5;
+
+/// A model found by its shape in one frame.
+struct ShapeMatch {
+  std::size_t model_index = 0;
+  ViewDirection to_camera;                              ///< from the object, in the model frame
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< of the object's bounding box
+  double pixels_per_m = 1;
+  double lean_rad = 0;  ///< of the vertical, clockwise from the image's up direction
+  TemplatePaint paint = TemplatePaint::kPlain;
+  double response = 0;
+  double neg_log10_nfa = 0;  ///< decades, of one frame and model
+};
+
+/// Thread-safe. Deterministic.
+class ShapeSearch {
+ public:
+  /// Models without stored renderings or a bounding box are not searched for.
+  /// @param models     must outlive it, as must
+  /// @param surfaces   one a model; null for a model without
+  /// @param background cells of frames of the video, at several scales
+  ShapeSearch(std::span<const ObjectModel> models, std::span<const std::shared_ptr<const RelitTemplateSource>> surfaces,
+              std::span<const GradientCells> background);
+  ~ShapeSearch();
+  ShapeSearch(const ShapeSearch&) = delete;
+  ShapeSearch& operator=(const ShapeSearch&) = delete;
+
+  /// The matches in a frame, by falling response. Empty without the vertical or the height above the ground.
+  /// @param grey               CV_8UC1, without impulse noise
+  /// @param min_neg_log10_nfa  decades
+  /// Errors: those of RelitTemplateSource.
+  [[nodiscard]] Expected<std::vector<ShapeMatch>> Find(const cv::Mat& grey, const FrameConditions& conditions,
+                                                       double min_neg_log10_nfa) const;
+
+  /// A detection by shape found again in another frame, near where it is expected and from about the same side.
+  /// std::nullopt if it is not there. A place and a heading are tested, not all of a frame: as much as
+  /// kDecadesOfOnePlace is added to the -log10 NFA.
+  /// @param last      of a model that is searched for
+  /// @param shift_px  of the object since then
+  /// Errors: those of RelitTemplateSource.
+  [[nodiscard]] Expected<std::optional<ShapeMatch>> FindAgain(const cv::Mat& grey, const FrameConditions& conditions,
+                                                              const Detection& last, const Eigen::Vector2d& shift_px,
+                                                              double min_neg_log10_nfa) const;
+
+  /// A match as a detection. Its inliers are the keypoints of the model's nearest view where the match puts them:
+  /// points to track and to estimate the pose by. They are appended to `features`, with descriptors of zeros.
+  /// Errors: those of RelitTemplateSource.
+  [[nodiscard]] Expected<Detection> MakeDetection(const ShapeMatch& match, FeatureSet& features) const;
+
+ private:
+  class Templates;
+
+  std::span<const ObjectModel> models_;
+  std::unique_ptr<Templates> templates_;
+};
+
+/// Cells of a frame at the scales that the background of a search is taken from.
+/// @param grey  CV_8UC1, without impulse noise
+[[nodiscard]] std::vector<GradientCells> BackgroundCells(const cv::Mat& grey);
+
+}  // namespace victorious

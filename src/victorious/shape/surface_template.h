@@ -1,0 +1,37 @@
+// shape/: draws the surface of an object as it looks from a direction, under the sun, and makes the template of the
+// shape search of it. The surface comes from a rendering with depth of a nearby direction; its points are projected by
+// weak perspective.
+//
+// Brightness of a point, linear, with n its normal, u up and s the direction to the sun:
+//   albedo * (0.35 (0.4 + 0.175 (1 + n.u)) + 0.65 max(0, n.s))
+// The paint is the model's own, or one grey: what is repainted, or was never painted as in the file, has the edges of
+// its shape alone.
+#pragma once
+
+#include <optional>
+
+#include "victorious/geometry/view_direction.h"
+#include "victorious/shape/background_spectrum.h"
+#include "victorious/types/surface_point.h"
+
+namespace victorious {
+
+enum class TemplatePaint {
+  kOwn,   ///< that of the model
+  kPlain  ///< one grey
+};
+
+struct TemplateView {
+  ViewDirection to_camera;              ///< from the object, in the model frame
+  std::optional<ViewDirection> to_sun;  ///< in the model frame; std::nullopt: light from above
+  double pixels_per_m = 1;              ///< scale of the template
+  TemplatePaint paint = TemplatePaint::kPlain;
+};
+
+/// The gradient cells of a drawn surface, less the mean of the background, weighed by how much of a cell is object. The
+/// centre of the object's bounding box lies in the centre of the cell (side / 2, side / 2), up is the image's up.
+/// @return without any value other than 0 if nothing of the surface lies within side x side cells
+[[nodiscard]] CellTemplate DrawTemplate(const VisibleSurface& surface, const TemplateView& view,
+                                        const BackgroundSpectrum& background);
+
+}  // namespace victorious
