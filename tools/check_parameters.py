@@ -33,6 +33,7 @@ OWNERS = {
     "cascade": "grammar",
     "pose": "pose",
     "detect": "detect",
+    "shape": "pipeline",
     "categories": "recognize",
     "daylight": "calibrate",
     "telemetry": "telemetry",

@@ -108,11 +108,11 @@ SELECT what FROM allowed
 RIGHTS = {
     "reader": {"SELECT": {"reviews", "decisions", "reviewed_tracklets", "thresholds"}},
     "worker": {
-        "INSERT": {"videos", "searches", "tracklets", "kept_fits", "video_cuts", "recordings", "models", "kept_frames",
+        "INSERT": {"videos", "searches", "tracklets", "kept_fits", "search_parts", "video_cuts", "recordings", "models", "kept_frames",
                    "shown_ground", "gaps", "segments", "tasks", "covered_times", "options", "sightings", "task_log", "objects"},
-        "UPDATE": {"videos", "searches", "tracklets", "kept_fits", "video_cuts", "recordings", "segments", "tasks",
+        "UPDATE": {"videos", "searches", "tracklets", "kept_fits", "search_parts", "video_cuts", "recordings", "segments", "tasks",
                    "covered_times", "objects"},
-        "DELETE": {"videos", "searches", "tracklets", "kept_fits", "video_cuts", "recordings", "models", "kept_frames",
+        "DELETE": {"videos", "searches", "tracklets", "kept_fits", "search_parts", "video_cuts", "recordings", "models", "kept_frames",
                    "shown_ground", "gaps", "objects"},
     },
     "server": {
@@ -124,7 +124,7 @@ RIGHTS = {
 }  # fmt: skip
 REVIEW_COLUMNS = {"verdict", "note", "reviewer", "reviewed_utc_us", "is_contested"}
 # What everybody of these roles reads: what was found, and what workers do.
-FOUND = {"version", "videos", "models", "options", "searches", "objects", "tracklets", "sightings", "kept_frames", "kept_fits",
+FOUND = {"version", "videos", "models", "options", "searches", "objects", "tracklets", "sightings", "kept_frames", "kept_fits", "search_parts",
          "shown_ground", "covered_times", "tasks", "task_log", "video_cuts", "segments", "gaps", "recordings"}  # fmt: skip
 
 

@@ -36,8 +36,10 @@ constexpr int kOffNadirStep_deg = 5;
 constexpr int kSunStep_deg = 30;
 constexpr std::size_t kMaxPlaces = 4;  // of a model in a frame that are searched with fine templates
 constexpr double kMinCoarseResponse = 5.2;
-constexpr double kSuppression = 0.4;  // distance of two matches over the smaller one's size
-constexpr double kFineReach_px = 8;   // of a fine template around the coarse place
+constexpr double kMinFineResponse = 5.5;  // of the coarse heading
+constexpr int kFineHeadings = 2;          // on either side of it
+constexpr double kSuppression = 0.4;      // distance of two matches over the smaller one's size
+constexpr double kFineReach_px = 8;       // of a fine template around the coarse place
 
 // How an upright object looks in one place of the frame.
 struct LocalView {
@@ -342,16 +344,24 @@ class ModelShapeSearch {
     return places;
   }
 
-  // The best match of fine templates around a place.
+  // The best match of fine templates around a place, of the headings around the coarse one if that one promises
+  // something.
   Expected<std::optional<ShapeMatch>> Refine(const cv::Mat& grey, const FrameConditions& conditions,
                                              const Place& place) const {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> first, Match(grey, conditions, place, 0));
+    if (!first || first->response < kMinFineResponse) return std::optional<ShapeMatch>();
+    return Match(grey, conditions, place, kFineHeadings);
+  }
+
+  // @param headings  on either side of that of the place, 5 degrees apart
+  Expected<std::optional<ShapeMatch>> Match(const cv::Mat& grey, const FrameConditions& conditions, const Place& place,
+                                            int headings) const {
     const auto view = ViewAt(conditions, place.at_px, centre_height_m_);
     if (!view) return std::optional<ShapeMatch>();
     const double object_px = diagonal_m_ * view->pixels_per_m;
     const TemplateSize size = ChooseSize(object_px, kFineSize_px);
-    const std::array<int, 5> azimuths_deg = {
-        place.azimuth_deg - 2 * kFineHeadingStep_deg, place.azimuth_deg - kFineHeadingStep_deg, place.azimuth_deg,
-        place.azimuth_deg + kFineHeadingStep_deg, place.azimuth_deg + 2 * kFineHeadingStep_deg};
+    std::vector<int> azimuths_deg;
+    for (int i = -headings; i <= headings; ++i) azimuths_deg.push_back(place.azimuth_deg + i * kFineHeadingStep_deg);
     VICTORIOUS_ASSIGN_OR_RETURN(const Bank bank, MakeBank(KeyFor(*view, size), azimuths_deg));
     if (bank.templates.empty()) return std::optional<ShapeMatch>();
     const double side_px = (kCellSide_px * bank.window + 2 * kFineReach_px) / size.scale;
@@ -512,7 +522,7 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
   };
   const ModelShapeSearch search(m, templates_->diagonal_m(m), models_[m].box_m->sizes().z() / 2, get_template,
                                 templates_->mean());
-  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ShapeMatch> match, search.Refine(grey, conditions, place));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ShapeMatch> match, search.Match(grey, conditions, place, kFineHeadings));
   if (!match) return match;
   match->neg_log10_nfa = NegLog10Nfa(*match) + kDecadesOfOnePlace;
   if (match->neg_log10_nfa < min_neg_log10_nfa) match.reset();

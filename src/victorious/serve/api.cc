@@ -114,11 +114,15 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
   VICTORIOUS_ASSIGN_OR_RETURN(
       auto thresholds, OpenThresholdStore(options.index, index->can_review() ? StoreMode::kCreate : StoreMode::kRead));
   std::unique_ptr<Api> api(new Api(std::move(options), std::move(index), cancel));
+  const SampleFiles sample = api->options_.sample.value_or(SampleFiles{});
   const JobFolders folders{.index = api->options_.index,
                            .models = api->options_.models,
                            .copies = api->options_.copies,
                            .categories = api->options_.categories,
                            .files = api->roots_.files(),
+                           .uploads = api->options_.uploads,
+                           .sample_scene = sample.scene,
+                           .sample_object = sample.object,
                            .certificates = TrustedCertificates()};
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, api->index_->Lists());
   if (const std::string outside = api->roots_.DescribeOutside(lists->videos); !outside.empty()) LogWarning(outside);

@@ -144,7 +144,8 @@ Expected<std::vector<std::string>> ModelArguments(const nlohmann::json& input, c
   }
   for (const nlohmann::json& file : *files) {
     if (!IsArgument(file)) return Fail(ErrorCode::kInvalidArgument, "files: must be a list of paths");
-    VICTORIOUS_RETURN_IF_ERROR(folders.files.Check(file.get<std::string>()));
+    const bool is_sample = !folders.sample_object.empty() && file.get<std::string>() == folders.sample_object;
+    if (!is_sample) VICTORIOUS_RETURN_IF_ERROR(folders.files.Check(file.get<std::string>()));
     arguments.push_back(file.get<std::string>());
   }
   return arguments;
@@ -186,9 +187,17 @@ Expected<std::vector<std::string>> RefineArguments(const nlohmann::json& input, 
 }
 
 // A second attempt goes on from nothing: --force.
-Expected<std::vector<std::string>> SampleArguments(const nlohmann::json& input) {
+Expected<std::vector<std::string>> SampleArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string scene, TextMember(input, "scene"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string folder, TextMember(input, "folder"));
+  if (folders.sample_scene.empty() || scene != folders.sample_scene) {
+    return Fail(ErrorCode::kInvalidArgument, "scene: must be that of the sample of this server");
+  }
+  const std::filesystem::path made = folder;
+  const bool has_name = made.has_filename() && made.filename().native().front() != '.';
+  if (!has_name || AbsolutePath(made.parent_path()) != AbsolutePath(folders.uploads)) {
+    return Fail(ErrorCode::kInvalidArgument, "folder: must lie in the folder of uploads of this server");
+  }
   return std::vector<std::string>{"simulate", "--force", "--out=" + folder, "--", scene};
 }
 
@@ -210,7 +219,7 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
     case JobKind::kRefine:
       return RefineArguments(input, folders);
     case JobKind::kSample:
-      return SampleArguments(input);
+      return SampleArguments(input, folders);
     case JobKind::kClip:
       break;
   }

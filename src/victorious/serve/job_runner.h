@@ -22,12 +22,15 @@
 namespace victorious {
 
 struct JobFolders {
-  std::string index;                        ///< by the name that OpenStore takes; without a password
-  std::filesystem::path models;             ///< the model library; empty: no job can run
-  std::filesystem::path copies;             ///< where the files go that are made for users
-  std::filesystem::path categories = {};    ///< the category model that videos are searched for; empty: none
-  FileRoots files = {};                     ///< that a job may read
-  std::filesystem::path certificates = {};  ///< that servers of live sources are verified by; empty: the system's
+  std::string index;                         ///< by the name that OpenStore takes; without a password
+  std::filesystem::path models;              ///< the model library; empty: no job can run
+  std::filesystem::path copies;              ///< where the files go that are made for users
+  std::filesystem::path categories = {};     ///< the category model that videos are searched for; empty: none
+  FileRoots files = {};                      ///< that a job may read
+  std::filesystem::path uploads = {};        ///< where uploaded files go, and the flight of the sample
+  std::filesystem::path sample_scene = {};   ///< of the sample; empty: there is none
+  std::filesystem::path sample_object = {};  ///< the CAD file of the sample, which may be read, too
+  std::filesystem::path certificates = {};   ///< that servers of live sources are verified by; empty: the system's
 };
 
 /// The arguments of `victorious` that do a job. The queue is a part of the index, which may come from elsewhere: what a

@@ -41,9 +41,31 @@ TEST(JobArguments, AreThoseOfTheCommands) {
   EXPECT_THAT(
       *JobArguments({.kind = JobKind::kCopy, .input_json = R"({"video": "-x.ts", "copy": "/d/c.mp4"})"}, kFolders),
       ElementsAre("copy", "--force", "--out", "/d/c.mp4", "--", "-x.ts"));
-  EXPECT_THAT(
-      *JobArguments({.kind = JobKind::kSample, .input_json = R"({"scene": "/s/a.json", "folder": "/u/1"})"}, kFolders),
-      ElementsAre("simulate", "--force", "--out=/u/1", "--", "/s/a.json"));
+}
+
+TEST(JobArguments, OfTheSample) {
+  JobFolders folders = kFolders;
+  folders.files = FileRoots({"/d"});
+  folders.uploads = "/u";
+  folders.sample_scene = "/s/a.json";
+  folders.sample_object = "/s/jeep.glb";
+  const auto sample = [&](const std::string& input) {
+    return JobArguments({.kind = JobKind::kSample, .input_json = input}, folders);
+  };
+  EXPECT_THAT(*sample(R"({"scene": "/s/a.json", "folder": "/u/1"})"),
+              ElementsAre("simulate", "--force", "--out=/u/1", "--", "/s/a.json"));
+  EXPECT_FALSE(sample(R"({"scene": "/s/b.json", "folder": "/u/1"})"));
+  for (const std::string folder : {"/", "/u", "/u/..", "/u/1/2", "/s/1", ""}) {
+    EXPECT_FALSE(sample(R"({"scene": "/s/a.json", "folder": ")" + folder + R"("})")) << folder;
+  }
+  EXPECT_FALSE(
+      JobArguments({.kind = JobKind::kSample, .input_json = R"({"scene": "/s/a.json", "folder": "/u/1"})"}, kFolders));
+  const auto model = [&](const std::string& file) {
+    return JobArguments({.kind = JobKind::kModel, .input_json = R"({"name": "a", "files": [")" + file + R"("]})"},
+                        folders);
+  };
+  EXPECT_TRUE(model("/s/jeep.glb"));
+  EXPECT_FALSE(model("/s/other.glb"));
 }
 
 TEST(JobArguments, OfCategories) {
