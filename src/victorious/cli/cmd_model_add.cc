@@ -121,7 +121,7 @@ Expected<ObjectModel> FromCad(const ModelAddArguments& arguments) {
     if (!progress) progress.emplace(arguments.name, all, "views");
     progress->Update(done);
   };
-  Expected<ObjectModel> model = MakeCadModel(arguments.name, loaded.mesh, input, options, show);
+  Expected<ObjectModel> model = MakeCadModel(arguments.name, loaded.mesh, input, options, show, &Interrupt());
   if (model) model->length_m = loaded.length_m;
   return model;
 }

@@ -106,7 +106,8 @@ int ObjectSizePx(double diameter_m, const CadModelOptions& options) {
 }
 
 Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, const std::string& source,
-                                   const CadModelOptions& options, const std::function<void(int, int)>& progress) {
+                                   const CadModelOptions& options, const std::function<void(int, int)>& progress,
+                                   const CancelToken* cancel) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (options.min_size_px > options.max_size_px) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("min_size_px {}: must be at most max_size_px {}",
@@ -127,6 +128,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
     const int size = std::min(kChunk, count - first);
     std::vector<RenderedTemplate> rendered;
     for (int i = first; i < first + size; ++i) {
+      if (cancel != nullptr && cancel->IsCancelled()) return Fail(ErrorCode::kCancelled, source + ": cancelled");
       VICTORIOUS_ASSIGN_OR_RETURN(
           RenderedTemplate view,
           RenderTemplate(renderer, uploaded, bounds, sphere.views[static_cast<std::size_t>(i)], source, options));

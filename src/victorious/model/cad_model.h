@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
@@ -42,11 +43,13 @@ struct CadModelOptions {
 /// @param mesh      in the model frame, metres
 /// @param source    path of the CAD file as given
 /// @param progress  called with the number of finished views and the number of all views
+/// @param cancel    asked before each view is rendered; null: it is made to the end
 /// Views with fewer features than options.min_features are stored without features; a search cannot match them.
 /// Errors: kInvalidArgument for options out of range, or if no view has enough features; kInternal if no device can
-/// render.
+/// render; kCancelled.
 [[nodiscard]] Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, const std::string& source,
                                                  const CadModelOptions& options,
-                                                 const std::function<void(int, int)>& progress = {});
+                                                 const std::function<void(int, int)>& progress = {},
+                                                 const CancelToken* cancel = nullptr);
 
 }  // namespace victorious

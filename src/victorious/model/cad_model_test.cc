@@ -184,6 +184,14 @@ TEST(MakeCadModel, UntexturedModelIsAnError) {
   EXPECT_EQ(model.error().message.find('\n'), std::string::npos);
 }
 
+TEST(MakeCadModel, IsCancelled) {
+  CancelToken cancel;
+  cancel.CancelAtPoll(3);
+  const auto made = MakeCadModel("box", BlottedBox(), "box.glb", FewViews(), {}, &cancel);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kCancelled);
+}
+
 TEST(MakeCadModel, RefusesOptionsOutOfRange) {
   CadModelOptions options = FewViews();
   options.min_mask_fraction = 2;
