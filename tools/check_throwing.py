@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks that the product calls no function of the standard library that throws on what stands outside of the program: a
 path that is too long, a folder that goes away while it is listed, a text that is no number. Errors are values
-(docs/adr/0001-errors-as-values.md): a thrown one is told as an internal error, without what would be right.
+(docs/adr/0001-errors-as-values.md): a thrown one is reported as an internal error, without what would be right.
 
 Files: functions of std::filesystem get a std::error_code; folders are listed by base/folder.h. Numbers: base/text.h, or
 std::from_chars; strtod and its kin, which do not throw, depend on the locale and take half a text for a number.

@@ -114,13 +114,13 @@ class Indexer {
   [[nodiscard]] IndexPass MakePass(const PlannedPass& plan, const Recognizer& recognizer,
                                    std::span<const std::optional<std::int64_t>> category_ids, const IndexJob& job,
                                    OpenedVideo& video) const;
-  // Sets the sun of the report. The reader is then at its first frame.
-  /// Null: the models are not searched for by their shape.
+  // Null: the models are not searched for by their shape.
   [[nodiscard]] Expected<std::unique_ptr<const ShapeSearch>> MakeShapeSearch(const Recognizer& recognizer,
                                                                              const IndexJob& job,
                                                                              const CameraStates& cameras,
                                                                              std::optional<double> duration_s,
                                                                              const CancelToken& cancel) const;
+  // Sets the sun of the report. The reader is then at its first frame.
   [[nodiscard]] Status EstimateSun(const Recognizer& recognizer, const IndexJob& job, OpenedVideo& video,
                                    const CancelToken& cancel, const WarningSink& warn, IndexReport& report) const;
   // The same for a short video without telemetry: by assumed attitudes, which the cameras then have for the search.

@@ -43,7 +43,6 @@ constexpr double kFineReach_px = 8;       // of a fine template around the coars
 
 // How an upright object looks in one place of the frame.
 struct LocalView {
-  Vector2d at_px;
   double off_nadir_rad = 0;
   double lean_rad = 0;
   double pixels_per_m = 1;                  // of an object whose centre is `centre_height_m` above the ground
@@ -62,8 +61,7 @@ std::optional<LocalView> ViewAt(const FrameConditions& conditions, const Vector2
   const double down = -vertical.up_in_camera.dot(ray);
   const double below_m = *conditions.height_above_ground_m - centre_height_m;
   if (!(down > kMinDown * ray.norm()) || !(below_m > 0)) return std::nullopt;
-  LocalView view{.at_px = at_px,
-                 .off_nadir_rad = std::acos(std::min(1.0, down / ray.norm())),
+  LocalView view{.off_nadir_rad = std::acos(std::min(1.0, down / ray.norm())),
                  .lean_rad = vertical.LeanAt(at_px),
                  .pixels_per_m = vertical.pinhole.fx * down / below_m};
   if (conditions.relative_sun) {
@@ -247,7 +245,6 @@ struct Place {
   double response = 0;
   Vector2d at_px;       // of the object's centre, in the frame
   int azimuth_deg = 0;  // of the camera, in the model frame
-  TemplatePaint paint = TemplatePaint::kPlain;
 };
 
 // The size of a model's templates in a place, and the scale at which the frame is compared with them.
@@ -334,11 +331,7 @@ class ModelShapeSearch {
                 cv::Point(static_cast<int>(std::floor(at_px.x())), static_cast<int>(std::floor(at_px.y())))))
           continue;
         const ShapeTemplateKey& found = bank.keys[static_cast<std::size_t>(map.which.at<int>(row, column))];
-        places.push_back({.model = model_,
-                          .response = response,
-                          .at_px = at_px,
-                          .azimuth_deg = found.azimuth_deg,
-                          .paint = found.paint});
+        places.push_back({.model = model_, .response = response, .at_px = at_px, .azimuth_deg = found.azimuth_deg});
       }
     }
     return places;

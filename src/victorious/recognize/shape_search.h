@@ -9,7 +9,7 @@
 //           places of each model
 //   fine    templates of 96 px, 5 degrees apart, in the sun, around each of them
 //   -log10 NFA = kDecadesPerResponse (s - kResponseOfOneFalseAlarm)
-// The two constants describe the largest responses of frames without the object, fitted in docs/adr/0033. Of matches
+// The two constants describe the largest responses of frames without the object, chosen in docs/adr/0035. Of matches
 // of several models in one place the largest response counts.
 #pragma once
 
@@ -34,7 +34,7 @@
 namespace victorious {
 
 /// The response that one place in a frame without the object reaches, for one model, and how fast larger ones become
-/// rare (docs/adr/0033).
+/// rare (docs/adr/0035).
 inline constexpr double kResponseOfOneFalseAlarm = 7.3;
 inline constexpr double kResponseOfOneFalseAlarmPlain = 7.4;  ///< of templates in one grey: vehicles of other kinds fit
 inline constexpr double kDecadesPerResponse = 1.3;

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "victorious/geometry/angles.h"
+#include "victorious/kernels/window_products.h"
+#include "victorious/recognize/template_variant.h"
 
 namespace victorious {
 namespace {
@@ -13,7 +15,7 @@ constexpr int kCoarseSide = 24;
 constexpr int kFineSide = 40;
 // Beside the object's cells, those whose edges follow from its edges.
 constexpr int kMargin = 1;
-constexpr float kMaxWeight = 1023;
+constexpr float kMaxWeight = kernels::kMaxTemplateValue;
 
 }  // namespace
 
@@ -62,8 +64,9 @@ Expected<ShapeTemplate> ShapeSearch::Templates::Make(const ShapeTemplateKey& key
                     .pixels_per_m = key.size_px() / diagonals_m_[key.model],
                     .paint = key.paint};
   if (key.sun_azimuth_deg) {
-    view.to_sun = {.azimuth_rad = view.to_camera.azimuth_rad + kPi + RadiansFromDegrees(*key.sun_azimuth_deg),
-                   .off_nadir_rad = kPi / 2 - RadiansFromDegrees(key.sun_elevation_deg)};
+    view.to_sun = {
+        .azimuth_rad = SunAzimuthInModel(view.to_camera.azimuth_rad, RadiansFromDegrees(*key.sun_azimuth_deg)),
+        .off_nadir_rad = kPi / 2 - RadiansFromDegrees(key.sun_elevation_deg)};
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const RenderedSurface rendered,
                               surfaces_[key.model]->GetSurface(NearestView(key.model, view.to_camera)));

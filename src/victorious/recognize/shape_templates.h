@@ -2,6 +2,7 @@
 // kept.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>

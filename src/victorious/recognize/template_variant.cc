@@ -13,11 +13,11 @@ namespace {
 // nadir: from there no view determines how the object is turned (ADR 0010).
 constexpr double kMinHeadingOffNadir_rad = 0.3;
 
+}  // namespace
+
 double SunAzimuthInModel(double view_azimuth_rad, double relative_sun_azimuth_rad) {
   return view_azimuth_rad + kPi + relative_sun_azimuth_rad;
 }
-
-}  // namespace
 
 std::vector<bool> ChooseViews(const ObjectModel& model, const AzimuthCells& cells, double max_tilt_rad) {
   const auto [min_rad, max_rad] = cells.OffNadirRange();

@@ -40,6 +40,9 @@ struct TemplateVariant {
 /// @param azimuth_rad  of the sun in the model frame
 [[nodiscard]] std::size_t NearestViewToSun(const ObjectModel& model, double azimuth_rad, double elevation_rad);
 
+/// The sun's azimuth in the model frame, for an object seen from view_azimuth_rad: the inverse of RelativeSunAzimuth.
+[[nodiscard]] double SunAzimuthInModel(double view_azimuth_rad, double relative_sun_azimuth_rad);
+
 /// The sun's azimuth relative to the viewing direction, (-pi, pi], for an object seen from view_azimuth_rad.
 /// @param sun_in_model_rad  the sun's azimuth in the model frame
 [[nodiscard]] double RelativeSunAzimuth(double view_azimuth_rad, double sun_in_model_rad);

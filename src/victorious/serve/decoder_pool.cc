@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/folder.h"
 #include "victorious/decoder/frame_request.h"
 #include "victorious/serve/static_files.h"
 

@@ -83,7 +83,7 @@ class IndexView {
       : name_(std::move(name)), writer_(std::move(writer)), lister_(std::move(lister)) {}
 
   [[nodiscard]] Status Refresh();
-  /// Reads the lists again if that is due. A failure is told once.
+  /// Reads the lists again if that is due. A failure is logged once.
   void TryRefresh();
   /// @param reader  null: it could not be opened
   void Return(std::unique_ptr<IndexReader> reader);

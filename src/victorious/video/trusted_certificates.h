@@ -2,7 +2,7 @@
 // the host of the address and was issued by an authority that this process trusts. No name and no password are sent
 // before. By default these are the authorities of the system.
 //
-// FFmpeg verifies no certificate unless its protocol "tls" is told to, and its RTSP and HLS readers pass no options on
+// FFmpeg verifies no certificate unless its protocol "tls" is set to, and its RTSP and HLS readers pass no options on
 // to it (FFmpeg 5.1). Therefore the defaults of that protocol's options are changed, for the whole process.
 #pragma once
 
