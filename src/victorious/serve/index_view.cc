@@ -158,7 +158,9 @@ Status IndexView::PutReview(std::int64_t object, Review review) {
                             IsDatabaseUrl(name_) ? "the role to write" : "writing to the file and its folder"));
   }
   review.updated_utc_us = NowUtcMicroseconds();
-  return writer_->PutReview(object, review);
+  VICTORIOUS_RETURN_IF_ERROR(writer_->PutReview(object, review));
+  NoteOwnChange();
+  return {};
 }
 
 }  // namespace victorious

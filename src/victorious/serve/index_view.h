@@ -7,6 +7,7 @@
 // the store.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -78,6 +79,10 @@ class IndexView {
   /// Stores the review with the present time. Errors: kPermissionDenied; those of IndexStore::PutReview.
   [[nodiscard]] Status PutReview(std::int64_t object, Review review);
 
+  /// How often this server has changed what the lists show a little later: reviews, and what NoteOwnChange is told of.
+  [[nodiscard]] std::int64_t own_changes() const { return own_changes_; }
+  void NoteOwnChange() { ++own_changes_; }
+
  private:
   IndexView(std::string name, std::unique_ptr<IndexStore> writer, IndexReader lister)
       : name_(std::move(name)), writer_(std::move(writer)), lister_(std::move(lister)) {}
@@ -92,6 +97,7 @@ class IndexView {
   static constexpr std::chrono::seconds kMaxWait{10};
 
   std::string name_;
+  std::atomic<std::int64_t> own_changes_ = 0;
   std::mutex writer_mutex_;
   std::unique_ptr<IndexStore> writer_;  ///< null: the index cannot be written
   std::mutex refresh_mutex_;            ///< guards the next three; held while lists are read

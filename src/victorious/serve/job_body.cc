@@ -48,4 +48,10 @@ ApiStatus CheckBox(const nlohmann::json& body) {
   return FailField("box", "The box must be x, y, width and height in pixels");
 }
 
+ApiExpected<std::string> ReadText(const nlohmann::json& body, const std::string& name) {
+  const auto found = body.find(name);
+  if (found != body.end() && found->is_string()) return found->get<std::string>();
+  return FailField(name, fmt::format("The {} must be a text", name));
+}
+
 }  // namespace victorious

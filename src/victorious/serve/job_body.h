@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <string>
 #include <string_view>
 
 #include <nlohmann/json_fwd.hpp>
@@ -19,6 +20,9 @@ namespace victorious {
 
 /// The whole number under a name; -1 if there is none.
 [[nodiscard]] std::int64_t ReadNumber(const nlohmann::json& body, std::string_view name);
+
+/// The text under a name. Error: kInvalidArgument.
+[[nodiscard]] ApiExpected<std::string> ReadText(const nlohmann::json& body, const std::string& name);
 
 /// The member "frame". Error: kInvalidArgument unless it is a whole number from 0 to `frames` - 1.
 [[nodiscard]] ApiExpected<std::int64_t> ReadFrame(const nlohmann::json& body, std::int64_t frames);

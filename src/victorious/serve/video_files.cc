@@ -83,8 +83,14 @@ Expected<std::shared_ptr<const std::vector<double>>> VideoFiles::Times(const Vid
   });
 }
 
-Expected<CameraStates> VideoFiles::Cameras(const CameraRequest& request, const WarningSink& warn,
+Expected<CameraStates> VideoFiles::Cameras(const VideoRecord& video, const std::filesystem::path& path,
+                                           const TelemetryOptions& options, const WarningSink& warn,
                                            const CancelToken& cancel) {
+  const CameraRequest request{.video = path.string(),
+                              .duration_s = video.duration_s,
+                              .file = roots_.Telemetry(video, warn),
+                              .options = options,
+                              .consequence = "the map has no camera path"};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string answer, decoders_.AskOnce(request.video, FilesOfCameraRequest(request),
                                                                           kCameraRequest + PackCameraRequest(request),
                                                                           {.patience = kTableTime, .cancel = &cancel}));

@@ -29,6 +29,8 @@ class VideoFiles {
   /// @param roots  where the videos are; must outlive this
   explicit VideoFiles(const VideoRoots& roots);
 
+  [[nodiscard]] const VideoRoots& roots() const { return roots_; }
+
   /// The path of a video. Errors: those of VideoRoots::Find.
   [[nodiscard]] Expected<std::filesystem::path> Find(const VideoRecord& video) const { return roots_.Find(video); }
 
@@ -53,7 +55,9 @@ class VideoFiles {
 
   /// What the telemetry of a video says of its camera: CameraStates::Load. Errors: those of it; kUnsupported if it
   /// takes more than 10 minutes; kCancelled.
-  [[nodiscard]] Expected<CameraStates> Cameras(const CameraRequest& request, const WarningSink& warn,
+  /// @param path  of the video
+  [[nodiscard]] Expected<CameraStates> Cameras(const VideoRecord& video, const std::filesystem::path& path,
+                                               const TelemetryOptions& options, const WarningSink& warn,
                                                const CancelToken& cancel);
 
  private:

@@ -26,8 +26,8 @@ std::string IdentityOf(const OpenedFile& file) {
 
 }  // namespace
 
-VideoRoots::VideoRoots(FileRoots files, const fs::path& index)
-    : files_(std::move(files)), index_folder_(index.parent_path()) {}
+VideoRoots::VideoRoots(FileRoots files, const fs::path& index, std::optional<GivenTelemetryFile> telemetry)
+    : files_(std::move(files)), index_folder_(index.parent_path()), telemetry_(std::move(telemetry)) {}
 
 std::vector<fs::path> VideoRoots::Candidates(const VideoRecord& video) const {
   const fs::path name = video.name;
@@ -86,7 +86,12 @@ bool VideoRoots::IsVideo(const OpenedFile& file) const {
 }
 
 std::optional<std::string> VideoRoots::Telemetry(const VideoRecord& video, const WarningSink& warn) const {
+  if (auto given = GivenTelemetry(video)) return given;
   return RememberedTelemetry(video.telemetry, files_, warn);
+}
+
+std::optional<std::string> VideoRoots::GivenTelemetry(const VideoRecord& video) const {
+  return telemetry_ && telemetry_->video == video.id ? std::optional(telemetry_->path) : std::nullopt;
 }
 
 std::string VideoRoots::DescribeOutside(const std::vector<VideoRecord>& videos) const {

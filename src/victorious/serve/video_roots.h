@@ -3,6 +3,7 @@
 // video or an image is sent as it is.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <mutex>
 #include <optional>
@@ -17,13 +18,20 @@
 
 namespace victorious {
 
+/// The telemetry file that was given to the server, and the video that it belongs to.
+struct GivenTelemetryFile {
+  std::int64_t video = 0;
+  std::string path;
+};
+
 /// Thread-safe.
 class VideoRoots {
  public:
   /// @param files  that may be opened
   /// @param index  the file of the index: a relative name of a video that is not found from the current folder is
   ///               looked for from the index's folder; empty: there is no file
-  VideoRoots(FileRoots files, const std::filesystem::path& index);
+  /// @param telemetry  given to the server; std::nullopt: none
+  VideoRoots(FileRoots files, const std::filesystem::path& index, std::optional<GivenTelemetryFile> telemetry = {});
 
   [[nodiscard]] const FileRoots& files() const { return files_; }
 
@@ -35,8 +43,12 @@ class VideoRoots {
   /// images, and for a file that does not begin as a video or an image.
   [[nodiscard]] Expected<OpenedFile> Open(const VideoRecord& video) const;
 
-  /// The telemetry file that was given when a video was indexed (RememberedTelemetry).
-  [[nodiscard]] std::optional<std::string> Telemetry(const VideoRecord& video, const WarningSink& warn) const;
+  /// The telemetry file that was given for a video, to the server or when it was indexed (RememberedTelemetry);
+  /// std::nullopt: that of a video is in it or beside it.
+  /// @param warn  receives a line if the file is gone; may be empty
+  [[nodiscard]] std::optional<std::string> Telemetry(const VideoRecord& video, const WarningSink& warn = {}) const;
+  /// The one that was given to the server.
+  [[nodiscard]] std::optional<std::string> GivenTelemetry(const VideoRecord& video) const;
 
   /// Says which videos cannot be shown because they lie elsewhere, on one line; empty if all can.
   [[nodiscard]] std::string DescribeOutside(const std::vector<VideoRecord>& videos) const;
@@ -48,6 +60,7 @@ class VideoRoots {
 
   FileRoots files_;
   std::filesystem::path index_folder_;
+  std::optional<GivenTelemetryFile> telemetry_;
   mutable std::mutex mutex_;
   mutable std::unordered_map<std::string, bool> is_video_;  ///< by the identity of the file and its last change
 };

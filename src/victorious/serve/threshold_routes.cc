@@ -1,5 +1,8 @@
-// The routes of thresholds: what the decisions about each model's objects suggest, and what is in force.
+#include "victorious/serve/threshold_routes.h"
+
 #include <algorithm>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -7,12 +10,14 @@
 
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
-#include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
+#include "victorious/serve/request_target.h"
 
 namespace victorious {
 namespace {
+
+constexpr std::size_t kMaxLists = 2;  // the present one, and one that others wait for
 
 // The objects of a model without a verdict that score less than a threshold.
 Expected<std::int64_t> CountUndecidedBelow(TriageStore& store, const std::string& model, double min_score) {
@@ -58,16 +63,11 @@ ApiExpected<ThresholdInput> ParseThreshold(std::string_view body) {
 
 }  // namespace
 
-ApiExpected<std::vector<ModelMinScore>> Api::MinScores() {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ModelThreshold> thresholds, reader->thresholds->Thresholds());
-  std::vector<ModelMinScore> scores;
-  for (ModelThreshold& one : thresholds) scores.push_back({std::move(one.model), one.min_score});
-  return scores;
-}
+ThresholdRoutes::ThresholdRoutes(IndexView& index, std::unique_ptr<ThresholdStore> thresholds)
+    : index_(index), thresholds_(std::move(thresholds)), lists_(kMaxLists) {}
 
-Expected<std::string> Api::MakeThresholdList(const IndexLists& lists) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+Expected<std::string> ThresholdRoutes::MakeList(const IndexLists& lists) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelThreshold> in_force, reader->thresholds->Thresholds());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelDecisions> decided, reader->thresholds->Decisions());
   Json rows = Json::array();
@@ -108,26 +108,25 @@ Expected<std::string> Api::MakeThresholdList(const IndexLists& lists) {
   return DumpJson(Json{{"min_decisions", kMinDecisions}, {"models", std::move(rows)}}) + "\n";
 }
 
-Expected<std::shared_ptr<const std::string>> Api::ThresholdList() {
+Expected<std::shared_ptr<const std::string>> ThresholdRoutes::CurrentList() {
   // Both are read before what is counted: a change in between makes another key.
-  const std::int64_t own_changes = own_changes_;
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  return threshold_lists_.Get(fmt::format("{} {}", lists->version, own_changes),
-                              [&] { return MakeThresholdList(*lists); });
+  const std::int64_t own_changes = index_.own_changes();
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
+  return lists_.Get(fmt::format("{} {}", lists->version, own_changes), [&] { return MakeList(*lists); });
 }
 
-ApiExpected<HttpResponse> Api::Thresholds(const Call& /*call*/) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, ThresholdList());
+ApiExpected<HttpResponse> ThresholdRoutes::List(const ApiCall& /*call*/) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, CurrentList());
   return JsonTextResponse(*body);
 }
 
-ApiExpected<HttpResponse> Api::PutThreshold(const Call& call) {
+ApiExpected<HttpResponse> ThresholdRoutes::Put(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, ParseId(call.parameters[0], "model"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
   const ModelRecord* model = lists->Model(id);
   if (model == nullptr) return NotFound(fmt::format("model {} is not in the index", id));
   VICTORIOUS_ASSIGN_OR_RETURN(ThresholdInput input, ParseThreshold(call.request.body));
-  if (!index_->can_review()) {
+  if (!index_.can_review()) {
     return std::unexpected(ApiError(Error{
         ErrorCode::kPermissionDenied,
         "the index cannot be written, so thresholds are not kept: allow writing to the file and its folder, then start "
@@ -136,7 +135,7 @@ ApiExpected<HttpResponse> Api::PutThreshold(const Call& call) {
   // With accounts, nobody decides in the name of another.
   const std::string actor = call.caller.is_open ? std::move(input.reviewer) : call.caller.name();
   {
-    const std::scoped_lock lock(thresholds_mutex_);
+    const std::scoped_lock lock(mutex_);
     const std::int64_t now_us = NowUtcMicroseconds();
     VICTORIOUS_RETURN_IF_ERROR(
         input.min_score
@@ -144,8 +143,8 @@ ApiExpected<HttpResponse> Api::PutThreshold(const Call& call) {
                   {.model = model->name, .min_score = *input.min_score, .set_by = actor, .set_utc_us = now_us})
             : thresholds_->Remove(model->name, actor, now_us));
   }
-  ++own_changes_;
-  return Thresholds(call);
+  index_.NoteOwnChange();
+  return List(call);
 }
 
 }  // namespace victorious

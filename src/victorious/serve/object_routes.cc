@@ -1,19 +1,24 @@
-// The routes of objects: the list and its counts, tiles of the map, one object with its sightings and review.
+#include "victorious/serve/object_routes.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
-#include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
+#include "victorious/serve/index_lookup.h"
 #include "victorious/serve/object_key.h"
 #include "victorious/serve/object_tiles.h"
+#include "victorious/store/threshold_store.h"
 
 namespace victorious {
 namespace {
@@ -144,9 +149,17 @@ ApiExpected<Review> ParseReview(std::string_view body) {
   return review;
 }
 
-}  // namespace
+// The thresholds in force.
+ApiExpected<std::vector<ModelMinScore>> MinScores(IndexView& index) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index.Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ModelThreshold> thresholds, reader->thresholds->Thresholds());
+  std::vector<ModelMinScore> scores;
+  for (ModelThreshold& one : thresholds) scores.push_back({std::move(one.model), one.min_score});
+  return scores;
+}
 
-ApiExpected<ObjectQuery> Api::ReadObjectQuery(QueryReader& query, const Caller& caller) {
+// The filters of the list, of its counts and of tiles.
+ApiExpected<ObjectQuery> ReadObjectQuery(IndexView& index, QueryReader& query, const Caller& caller) {
   constexpr std::size_t kMaxWords = 16;
   ObjectQuery wanted;
   if (const auto models = query.Text("model")) wanted.models = Split(*models, ',');
@@ -168,12 +181,13 @@ ApiExpected<ObjectQuery> Api::ReadObjectQuery(QueryReader& query, const Caller& 
        {ToText(kThresholdUseTexts, ThresholdUse::kIgnored), ThresholdUse::kIgnored}}};
   VICTORIOUS_ASSIGN_OR_RETURN(const auto thresholds, ReadChoice(query, "thresholds", kThresholds));
   if (thresholds == ThresholdUse::kApplied) {
-    VICTORIOUS_ASSIGN_OR_RETURN(wanted.model_min_scores, MinScores());
+    VICTORIOUS_ASSIGN_OR_RETURN(wanted.model_min_scores, MinScores(index));
   }
   return wanted;
 }
 
-ApiExpected<Json> Api::KeyOf(const TriageObject& object, const IndexLists& lists, const IndexReader& reader) {
+// The key of an object (object_key.h); null without a sighting.
+ApiExpected<Json> KeyOf(const TriageObject& object, const IndexLists& lists, const IndexReader& reader) {
   const ModelRecord* model = lists.Model(object.object.model);
   Json key;
   VICTORIOUS_RETURN_IF_ERROR(
@@ -185,8 +199,9 @@ ApiExpected<Json> Api::KeyOf(const TriageObject& object, const IndexLists& lists
   return key;
 }
 
-ApiExpected<std::vector<TriageObject>> Api::ObjectsOfKey(std::string_view key, const IndexLists& lists,
-                                                         const IndexReader& reader) {
+// The objects that a key names: at most one. Error: kInvalidArgument for a text that is no key.
+ApiExpected<std::vector<TriageObject>> ObjectsOfKey(std::string_view key, const IndexLists& lists,
+                                                    const IndexReader& reader) {
   constexpr double kRounding_s = 1e-6;
   const std::optional<KeyedSighting> keyed = ParseObjectKey(key);
   if (!keyed) return FailField("key", "The key must be that of an object of another answer");
@@ -204,15 +219,17 @@ ApiExpected<std::vector<TriageObject>> Api::ObjectsOfKey(std::string_view key, c
   return reader.objects->ObjectsById(ids);
 }
 
-ApiExpected<HttpResponse> Api::Objects(const Call& call) {
+}  // namespace
+
+ApiExpected<HttpResponse> ObjectRoutes::List(const ApiCall& call) {
   QueryReader& query = call.query;
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(query, call.caller));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(index_, query, call.caller));
   VICTORIOUS_ASSIGN_OR_RETURN(ListRequest wanted, ReadListRequest(query));
   const auto ids_text = query.Text("ids");
   const auto key_text = query.Text("key");
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   TriageStore& store = *reader->objects;
   const auto whole = [&](const std::vector<TriageObject>& objects) {
     return JsonResponse(
@@ -272,16 +289,16 @@ ApiExpected<HttpResponse> Api::Objects(const Call& call) {
                        {"total", std::move(total)}});
 }
 
-ApiExpected<HttpResponse> Api::Counts(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(call.query, call.caller));
+ApiExpected<HttpResponse> ObjectRoutes::Counts(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(index_, call.query, call.caller));
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count(filter));
   return JsonResponse(CountsToJson(counts));
 }
 
-ApiExpected<HttpResponse> Api::Tile(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(call.query, call.caller));
+ApiExpected<HttpResponse> ObjectRoutes::Tile(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(index_, call.query, call.caller));
   // Part of the key of the browser's cache: tiles change with the index and its reviews.
   [[maybe_unused]] const auto version = call.query.Text("v");
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
@@ -291,24 +308,16 @@ ApiExpected<HttpResponse> Api::Tile(const Call& call) {
   if (zoom > kMaxTileZoom || x >> zoom != 0 || y >> zoom != 0) {
     return NotFound(fmt::format("there is no tile {}/{}/{}: zoom is 0 to {}", zoom, x, y, kMaxTileZoom));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(
       std::string tile, MakeObjectTile(*reader->objects, {.zoom = static_cast<int>(zoom), .x = x, .y = y}, filter));
   return TaggedResponse(call.request, "application/vnd.mapbox-vector-tile", std::move(tile), 0);
 }
 
-ApiExpected<TriageObject> Api::FindObject(std::string_view id) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(id, "object"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TriageObject> found, reader->objects->ObjectsById({&number, 1}));
-  if (!found.empty()) return std::move(found.front());
-  return NotFound(fmt::format("object {} is not in the index (a search may have joined or removed it)", number));
-}
-
-ApiExpected<HttpResponse> Api::Object(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(call.parameters[0]));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+ApiExpected<HttpResponse> ObjectRoutes::Get(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(index_, call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   TriageStore& store = *reader->objects;
   const std::int64_t id = object.object.id;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SightingRecord> best, store.BestSighting(id));
@@ -324,38 +333,21 @@ ApiExpected<HttpResponse> Api::Object(const Call& call) {
   return JsonResponse(json);
 }
 
-ApiExpected<HttpResponse> Api::ObjectSightings(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(call.parameters[0]));
-  return Sightings({.object = object.object.id}, call.query);
+ApiExpected<HttpResponse> ObjectRoutes::Sightings(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(index_, call.parameters[0]));
+  return SightingsResponse(index_, {.object = object.object.id}, call.query);
 }
 
-ApiExpected<HttpResponse> Api::Sightings(SightingFilter filter, QueryReader& query) {
-  constexpr std::int64_t kDefaultLimit = 2000;
-  VICTORIOUS_ASSIGN_OR_RETURN(filter.from_s, query.Number("from", 0, 1e9));
-  VICTORIOUS_ASSIGN_OR_RETURN(filter.to_s, query.Number("to", 0, 1e9));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto limit, query.Integer("limit", 1, 10'000));
-  VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
-  Json rows = Json::array();
-  bool is_truncated = false;
-  VICTORIOUS_RETURN_IF_ERROR(reader->sightings->VisitSightings(filter, [&](SightingRecord&& sighting) {
-    is_truncated = std::ssize(rows) == limit.value_or(kDefaultLimit);
-    if (!is_truncated) rows.push_back(SightingToJson(sighting));
-    return !is_truncated;
-  }));
-  return JsonResponse({{"sightings", std::move(rows)}, {"truncated", is_truncated}});
-}
-
-ApiExpected<HttpResponse> Api::Thumbnail(const Call& call) {
+ApiExpected<HttpResponse> ObjectRoutes::Thumbnail(const ApiCall& call) {
   constexpr std::int64_t kDefaultWidth = 240;
-  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(index_, call.parameters[0]));
   const std::int64_t object = found.object.id;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto width, call.query.Integer("width", 32, 640));
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
   std::optional<SightingRecord> best;
   {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
     VICTORIOUS_ASSIGN_OR_RETURN(best, reader->objects->BestSighting(object));
   }
   const VideoRecord* video = best ? lists->Video(best->video) : nullptr;
@@ -366,22 +358,21 @@ ApiExpected<HttpResponse> Api::Thumbnail(const Call& call) {
   return TaggedResponse(call.request, "image/jpeg", *bytes, 60);
 }
 
-ApiExpected<HttpResponse> Api::Decisions(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(call.parameters[0]));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+ApiExpected<HttpResponse> ObjectRoutes::Decisions(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(index_, call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Review> decisions, reader->sightings->Decisions(found.object.id));
   return JsonResponse({{"object_id", found.object.id}, {"decisions", DecisionsToJson(decisions)}});
 }
 
-ApiExpected<HttpResponse> Api::PutReview(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(call.parameters[0]));
+ApiExpected<HttpResponse> ObjectRoutes::PutReview(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(index_, call.parameters[0]));
   VICTORIOUS_ASSIGN_OR_RETURN(Review review, ParseReview(call.request.body));
   // With accounts, nobody decides in the name of another.
   if (!call.caller.is_open) review.reviewer = call.caller.name();
-  VICTORIOUS_RETURN_IF_ERROR(index_->PutReview(found.object.id, std::move(review)));
-  ++own_changes_;
+  VICTORIOUS_RETURN_IF_ERROR(index_.PutReview(found.object.id, std::move(review)));
   // What it makes of the team's review, and of those of others.
-  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject reviewed, FindObject(call.parameters[0]));
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject reviewed, FindObject(index_, call.parameters[0]));
   return JsonResponse({{"object_id", reviewed.object.id},
                        {"review", ReviewToJson(reviewed.review)},
                        {"decisions", DecisionsToJson(reviewed.decisions)},

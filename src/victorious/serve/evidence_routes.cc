@@ -1,7 +1,11 @@
-// The route of evidence: why a sighting was reported; and the images of a model's views.
+#include "victorious/serve/evidence_routes.h"
+
 #include <algorithm>
 #include <chrono>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,13 +17,17 @@
 #include "victorious/model/model_library.h"
 #include "victorious/model/view_surface.h"
 #include "victorious/pipeline/sighting_evidence.h"
-#include "victorious/serve/api.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
+#include "victorious/serve/index_lookup.h"
 #include "victorious/serve/static_files.h"
 
 namespace victorious {
 namespace {
+
+constexpr std::size_t kMaxCameras = 4;    // trajectories of some megabytes
+constexpr std::size_t kMaxEvidence = 64;  // bodies of at most 150 kB
+constexpr std::size_t kMaxModels = 8;     // mapped files of 9 to 32 MB: a turning model asks for hundreds of views
 
 // How long a request waits for those before it. Each waits on one of the few threads that answer all requests.
 constexpr std::chrono::seconds kMaxWait{2};
@@ -49,15 +57,23 @@ ApiExpected<bool> ReadWhole(QueryReader& query) {
 
 }  // namespace
 
-ApiExpected<std::shared_ptr<const ObjectModel>> Api::LoadModel(const ModelRecord& record) {
+EvidenceRoutes::EvidenceRoutes(IndexView& index, VideoFiles& videos, std::filesystem::path models)
+    : index_(index),
+      videos_(videos),
+      models_folder_(std::move(models)),
+      cameras_(kMaxCameras),
+      bodies_(kMaxEvidence),
+      models_(kMaxModels) {}
+
+ApiExpected<std::shared_ptr<const ObjectModel>> EvidenceRoutes::LoadModel(const ModelRecord& record) {
   if (record.IsCategory()) {
     return NotFound(fmt::format("{} is a category: it has neither views nor matches", record.name));
   }
-  if (options_.models.empty()) {
+  if (models_folder_.empty()) {
     return NotFound(
         fmt::format("the views of {} are not known: `victorious serve --models DIR` names the models", record.name));
   }
-  const ModelLibrary library(options_.models);
+  const ModelLibrary library(models_folder_);
   // A file that was replaced has another tag, one that is gone has none.
   const std::string state = FileEtag(library.PathOf(record.name));
   VICTORIOUS_ASSIGN_OR_RETURN(auto model,
@@ -65,21 +81,21 @@ ApiExpected<std::shared_ptr<const ObjectModel>> Api::LoadModel(const ModelRecord
   if (model->id == record.content_id) return model;
   return std::unexpected(
       ApiError(Error{ErrorCode::kConflict, fmt::format("{}: the model in {} is not the one that was searched for",
-                                                       record.name, options_.models.string())}));
+                                                       record.name, models_folder_.string())}));
 }
 
-ApiExpected<std::shared_ptr<const ObjectModel>> Api::LoadModelOf(std::string_view id) {
+ApiExpected<std::shared_ptr<const ObjectModel>> EvidenceRoutes::LoadModelOf(std::string_view id) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(id, "model"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
   const ModelRecord* record = lists->Model(number);
   if (record == nullptr) return NotFound(fmt::format("model {} is not in the index", number));
   return LoadModel(*record);
 }
 
-ApiExpected<HttpResponse> Api::ModelViews(const Call& call) {
+ApiExpected<HttpResponse> EvidenceRoutes::Views(const ApiCall& call) {
   constexpr std::int64_t kMaxObjects = 200;  // whose sightings are read
   VICTORIOUS_ASSIGN_OR_RETURN(const auto model, LoadModelOf(call.parameters[0]));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TriageObject> objects,
                               reader->objects->Objects({.models = {model->name}}, {.limit = kMaxObjects}));
   Json sightings = Json::array();
@@ -90,7 +106,7 @@ ApiExpected<HttpResponse> Api::ModelViews(const Call& call) {
   return JsonResponse(ModelViewsToJson(*model, std::move(sightings)));
 }
 
-ApiExpected<HttpResponse> Api::ViewImage(const Call& call) {
+ApiExpected<HttpResponse> EvidenceRoutes::ViewImage(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(call.parameters[1], "view"));
   VICTORIOUS_ASSIGN_OR_RETURN(const bool is_full, ReadWhole(call.query));
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
@@ -112,14 +128,14 @@ ApiExpected<HttpResponse> Api::ViewImage(const Call& call) {
 }
 
 // The best sighting of an object, or the one of a frame.
-ApiExpected<SightingRecord> Api::ReadSighting(std::int64_t object, QueryReader& query) {
+ApiExpected<SightingRecord> EvidenceRoutes::ReadSighting(std::int64_t object, QueryReader& query) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto video, query.Integer("video", 0, INT64_MAX));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto frame, query.Integer("frame", 0, INT64_MAX));
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
   if (video.has_value() != frame.has_value()) {
     return FailField(video ? "frame" : "video", "video and frame: give both of them or none");
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   if (!video) {
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<SightingRecord> best, reader->objects->BestSighting(object));
     if (best) return *std::move(best);
@@ -135,35 +151,21 @@ ApiExpected<SightingRecord> Api::ReadSighting(std::int64_t object, QueryReader& 
   return NotFound(fmt::format("object {} has no sighting in frame {} of video {}", object, *frame, *video));
 }
 
-// Videos that are added while the server runs have their own.
-std::optional<std::string> Api::TelemetryOf(const VideoRecord& video, const WarningSink& warn) const {
-  return video.id == telemetry_video_ ? options_.telemetry : roots_.Telemetry(video, warn);
-}
-
-Expected<CameraStates> Api::LoadCameras(const VideoRecord& video, const std::filesystem::path& path,
-                                        const TelemetryOptions& options, const WarningSink& warn,
-                                        const CancelToken& cancel) {
-  return videos_.Cameras({.video = path.string(),
-                          .duration_s = video.duration_s,
-                          .file = TelemetryOf(video, warn),
-                          .options = options,
-                          .consequence = "the map has no camera path"},
-                         warn, cancel);
-}
-
-Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const VideoRecord& video,
-                                        const std::string& options_json, const ObjectModel& model,
-                                        const CancelToken& cancel) {
+Expected<std::string> EvidenceRoutes::Make(const SightingRecord& sighting, const VideoRecord& video,
+                                           const std::string& options_json, const ObjectModel& model,
+                                           const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const TelemetryOptions telemetry, TelemetryOptionsOf(options_json));
-  if (!telemetry.geoid_grid.empty()) VICTORIOUS_RETURN_IF_ERROR(roots_.files().Check(telemetry.geoid_grid));
-  const auto load = [&] { return LoadCameras(video, path, telemetry, [](const std::string& /*warning*/) {}, cancel); };
+  if (!telemetry.geoid_grid.empty()) VICTORIOUS_RETURN_IF_ERROR(videos_.roots().files().Check(telemetry.geoid_grid));
+  const auto load = [&] {
+    return videos_.Cameras(video, path, telemetry, [](const std::string& /*warning*/) {}, cancel);
+  };
   VICTORIOUS_ASSIGN_OR_RETURN(
       const auto cameras,
       GetUnlessCancelled(cameras_,
                          fmt::format("{} {} {}", video.content_id, video.telemetry, OptionsToJsonText(telemetry)),
                          cancel, load));
-  const SearchSlot slot(evidence_slots_);
+  const SearchSlot slot(slots_);
   if (!slot.is_taken()) return Fail(ErrorCode::kConflict, "others ask for evidence, too: ask again in a moment");
   VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat grey, videos_.GreyFrame(video, sighting.time_s, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(const MatchEvidence evidence,
@@ -172,10 +174,10 @@ Expected<std::string> Api::MakeEvidence(const SightingRecord& sighting, const Vi
   return DumpJson(EvidenceToJson(evidence, sighting, view, CropRegion(sighting.box, grey.cols, grey.rows))) + "\n";
 }
 
-ApiExpected<HttpResponse> Api::Evidence(const Call& call) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(call.parameters[0]));
+ApiExpected<HttpResponse> EvidenceRoutes::Get(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject object, FindObject(index_, call.parameters[0]));
   VICTORIOUS_ASSIGN_OR_RETURN(const SightingRecord sighting, ReadSighting(object.object.id, call.query));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_->Lists());
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
   const VideoRecord* video = lists->Video(sighting.video);
   const ModelRecord* record = lists->Model(sighting.model);
   if (video == nullptr || record == nullptr) return NotFound("the sighting is not in the index any more");
@@ -184,15 +186,15 @@ ApiExpected<HttpResponse> Api::Evidence(const Call& call) {
   VICTORIOUS_RETURN_IF_ERROR(videos_.Find(*video));
   std::optional<SearchRecord> search;
   {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_->Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
     VICTORIOUS_ASSIGN_OR_RETURN(search, reader->sightings->FindSearch(video->id, record->id));
   }
   if (!search) return NotFound("the search that found it is not in the index any more");
   const std::string key = fmt::format("{} {} {} {} {:.2f} {:.2f} {} {} {}", video->content_id, model->id,
                                       sighting.frame, sighting.view_index, sighting.box.x, sighting.box.y, video->id,
                                       object.object.id, search->options_json);
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, GetUnlessCancelled(evidence_, key, call.cancel, [&] {
-                                return MakeEvidence(sighting, *video, search->options_json, *model, call.cancel);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, GetUnlessCancelled(bodies_, key, call.cancel, [&] {
+                                return Make(sighting, *video, search->options_json, *model, call.cancel);
                               }));
   return TaggedResponse(call.request, "application/json", *body, 0);
 }

@@ -1,4 +1,5 @@
-// The route of workers: what those do that share the videos of an index in a database.
+#include "victorious/serve/cluster_routes.h"
+
 #include <set>
 #include <string>
 #include <utility>
@@ -6,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
-#include "victorious/serve/api.h"
 #include "victorious/serve/api_response.h"
 #include "victorious/store/open_store.h"
 
@@ -90,19 +90,19 @@ Json ClusterToJson(const ClusterStatus& status, bool is_shared) {
 
 }  // namespace
 
-ApiExpected<HttpResponse> Api::Cluster(const Call& /*call*/) {
-  if (!IsDatabaseUrl(options_.index)) return JsonResponse(ClusterToJson({}, /*is_shared=*/false));
+ApiExpected<HttpResponse> ClusterRoutes::List(const ApiCall& /*call*/) {
+  if (!IsDatabaseUrl(index_)) return JsonResponse(ClusterToJson({}, /*is_shared=*/false));
   constexpr std::chrono::seconds kMaxAge{1};
-  const std::scoped_lock lock(cluster_mutex_);
-  if (cluster_body_.empty() || std::chrono::steady_clock::now() - cluster_read_ >= kMaxAge) {
+  const std::scoped_lock lock(mutex_);
+  if (body_.empty() || std::chrono::steady_clock::now() - read_ >= kMaxAge) {
     if (!cluster_) {
-      VICTORIOUS_ASSIGN_OR_RETURN(cluster_, ClusterReader::Open(options_.index));
+      VICTORIOUS_ASSIGN_OR_RETURN(cluster_, ClusterReader::Open(index_));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ClusterStatus status, cluster_->Read());
-    cluster_body_ = DumpJson(ClusterToJson(status, /*is_shared=*/true)) + "\n";
-    cluster_read_ = std::chrono::steady_clock::now();
+    body_ = DumpJson(ClusterToJson(status, /*is_shared=*/true)) + "\n";
+    read_ = std::chrono::steady_clock::now();
   }
-  return JsonTextResponse(cluster_body_);
+  return JsonTextResponse(body_);
 }
 
 }  // namespace victorious

@@ -1,0 +1,30 @@
+// The route of workers: what those do that share the videos of an index in a database. Thread-safe.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "victorious/cluster/cluster_status.h"
+#include "victorious/serve/route_table.h"
+
+namespace victorious {
+
+class ClusterRoutes {
+ public:
+  /// @param index  by the name that OpenStore takes
+  explicit ClusterRoutes(std::string index) : index_(std::move(index)) {}
+
+  ApiExpected<HttpResponse> List(const ApiCall& call);
+
+ private:
+  std::string index_;
+  std::mutex mutex_;
+  std::unique_ptr<ClusterReader> cluster_;  ///< opened by the first request for it
+  std::string body_;                        ///< of the last answer, for those who ask at once
+  std::chrono::steady_clock::time_point read_;
+};
+
+}  // namespace victorious

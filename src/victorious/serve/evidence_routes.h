@@ -1,0 +1,50 @@
+// The route of evidence: why a sighting was reported; and the images of a model's views. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <semaphore>
+#include <string>
+#include <string_view>
+
+#include "victorious/pipeline/camera_states.h"
+#include "victorious/serve/index_view.h"
+#include "victorious/serve/once_cache.h"
+#include "victorious/serve/route_table.h"
+#include "victorious/serve/video_files.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+class EvidenceRoutes {
+ public:
+  /// @param models  the model library; empty: none
+  EvidenceRoutes(IndexView& index, VideoFiles& videos, std::filesystem::path models);
+
+  ApiExpected<HttpResponse> Get(const ApiCall& call);
+  ApiExpected<HttpResponse> Views(const ApiCall& call);
+  ApiExpected<HttpResponse> ViewImage(const ApiCall& call);
+
+ private:
+  /// Errors: kNotFound without a library, for a category, or without the model; kConflict for another model of this
+  /// name.
+  ApiExpected<std::shared_ptr<const ObjectModel>> LoadModel(const ModelRecord& record);
+  /// The model of an id in the address. Errors: those of LoadModel; kNotFound.
+  ApiExpected<std::shared_ptr<const ObjectModel>> LoadModelOf(std::string_view id);
+  ApiExpected<SightingRecord> ReadSighting(std::int64_t object, QueryReader& query);
+  /// The body of an answer, at most one at a time.
+  [[nodiscard]] Expected<std::string> Make(const SightingRecord& sighting, const VideoRecord& video,
+                                           const std::string& options_json, const ObjectModel& model,
+                                           const CancelToken& cancel);
+
+  IndexView& index_;
+  VideoFiles& videos_;
+  std::filesystem::path models_folder_;
+  OnceCache<CameraStates> cameras_;  ///< by the video's content and the telemetry's options
+  OnceCache<std::string> bodies_;    ///< of answers
+  OnceCache<ObjectModel> models_;    ///< by name and state of the file; the files are mapped
+  std::counting_semaphore<> slots_{1};
+};
+
+}  // namespace victorious
