@@ -1,6 +1,6 @@
 # A thin door to tools/install_packages.sh, CMake and the program. CMake holds the build; nothing is compiled here.
 
-.PHONY: build victorious web install package test demo demo-cluster serve bench check format tidy fuzz asan clean
+.PHONY: build victorious web install package test quick demo demo-cluster serve bench check format tidy fuzz asan clean
 
 # Ninja's progress: files done of all, seconds since the start.
 NINJA_STATUS ?= [%f/%t %es] $(empty)
@@ -43,6 +43,11 @@ test:
 	cmake --build --preset release --target victorious_page all
 	ctest --preset release
 	@sed -nE 's/^\[  SKIPPED \] (.*) \(.* ms\)$$/SKIPPED: \1/p' build/Testing/Temporary/LastTest.log
+
+# The unit tests of the folders that differ from origin/main, or from COMMIT, and what is checked without compiling.
+quick:
+	$(call configure,release,--test)
+	./tools/quick.py $(COMMIT)
 
 demo: victorious
 	./tools/demo.sh build/victorious scenes/demo.json assets/models demo
