@@ -40,7 +40,7 @@ def inputs(evidence: dict) -> list[float]:
         max(0, size - USUAL_SIZE),
         fraction(evidence["missing_lines"], evidence["lines"]),
         fraction(evidence["contradicting_headings"], evidence["headings"]),
-        float(evidence["place_rejected"]),
+        min(evidence["place_weight"], 0),
         fraction(evidence["view_jumps"], evidence["view_steps"]),
     ]
 
@@ -52,7 +52,7 @@ PRIOR = {
     "kSizeWeight": (-20.0, 5.0),
     "kMissingWeight": (-2.0, 1.0),
     "kHeadingWeight": (-5.0, 1.5),
-    "kPlaceWeight": (-2.0, 1.0),
+    "kPlaceWeight": (1.0, 0.3),
     "kJumpWeight": (-5.0, 1.5),
 }
 

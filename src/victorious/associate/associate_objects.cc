@@ -13,6 +13,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "victorious/associate/fits.h"
+#include "victorious/associate/flight_evidence.h"
 #include "victorious/associate/flight_fusion.h"
 #include "victorious/associate/flight_registration.h"
 #include "victorious/associate/merge_flights.h"
@@ -20,6 +21,7 @@
 #include "victorious/associate/object_hypothesis.h"
 #include "victorious/associate/object_rejection.h"
 #include "victorious/associate/object_score.h"
+#include "victorious/base/count_text.h"
 
 namespace victorious {
 namespace {
@@ -175,50 +177,143 @@ std::size_t CountObservations(const ObjectHypothesis& hypothesis) {
   return static_cast<std::size_t>(observations);
 }
 
-void Score(const ObjectHypothesis& hypothesis, double tests, const ObjectOptions& options, ObjectRecord& object) {
+// An object with what its place says, while the flights are judged.
+struct Judged {
+  ObjectRecord object;
+  double tests = 0;
+  PlaceFinding finding = PlaceFinding::kNothing;
+  double weight = 0;                    // of `finding`, by all objects of its flights
+  std::int64_t confirming_objects = 0;  // of other models, in the same flights
+
+  void Contradict(PlaceContradiction contradiction) {
+    finding = contradiction.finding;
+    RejectPlace(std::move(contradiction.reason), object);
+  }
+};
+
+void Score(const ObjectHypothesis& hypothesis, const ObjectOptions& options, Judged& judged) {
   if (hypothesis.tracklets[0]->is_category) return;  // its score is the classifier's
-  const ObjectEvidence evidence = CollectEvidence(hypothesis, object, tests, options);
+  ObjectRecord& object = judged.object;
+  ObjectEvidence evidence = CollectEvidence(hypothesis, object, judged.tests, options);
+  if (!object.place_rejected.empty()) evidence.place_weight = judged.weight;
   object.object_score = ScoreObject(evidence);
   object.against = SpeaksAgainst(evidence);
   object.evidence_json = ToJsonText(evidence);
 }
 
+// True if nothing but its telemetry, the model's length and the object itself decides that its size fits its place.
+bool IsAgreement(const ObjectHypothesis& hypothesis, const ObjectOptions& options) {
+  constexpr double kAgreeingSize = 0.1;  // |log ratio|: twice what counts against a score
+  const ObjectPlace& estimate = hypothesis.estimate;
+  return estimate.place && estimate.size_ratio && !estimate.HasPath() &&
+         std::abs(std::log(*estimate.size_ratio)) <= kAgreeingSize &&
+         estimate.inlier_fraction >= options.min_inlier_fraction;
+}
+
 // By its own evidence.
-ObjectRecord MakeObject(const ObjectHypothesis& hypothesis, double tests, const ObjectOptions& options) {
-  ObjectRecord object{.id = hypothesis.tracklets[0]->record.id,
-                      .model = hypothesis.tracklets[0]->record.model,
-                      .place = hypothesis.estimate.place,
-                      .heading_rad = hypothesis.estimate.heading_rad};
+Judged MakeObject(const ObjectHypothesis& hypothesis, double tests, const ObjectOptions& options) {
+  Judged judged{.object = {.id = hypothesis.tracklets[0]->record.id,
+                           .model = hypothesis.tracklets[0]->record.model,
+                           .place = hypothesis.estimate.place,
+                           .heading_rad = hypothesis.estimate.heading_rad},
+                .tests = tests};
+  ObjectRecord& object = judged.object;
   for (const ObservedTracklet* tracklet : hypothesis.tracklets) object.tracklets.push_back(tracklet->record.id);
-  std::string reason = PlaceRejectionReason(hypothesis.estimate, CountObservations(hypothesis), options);
-  if (!reason.empty()) RejectPlace(std::move(reason), object);
+  std::optional<PlaceContradiction> contradiction =
+      FindContradiction(hypothesis.estimate, CountObservations(hypothesis), options);
+  if (contradiction) {
+    judged.Contradict(*std::move(contradiction));
+  } else if (IsAgreement(hypothesis, options)) {
+    judged.finding = PlaceFinding::kAgrees;
+  }
   if (!hypothesis.tracklets[0]->is_category && IsInsignificant(hypothesis, object.place.has_value(), tests, options)) {
     object.rejected = fmt::format(
         "not significant: as strong a false detection is expected by chance in {:.0f} frames of one model", tests);
   }
-  return object;
+  return judged;
 }
 
-// Rejects and scores each of them, but for what other objects say beyond the heights of their videos.
+std::set<std::int64_t> VideosOf(const ObjectHypothesis& hypothesis) {
+  std::set<std::int64_t> videos;
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) videos.insert(tracklet->record.video);
+  return videos;
+}
+
+// Weighs the findings of each flight. Of an object that several flights see, the mildest counts: the telemetry of one
+// being wrong is enough.
+void WeighPlaces(std::span<const ObjectHypothesis> hypotheses, const ObjectOptions& options,
+                 std::vector<Judged>& judged) {
+  std::map<std::int64_t, std::vector<std::size_t>> flights;  // indices, by video
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    if (judged[i].finding == PlaceFinding::kNothing || hypotheses[i].tracklets[0]->is_category) continue;
+    for (const std::int64_t video : VideosOf(hypotheses[i])) flights[video].push_back(i);
+  }
+  std::vector<bool> is_weighed(judged.size());
+  for (const auto& [video, of_flight] : flights) {
+    std::vector<FindingOfObject> findings;
+    std::int64_t agreeing = 0;
+    std::map<std::int64_t, std::int64_t> agreeing_of_model;
+    for (const std::size_t i : of_flight) {
+      // Without its place: what that says is weighed here. What is as strong as chance makes says nothing of the flight.
+      const bool is_significant = judged[i].object.rejected.empty();
+      const ObjectEvidence recognition = CollectEvidence(hypotheses[i], {}, judged[i].tests, options);
+      findings.push_back({judged[i].object.model, is_significant ? ScoreObject(recognition) : 0, judged[i].finding});
+      if (!is_significant) continue;
+      if (judged[i].finding != PlaceFinding::kAgrees) continue;
+      ++agreeing;
+      ++agreeing_of_model[judged[i].object.model];
+    }
+    const std::vector<double> weights = WeighFindings(findings);
+    for (std::size_t k = 0; k < of_flight.size(); ++k) {
+      Judged& one = judged[of_flight[k]];
+      if (is_weighed[of_flight[k]] && weights[k] <= one.weight) continue;
+      is_weighed[of_flight[k]] = true;
+      one.weight = weights[k];
+      one.confirming_objects = agreeing - agreeing_of_model[one.object.model];
+    }
+  }
+}
+
+// Rejects a find that its contradicted place leaves too weak.
+void RejectWeak(const ObjectHypothesis& hypothesis, const ObjectOptions& options, Judged& judged) {
+  ObjectRecord& object = judged.object;
+  if (object.place_rejected.empty() || !object.rejected.empty() || hypothesis.tracklets[0]->is_category) return;
+  if (!IsInsignificant(hypothesis, false, judged.tests, options, judged.weight)) return;
+  object.rejected = fmt::format("weak, and {}", object.place_rejected);
+  if (judged.confirming_objects > 0)
+    object.rejected +=
+        fmt::format(", with telemetry that {} of other models {}", CountText(judged.confirming_objects, "object"),
+                    judged.confirming_objects == 1 ? "confirms" : "confirm");
+}
+
+// Rejects and scores each of them, but for what other objects say beyond the heights of their videos and what their
+// places say of telemetry.
 std::vector<ObjectRecord> JudgeEach(std::span<const ObjectHypothesis> hypotheses, const SearchCounts& searches,
                                     const ObjectOptions& options) {
-  std::vector<ObjectRecord> objects(hypotheses.size());
-  std::vector<double> tests(hypotheses.size());
+  std::vector<Judged> judged(hypotheses.size());
   oneapi::tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t i) {
-    tests[i] = searches.TestsOf(hypotheses[i]);
-    objects[i] = MakeObject(hypotheses[i], tests[i], options);
+    judged[i] = MakeObject(hypotheses[i], searches.TestsOf(hypotheses[i]), options);
   });
   HeightStatistics heights;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
+  for (std::size_t i = 0; i < judged.size(); ++i) {
     const ObjectPlace& estimate = hypotheses[i].estimate;
-    if (objects[i].place && objects[i].rejected.empty() && estimate.size_ratio && !estimate.HasPath())
-      heights.Add(hypotheses[i], objects[i].place->point.altitude_m);
+    const ObjectRecord& object = judged[i].object;
+    if (object.place && object.rejected.empty() && estimate.size_ratio && !estimate.HasPath())
+      heights.Add(hypotheses[i], object.place->point.altitude_m);
   }
   const std::map<std::int64_t, double> median_heights_m = heights.Medians();
-  oneapi::tbb::parallel_for(std::size_t{0}, objects.size(), [&](std::size_t i) {
-    RejectFloating(hypotheses[i], median_heights_m, options, objects[i]);
-    Score(hypotheses[i], tests[i], options, objects[i]);
+  oneapi::tbb::parallel_for(std::size_t{0}, judged.size(), [&](std::size_t i) {
+    auto contradiction = FindFloating(hypotheses[i], median_heights_m, options, judged[i].object);
+    if (contradiction) judged[i].Contradict(*std::move(contradiction));
   });
+  WeighPlaces(hypotheses, options, judged);
+  oneapi::tbb::parallel_for(std::size_t{0}, judged.size(), [&](std::size_t i) {
+    RejectWeak(hypotheses[i], options, judged[i]);
+    Score(hypotheses[i], options, judged[i]);
+  });
+  std::vector<ObjectRecord> objects;
+  objects.reserve(judged.size());
+  for (Judged& one : judged) objects.push_back(std::move(one.object));
   return objects;
 }
 

@@ -266,13 +266,47 @@ TEST(AssociateTracklets, DrivingObjectKeepsItsIdentityThroughALoss) {
   EXPECT_EQ(ObjectsFrom({first, elsewhere}).size(), 2U) << "another one, 20 m beside it";
 }
 
-// Without its place, the object is as significant as without telemetry: 30 frames, not those that agree in place.
+// Without its place, the object is as significant as without telemetry, 30 frames and not those that agree in place, less
+// what the place says against it.
 TEST(AssociateTracklets, WithoutAPlaceTheObjectIsJudgedByRecognition) {
   SimulatedTracklet seen = kTooLarge;
-  seen.score = 0.9;
+  seen.score = 0.997;
   ExpectPlaceRejected(ObjectsFrom({kParked, seen}, {}, 1000)[1], "too large");
+  seen.score = 0.9;
+  EXPECT_EQ(ObjectsFrom({kParked, seen}, {}, 1000)[1].rejected,
+            "weak, and 5.0 times too large for its distance, with telemetry that 1 object of other models confirms");
   seen.score = 0.5;
   EXPECT_THAT(ObjectsFrom({kParked, seen}, {}, 1000)[1].rejected, HasSubstr("not significant"));
+}
+
+// Three that stand where their lines meet show that the telemetry is right: a weak find below any ground is false. Where
+// all are there, the telemetry is wrong, and the same finds stay.
+TEST(AssociateTracklets, AnImpossiblePlaceIsWeighedByTheWholeFlight) {
+  const auto underground = [](std::int64_t model, double score) {
+    return SimulatedTracklet{
+        .id = model, .model = model, .place_enu = {15.0 * static_cast<double>(model), 900, -1500}, .score = score};
+  };
+  std::vector<SimulatedTracklet> seen = {underground(1, 0.9)};
+  for (std::int64_t model = 2; model < 5; ++model)
+    seen.push_back({.id = model, .model = model, .place_enu = {10.0 * static_cast<double>(model), 0, 1}});
+  const auto confirmed = ObjectsFrom(seen);
+  EXPECT_THAT(confirmed[0].rejected, HasSubstr("weak, and"));
+  EXPECT_THAT(confirmed[0].rejected, HasSubstr("below the sea"));
+  EXPECT_THAT(confirmed[0].rejected, HasSubstr("that 3 objects of other models confirm"));
+  for (std::size_t i = 1; i < 4; ++i) ExpectPlaced(confirmed[i]);
+
+  // The model's length may be wrong: a strong find stays.
+  seen[0].score = 0.999;
+  ExpectPlaceRejected(ObjectsFrom(seen)[0], "below the sea");
+
+  std::vector<SimulatedTracklet> all;
+  for (std::int64_t model = 1; model < 5; ++model) all.push_back(underground(model, 0.9));
+  const auto contradicted = ObjectsFrom(all);
+  ASSERT_EQ(contradicted.size(), 4U);
+  for (const ObjectRecord& object : contradicted) {
+    ExpectPlaceRejected(object, "below the sea");
+    EXPECT_GT(*object.object_score, *confirmed[0].object_score);
+  }
 }
 
 TEST(AssociateTracklets, HeightDeviationFromOtherObjectsCostsThePlace) {

@@ -148,15 +148,18 @@ bool IsSizeContradicted(const ObjectPlace& estimate, const ObjectOptions& option
   return ratio > options.max_size_ratio || ratio < 1 / options.max_size_ratio;
 }
 
-std::string PlaceRejectionReason(const ObjectPlace& estimate, std::size_t observations, const ObjectOptions& options) {
+std::optional<PlaceContradiction> FindContradiction(const ObjectPlace& estimate, std::size_t observations,
+                                                    const ObjectOptions& options) {
   if (estimate.place && IsBelowLowestGround(*estimate.place)) {
-    return fmt::format("{:.0f} m below the sea, below any ground", -estimate.place->point.altitude_m);
+    return PlaceContradiction{PlaceFinding::kImpossible, fmt::format("{:.0f} m below the sea, below any ground",
+                                                                     -estimate.place->point.altitude_m)};
   }
   // An object that drives is placed by its size: the distance of its lines, as if it stood still, contradicts nothing.
-  if (!estimate.HasPath() && IsSizeContradicted(estimate, options)) return SizeReason(*estimate.size_ratio);
+  if (!estimate.HasPath() && IsSizeContradicted(estimate, options))
+    return PlaceContradiction{PlaceFinding::kImpossible, SizeReason(*estimate.size_ratio)};
   if (observations >= kMinObservations && estimate.inlier_fraction < options.min_inlier_fraction)
-    return "its lines of sight do not intersect";
-  return {};
+    return PlaceContradiction{PlaceFinding::kNoIntersection, "its lines of sight do not intersect"};
+  return std::nullopt;
 }
 
 void RejectPlace(std::string reason, ObjectRecord& object) {
@@ -172,27 +175,30 @@ double StrengthOf(const ObjectHypothesis& hypothesis, bool placed, double tests,
          std::log(std::max(test.false_alarms_at_even_odds, kMin));
 }
 
-bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, double tests, const ObjectOptions& options) {
+bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, double tests, const ObjectOptions& options,
+                     double finding_weight) {
   const SignificanceTest test = TestOf(hypothesis, placed, tests, options);
-  return std::exp(test.log_odds) * test.frames * kMaxFalseAlarms < test.false_alarms_at_even_odds;
+  const double odds = std::exp(test.log_odds + std::min(finding_weight, 0.0));
+  return odds * test.frames * kMaxFalseAlarms < test.false_alarms_at_even_odds;
 }
 
 // If a place of another size fits its lines, the object does not drive at that height, but stands and is of that size.
-void RejectFloating(const ObjectHypothesis& hypothesis, const std::map<std::int64_t, double>& median_heights_m,
-                    const ObjectOptions& options, ObjectRecord& object) {
+std::optional<PlaceContradiction> FindFloating(const ObjectHypothesis& hypothesis,
+                                               const std::map<std::int64_t, double>& median_heights_m,
+                                               const ObjectOptions& options, const ObjectRecord& object) {
   const ObjectPlace& estimate = hypothesis.estimate;
   const bool other_size = estimate.HasPath() && IsSizeContradicted(estimate, options);
   if ((estimate.size_ratio && !other_size) || !object.place || !object.rejected.empty() ||
       hypothesis.tracklets[0]->is_category)
-    return;
+    return std::nullopt;
   const auto median = median_heights_m.find(hypothesis.tracklets[0]->record.video);
-  if (median == median_heights_m.end()) return;
+  if (median == median_heights_m.end()) return std::nullopt;
   const double above_m = object.place->point.altitude_m - median->second;
-  if (std::abs(above_m) < options.max_height_deviation_m) return;
-  RejectPlace(other_size ? SizeReason(*estimate.size_ratio)
-                         : fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
-                                       above_m > 0 ? "above" : "below"),
-              object);
+  if (std::abs(above_m) < options.max_height_deviation_m) return std::nullopt;
+  if (other_size) return PlaceContradiction{PlaceFinding::kImpossible, SizeReason(*estimate.size_ratio)};
+  return PlaceContradiction{above_m > 0 ? PlaceFinding::kAbove : PlaceFinding::kImpossible,
+                            fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
+                                        above_m > 0 ? "above" : "below")};
 }
 
 double SumLogOdds(std::span<const double> scores) {

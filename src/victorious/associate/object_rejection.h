@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "victorious/associate/flight_evidence.h"
 #include "victorious/associate/object_hypothesis.h"
 
 namespace victorious {
@@ -40,12 +42,18 @@ struct TrackletOverlap {
 
 [[nodiscard]] bool IsSizeContradicted(const ObjectPlace& estimate, const ObjectOptions& options);
 
-/// The reason why an estimated place is wrong; empty if nothing contradicts it. Wrong telemetry is as good an
-/// explanation as a false detection: the place is rejected, and the object stands or falls by its significance without
-/// one.
+/// Why an estimated place is wrong.
+struct PlaceContradiction {
+  PlaceFinding finding = PlaceFinding::kImpossible;
+  std::string reason;
+};
+
+/// std::nullopt: nothing contradicts the place. Wrong telemetry or a wrong length of the model explains a contradiction
+/// as a false detection does (flight_evidence.h): the place is rejected, and the object stands or falls by its
+/// significance without one and by what the flight says.
 /// @param observations  number of bearing observations
-[[nodiscard]] std::string PlaceRejectionReason(const ObjectPlace& estimate, std::size_t observations,
-                                               const ObjectOptions& options);
+[[nodiscard]] std::optional<PlaceContradiction> FindContradiction(const ObjectPlace& estimate, std::size_t observations,
+                                                                  const ObjectOptions& options);
 
 /// Removes the place, and the heading, which rests on the same telemetry.
 void RejectPlace(std::string reason, ObjectRecord& object);
@@ -56,15 +64,17 @@ void RejectPlace(std::string reason, ObjectRecord& object);
                                 const ObjectOptions& options);
 
 /// The a contrario test: true if as strong a false detection is expected by chance.
-/// @param placed  false: the object has no place, and the test rests on recognition alone
-/// @param tests   their number (SearchCounts::TestsOf)
+/// @param placed           false: the object has no place, and the test rests on recognition alone
+/// @param tests            their number (SearchCounts::TestsOf)
+/// @param finding_weight   what the place says of the object (WeighFindings); positive ones do not count
 [[nodiscard]] bool IsInsignificant(const ObjectHypothesis& hypothesis, bool placed, double tests,
-                                   const ObjectOptions& options);
+                                   const ObjectOptions& options, double finding_weight = 0);
 
-/// Rejects the place of an object whose height follows from its size only and is far from the median height.
+/// The contradiction of a place whose height follows from its size only and is far from the median height.
 /// @param median_heights_m  of each video (HeightStatistics::Medians)
-void RejectFloating(const ObjectHypothesis& hypothesis, const std::map<std::int64_t, double>& median_heights_m,
-                    const ObjectOptions& options, ObjectRecord& object);
+[[nodiscard]] std::optional<PlaceContradiction> FindFloating(const ObjectHypothesis& hypothesis,
+                                                             const std::map<std::int64_t, double>& median_heights_m,
+                                                             const ObjectOptions& options, const ObjectRecord& object);
 
 /// Rejects the less-observed of two CAD objects of different models in the same pixels, where one would occlude the
 /// other, and of two of one model in the same space the one with less evidence (sum of the log odds of its scores): if

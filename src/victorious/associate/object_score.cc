@@ -20,7 +20,7 @@ constexpr double kStrengthWeight = 0.70;  // per unit of the natural logarithm, 
 constexpr double kSizeWeight = -20;       // per unit of |log ratio| beyond kUsualSize
 constexpr double kMissingWeight = -2;     // of the fraction of lines
 constexpr double kHeadingWeight = -5;     // of the fraction of headings
-constexpr double kPlaceWeight = -2.1;     // of a rejected place
+constexpr double kPlaceWeight = 1;        // of what the flight says of a rejected place, a natural logarithm
 constexpr double kJumpWeight = -5;        // of the fraction of steps
 
 // Beyond it nothing becomes likelier.
@@ -89,7 +89,7 @@ double ScoreObject(const ObjectEvidence& evidence) {
                        kSizeWeight * std::max(0.0, SizeError(evidence) - kUsualSize) +
                        kMissingWeight * Fraction(evidence.missing_lines, evidence.lines) +
                        kHeadingWeight * Fraction(evidence.contradicting_headings, evidence.headings) +
-                       (evidence.place_rejected.empty() ? 0 : kPlaceWeight) +
+                       kPlaceWeight * std::min(evidence.place_weight, 0.0) +
                        kJumpWeight * Fraction(evidence.view_jumps, evidence.view_steps);
   return 1 / (1 + std::exp(-logit));
 }
@@ -133,6 +133,7 @@ std::string ToJsonText(const ObjectEvidence& evidence) {
       {"lines", evidence.lines},
       {"missing_lines", evidence.missing_lines},
       {"place_rejected", !evidence.place_rejected.empty()},
+      {"place_weight", evidence.place_weight},
       {"headings", evidence.headings},
       {"contradicting_headings", evidence.contradicting_headings},
       {"view_steps", evidence.view_steps},

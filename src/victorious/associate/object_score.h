@@ -40,10 +40,12 @@ struct ObjectEvidence {
   /// std::nullopt: fewer than two views.
   std::optional<double> view_spread_rad;
   std::string place_rejected;  ///< ObjectRecord::place_rejected
+  /// Of a rejected place: what it says of the object, by all objects of its flight (flight_evidence.h).
+  double place_weight = 0;
 };
 
 /// Of an object whose place is rejected, size, lines and headings say nothing more: they rest on the same telemetry,
-/// which may be wrong.
+/// which may be wrong. `place_weight` is left to the caller, who knows the flight.
 /// @param object  with its place, and the reason why that is rejected
 /// @param tests   as for IsInsignificant()
 [[nodiscard]] ObjectEvidence CollectEvidence(const ObjectHypothesis& hypothesis, const ObjectRecord& object,

@@ -54,6 +54,17 @@ TEST(ObjectScoreTest, EveryContradictionLowersTheScoreAndIsSaid) {
   expect_lower(evidence, "view jumps in 4 of 19 steps");
 }
 
+// A vehicle that looks like the model and is half as long again is another one, however often it is recognised.
+TEST(ObjectScoreTest, AnotherModelsSizeOutweighsAnOrdinaryFind) {
+  ObjectEvidence evidence = Good();
+  evidence.strength = 8;
+  EXPECT_GT(ScoreObject(evidence), 0.95);
+  evidence.size_ratio = 1.5;
+  EXPECT_LT(ScoreObject(evidence), 0.1);
+  evidence.size_ratio = 1.03;
+  EXPECT_GT(ScoreObject(evidence), 0.95) << "the usual error of ranges";
+}
+
 TEST(ObjectScoreTest, SaysWhatIsFewWeakAndOneSided) {
   ObjectEvidence evidence = Good();
   evidence.recognitions = 1;
@@ -72,12 +83,15 @@ TEST(ObjectScoreTest, ARejectedPlaceCostsTheScoreButNotTheFind) {
   const ObjectHypothesis hypothesis{.tracklets = {&tracklet},
                                     .estimate = {.place = Geolocation{}, .inlier_fraction = 0.2, .size_ratio = 1.9}};
   const ObjectRecord rejected{.place_rejected = "1.9 times too large for its distance"};
-  const ObjectEvidence evidence = CollectEvidence(hypothesis, rejected, 1000, {});
+  ObjectEvidence evidence = CollectEvidence(hypothesis, rejected, 1000, {});
   EXPECT_EQ(evidence.size_ratio, std::nullopt);
   EXPECT_EQ(evidence.missing_lines, 0);
   EXPECT_THAT(SpeaksAgainst(evidence), ElementsAre("1.9 times too large for its distance"));
-  EXPECT_LT(ScoreObject(evidence), ScoreObject(CollectEvidence(hypothesis, {}, 1000, {})));
+  const double before = ScoreObject(evidence);
+  evidence.place_weight = -2;
+  EXPECT_LT(ScoreObject(evidence), before);
   EXPECT_GT(ScoreObject(evidence), 0.9);
+  EXPECT_EQ(nlohmann::json::parse(ToJsonText(evidence))["place_weight"], -2);
 }
 
 TEST(ObjectScoreTest, RisesWithStrengthAndStaysBelowOne) {

@@ -41,6 +41,15 @@ TEST(ComputeNegLog10Nfa, GrowsWithAgreementAndFallsWithClutter) {
   EXPECT_EQ(ComputeNegLog10Nfa(1000, 10, 0.5, 1), 0);
 }
 
+// What chance makes in one frame of ten is likelier false, and what it makes in one of ten thousand is as likely true as
+// a detection must be.
+TEST(ComputeScore, IsTheProbabilityThatADetectionIsRight) {
+  EXPECT_LT(ComputeScore(1), 0.35);
+  EXPECT_NEAR(ComputeScore(4), DetectOptions().min_score, 0.05);
+  EXPECT_GT(ComputeScore(8), 0.98);
+  for (const double score : {0.1, 0.5, 0.795, 0.999}) EXPECT_NEAR(ComputeScore(NegLog10NfaOf(score)), score, 1e-9);
+}
+
 TEST(Detect, SuppressesNeighboursAndKeepsEveryInstance) {
   const std::vector<Candidate> candidates = {CandidateAt(100, 100, 9), CandidateAt(104, 98, 14),
                                              CandidateAt(300, 200, 10), CandidateAt(100, 100, 8, /*model=*/1)};

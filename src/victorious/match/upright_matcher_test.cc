@@ -1,6 +1,7 @@
 #include "victorious/match/upright_matcher.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -126,6 +127,48 @@ TEST(UprightMatcher, LargeScenesHaveMatchesOfEveryOrientation) {
   const std::vector<float> lean_rad(scene.size(), 0.0F);
   const std::vector<RankedMatch> matches = UprightMatcher(scene.View(), lean_rad).Match({&view, 1}, 0.3, 1).front();
   EXPECT_EQ(matches.size(), model.size());
+}
+
+// Descriptors as of real keypoints: few large values, a norm of 512.
+FeatureSet RealisticFeatures(Random& random, std::size_t count) {
+  FeatureSet features;
+  for (std::size_t i = 0; i < count; ++i) {
+    features.keypoints.push_back({1, 1, 2, RandomAngle(random)});
+    std::array<double, kDescriptorSize> values{};
+    double sum = 0;
+    for (double& value : values) {
+      value = std::pow(std::abs(random.Normal()), 1.5);
+      sum += value * value;
+    }
+    for (const double value : values)
+      features.descriptors.push_back(
+          static_cast<std::uint8_t>(std::lround(std::min(255.0, 512 * value / std::sqrt(sum)))));
+  }
+  return features;
+}
+
+// A cell's list holds a part of a large scene: nearly all keypoints that are as near to theirs as true matches are.
+TEST(UprightMatcher, ListsHoldNearlyAllTrueMatches) {
+  Random random(6);
+  const FeatureSet scene = RealisticFeatures(random, 12'000);
+  FeatureSet model;
+  std::vector<std::uint32_t> truth;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    truth.push_back(random.Below(12'000));
+    model.keypoints.push_back(scene.keypoints[truth.back()]);
+    for (const std::uint8_t value : scene.View().Descriptor(truth.back())) {
+      const double changed = value + 18 * random.Normal();  // 200 away
+      model.descriptors.push_back(static_cast<std::uint8_t>(std::lround(std::clamp(changed, 0.0, 255.0))));
+    }
+  }
+  const ShortenedFeatures shortened(model.View());
+  const UprightTemplate view = shortened.View();
+  const std::vector<float> lean_rad(scene.size(), 0.0F);
+  std::size_t found = 0;
+  const auto matches = UprightMatcher(scene.View(), lean_rad).Match({&view, 1}, kPi, 1);
+  for (const RankedMatch& match : matches.front())
+    found += match.scene_keypoint == truth[match.template_keypoint] ? 1U : 0U;
+  EXPECT_GT(found, 340U);
 }
 
 TEST(UprightMatcher, AnEmptySceneGivesNoMatches) {

@@ -176,6 +176,26 @@ TEST(ComputeRankNegLog10Nfa, InvisibleInliersCountAsTrials) {
   }
 }
 
+// Descriptors of a norm of about 512 whose pairs are `distance` apart.
+void SetDescriptors(double distance, RankedWorld& world) {
+  world.scene.descriptors.assign(world.scene.size() * kDescriptorSize, 0);
+  for (std::size_t i = 0; i < world.inliers.size(); ++i) {
+    const std::size_t first = world.inliers[i].scene_keypoint * kDescriptorSize;
+    for (std::size_t k = 0; k < 64; ++k) world.scene.descriptors[first + k] = 60;
+    world.scene.descriptors[first + 64 + i] = static_cast<std::uint8_t>(std::lround(distance / std::sqrt(2.0)));
+  }
+}
+
+// The joints of a pavement look alike, 120 apart: whatever their number, they are one inlier. True matches are of
+// different parts of an object.
+TEST(ComputeRankNegLog10Nfa, ARepeatedTextureIsOneInlier) {
+  RankedWorld world = MakeWorld(10);
+  SetDescriptors(120, world);
+  EXPECT_LT(world.NegLog10Nfa(30), world.NegLog10Nfa(1) + 1);
+  SetDescriptors(200, world);
+  EXPECT_GT(world.NegLog10Nfa(30), world.NegLog10Nfa(1) + 20);
+}
+
 TEST(ComputeRankNegLog10Nfa, RotationWindowIsLimitedToTheCircle) {
   RankedWorld world = MakeWorld(9);
   world.options.turn_rad = kPi;
