@@ -119,7 +119,7 @@ Status AddVideo(int number, int town, int sightings, int observed_each, const st
 Expected<double> TimeUpdate(IndexStore& store) {
   const auto start = std::chrono::steady_clock::now();
   VICTORIOUS_RETURN_IF_ERROR(
-      UpdateObjects(ObjectOptions(), store, CancelToken(), [](const VideoRecord&, const std::string&) {}));
+      UpdateObjects(ObjectOptions(), store, CancelToken(), [](const VideoRecord&, const FlightNotes&) {}));
   return MillisecondsSince(start);
 }
 

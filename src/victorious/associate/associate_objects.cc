@@ -254,7 +254,8 @@ void WeighPlaces(std::span<const ObjectHypothesis> hypotheses, const ObjectOptio
     std::int64_t agreeing = 0;
     std::map<std::int64_t, std::int64_t> agreeing_of_model;
     for (const std::size_t i : of_flight) {
-      // Without its place: what that says is weighed here. What is as strong as chance makes says nothing of the flight.
+      // Without its place: what that says is weighed here. What is as strong as chance makes says nothing of the
+      // flight.
       const bool is_significant = judged[i].object.rejected.empty();
       const ObjectEvidence recognition = CollectEvidence(hypotheses[i], {}, judged[i].tests, options);
       findings.push_back({judged[i].object.model, is_significant ? ScoreObject(recognition) : 0, judged[i].finding});

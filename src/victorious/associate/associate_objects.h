@@ -7,8 +7,8 @@
 //
 // A place is rejected if its lines of sight do not intersect, or if its height or the object's size contradicts it: by
 // wrong telemetry, or because the object moves otherwise than modelled. The object is then one without a place. All
-// objects of its flight say how likely the telemetry is wrong (flight_evidence.h): where they confirm it, a weak find is
-// rejected with its place.
+// objects of its flight say how likely the telemetry is wrong (flight_evidence.h): where they confirm it, a weak find
+// is rejected with its place.
 //
 // Two tracklets that share a frame are two objects. Two others of one flight are merged if
 // - the Mahalanobis distance of their places, both propagated to the time midway between them, passes

@@ -266,8 +266,8 @@ TEST(AssociateTracklets, DrivingObjectKeepsItsIdentityThroughALoss) {
   EXPECT_EQ(ObjectsFrom({first, elsewhere}).size(), 2U) << "another one, 20 m beside it";
 }
 
-// Without its place, the object is as significant as without telemetry, 30 frames and not those that agree in place, less
-// what the place says against it.
+// Without its place, the object is as significant as without telemetry, 30 frames and not those that agree in place,
+// less what the place says against it.
 TEST(AssociateTracklets, WithoutAPlaceTheObjectIsJudgedByRecognition) {
   SimulatedTracklet seen = kTooLarge;
   seen.score = 0.997;
@@ -279,8 +279,8 @@ TEST(AssociateTracklets, WithoutAPlaceTheObjectIsJudgedByRecognition) {
   EXPECT_THAT(ObjectsFrom({kParked, seen}, {}, 1000)[1].rejected, HasSubstr("not significant"));
 }
 
-// Three that stand where their lines meet show that the telemetry is right: a weak find below any ground is false. Where
-// all are there, the telemetry is wrong, and the same finds stay.
+// Three that stand where their lines meet show that the telemetry is right: a weak find below any ground is false.
+// Where all are there, the telemetry is wrong, and the same finds stay.
 TEST(AssociateTracklets, AnImpossiblePlaceIsWeighedByTheWholeFlight) {
   const auto underground = [](std::int64_t model, double score) {
     return SimulatedTracklet{

@@ -45,16 +45,18 @@ FlightEstimate CorrectFlight(std::span<ObservedTracklet> tracklets, const Object
   if (estimate.errors.focal) CorrectFocalLength(*estimate.errors.focal, tracklets);
   estimate.comparisons = CompareRanges(tracklets, options);
   estimate.errors.range = EstimateRangeFactor(tracklets, estimate.comparisons);
-  if (!estimate.errors.range) return estimate;
-  ScaleRanges(*estimate.errors.range, tracklets);
-  estimate.comparisons.clear();
+  if (estimate.errors.range) ScaleRanges(*estimate.errors.range, tracklets);
+  estimate.errors.telemetry = EstimateTelemetryErrors(tracklets, options);
+  if (estimate.errors.telemetry) SetTelemetryErrors(*estimate.errors.telemetry, options, tracklets);
+  if (estimate.errors.range || estimate.errors.telemetry) estimate.comparisons.clear();
   return estimate;
 }
 
-void Correct(const FlightErrors& errors, std::span<ObservedTracklet> tracklets) {
+void Correct(const FlightErrors& errors, const ObjectOptions& options, std::span<ObservedTracklet> tracklets) {
   if (errors.heading) TurnBack(*errors.heading, tracklets);
   if (errors.focal) CorrectFocalLength(*errors.focal, tracklets);
   if (errors.range) ScaleRanges(*errors.range, tracklets);
+  if (errors.telemetry) SetTelemetryErrors(*errors.telemetry, options, tracklets);
 }
 
 std::vector<std::string> Describe(const FlightErrors& errors) {

@@ -1,5 +1,5 @@
 // The errors of flights that their own sightings contradict: yaw (heading_error.h), focal length (focal_error.h), then
-// ranges (range_factor.h).
+// ranges (range_factor.h); and the sizes of those that are left (telemetry_errors.h).
 // They are properties of a video's tracklets alone.
 #pragma once
 
@@ -13,6 +13,7 @@
 #include "victorious/associate/object_options.h"
 #include "victorious/associate/observed_tracklet.h"
 #include "victorious/associate/range_factor.h"
+#include "victorious/associate/telemetry_errors.h"
 
 namespace victorious {
 
@@ -20,12 +21,13 @@ struct FlightErrors {
   std::optional<HeadingError> heading;
   std::optional<FocalError> focal;
   std::optional<RangeFactor> range;
+  std::optional<TelemetryErrors> telemetry;
 };
 
 /// The errors of a flight, and what was computed on the way.
 struct FlightEstimate {
   FlightErrors errors;
-  std::vector<RangeComparison> comparisons;  ///< one a tracklet; empty if `errors.range` changes the ranges
+  std::vector<RangeComparison> comparisons;  ///< one a tracklet; empty if `errors` changes the lines after it
 };
 
 /// Estimates the errors of one flight, and corrects its tracklets by them.
@@ -33,7 +35,7 @@ struct FlightEstimate {
 [[nodiscard]] FlightEstimate CorrectFlight(std::span<ObservedTracklet> tracklets, const ObjectOptions& options);
 
 /// Corrects tracklets by the errors of their flight.
-void Correct(const FlightErrors& errors, std::span<ObservedTracklet> tracklets);
+void Correct(const FlightErrors& errors, const ObjectOptions& options, std::span<ObservedTracklet> tracklets);
 
 /// What the errors of one video mean, one line each.
 [[nodiscard]] std::vector<std::string> Describe(const FlightErrors& errors);

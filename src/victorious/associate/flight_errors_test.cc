@@ -51,7 +51,7 @@ TEST(CorrectFlight, CorrectsTheFlightThatIsWrong) {
   EXPECT_NEAR(WrapAngle(tracklets[0].observations[0].line.azimuth_rad), 0, RadiansFromDegrees(0.5));
   EXPECT_TRUE(estimate.comparisons.empty()) << "of other ranges";
 
-  Correct(estimate.errors, again);
+  Correct(estimate.errors, {}, again);
   EXPECT_EQ(again[1].observations[7].line.azimuth_rad, tracklets[1].observations[7].line.azimuth_rad);
   EXPECT_EQ(again[1].observations[7].line.range_m, tracklets[1].observations[7].line.range_m);
 }

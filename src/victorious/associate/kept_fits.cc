@@ -39,15 +39,25 @@ std::string TextOf(const TrackletRecord& record) {
 }
 
 std::string TextOf(const ObservedTracklet& tracklet) {
-  return fmt::format("{}{:d}{:d}{:d} ", TextOf(tracklet.record), tracklet.is_category, tracklet.is_cad_model,
-                     tracklet.is_of_photos);
+  return fmt::format("{}{:d}{:d}{:d}{:d} ", TextOf(tracklet.record), tracklet.is_category, tracklet.is_cad_model,
+                     tracklet.is_of_photos, tracklet.has_filtered_telemetry);
+}
+
+std::string TextOf(const std::optional<TelemetryErrors>& errors) {
+  if (!errors) return "supposed";
+  std::string text = errors->is_receiver_known ? "receiver" : "rows";
+  for (const double ratio :
+       {errors->position.ratio, errors->attitude.ratio, errors->clock_ratio, errors->focal_ratio}) {
+    text += fmt::format(" {}", std::bit_cast<std::uint64_t>(ratio));
+  }
+  return text;
 }
 
 std::string TextOf(const FlightErrors& errors) {
-  return fmt::format("{} {} {} {}", errors.heading ? std::bit_cast<std::uint64_t>(errors.heading->error_rad) : 0,
+  return fmt::format("{} {} {} {} {}", errors.heading ? std::bit_cast<std::uint64_t>(errors.heading->error_rad) : 0,
                      errors.focal ? std::bit_cast<std::uint64_t>(errors.focal->log_factor) : 0,
                      errors.focal ? std::bit_cast<std::uint64_t>(errors.focal->sigma_ratio) : 0,
-                     errors.range ? std::bit_cast<std::uint64_t>(errors.range->factor) : 0);
+                     errors.range ? std::bit_cast<std::uint64_t>(errors.range->factor) : 0, TextOf(errors.telemetry));
 }
 
 ObjectPlace WithoutPath(ObjectPlace place) {
@@ -135,7 +145,7 @@ Status KeptFits::ReadTracklet(Known& known) {
   const TrackletRecord& record = known.tracklet->record;
   VICTORIOUS_RETURN_IF_ERROR(ReadContent({.include_rejected = true, .video = record.video, .tracklet = record.id}));
   known.has_content = true;
-  Correct(errors_[record.video], std::span(known.tracklet, 1));
+  Correct(errors_[record.video], options(), std::span(known.tracklet, 1));
   return {};
 }
 

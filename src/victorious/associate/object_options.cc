@@ -39,6 +39,11 @@ void ObjectOptions::ListFields(FieldList& fields) {
               .reason = "expected number of false detections with even odds per frame and model; an object is rejected "
                         "as insignificant if more than 0.1 false detections as strong as it are expected an hour of "
                         "video; 0 rejects none"});
+  fields.Add(
+      "telemetry_errors", telemetry_errors, kErrorSourceTexts,
+      {.reason = "where the sizes of telemetry's errors come from: supposed: objects.locate; rows: the errors of "
+                 "its rows, as the lines of sight of the flight show them; receiver: those common to the flight "
+                 "are of the same class as those of its rows, too, if it is a table of camera states"});
   VideoLocateFields fields_of_locate{locate};
   fields.AddGroup("locate", fields_of_locate);
 }

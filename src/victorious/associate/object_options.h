@@ -1,9 +1,11 @@
 // Parameters of data association: geolocation of objects, merging of tracklets, rejection of false alarms.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/options.h"
 #include "victorious/geolocate/locate_options.h"
 
@@ -23,12 +25,23 @@ inline constexpr double kMinSeparation_m = 1.5;
 /// frames of the one with fewer. Chosen, not fitted.
 inline constexpr double kOcclusionIou = 0.6;
 
+/// Where the sizes of telemetry's errors come from (telemetry_errors.h).
+enum class ErrorSource {
+  kSupposed,  ///< from `locate`
+  kRows,      ///< those of rows are measured; those common to a flight are supposed, or larger if the rows' are
+  kReceiver,  ///< those of rows are measured; those common to a flight are of the same class, if the rows are unfiltered
+};
+
+inline constexpr auto kErrorSourceTexts = std::to_array<EnumText<ErrorSource>>(
+    {{ErrorSource::kSupposed, "supposed"}, {ErrorSource::kRows, "rows"}, {ErrorSource::kReceiver, "receiver"}});
+
 struct ObjectOptions {
   double merge_gate_sigma = 3.5;
   double max_merge_distance_m = 9.5;
   double min_inlier_fraction = 0.5;
   double max_size_ratio = 1.6;
   double false_alarm_rate = 0.016;
+  ErrorSource telemetry_errors = ErrorSource::kReceiver;
   LocateOptions locate = SingleVideoDefaults();  ///< without a ground constraint
 
   /// A moving object is placed by the observations of its last interval of this length, s: its velocity is constant

@@ -43,6 +43,17 @@ LocateOptions MakeLocateOptions(std::span<const BearingObservation> observations
     locate.common.heading_deg = locate.common.boresight_rise_deg = attitude_deg;
     locate.common.boresight_side_deg = 0;
   }
+  if (const auto& sigmas = observations.front().flight_sigmas) {
+    constexpr double kMinPosition_m = 0.01;
+    locate.line.position_m = std::clamp(sigmas->row_position_m, kMinPosition_m, kMaxSigma_m);
+    for (double* sigma : {&locate.common.position_m, &locate.common.height_m}) {
+      *sigma = std::min(kMaxSigma_m, *sigma * sigmas->common_position);
+    }
+    for (double* sigma :
+         {&locate.common.heading_deg, &locate.common.boresight_side_deg, &locate.common.boresight_rise_deg}) {
+      *sigma = std::min(kMaxSigma_deg, *sigma * sigmas->common_attitude);
+    }
+  }
   CommonErrorOptions& common = locate.common;
   for (double* sigma : {&common.position_m, &common.height_m, &common.heading_deg, &common.boresight_side_deg,
                         &common.boresight_rise_deg}) {
@@ -73,6 +84,12 @@ std::vector<double> Decorrelate(std::vector<double> variances, const std::vector
   return variances;
 }
 
+// The error of the attitude of an observation's row.
+double RowAttitude(const BearingObservation& observation) {
+  if (observation.flight_sigmas) return observation.flight_sigmas->row_attitude_rad;
+  return observation.sigma_attitude_rad.value_or(0);
+}
+
 // Sets the angular standard deviations. The attitude noise from telemetry and the position noise are independent from
 // frame to frame.
 // @param followed  indices of observations that rest on one recognition, in order of time
@@ -83,13 +100,12 @@ void SetAngles(std::span<const BearingObservation> observations, const std::vect
   for (const std::size_t i : followed) {
     const LineOfSight& line = lines[i];
     total.push_back(Square(line.sigma_rad.value_or(RadiansFromDegrees(errors.angle_deg))));
-    more.push_back(Square(observations[i].sigma_attitude_rad.value_or(0)) +
+    more.push_back(Square(RowAttitude(observations[i])) +
                    (line.range_m ? Square(errors.position_m / *line.range_m) : 0));
   }
   const std::vector<double> decorrelated = Decorrelate(std::move(total), more);
   for (std::size_t k = 0; k < followed.size(); ++k) {
-    lines[followed[k]].sigma_rad =
-        std::sqrt(decorrelated[k] + Square(observations[followed[k]].sigma_attitude_rad.value_or(0)));
+    lines[followed[k]].sigma_rad = std::sqrt(decorrelated[k] + Square(RowAttitude(observations[followed[k]])));
   }
 }
 

@@ -44,8 +44,10 @@ inline constexpr double kViewJump_rad = RadiansFromDegrees(50);
 struct ObservedTracklet {
   TrackletRecord record;
   bool is_category = false;
-  bool is_cad_model = false;                 ///< of a CAD model: opaque, so it occludes what is behind it
-  bool is_of_photos = false;                 ///< its times are invented: no motion follows from them
+  bool is_cad_model = false;  ///< of a CAD model: opaque, so it occludes what is behind it
+  bool is_of_photos = false;  ///< its times are invented: no motion follows from them
+  /// Its telemetry is that of a receiver that filters its rows, or may be: these say nothing of what is common to them.
+  bool has_filtered_telemetry = true;
   std::optional<std::int64_t> start_utc_us;  ///< VideoRecord::start_utc_us of its video
 
   // The content. Of a tracklet with kept fits it is read only if another fit needs it (kept_fits.h).

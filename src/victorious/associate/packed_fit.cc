@@ -18,6 +18,7 @@ constexpr double kMaxNumber = 1e30;
 constexpr double kMaxAltitude_m = 1e9;
 constexpr double kMaxRangeFactor = 2;  // either way; EstimateRangeFactor gives at most 1.28
 constexpr double kMaxSigmaRatio = 100;
+constexpr double kMaxErrorRatio = 100;
 constexpr double kMaxLogFocalFactor = 1;  // EstimateFocalError gives at most 0.5
 constexpr std::int64_t kMaxOverlapFrames = std::numeric_limits<std::int32_t>::max();
 constexpr double kMinPositive = std::numeric_limits<double>::min();
@@ -48,9 +49,10 @@ class Writer {
   /// Whether there is a value.
   template <typename T>
   bool PutHas(const std::optional<T>& value) {
-    Put(std::uint8_t{value.has_value()});
+    PutFlag(value.has_value());
     return value.has_value();
   }
+  void PutFlag(bool value) { Put(std::uint8_t{value}); }
 
   std::vector<std::byte> Take() { return std::move(bytes_); }
 
@@ -278,6 +280,18 @@ std::vector<std::byte> Pack(const FlightFits& fits) {
     writer.Put(fits.errors.range->factor);
     writer.Put(fits.errors.range->objects);
   }
+  if (writer.PutHas(fits.errors.telemetry)) {
+    const TelemetryErrors& errors = *fits.errors.telemetry;
+    for (const ErrorScale& scale : {errors.position, errors.attitude}) {
+      writer.Put(scale.ratio);
+      writer.PutFlag(scale.is_measured);
+    }
+    writer.PutFlag(errors.is_receiver_known);
+    writer.Put(errors.clock_ratio);
+    writer.Put(errors.focal_ratio);
+    writer.Put(errors.objects);
+    writer.Put(errors.frames);
+  }
   writer.PutCount(fits.overlaps.size());
   for (const TrackletOverlap& overlap : fits.overlaps) {
     writer.Put(overlap.first);
@@ -305,6 +319,18 @@ std::optional<FlightFits> UnpackFlightFits(std::span<const std::byte> bytes) {
     RangeFactor& factor = fits.errors.range.emplace();
     factor.factor = reader.GetNumber(1 / kMaxRangeFactor, kMaxRangeFactor);
     factor.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
+  }
+  if (reader.GetHas()) {
+    TelemetryErrors& errors = fits.errors.telemetry.emplace();
+    for (ErrorScale* scale : {&errors.position, &errors.attitude}) {
+      scale->ratio = reader.GetNumber(kMinPositive, kMaxErrorRatio);
+      scale->is_measured = reader.GetHas();
+    }
+    errors.is_receiver_known = reader.GetHas();
+    for (double* ratio : {&errors.clock_ratio, &errors.focal_ratio})
+      *ratio = reader.GetNumber(kMinPositive, kMaxErrorRatio);
+    errors.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
+    errors.frames = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
   }
   fits.overlaps.resize(reader.GetSize(kOverlapBytes));
   for (TrackletOverlap& overlap : fits.overlaps) {

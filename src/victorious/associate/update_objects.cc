@@ -1,9 +1,11 @@
 #include "victorious/associate/update_objects.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -82,6 +84,19 @@ Expected<SearchCounts> CountFullFrameSearches(const std::vector<ModelRecord>& mo
   return counts;
 }
 
+// True if the telemetry is a table of camera states: given, or beside the video. No column says so.
+bool IsTable(const VideoRecord& video) {
+  if (!video.telemetry.empty()) return video.telemetry.ends_with(".csv");
+  namespace fs = std::filesystem;
+  const fs::path path = fs::path(video.folder) / video.name;
+  fs::path of_stem = path;
+  of_stem.replace_extension(".telemetry.csv");
+  fs::path of_name = path;
+  of_name += ".telemetry.csv";
+  std::error_code error;
+  return fs::exists(of_stem, error) || fs::exists(of_name, error);
+}
+
 // The tracklets of the store without content, by id, of each video.
 Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(const std::vector<ModelRecord>& models,
                                                                               const std::vector<VideoRecord>& videos,
@@ -103,6 +118,7 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
                                      .is_category = categories.contains(record.model),
                                      .is_cad_model = cad_models.contains(record.model),
                                      .is_of_photos = is_known && video->second->is_of_photos,
+                                     .has_filtered_telemetry = !is_known || !IsTable(*video->second),
                                      .start_utc_us = is_known ? video->second->start_utc_us : std::nullopt,
                                      .frames = {},
                                      .boxes = {},
@@ -115,10 +131,10 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
   return flights;
 }
 
-using WarnOfVideo = std::function<void(const VideoRecord&, const std::string&)>;
+using TellOfVideo = std::function<void(const VideoRecord&, const FlightNotes&)>;
 
 Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& store, const KeptFits::Interim& interim,
-                                   const WarnOfVideo& warn) {
+                                   const TellOfVideo& tell) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   // Revisions are read before the sightings that they stand for: a later change gives them another key.
@@ -133,7 +149,11 @@ Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& sto
   for (const VideoRecord& video : videos) {
     const auto found = fits->errors().find(video.id);
     if (found == fits->errors().end()) continue;
-    for (const std::string& line : Describe(found->second)) warn(video, line);
+    const bool has_lines = std::ranges::any_of(
+        flights[video.id], [](const ObservedTracklet& tracklet) { return tracklet.summary.observations > 0; });
+    FlightNotes notes{.warnings = Describe(found->second), .telemetry_errors = {}};
+    if (has_lines) notes.telemetry_errors = DescribeErrors(found->second.telemetry, options);
+    tell(video, notes);
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const SearchCounts searches, CountFullFrameSearches(models, videos, store));
   ObjectUpdate update;
@@ -146,17 +166,15 @@ Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& sto
 }  // namespace
 
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store, const CancelToken& cancel,
-                     const WarnOfVideo& warn, std::chrono::milliseconds interval) {
-  std::vector<std::pair<VideoRecord, std::string>> warnings;
+                     const TellOfVideo& tell, std::chrono::milliseconds interval) {
+  std::vector<std::pair<VideoRecord, FlightNotes>> noted;
   const auto make = [&] {
-    warnings.clear();
-    const auto keep = [&](const VideoRecord& video, const std::string& warning) {
-      warnings.emplace_back(video, warning);
-    };
+    noted.clear();
+    const auto keep = [&](const VideoRecord& video, const FlightNotes& notes) { noted.emplace_back(video, notes); };
     return MakeObjects(options, store, {.interval = interval, .cancel = cancel}, keep);
   };
   VICTORIOUS_RETURN_IF_ERROR(store.UpdateObjects(make, cancel));
-  for (const auto& [video, warning] : warnings) warn(video, warning);
+  for (const auto& [video, notes] : noted) tell(video, notes);
   return {};
 }
 

@@ -29,7 +29,7 @@ using ::testing::HasSubstr;
 constexpr double kFrame_s = 0.2;
 
 Status Update(IndexStore& store, const ObjectOptions& options = {}) {
-  return UpdateObjects(options, store, CancelToken(), [](const VideoRecord&, const std::string&) {});
+  return UpdateObjects(options, store, CancelToken(), [](const VideoRecord&, const FlightNotes&) {});
 }
 
 // Whole objects as text, to the last bit.
@@ -276,7 +276,7 @@ TEST_F(UpdateObjectsTest, RunThatIsStoppedLeavesItsFitsToTheNext) {
   CancelToken cancel;
   cancel.Cancel();
   const auto update = [&](std::chrono::milliseconds interval) {
-    return UpdateObjects({}, *stopped, cancel, [](const VideoRecord&, const std::string&) {}, interval);
+    return UpdateObjects({}, *stopped, cancel, [](const VideoRecord&, const FlightNotes&) {}, interval);
   };
   int stops = 0;
   Status status;

@@ -41,7 +41,8 @@ struct IndexJob {
   /// Time that the search may take a frame of the video, on average: searches are left out to hold it. What is found
   /// then depends on the machine. std::nullopt: any.
   std::optional<std::chrono::duration<double, std::milli>> frame_budget = {};
-  WarningSink inform = {};  ///< receives what is no warning: the expected size of the kept features
+  /// Receives what is no warning: the expected size of the kept features, the errors of telemetry that places rest on.
+  WarningSink inform = {};
   /// Relit templates (MakeRelitViews), one entry per model. The caller keeps them, to share them between jobs with the
   /// same models. If empty, they are made for this video and released after it.
   std::vector<std::shared_ptr<const RelitTemplateSource>> relit_templates = {};
