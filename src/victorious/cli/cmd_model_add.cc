@@ -95,6 +95,18 @@ Expected<ObjectModel> FromPhotos(const ModelAddArguments& arguments) {
   return model;
 }
 
+// Doubts a length that nothing has which one searches for: files without a unit are often in millimetres.
+void DoubtLength(const std::string& input, double length_m) {
+  constexpr double kLongest_m = 450;  // a ship
+  constexpr double kShortest_m = 0.3;
+  if (length_m > kLongest_m) {
+    const char* unit = length_m > 100 * kLongest_m || length_m >= 1000 ? "millimetres" : "centimetres, or inches";
+    LogWarning("{}: {:.4g} m long: is the file in {}? give --length", OneLine(input), length_m, unit);
+  } else if (length_m < kShortest_m) {
+    LogWarning("{}: {:.2g} m long: is the file in another unit than metres? give --length", OneLine(input), length_m);
+  }
+}
+
 Expected<ObjectModel> FromCad(const ModelAddArguments& arguments) {
   const std::string& input = arguments.inputs.front();
   if (!arguments.boxes.empty() || !arguments.draw.empty()) {
@@ -116,6 +128,7 @@ Expected<ObjectModel> FromCad(const ModelAddArguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(input, load));
   for (const std::string& warning : loaded.warnings) LogWarning(OneLine(fmt::format("{}: {}", input, warning)));
+  if (!arguments.length_m) DoubtLength(input, loaded.length_m);
   std::optional<Progress> progress;
   const auto show = [&](int done, int all) {
     if (!progress) progress.emplace(arguments.name, all, "views");
@@ -168,7 +181,8 @@ Status Add(const ModelAddArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(library.Add(model));
   const std::string promise = DescribePromise(model);
   if (arguments.json) return WriteOutput("", SummaryJson(model));
-  return WriteOutput("", fmt::format("{}: {}, {}: {}\n", model.name, CountText(model.views.size(), "view"),
+  const std::string length = cad && model.length_m ? fmt::format("{:.4g} m long, ", *model.length_m) : "";
+  return WriteOutput("", fmt::format("{}: {}{}, {}: {}\n", model.name, length, CountText(model.views.size(), "view"),
                                      CountText(model.features.size(), "feature"), promise));
 }
 

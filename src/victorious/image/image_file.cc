@@ -17,6 +17,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/foreign_file.h"
 #include "victorious/base/text.h"
 #include "victorious/image/image_header.h"
 #include "victorious/image/pixel_limit.h"
@@ -61,6 +62,8 @@ Expected<ImageHeader> ReadCheckedHeader(std::span<const std::byte> bytes, const 
   if (bytes.empty()) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: the file is empty", name));
   const auto header = ReadImageHeader(bytes);
   if (!header || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    if (const auto foreign = DescribeForeignFile(bytes))
+      return Fail(ErrorCode::kUnsupported, fmt::format("{}: {}", name, *foreign));
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{}: not an image that can be read (PNG, JPEG, TIFF, BMP or PNM)", name));
   }

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <new>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +28,7 @@
 #include "victorious/base/text.h"
 #include "victorious/image/srgb.h"
 #include "victorious/mesh/assimp_io.h"
+#include "victorious/mesh/readable_file.h"
 #include "victorious/mesh/texture_image.h"
 
 namespace victorious {
@@ -52,6 +55,7 @@ class SceneConverter {
     for (int material = 0; std::cmp_less(material, scene_.mNumMaterials); ++material) {
       VICTORIOUS_RETURN_IF_ERROR(AddPart(material));
     }
+    ShowIfInvisible();
     for (Material& material : mesh().materials) SetOpaqueIfNoAlpha(material);
     AddWarnings();
     return std::move(loaded_);
@@ -208,6 +212,16 @@ class SceneConverter {
     return std::any_of(bgra.begin<cv::Vec4b>(), bgra.end<cv::Vec4b>(), [](const cv::Vec4b& p) { return p[3] != 255; });
   }
 
+  // Exporters write opacity either way round (`Tr` of OBJ, transparency of COLLADA); nobody draws an invisible object.
+  void ShowIfInvisible() {
+    const auto is_invisible = [&](const MeshPart& part) {
+      return mesh().materials[static_cast<std::size_t>(part.material)].base_colour.w() <= 0;
+    };
+    if (IsGltf() || mesh().parts.empty() || !std::ranges::all_of(mesh().parts, is_invisible)) return;
+    for (Material& material : mesh().materials) material.base_colour.w() = 1;
+    loaded_.warnings.emplace_back("all of it would be invisible: taken as opaque");
+  }
+
   // Many exporters mark every material as blended. Opaque ones do not need depth sorting.
   void SetOpaqueIfNoAlpha(Material& material) const {
     const bool see_through = material.base_colour.w() < 1 || !loaded_.mesh.colours.empty() || TextureHasAlpha(material);
@@ -251,14 +265,25 @@ class SceneConverter {
     AddColours(source);
   }
 
+  // OBJ files have vertex colours of 0 to 1, or of 0 to 255.
+  [[nodiscard]] float ColourScale(const aiMesh& source) const {
+    const std::span colours(source.mColors[0], source.mNumVertices);
+    const bool is_of_bytes = format_ == CadFormat::kObj && std::ranges::any_of(colours, [](const aiColor4D& colour) {
+                               return std::max({colour.r, colour.g, colour.b}) > 1;
+                             });
+    return is_of_bytes ? 1.0F / 255 : 1.0F;
+  }
+
   void AddColours(const aiMesh& source) {
     if (!source.HasVertexColors(0)) {
       if (!mesh().colours.empty()) mesh().colours.resize(mesh().positions.size(), Eigen::Vector4f::Ones());
       return;
     }
     mesh().colours.resize(first_vertex_, Eigen::Vector4f::Ones());
+    const float scale = ColourScale(source);
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
-      const aiColor4D& colour = source.mColors[0][i];
+      const aiColor4D colour(scale * source.mColors[0][i].r, scale * source.mColors[0][i].g,
+                             scale * source.mColors[0][i].b, source.mColors[0][i].a);
       const auto linear = [&](float value) {
         return IsGltf() ? ClampToUnit(value) : LinearFromSrgb(ClampToUnit(value));
       };
@@ -314,13 +339,6 @@ Axis ColladaUp(const CadFolder& folder) {
   return text->find("<up_axis>X_UP") != std::string::npos ? Axis::kPlusX : Axis::kPlusY;
 }
 
-// assimp reads out of bounds if the header of a PLY file is not terminated.
-Status CheckPly(const CadFolder& folder) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, folder.Read(folder.name()));
-  if (bytes.starts_with("ply") && bytes.find("end_header") != std::string::npos) return {};
-  return Fail(ErrorCode::kDataLoss, "damaged, or not a PLY file: the header has no end_header");
-}
-
 // assimp rotates 3DS scenes from Z up to Y up; this undoes it.
 void Undo3dsRotation(Mesh& mesh) {
   const auto turn = [](Eigen::Vector3f& v) { v = Eigen::Vector3f(v.x(), -v.z(), v.y()); };
@@ -356,9 +374,10 @@ std::optional<CadFormat> CadFormatFromName(std::string_view name) {
 }
 
 Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format) {
-  if (format == CadFormat::kPly) VICTORIOUS_RETURN_IF_ERROR(CheckPly(folder));
+  VICTORIOUS_ASSIGN_OR_RETURN(ReadableFile readable, MakeReadable(folder, format));
+  const CadFolder files = folder.WithBytes(std::as_bytes(std::span(readable.bytes)));
   Assimp::Importer importer;
-  importer.SetIOHandler(new CadFolderIo(folder));  // the importer takes ownership
+  importer.SetIOHandler(new CadFolderIo(files));  // the importer takes ownership
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = nullptr;
@@ -374,7 +393,9 @@ Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format) {
                                                   ShortText(importer.GetErrorString())));
   }
   ImportedMesh imported{.up = DefaultUpAxis(format, folder)};
-  VICTORIOUS_ASSIGN_OR_RETURN(imported.loaded, SceneConverter(*scene, folder, format).Convert());
+  VICTORIOUS_ASSIGN_OR_RETURN(imported.loaded, SceneConverter(*scene, files, format).Convert());
+  std::vector<std::string>& warnings = imported.loaded.warnings;
+  std::ranges::transform(readable.warnings, std::inserter(warnings, warnings.begin()), ShortText);
   if (format == CadFormat::k3ds) Undo3dsRotation(imported.loaded.mesh);
   return imported;
 }

@@ -4,10 +4,13 @@
 #include <charconv>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/folder.h"
+#include "victorious/base/text.h"
 #include "victorious/mesh/load_mesh.h"
 
 namespace victorious {
@@ -38,6 +41,12 @@ CadFolder::CadFolder(std::span<const std::byte> bytes, std::string name, std::op
   if (!error) folder_ = std::move(canonical);
 }
 
+CadFolder CadFolder::WithBytes(std::span<const std::byte> bytes) const {
+  CadFolder other = *this;
+  other.bytes_ = bytes;
+  return other;
+}
+
 std::optional<fs::path> CadFolder::Inside(const fs::path& relative) const {
   std::error_code error;
   fs::path path = fs::canonical(*folder_ / relative, error);  // resolves links: the target must be in the folder
@@ -46,14 +55,43 @@ std::optional<fs::path> CadFolder::Inside(const fs::path& relative) const {
   return folder_end == folder_->end() ? std::optional(std::move(path)) : std::nullopt;
 }
 
+std::optional<fs::path> CadFolder::InsideInAnyCase(const fs::path& relative) const {
+  fs::path path;
+  for (const fs::path& part : relative) {
+    if (part == "." || part == "..") {
+      path /= part;
+      continue;
+    }
+    const std::string wanted = LowerCase(part.string());
+    std::optional<fs::path> only;
+    const auto entries = ListFolder(*folder_ / path);
+    if (!entries) return std::nullopt;
+    for (const fs::path& entry : *entries) {
+      if (LowerCase(entry.filename().string()) != wanted) continue;
+      if (only) return std::nullopt;
+      only = entry.filename();
+    }
+    if (!only) return std::nullopt;
+    path /= *only;
+  }
+  return Inside(path);
+}
+
 std::optional<fs::path> CadFolder::Find(std::string_view name) const {
   if (!folder_) return std::nullopt;
+  std::vector<fs::path> paths;
   for (std::string candidate : {std::string(name), PercentDecoded(name)}) {
     if (candidate.find('\0') != std::string::npos) continue;
     std::ranges::replace(candidate, '\\', '/');
     const fs::path path(candidate);
+    paths.push_back(path);
+    paths.push_back(path.filename());
+  }
+  for (const fs::path& path : paths) {
     if (auto found = Inside(path)) return found;
-    if (auto found = Inside(path.filename())) return found;
+  }
+  for (const fs::path& path : paths) {
+    if (auto found = path.is_absolute() ? std::nullopt : InsideInAnyCase(path)) return found;
   }
   return std::nullopt;
 }

@@ -19,11 +19,14 @@ class CadFolder {
   /// @param folder  its folder; std::nullopt if no other files are accessible
   CadFolder(std::span<const std::byte> bytes, std::string name, std::optional<std::filesystem::path> folder);
 
+  /// The same folder, with another content of the CAD file, which must outlive the result.
+  [[nodiscard]] CadFolder WithBytes(std::span<const std::byte> bytes) const;
+
   [[nodiscard]] const std::string& name() const { return name_; }
 
   /// The path of a file that the CAD file refers to. std::nullopt if the file does not exist or lies outside the
   /// folder. A path from another machine ("C:\work\tank.png") is also tried by its last component; URI escapes ("%20")
-  /// are also tried decoded.
+  /// are also tried decoded. If there is no such file, one whose name differs in case only, if it is the only one.
   [[nodiscard]] std::optional<std::filesystem::path> Find(std::string_view name) const;
 
   /// The content of a file: `bytes` for the CAD file's own name, else the file that Find() returns. Errors: kNotFound,
@@ -32,6 +35,8 @@ class CadFolder {
 
  private:
   [[nodiscard]] std::optional<std::filesystem::path> Inside(const std::filesystem::path& relative) const;
+  /// Inside() of the only path that differs from it in case only.
+  [[nodiscard]] std::optional<std::filesystem::path> InsideInAnyCase(const std::filesystem::path& relative) const;
 
   std::span<const std::byte> bytes_;
   std::string name_;

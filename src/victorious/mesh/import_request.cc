@@ -67,10 +67,15 @@ Status Scale(Mesh& mesh, CadFormat format, const std::optional<double>& length_m
   constexpr double kMaxLength_m = 1e6;
   constexpr double kMinLength_m = 1e-6;
   const double largest = size.maxCoeff() * scale;
-  if (!(largest < kMaxLength_m) || !(largest > kMinLength_m) || !(BoundingSphere(mesh).centre.norm() < kMaxLength_m)) {
-    return Fail(ErrorCode::kDataLoss,
-                fmt::format("{:g} m long, or far from the origin: must be {:g} to {:g} m; its length may be given",
-                            largest, kMinLength_m, kMaxLength_m));
+  if (!(largest < kMaxLength_m) || !(largest > kMinLength_m)) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{:g} m long: must be {:g} to {:g} m; its length may be given",
+                                                  largest, kMinLength_m, kMaxLength_m));
+  }
+  const double distance = BoundingSphere(mesh).centre.norm();
+  if (!(distance < kMaxLength_m)) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{:g} m from its origin, which leaves no detail: move the model to "
+                                                  "its origin",
+                                                  distance));
   }
   return {};
 }
