@@ -332,8 +332,14 @@ class ServeTest(ServerCase):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
                 old.maximum_version = ssl.TLSVersion.TLSv1_1
-            with socket.create_connection(("127.0.0.1", port), timeout=60) as plain, self.assertRaises(ssl.SSLError):
-                old.wrap_socket(plain)
+            weak = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)  # of TLS 1.2 with CBC
+            weak.check_hostname = False
+            weak.verify_mode = ssl.CERT_NONE
+            weak.maximum_version = ssl.TLSVersion.TLSv1_2
+            weak.set_ciphers("ECDHE-ECDSA-AES128-SHA256:ECDHE-ECDSA-AES256-SHA")
+            for refused in (old, weak):
+                with socket.create_connection(("127.0.0.1", port), timeout=60) as plain, self.assertRaises(ssl.SSLError):
+                    refused.wrap_socket(plain)
             self.assertEqual(ask("GET", "/api/v1/session")[0], 200)  # still there
         self.assertNotIn("unencrypted", server.err)
 

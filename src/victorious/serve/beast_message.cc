@@ -1,5 +1,6 @@
 #include "victorious/serve/beast_message.h"
 
+#include <boost/beast/core/string.hpp>
 #include <boost/beast/http/fields.hpp>
 #include <boost/beast/http/verb.hpp>
 
@@ -10,6 +11,14 @@ namespace http = boost::beast::http;
 std::string HeaderText(const http::request_header<>& request, http::field field) {
   const auto value = request[field];
   return {value.data(), value.size()};
+}
+
+bool IsAmbiguous(const http::request_header<>& request) {
+  const auto codings = request.count(http::field::transfer_encoding);
+  const auto coding = request.find(http::field::transfer_encoding);
+  const bool is_chunked = codings == 1 && boost::beast::iequals(coding->value(), "chunked");
+  if (codings > 0 && (!is_chunked || request.count(http::field::content_length) > 0)) return true;
+  return request.count(http::field::content_length) > 1 || request.count(http::field::host) > 1;
 }
 
 HttpRequest FromBeast(const http::request_header<>& request) {

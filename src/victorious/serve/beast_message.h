@@ -14,6 +14,11 @@ namespace victorious {
 [[nodiscard]] std::string HeaderText(const boost::beast::http::request_header<>& request,
                                      boost::beast::http::field field);
 
+/// True if two readers of the request may see its end, or its server, elsewhere: another transfer coding than `chunked`
+/// alone, one beside a length (RFC 9112, 6.1), or two headers Host (3.2). A proxy before the server could be smuggled
+/// past.
+[[nodiscard]] bool IsAmbiguous(const boost::beast::http::request_header<>& request);
+
 /// All but the body, the client and the upload.
 [[nodiscard]] HttpRequest FromBeast(const boost::beast::http::request_header<>& request);
 

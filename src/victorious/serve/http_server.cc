@@ -55,6 +55,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecurity
     {"Referrer-Policy", "no-referrer"},
     {"Cross-Origin-Resource-Policy", "same-origin"},
 }};
+constexpr std::string_view kAmbiguous = "not an HTTP request: its end, or its host, is ambiguous";
 
 boost::beast::string_view ToBeast(std::string_view text) { return {text.data(), text.size()}; }
 
@@ -145,6 +146,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void OnHeader(const BoostError& error) {
     if (error) return Refuse(error);
     const auto& header = parser_->get();
+    if (IsAmbiguous(header)) return SendLast(ErrorResponse(400, "bad_request", kAmbiguous));
     const bool is_upload = header.method() == http::verb::post && shared_.plan_upload &&
                            HeaderText(header, http::field::content_type) == "application/octet-stream";
     if (is_upload) return PlanUpload();
@@ -327,11 +329,15 @@ class Session : public std::enable_shared_from_this<Session> {
       response = ErrorResponse(400, "bad_request", "not an HTTP request: " + error.message());
     }
     if (!response) return Close();
+    SendLast(*std::move(response));
+  }
+
+  void SendLast(HttpResponse response) {
     keep_alive_ = false;
     version_ = 11;
     is_head_ = false;
     ++shared_.responses_due;
-    Send(*std::move(response));
+    Send(std::move(response));
   }
 
   template <typename Body>
@@ -343,6 +349,7 @@ class Session : public std::enable_shared_from_this<Session> {
     for (const auto& [name, value] : response.headers) message.insert(ToBeast(name), ToBeast(value));
     for (const auto& [name, value] : kSecurityHeaders) message.insert(ToBeast(name), ToBeast(value));
     message.insert("Content-Security-Policy", ToBeast(shared_.security_policy));
+    if (shared_.tls) message.insert("Strict-Transport-Security", "max-age=31536000");
     if (shared_.stopping) keep_alive_ = false;
     message.keep_alive(keep_alive_);
     if (length && response.status != 304 && response.status != 204) message.content_length(*length);

@@ -360,6 +360,22 @@ TEST_F(HttpServerTest, RefusesWhatIsTooLargeOrNoHttp) {
               HasSubstr("\r\n\r\nok"));
 }
 
+// A proxy that sees another end of the first request passes the second one on as its own.
+TEST_F(HttpServerTest, RefusesRequestsWithTwoMeanings) {
+  Start({});
+  const std::string next = "0\r\n\r\nGET /next HTTP/1.1\r\nHost: x\r\n\r\n";
+  for (const char* const header :
+       {"Transfer-Encoding: xchunked\r\n", "Transfer-Encoding: chunked, identity\r\n",
+        "Transfer-Encoding: identity\r\nTransfer-Encoding: chunked\r\n", "Transfer-Encoding: gzip, chunked\r\n",
+        "Transfer-Encoding: chunked\r\nContent-Length: 5\r\n", "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n",
+        "Content-Length: 5\r\nContent-Length: 6\r\n", "Host: y\r\n"}) {
+    const std::string answer = Exchange(std::string("PUT / HTTP/1.1\r\nHost: x\r\n") + header + "\r\n" + next);
+    EXPECT_THAT(answer, StartsWith("HTTP/1.1 400")) << header;
+    EXPECT_EQ(answer.find("HTTP/1.1", 8), std::string::npos) << "the connection ends: " << header;
+  }
+  EXPECT_EQ(requests_, 0);
+}
+
 TEST_F(HttpServerTest, DropsSlowClients) {
   Start({.request_timeout = std::chrono::milliseconds(100), .idle_timeout = std::chrono::milliseconds(100)});
   EXPECT_EQ(Exchange("GET / HTTP/1.1\r\nHost:"), "") << "a header that never ends";

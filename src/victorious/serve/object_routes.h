@@ -1,4 +1,5 @@
-// The routes of objects: the list and its counts, tiles of the map, one object with its sightings and review. Thread-safe.
+// The routes of objects: the list and its counts, tiles of the map, one object with its sightings and review.
+// Thread-safe.
 #pragma once
 
 #include "victorious/serve/index_view.h"

@@ -30,7 +30,9 @@ Json ImageJson(const CocoImage& image, std::size_t id, const VideoRecord& video)
 
 Json CategoriesJson(const std::vector<ModelRecord>& models) {
   Json categories = Json::array();
-  for (const ModelRecord& model : models) categories.push_back({{"id", model.id}, {"name", model.name}});
+  for (const ModelRecord& model : models) {
+    categories.push_back({{"id", model.id}, {"name", model.name}, {"supercategory", ""}});
+  }
   return categories;
 }
 
@@ -62,7 +64,8 @@ Json AnnotationJson(const SightingRecord& sighting, const VideoRecord& video, st
 }  // namespace
 
 Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
-  out << R"({"categories":)" << DumpJson(CategoriesJson(catalogue.models())) << R"(,"annotations":[)";
+  out << R"({"info":{"description":"sightings of victorious"},"licenses":[],"categories":)"
+      << DumpJson(CategoriesJson(catalogue.models())) << R"(,"annotations":[)";
   std::vector<CocoImage> images;
   std::size_t annotations = 0;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {

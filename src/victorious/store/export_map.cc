@@ -88,10 +88,10 @@ std::string PlacemarkText(const ListedObject& listed) {
       "<Placemark id=\"object-{}\"><name>{} {}</name>"
       "<description>score {:.3f}, {} frames, within {:.2f} m in 90 %{}{}</description>"
       "{}<styleUrl>#object</styleUrl><MultiGeometry>"
-      "<Point><coordinates>{},{:.3f}</coordinates></Point>"
+      "<Point><coordinates>{}</coordinates></Point>"
       "{}</MultiGeometry></Placemark>\n",
       listed.object.id, EscapedXml(listed.model), listed.object.id, listed.object.score, listed.object.frames,
-      place.ce90_m, heading, rejected, times, CoordinatesText(place.point), place.point.altitude_m, ellipse);
+      place.ce90_m, heading, rejected, times, CoordinatesText(place.point), ellipse);
 }
 
 }  // namespace

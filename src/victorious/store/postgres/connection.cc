@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <optional>
 #include <tuple>
 #include <vector>
@@ -77,11 +78,41 @@ PGPing Ping(const std::string& url) {
   return PQpingParams(keywords.data(), values.data(), 1);
 }
 
+// Where the password of a URL stands as its writer means it: after the first ":" of the authority, up to the last "@".
+// Empty if there is none.
+std::string_view PasswordIn(std::string_view url) {
+  const std::size_t scheme = url.find("://");
+  if (scheme == std::string_view::npos) return {};
+  const std::size_t begin = scheme + 3;
+  const std::size_t at = url.substr(0, url.find('?', begin)).rfind('@');
+  const std::size_t colon = url.find(':', begin);
+  if (at == std::string_view::npos || colon == std::string_view::npos || colon > at || at < begin) return {};
+  return url.substr(colon + 1, at - colon - 1);
+}
+
+// True if libpq would end it elsewhere (RFC 3986, 3.2.1), and so take a part of it for the host, which errors name.
+bool IsMisread(std::string_view password) {
+  if (password.find_first_of("/@") != std::string_view::npos) return true;
+  const auto is_digit = [&](std::size_t i) {
+    return i < password.size() && std::isxdigit(static_cast<unsigned char>(password[i])) != 0;
+  };
+  for (std::size_t i = password.find('%'); i != std::string_view::npos; i = password.find('%', i + 1)) {
+    if (!is_digit(i + 1) || !is_digit(i + 2)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 // As libpq reads a URL: the first "@" before the first "/" ends user and password, "?" begins the parameters.
 StoreAddress TakePassword(const std::string& url) {
   const OptionsPtr options(PQconninfoParse(url.c_str(), nullptr));
+  const std::string_view written = PasswordIn(url);
+  if (IsMisread(written)) {
+    std::string name = url;
+    name.erase(static_cast<std::size_t>(written.data() - url.data()) - 1, written.size() + 1);
+    return {.name = std::move(name), .password = std::string(written)};
+  }
   if (!options) return {.name = url, .password = {}};
   const std::size_t begin = url.find("://") + 3;
   const std::size_t at = url.find_first_of("@/", begin);
@@ -120,6 +151,12 @@ std::string DatabaseName(const std::string& url) {
 
 Expected<std::unique_ptr<Connection>> Connection::Open(const std::string& url, bool is_read_only,
                                                        std::string_view settings, std::optional<TaskAttempt> task) {
+  if (IsMisread(PasswordIn(url))) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "the password in the URL of the database has a / @ or % as it is: write %2F, %40 or %25 in its place, or "
+        "give it by the variable PGPASSWORD");
+  }
   char* fault = nullptr;
   const OptionsPtr options(PQconninfoParse(url.c_str(), &fault));
   if (!options) {

@@ -5,10 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "victorious/store/postgres/connection.h"
+
 namespace victorious::postgres {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Error ErrorOf(const std::string& message) {
   return ErrorFromFailure("postgresql://me@host/videos", ParseConnectionFailure(message));
@@ -45,6 +48,19 @@ TEST(ConnectionFailure, FollowsTheCodeAndNotTheWords) {
   EXPECT_EQ(refused.code, ErrorCode::kPermissionDenied);
   EXPECT_THAT(refused.message, HasSubstr("correct the role and its password"));
   EXPECT_THAT(ErrorOf("x: fe_sendauth: no password supplied\n").message, HasSubstr("PGPASSWORD"));
+}
+
+// No part of a password is printed, whether the address can be read or not (RFC 3986, 3.2.1).
+TEST(ConnectionUrl, PasswordsWithReservedCharactersStaySecret) {
+  for (const char* const password : {"p@ss/w%rd", "pa/ss", "p@ss", "pa%ss", "pass%4"}) {
+    const std::string url = std::string("postgresql://user:") + password + "@nohost.invalid/db";
+    const auto connection = Connection::Open(url, true, "", std::nullopt);
+    ASSERT_FALSE(connection) << password;
+    EXPECT_EQ(connection.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(connection.error().message, HasSubstr("%2F"));
+    EXPECT_THAT(connection.error().message, Not(HasSubstr(password))) << password;
+    EXPECT_EQ(TakePassword(url).name, "postgresql://user@nohost.invalid/db");
+  }
 }
 
 }  // namespace
