@@ -99,6 +99,22 @@ void WriteComplete(const fs::path& path, std::span<const std::byte> bytes) {
   if (!file || error) fs::remove(part, error);
 }
 
+std::vector<std::byte> WithChecksum(std::span<const std::byte> bytes) {
+  ByteWriter packed;
+  packed.Put(Checksum(bytes));
+  packed.PutItems(bytes);
+  return packed.Take();
+}
+
+// std::nullopt for what WithChecksum did not write.
+std::optional<std::vector<std::byte>> CheckedContent(std::span<const std::byte> bytes) {
+  ByteReader packed(bytes);
+  const auto checksum = packed.Get<std::uint64_t>();
+  std::vector<std::byte> content = packed.GetItems<std::byte>();
+  if (!packed.IsAtEnd() || Checksum(content) != checksum) return std::nullopt;
+  return content;
+}
+
 }  // namespace
 
 std::vector<std::byte> PackRelitTemplate(const RelitTemplate& one) {
@@ -110,19 +126,13 @@ std::vector<std::byte> PackRelitTemplate(const RelitTemplate& one) {
   content.PutItems(std::span(one.points_in_model));
   content.PutItems(std::span(one.shortened.rows));
   content.PutItems(std::span(one.shortened.cells));
-  const std::vector<std::byte> bytes = content.Take();
-  ByteWriter packed;
-  packed.Put(Checksum(bytes));
-  packed.PutItems(std::span(bytes));
-  return packed.Take();
+  return WithChecksum(content.Take());
 }
 
 std::optional<RelitTemplate> UnpackRelitTemplate(std::span<const std::byte> bytes) {
-  ByteReader packed(bytes);
-  const auto checksum = packed.Get<std::uint64_t>();
-  const auto content = packed.GetItems<std::byte>();
-  if (!packed.IsAtEnd() || Checksum(content) != checksum) return std::nullopt;
-  ByteReader reader(content);
+  const std::optional<std::vector<std::byte>> content = CheckedContent(bytes);
+  if (!content) return std::nullopt;
+  ByteReader reader(*content);
   RelitTemplate one;
   one.features.image_width = reader.Get<int>();
   one.features.image_height = reader.Get<int>();
@@ -142,6 +152,15 @@ std::optional<RelitTemplate> StoredRelitTemplates::Find(const RelitTemplateKey& 
 
 void StoredRelitTemplates::Put(const RelitTemplateKey& key, const RelitTemplate& made) const {
   WriteComplete(PathOf(key), PackRelitTemplate(made));
+}
+
+std::optional<std::vector<std::byte>> StoredRelitTemplates::FindBytes(const std::string& name) const {
+  const Expected<std::string> bytes = ReadFile(folder_ / name, kMaxBytes);
+  return bytes ? CheckedContent(std::as_bytes(std::span(*bytes))) : std::nullopt;
+}
+
+void StoredRelitTemplates::PutBytes(const std::string& name, std::span<const std::byte> bytes) const {
+  WriteComplete(folder_ / name, WithChecksum(bytes));
 }
 
 fs::path StoredRelitTemplates::PathOf(const RelitTemplateKey& key) const {

@@ -2,6 +2,7 @@
 // of the time of a short video, and most of the time before its first frame is searched.
 //
 //   FOLDER/HASH/SUN_VIEW-VIEW[h]  one template (h: at half resolution); HASH is that of the build and of the model
+//   FOLDER/HASH/shape-...         what templates of the search by shape are made of (recognize/shape_templates.h)
 //   FOLDER/tidied                 written when the folder was last looked through for what to remove
 //
 // Only the build that made a template reads it, with the same version of OpenCV, so that a search finds the same with
@@ -37,6 +38,10 @@ class StoredRelitTemplates {
   /// std::nullopt if it is not there.
   [[nodiscard]] std::optional<RelitTemplate> Find(const RelitTemplateKey& key) const;
   void Put(const RelitTemplateKey& key, const RelitTemplate& made) const;
+
+  /// Other bytes that are made of the model, under the name of a file. std::nullopt if they are not there, or damaged.
+  [[nodiscard]] std::optional<std::vector<std::byte>> FindBytes(const std::string& name) const;
+  void PutBytes(const std::string& name, std::span<const std::byte> bytes) const;
 
  private:
   [[nodiscard]] std::filesystem::path PathOf(const RelitTemplateKey& key) const;

@@ -80,6 +80,24 @@ TEST(RelitTemplateFolder, DamagedTemplateIsMadeAgain) {
   }
 }
 
+TEST(RelitTemplateFolder, OtherBytesComeBackUndamagedOrNotAtAll) {
+  const ScratchFolder folder;
+  const RelitTemplateFolder templates(folder.path(), "build");
+  const auto of_model = templates.Of(SmallCadModel().id);
+  const std::vector<std::byte> bytes = {std::byte{1}, std::byte{2}, std::byte{3}};
+  EXPECT_FALSE(of_model->FindBytes("shape-1"));
+  of_model->PutBytes("shape-1", bytes);
+  EXPECT_EQ(of_model->FindBytes("shape-1"), bytes);
+  EXPECT_FALSE(of_model->FindBytes("shape-2"));
+  EXPECT_FALSE(templates.Of(SmallCadModel().id + "0")->FindBytes("shape-1"));
+  const std::vector<fs::path> files = Files(folder.path());
+  ASSERT_EQ(files.size(), 1U) << "no parts are left";
+  std::string flipped = ReadFile(files[0]).value();
+  flipped.back() ^= 1;
+  ASSERT_TRUE(WriteFileAtomically(files[0], flipped));
+  EXPECT_FALSE(of_model->FindBytes("shape-1"));
+}
+
 TEST(RelitTemplateFolder, PlaceThatCannotBeWrittenIsNoError) {
   const ScratchFolder folder;
   const fs::path file = fs::path(folder.path()) / "file";

@@ -127,6 +127,14 @@ class RelitViews : public RelitTemplateSource {
     return made;
   }
 
+  [[nodiscard]] std::optional<std::vector<std::byte>> FindKept(const std::string& name) const override {
+    return stored_ ? stored_->FindBytes(name) : std::nullopt;
+  }
+
+  void Keep(const std::string& name, std::span<const std::byte> bytes) const override {
+    if (stored_) stored_->PutBytes(name, bytes);
+  }
+
  private:
   // The item of a key; the first thread that asks for it makes it. @param make  returns Expected<Item>
   template <typename Item, typename Make>

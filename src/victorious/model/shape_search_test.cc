@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,11 +13,13 @@
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
+#include "testing/data.h"
 #include "testing/small_cad_model.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/box.h"
 #include "victorious/model/cad_model.h"
+#include "victorious/model/relit_template_folder.h"
 #include "victorious/model/relit_views.h"
 #include "victorious/model/view_surface.h"
 #include "victorious/render/relight.h"
@@ -187,6 +190,38 @@ TEST_F(ShapeSearchTest, ADetectionLiesWhereTheObjectIs) {
         detection.fit.scene_from_template.Apply({inlier.keypoint_in_template.x, inlier.keypoint_in_template.y});
     EXPECT_LT((by_fit - Eigen::Vector2d(at.x, at.y)).norm(), 12);
   }
+}
+
+// What is kept on disk is what is drawn: another search draws nothing and finds the same.
+TEST_F(ShapeSearchTest, FindsTheSameWithTemplatesFromDisk) {
+  const PlainScene scene = SceneWith(2);
+  const std::vector<ShapeMatch> drawn = Find(scene.grey, scene.conditions, -10);
+  ASSERT_FALSE(drawn.empty());
+  const testing::ScratchFolder folder;
+  const RelitTemplateFolder kept(folder.path(), "build");
+  const std::vector<ObjectModel> models = {Model()};
+  const auto find = [&] {
+    return ShapeSearch(models, MakeRelitViews(models, &kept).value(), Background())
+        .Find(scene.grey, scene.conditions, -10)
+        .value();
+  };
+  for (const std::vector<ShapeMatch>& found : {find(), find()}) {
+    ASSERT_EQ(found.size(), drawn.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].response, drawn[i].response);
+      EXPECT_EQ(found[i].centre_px, drawn[i].centre_px);
+    }
+  }
+  const std::filesystem::file_time_type long_ago{};
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
+    if (!entry.path().filename().string().starts_with("shape-")) continue;
+    files.push_back(entry.path());
+    std::filesystem::last_write_time(entry.path(), long_ago);
+  }
+  EXPECT_FALSE(files.empty());
+  find();
+  for (const std::filesystem::path& file : files) EXPECT_EQ(std::filesystem::last_write_time(file), long_ago) << file;
 }
 
 TEST_F(ShapeSearchTest, IsTheSameForAnyNumberOfThreads) {

@@ -16,7 +16,8 @@ namespace victorious {
 /// @param video             path
 /// @param duration_s        of the video; frames of an unknown duration are taken from its beginning
 /// @param impulse_fraction  as FeatureOptions::impulse_fraction
-/// Error: kCancelled. Cost: four seeks, and what lies between a key frame and each frame.
+/// Error: kCancelled. Cost: four seeks, and what lies between a key frame and each frame; where key frames are rare,
+/// the video is decoded once.
 [[nodiscard]] Expected<std::vector<GradientCells>> ReadBackground(const std::string& video, double duration_s,
                                                                   double impulse_fraction, const CancelToken& cancel);
 

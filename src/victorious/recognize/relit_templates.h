@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -84,6 +86,15 @@ class RelitTemplateSource {
   /// The surface of a view, from its rendering at half resolution. Deterministic.
   /// Errors: kDataLoss for a damaged rendering in the model.
   [[nodiscard]] virtual Expected<RenderedSurface> GetSurface(std::size_t view) const = 0;
+
+  /// Bytes that Keep() kept of this model for this build of the program, now or in an earlier search. std::nullopt if
+  /// they are not there, as of a source without a folder on disk.
+  /// @param name  of a file
+  [[nodiscard]] virtual std::optional<std::vector<std::byte>> FindKept(const std::string& /*name*/) const {
+    return std::nullopt;
+  }
+  /// Keeps bytes beside the relit templates on disk, if they are kept there. What cannot be written is no error.
+  virtual void Keep(const std::string& /*name*/, std::span<const std::byte> /*bytes*/) const {}
 };
 
 }  // namespace victorious

@@ -12,12 +12,14 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/check.h"
+#include "victorious/base/stage_time.h"
 #include "victorious/detect/detect.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/geometry/similarity.h"
 #include "victorious/kernels/window_products.h"
 #include "victorious/recognize/shape_templates.h"
+#include "victorious/recognize/upright_part.h"
 
 namespace victorious {
 namespace {
@@ -29,12 +31,17 @@ constexpr double kMaxEnlargement = 2;  // of the frame: more shows no more
 constexpr double kMinObject_px = 24;   // diagonal of the bounding box in the frame
 constexpr double kMinDown = 0.25;      // cosine of the off-nadir angle: views end at 70 degrees
 constexpr double kTileOffNadir_rad = RadiansFromDegrees(6);
-constexpr int kHeadings = 36;
-constexpr int kHeadingStep_deg = 360 / kHeadings;
 constexpr int kFineHeadingStep_deg = 5;
 constexpr int kOffNadirStep_deg = 5;
+constexpr int kCoarseOffNadirStep_deg = 10;
+constexpr int kCellStride = kCellSide_px / kCellStep_px;
 constexpr int kSunStep_deg = 30;
-constexpr std::size_t kMaxPlaces = 4;  // of a model in a frame that are searched with fine templates
+constexpr int kGlanceEighthOctaves = 8;  // half of the coarse size
+constexpr double kMinGlanceResponse = 3;
+constexpr std::size_t kMaxGlances = 40;     // of a model in a tile
+constexpr std::size_t kGlanceHeadings = 2;  // on either side of that of a glance, and of the opposite one
+constexpr int kGlanceReach = 2;             // cells
+constexpr std::size_t kMaxPlaces = 4;       // of a model in a frame that are searched with fine templates
 constexpr double kMinCoarseResponse = 5.2;
 constexpr double kMinFineResponse = 5.5;  // of the coarse heading
 constexpr int kFineHeadings = 2;          // on either side of it
@@ -79,113 +86,52 @@ struct Tile {
 };
 
 std::vector<Tile> DivideFrame(const Vertical& vertical, const cv::Size& size) {
-  const double focal_px = vertical.pinhole.fx;
   const auto parts = [&](int length_px) {
-    return std::max(1, static_cast<int>(std::ceil(std::atan(length_px / focal_px) / kTileOffNadir_rad)));
+    return std::max(1, static_cast<int>(std::ceil(std::atan(length_px / vertical.pinhole.fx) / kTileOffNadir_rad)));
   };
-  const int rows = parts(size.height);
-  const int columns = parts(size.width);
+  const auto [rows, columns] = std::pair(parts(size.height), parts(size.width));
   std::vector<Tile> tiles;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const cv::Point first(size.width * column / columns, size.height * row / rows);
-      const cv::Point last(size.width * (column + 1) / columns, size.height * (row + 1) / rows);
-      tiles.push_back({cv::Rect(first, last)});
+      tiles.push_back({cv::Rect(cv::Point(size.width * column / columns, size.height * row / rows),
+                                cv::Point(size.width * (column + 1) / columns, size.height * (row + 1) / rows))});
     }
   }
   return tiles;
 }
 
-// A part of the frame at another scale, turned so that the vertical points upwards.
-struct UprightPart {
-  GradientCells cells;
-  double scale = 1;  // pixels of the part per pixel of the frame
-  double lean_rad = 0;
-  Vector2d centre_px;  // in the frame
-  Vector2d centre_in_part_px;
-
-  [[nodiscard]] Vector2d ToFrame(const Vector2d& in_part) const {
-    const Similarity2 turned{.scale = 1 / scale, .rotation_rad = lean_rad};
-    return centre_px + turned.Apply(in_part - centre_in_part_px);
-  }
-};
-
-UprightPart CutUpright(const cv::Mat& grey, const Vector2d& centre_px, const cv::Size2d& size_px, double scale,
-                       double lean_rad) {
-  UprightPart made{.cells = {}, .scale = scale, .lean_rad = lean_rad, .centre_px = centre_px, .centre_in_part_px = {}};
-  const cv::Size size(static_cast<int>(std::ceil(size_px.width * scale)),
-                      static_cast<int>(std::ceil(size_px.height * scale)));
-  made.centre_in_part_px = {0.5 * size.width, 0.5 * size.height};
-  // Reduced without aliasing: the frame around the part is averaged first, then turned.
-  const double around_px = 0.5 * std::hypot(size_px.width, size_px.height) + 4 / scale;
-  const cv::Rect around = cv::Rect(cv::Point(static_cast<int>(std::floor(centre_px.x() - around_px)),
-                                             static_cast<int>(std::floor(centre_px.y() - around_px))),
-                                   cv::Point(static_cast<int>(std::ceil(centre_px.x() + around_px)),
-                                             static_cast<int>(std::ceil(centre_px.y() + around_px)))) &
-                          cv::Rect({0, 0}, grey.size());
-  if (around.empty()) return made;
-  const cv::Size scaled_size(std::max(1, static_cast<int>(std::lround(around.width * scale))),
-                             std::max(1, static_cast<int>(std::lround(around.height * scale))));
-  cv::Mat scaled;
-  cv::resize(grey(around), scaled, scaled_size, 0, 0, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
-  const Vector2d ratio(static_cast<double>(scaled_size.width) / around.width,
-                       static_cast<double>(scaled_size.height) / around.height);
-  const double c = std::cos(lean_rad);
-  const double s = std::sin(lean_rad);
-  // Pixel indices, whose centres lie 0.5 further: scaled = ratio * (centre - corner + R (part - centre) / scale).
-  const Eigen::Matrix2d linear = ratio.asDiagonal() * (Eigen::Matrix2d() << c, -s, s, c).finished() / scale;
-  const Vector2d corner(around.x, around.y);
-  const Vector2d half(0.5, 0.5);
-  const Vector2d shift = ratio.cwiseProduct(centre_px - corner) - linear * (made.centre_in_part_px - half) - half;
-  const cv::Matx23d scaled_from_part(linear(0, 0), linear(0, 1), shift.x(), linear(1, 0), linear(1, 1), shift.y());
-  cv::Mat part;
-  cv::warpAffine(scaled, part, scaled_from_part, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
-  made.cells = MakeGradientCells(part);
-  return made;
-}
-
-// The cells of a part that templates are compared with: every second one, from one of the four first, within a border
-// of mean background, so that templates may reach beyond the part.
+// Every second cell of a part: what templates are compared with.
 struct CodeMap {
   std::vector<std::int16_t> codes;
   int rows = 0;
   int columns = 0;
 };
 
-CodeMap TakeCells(const GradientCells& cells, const cv::Point& phase, int border,
+// @param phase  which of the four first cells is the first
+// @param area   in every second cell; beyond the part is mean background
+CodeMap TakeCells(const GradientCells& cells, const cv::Point& phase, const cv::Rect& area,
                   const std::array<float, kCellOrientations>& mean) {
-  constexpr int kStride = kCellSide_px / kCellStep_px;
-  const int rows = (cells.rows - phase.y + kStride - 1) / kStride;
-  const int columns = (cells.columns - phase.x + kStride - 1) / kStride;
-  CodeMap map{.codes = {}, .rows = rows + 2 * border, .columns = columns + 2 * border};
+  CodeMap map{.codes = {}, .rows = area.height, .columns = area.width};
   map.codes.resize(static_cast<std::size_t>(map.rows) * map.columns * kCellOrientations);
   std::array<std::int16_t, kCellOrientations> outside{};
   for (std::size_t k = 0; k < outside.size(); ++k) {
     outside[k] = static_cast<std::int16_t>(std::lround(mean[k] * (kMaxCellCode / kMaxCellValue)));
   }
+  std::int16_t* out = map.codes.data();
   for (int row = 0; row < map.rows; ++row) {
     for (int column = 0; column < map.columns; ++column) {
-      std::int16_t* const out =
-          map.codes.data() + (static_cast<std::size_t>(row) * map.columns + column) * kCellOrientations;
-      const int y = row - border;
-      const int x = column - border;
-      if (y < 0 || x < 0 || y >= rows || x >= columns) {
+      const int y = phase.y + kCellStride * (area.y + row);
+      const int x = phase.x + kCellStride * (area.x + column);
+      if (y < 0 || x < 0 || y >= cells.rows || x >= cells.columns) {
         std::ranges::copy(outside, out);
       } else {
-        std::copy_n(cells.at(phase.y + kStride * y, phase.x + kStride * x), kCellOrientations, out);
+        std::copy_n(cells.at(y, x), kCellOrientations, out);
       }
+      out += kCellOrientations;
     }
   }
   return map;
 }
-
-// Templates of one size, side by side.
-struct Bank {
-  std::vector<ShapeTemplateKey> keys;
-  std::vector<std::shared_ptr<const ShapeTemplate>> templates;
-  std::vector<std::int16_t> weights;
-  int window = 0;
-};
 
 // The largest response at each position, and the template that gives it.
 struct ResponseMap {
@@ -193,12 +139,14 @@ struct ResponseMap {
   cv::Mat which;     // CV_32S, index into the bank
 };
 
-// @param border  cells of mean background around; a template's position is then that of its middle, else of its corner
-ResponseMap Respond(const GradientCells& cells, const cv::Point& phase, const Bank& bank, int border,
-                    const std::array<float, kCellOrientations>& mean) {
-  const CodeMap map = TakeCells(cells, phase, border, mean);
+// @param positions_at  of the templates' middles, in every second cell
+ResponseMap Respond(const GradientCells& cells, const cv::Point& phase, const ShapeBank& bank,
+                    const cv::Rect& positions_at, const std::array<float, kCellOrientations>& mean) {
+  if (positions_at.empty()) return {};
+  const cv::Point to_corner(bank.window / 2, bank.window / 2);
+  const cv::Size reach(bank.window - 1, bank.window - 1);
+  const CodeMap map = TakeCells(cells, phase, {positions_at.tl() - to_corner, positions_at.size() + reach}, mean);
   const auto window = static_cast<std::size_t>(bank.window);
-  if (map.rows < bank.window || map.columns < bank.window) return {};
   const std::size_t rows = map.rows - window + 1;
   const std::size_t columns = map.columns - window + 1;
   std::vector<std::int32_t> sums(bank.templates.size() * rows * columns);
@@ -214,8 +162,8 @@ ResponseMap Respond(const GradientCells& cells, const cv::Point& phase, const Ba
   auto* const response = made.response.ptr<float>();
   auto* const which = made.which.ptr<int>();
   for (std::size_t t = 0; t < bank.templates.size(); ++t) {
-    const float scale = bank.templates[t]->scale;
-    const float offset = bank.templates[t]->offset;
+    const float scale = bank.templates[t].scale;
+    const float offset = bank.templates[t].offset;
     for (std::size_t i = 0; i < positions; ++i) {
       const float here = scale * static_cast<float>(sums[t * positions + i]) - offset;
       if (here <= response[i]) continue;
@@ -244,6 +192,7 @@ struct Place {
   std::size_t model = 0;
   double response = 0;
   Vector2d at_px;       // of the object's centre, in the frame
+  double size_px = 0;   // of the object in the frame
   int azimuth_deg = 0;  // of the camera, in the model frame
 };
 
@@ -284,55 +233,54 @@ namespace {
 // The search for one model.
 class ModelShapeSearch {
  public:
-  using GetTemplate = std::function<Expected<std::shared_ptr<const ShapeTemplate>>(const ShapeTemplateKey&)>;
+  using GetBank = std::function<Expected<std::shared_ptr<const ShapeBank>>(const ShapeBankKey&)>;
 
-  ModelShapeSearch(std::size_t model, double diagonal_m, double centre_height_m, const GetTemplate& get_template,
+  ModelShapeSearch(std::size_t model, double diagonal_m, double centre_height_m, const GetBank& get_bank,
                    const std::array<float, kCellOrientations>& mean)
-      : model_(model),
-        diagonal_m_(diagonal_m),
-        centre_height_m_(centre_height_m),
-        get_template_(get_template),
-        mean_(mean) {}
+      : model_(model), diagonal_m_(diagonal_m), centre_height_m_(centre_height_m), get_bank_(get_bank), mean_(mean) {}
+
+  // What FindPlaces needs in a tile: templates of half the coarse size, and of the coarse size. Empty if the model
+  // cannot be seen there.
+  [[nodiscard]] std::vector<ShapeBankKey> PlaceKeys(const FrameConditions& conditions, const Tile& tile) const {
+    const auto view = ViewAt(conditions, tile.centre(), centre_height_m_);
+    if (!view) return {};
+    const double object_px = diagonal_m_ * view->pixels_per_m;
+    if (object_px < kMinObject_px) return {};
+    // Without the sun, the templates are the same whichever way the camera looks.
+    const ShapeBankKey coarse{
+        .model = model_,
+        .azimuth_deg = {},
+        .off_nadir_deg = std::max(kOffNadirStep_deg / 2, Quantised(view->off_nadir_rad, kCoarseOffNadirStep_deg)),
+        .sun_azimuth_deg = {},
+        .eighth_octaves = ChooseSize(object_px, kCoarseSize_px).eighth_octaves};
+    ShapeBankKey glance = coarse;
+    glance.eighth_octaves += kGlanceEighthOctaves;
+    return {glance, coarse};
+  }
 
   // The best places of coarse templates in a tile.
   Expected<std::vector<Place>> FindPlaces(const cv::Mat& grey, const FrameConditions& conditions,
                                           const Tile& tile) const {
-    const auto view = ViewAt(conditions, tile.centre(), centre_height_m_);
-    if (!view) return std::vector<Place>{};
-    const double object_px = diagonal_m_ * view->pixels_per_m;
-    if (object_px < kMinObject_px) return std::vector<Place>{};
-    const TemplateSize size = ChooseSize(object_px, kCoarseSize_px);
-    std::array<int, kHeadings> azimuths_deg{};
-    for (int i = 0; i < kHeadings; ++i) azimuths_deg[static_cast<std::size_t>(i)] = kHeadingStep_deg * i;
-    // Without the sun, the templates are the same whichever way the camera looks.
-    ShapeTemplateKey key = KeyFor(*view, size);
-    key.sun_azimuth_deg.reset();
-    key.sun_elevation_deg = 0;
-    VICTORIOUS_ASSIGN_OR_RETURN(const Bank bank, MakeBank(key, azimuths_deg));
-    if (bank.templates.empty()) return std::vector<Place>{};
+    const std::vector<ShapeBankKey> keys = PlaceKeys(conditions, tile);
+    if (keys.empty()) return std::vector<Place>{};
+    const LocalView view = *ViewAt(conditions, tile.centre(), centre_height_m_);
+    const double object_px = diagonal_m_ * view.pixels_per_m;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const ShapeBank> glances, get_bank_(keys[0]));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const ShapeBank> bank, get_bank_(keys[1]));
+    if (glances->templates.empty() || bank->templates.empty()) return std::vector<Place>{};
     // Objects of the tile reach beyond it; turned, so do its corners.
-    const double margin_px = object_px;
-    const double turned = std::abs(std::sin(view->lean_rad));
-    const cv::Size2d wanted(tile.part.width + margin_px + turned * tile.part.height,
-                            tile.part.height + margin_px + turned * tile.part.width);
-    const UprightPart part = CutUpright(grey, tile.centre(), wanted, size.scale, view->lean_rad);
+    const double turned = std::abs(std::sin(view.lean_rad));
+    const cv::Size2d wanted(tile.part.width + object_px + turned * tile.part.height,
+                            tile.part.height + object_px + turned * tile.part.width);
+    const UprightPart part =
+        CutUpright(grey, tile.centre(), wanted, ChooseSize(object_px, kCoarseSize_px).scale, view.lean_rad);
+    if (part.grey.empty()) return std::vector<Place>{};
+    const std::vector<Glance> best = FindGlances(part.AtHalfScale(), tile, *glances);
+    if (best.empty()) return std::vector<Place>{};
+    const GradientCells cells = MakeGradientCells(part.grey);
     std::vector<Place> places;
-    const ResponseMap map = Respond(part.cells, {0, 0}, bank, bank.window / 2, mean_);
-    if (map.response.empty()) return places;
-    const int reach = std::max(1, static_cast<int>(kSuppression * kCoarseSize_px / 2 / kCellSide_px));
-    cv::Mat highest;
-    cv::dilate(map.response, highest, cv::Mat::ones(2 * reach + 1, 2 * reach + 1, CV_8U));
-    for (int row = 0; row < map.response.rows; ++row) {
-      for (int column = 0; column < map.response.cols; ++column) {
-        const float response = map.response.at<float>(row, column);
-        if (response < kMinCoarseResponse || response < highest.at<float>(row, column)) continue;
-        const Vector2d at_px = part.ToFrame({kCellSide_px * column + 0.5, kCellSide_px * row + 0.5});
-        if (!tile.part.contains(
-                cv::Point(static_cast<int>(std::floor(at_px.x())), static_cast<int>(std::floor(at_px.y())))))
-          continue;
-        const ShapeTemplateKey& found = bank.keys[static_cast<std::size_t>(map.which.at<int>(row, column))];
-        places.push_back({.model = model_, .response = response, .at_px = at_px, .azimuth_deg = found.azimuth_deg});
-      }
+    for (const Glance& glance : best) {
+      if (const std::optional<Place> place = LookCloser(part, cells, glance, *bank)) places.push_back(*place);
     }
     return places;
   }
@@ -353,67 +301,137 @@ class ModelShapeSearch {
     if (!view) return std::optional<ShapeMatch>();
     const double object_px = diagonal_m_ * view->pixels_per_m;
     const TemplateSize size = ChooseSize(object_px, kFineSize_px);
-    std::vector<int> azimuths_deg;
-    for (int i = -headings; i <= headings; ++i) azimuths_deg.push_back(place.azimuth_deg + i * kFineHeadingStep_deg);
-    VICTORIOUS_ASSIGN_OR_RETURN(const Bank bank, MakeBank(KeyFor(*view, size), azimuths_deg));
+    VICTORIOUS_ASSIGN_OR_RETURN(const ShapeBank bank, FineBank(*view, size, place.azimuth_deg, headings));
     if (bank.templates.empty()) return std::optional<ShapeMatch>();
     const double side_px = (kCellSide_px * bank.window + 2 * kFineReach_px) / size.scale;
     const UprightPart part = CutUpright(grey, place.at_px, {side_px, side_px}, size.scale, view->lean_rad);
+    if (part.grey.empty()) return std::optional<ShapeMatch>();
+    const GradientCells cells = MakeGradientCells(part.grey);
+    const cv::Size map(cells.columns / kCellStride, cells.rows / kCellStride);
+    const cv::Rect inside(bank.window / 2, bank.window / 2, map.width - bank.window + 1, map.height - bank.window + 1);
     // The responses of all four phases, every second pixel.
-    cv::Mat responses;
-    cv::Mat which;
+    cv::Mat responses(2 * inside.height, 2 * inside.width, CV_32F);
+    cv::Mat which(responses.size(), CV_32S);
     for (const cv::Point phase : {cv::Point(0, 0), cv::Point(1, 0), cv::Point(0, 1), cv::Point(1, 1)}) {
-      const ResponseMap map = Respond(part.cells, phase, bank, 0, mean_);
-      if (responses.empty()) {
-        responses = cv::Mat(2 * map.response.rows, 2 * map.response.cols, CV_32F, cv::Scalar(-1e9));
-        which = cv::Mat::zeros(responses.size(), CV_32S);
-      }
-      for (int row = 0; row < std::min(map.response.rows, responses.rows / 2); ++row) {
-        for (int column = 0; column < std::min(map.response.cols, responses.cols / 2); ++column) {
-          responses.at<float>(2 * row + phase.y, 2 * column + phase.x) = map.response.at<float>(row, column);
-          which.at<int>(2 * row + phase.y, 2 * column + phase.x) = map.which.at<int>(row, column);
+      const ResponseMap of_phase = Respond(cells, phase, bank, inside, mean_);
+      for (int row = 0; row < inside.height; ++row) {
+        for (int column = 0; column < inside.width; ++column) {
+          responses.at<float>(2 * row + phase.y, 2 * column + phase.x) = of_phase.response.at<float>(row, column);
+          which.at<int>(2 * row + phase.y, 2 * column + phase.x) = of_phase.which.at<int>(row, column);
         }
       }
     }
-    if (responses.empty()) return std::optional<ShapeMatch>();
     double highest = 0;
     cv::Point at;
     cv::minMaxLoc(responses, nullptr, &highest, nullptr, &at);
-    const ShapeTemplateKey& key = bank.keys[static_cast<std::size_t>(which.at<int>(at))];
+    const ShapeTemplate& found = bank.templates[static_cast<std::size_t>(which.at<int>(at))];
     const Vector2d corner(kCellStep_px * at.x + 0.5, kCellStep_px * at.y + 0.5);
     const Vector2d to_middle = Vector2d::Constant(kCellSide_px * (bank.window / 2));
     std::optional<ShapeMatch> best =
         ShapeMatch{.model_index = model_,
-                   .to_camera = {RadiansFromDegrees(key.azimuth_deg), view->off_nadir_rad},
+                   .to_camera = {RadiansFromDegrees(found.azimuth_deg), view->off_nadir_rad},
                    .centre_px = part.ToFrame(corner + to_middle + kCellStep_px * PeakOffset(responses, at)),
                    .pixels_per_m = view->pixels_per_m,
                    .lean_rad = view->lean_rad,
-                   .paint = key.paint,
+                   .paint = found.paint,
                    .response = highest};
     return best;
   }
 
  private:
-  [[nodiscard]] ShapeTemplateKey KeyFor(const LocalView& view, const TemplateSize& size) const {
-    return {.model = model_,
-            .off_nadir_deg = std::max(kOffNadirStep_deg / 2, Quantised(view.off_nadir_rad, kOffNadirStep_deg)),
-            .sun_azimuth_deg = view.sun_azimuth_deg,
-            .sun_elevation_deg = view.sun_elevation_deg,
-            .eighth_octaves = size.eighth_octaves};
+  // A place that may be worth a closer look.
+  struct Glance {
+    double response = 0;
+    Vector2d at_px;                  // in the frame
+    std::size_t heading_number = 0;  // of the best template
+  };
+
+  // The best places of templates of half the coarse size, as many as kMaxGlances.
+  std::vector<Glance> FindGlances(const UprightPart& part, const Tile& tile, const ShapeBank& bank) const {
+    const GradientCells cells = MakeGradientCells(part.grey);
+    const cv::Rect positions = PositionsOf(part, tile);
+    const ResponseMap map = Respond(cells, {0, 0}, bank, positions, mean_);
+    std::vector<Glance> found;
+    if (map.response.empty()) return found;
+    cv::Mat highest;
+    cv::dilate(map.response, highest, cv::Mat::ones(3, 3, CV_8U));
+    for (int row = 0; row < positions.height; ++row) {
+      for (int column = 0; column < positions.width; ++column) {
+        const float response = map.response.at<float>(row, column);
+        if (response < kMinGlanceResponse || response < highest.at<float>(row, column)) continue;
+        const Vector2d at_px = part.ToFrame(PixelOf(positions.tl() + cv::Point(column, row)));
+        if (!tile.part.contains(
+                cv::Point(static_cast<int>(std::floor(at_px.x())), static_cast<int>(std::floor(at_px.y()))))) {
+          continue;
+        }
+        found.push_back({.response = response,
+                         .at_px = at_px,
+                         .heading_number = static_cast<std::size_t>(map.which.at<int>(row, column))});
+      }
+    }
+    std::ranges::stable_sort(found, std::greater{}, &Glance::response);
+    if (found.size() > kMaxGlances) found.resize(kMaxGlances);
+    return found;
   }
 
-  Expected<Bank> MakeBank(ShapeTemplateKey key, std::span<const int> azimuths_deg) const {
-    Bank bank{.keys = {}, .templates = {}, .weights = {}, .window = key.window()};
-    for (const TemplatePaint paint : {TemplatePaint::kPlain, TemplatePaint::kOwn}) {
-      for (const int azimuth_deg : azimuths_deg) {
-        key.paint = paint;
-        key.azimuth_deg = (azimuth_deg + 360) % 360;
-        VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const ShapeTemplate> one, get_template_(key));
-        if (one->weights.empty()) continue;
-        bank.keys.push_back(key);
-        bank.weights.insert(bank.weights.end(), one->weights.begin(), one->weights.end());
-        bank.templates.push_back(std::move(one));
+  // The largest response of coarse templates around a glance, of the headings about its own and the opposite one.
+  std::optional<Place> LookCloser(const UprightPart& part, const GradientCells& cells, const Glance& glance,
+                                  const ShapeBank& bank) const {
+    ShapeBank near{.window = bank.window, .templates = {}, .weights = {}};
+    const std::size_t count = bank.templates.size();
+    for (const std::size_t middle : {glance.heading_number, glance.heading_number + count / 2}) {
+      for (std::size_t i = 0; i <= 2 * kGlanceHeadings; ++i) {
+        const std::size_t number = (middle + count - kGlanceHeadings + i) % count;
+        near.Add(bank.templates[number], bank.WeightsOf(number));
       }
+    }
+    const cv::Point middle = PositionAt(part.FromFrame(glance.at_px));
+    const cv::Rect positions(middle - cv::Point(kGlanceReach, kGlanceReach),
+                             cv::Size(2 * kGlanceReach + 1, 2 * kGlanceReach + 1));
+    const ResponseMap map = Respond(cells, {0, 0}, near, positions, mean_);
+    double highest = 0;
+    cv::Point at;
+    cv::minMaxLoc(map.response, nullptr, &highest, nullptr, &at);
+    if (highest < kMinCoarseResponse) return std::nullopt;
+    return Place{.model = model_,
+                 .response = highest,
+                 .at_px = part.ToFrame(PixelOf(positions.tl() + at)),
+                 .size_px = kCoarseSize_px / part.scale,
+                 .azimuth_deg = near.templates[static_cast<std::size_t>(map.which.at<int>(at))].azimuth_deg};
+  }
+
+  // The middle of a position's pixel.
+  static Vector2d PixelOf(const cv::Point& position) {
+    return {kCellSide_px * position.x + 0.5, kCellSide_px * position.y + 0.5};
+  }
+  static cv::Point PositionAt(const Vector2d& at_px) {
+    return {static_cast<int>(std::lround((at_px.x() - 0.5) / kCellSide_px)),
+            static_cast<int>(std::lround((at_px.y() - 0.5) / kCellSide_px))};
+  }
+
+  // The positions around those in a tile.
+  static cv::Rect PositionsOf(const UprightPart& part, const Tile& tile) {
+    std::vector<cv::Point> corners;
+    for (const cv::Point& corner : {tile.part.tl(), tile.part.br(), cv::Point(tile.part.x, tile.part.br().y),
+                                    cv::Point(tile.part.br().x, tile.part.y)}) {
+      corners.push_back(PositionAt(part.FromFrame({corner.x, corner.y})));
+    }
+    return cv::boundingRect(corners);
+  }
+
+  // The templates of headings around one, 5 degrees apart.
+  Expected<ShapeBank> FineBank(const LocalView& view, const TemplateSize& size, int azimuth_deg, int headings) const {
+    ShapeBankKey key{.model = model_,
+                     .azimuth_deg = {},
+                     .off_nadir_deg = std::max(kOffNadirStep_deg / 2, Quantised(view.off_nadir_rad, kOffNadirStep_deg)),
+                     .sun_azimuth_deg = view.sun_azimuth_deg,
+                     .sun_elevation_deg = view.sun_elevation_deg,
+                     .eighth_octaves = size.eighth_octaves};
+    ShapeBank bank{.window = key.window(), .templates = {}, .weights = {}};
+    for (int i = -headings; i <= headings; ++i) {
+      key.azimuth_deg = (azimuth_deg + i * kFineHeadingStep_deg + 360) % 360;
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const ShapeBank> one, get_bank_(key));
+      for (std::size_t t = 0; t < one->templates.size(); ++t) bank.Add(one->templates[t], one->WeightsOf(t));
     }
     return bank;
   }
@@ -421,7 +439,7 @@ class ModelShapeSearch {
   std::size_t model_;
   double diagonal_m_;
   double centre_height_m_;
-  const GetTemplate& get_template_;
+  const GetBank& get_bank_;
   const std::array<float, kCellOrientations>& mean_;
 };
 
@@ -435,15 +453,25 @@ Expected<std::vector<Place>> BestOfEachModel(std::vector<Expected<std::vector<Pl
       of_model.insert(of_model.end(), found[i]->begin(), found[i]->end());
     }
     std::ranges::stable_sort(of_model, std::greater{}, &Place::response);
-    if (of_model.size() > kMaxPlaces) of_model.resize(kMaxPlaces);
-    best.insert(best.end(), of_model.begin(), of_model.end());
+    std::vector<Place> apart;
+    for (const Place& place : of_model) {
+      if (apart.size() == kMaxPlaces) break;
+      const auto is_near = [&](const Place& other) {
+        return (other.at_px - place.at_px).norm() < kSuppression / 2 * place.size_px;
+      };
+      if (std::ranges::none_of(apart, is_near)) apart.push_back(place);
+    }
+    best.insert(best.end(), apart.begin(), apart.end());
   }
   return best;
 }
 
 void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& work) {
   oneapi::tbb::this_task_arena::isolate([&] {  // else a waiting thread could start on another frame
-    oneapi::tbb::parallel_for(std::size_t{0}, count, work);
+    oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      const StageScope scope(Stage::kShape);
+      work(i);
+    });
   });
 }
 
@@ -460,11 +488,9 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::Find(const cv::Mat& grey, const F
   VICTORIOUS_CHECK(grey.type() == CV_8UC1);
   if (!conditions.vertical || !conditions.height_above_ground_m) return std::vector<ShapeMatch>{};
   const std::vector<Tile> tiles = DivideFrame(*conditions.vertical, grey.size());
-  const ModelShapeSearch::GetTemplate get_template = [this](const ShapeTemplateKey& key) {
-    return templates_->Get(key);
-  };
+  const ModelShapeSearch::GetBank get_bank = [this](const ShapeBankKey& key) { return templates_->Get(key); };
   const auto search_for = [&](std::size_t m) {
-    return ModelShapeSearch(m, templates_->diagonal_m(m), models_[m].box_m->sizes().z() / 2, get_template,
+    return ModelShapeSearch(m, templates_->diagonal_m(m), models_[m].box_m->sizes().z() / 2, get_bank,
                             templates_->mean());
   };
   std::vector<Expected<std::vector<Place>>> found(models_.size() * tiles.size());
@@ -510,10 +536,8 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
   const Place place{.model = m,
                     .at_px = last.fit.scene_from_template.Apply(rendered.centre_px) + shift_px,
                     .azimuth_deg = Quantised(azimuth_rad, kFineHeadingStep_deg)};
-  const ModelShapeSearch::GetTemplate get_template = [this](const ShapeTemplateKey& key) {
-    return templates_->Get(key);
-  };
-  const ModelShapeSearch search(m, templates_->diagonal_m(m), models_[m].box_m->sizes().z() / 2, get_template,
+  const ModelShapeSearch::GetBank get_bank = [this](const ShapeBankKey& key) { return templates_->Get(key); };
+  const ModelShapeSearch search(m, templates_->diagonal_m(m), models_[m].box_m->sizes().z() / 2, get_bank,
                                 templates_->mean());
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ShapeMatch> match, search.Match(grey, conditions, place, kFineHeadings));
   if (!match) return match;

@@ -5,8 +5,8 @@
 // Method: templates are drawn from the model's stored surfaces (shape/surface_template.h) in the model's own paint and
 // in one grey, and whitened by the statistics of the video's background (shape/background_spectrum.h): exemplar linear
 // discriminants, as Aubry et al. (CVPR 2014) align CAD models. A response s has standard deviation 1 on background.
-//   coarse  templates of 64 px for all headings, 10 degrees apart, lit from above, over the whole frame: the best
-//           places of each model
+//   glance  templates of 32 px for all headings, 10 degrees apart, lit from above, over the whole frame: some places
+//   coarse  templates of 64 px of the headings near that of a glance, around it: the best places of each model
 //   fine    templates of 96 px, 5 degrees apart, in the sun, around each of them
 //   -log10 NFA = kDecadesPerResponse (s - kResponseOfOneFalseAlarm)
 // The two constants describe the largest responses of frames without the object, chosen in docs/adr/0035. Of matches

@@ -17,6 +17,10 @@ using Spectra = std::array<cv::Mat, kCellOrientations>;  // CV_32FC2
 constexpr float kCellNoise = 0.02F;
 constexpr int kStride = kCellSide_px / kCellStep_px;
 
+// Of a spectrum: channels are real, so that the other columns follow from these, and the inverse transform reads no
+// more.
+int Columns(int side) { return side / 2 + 1; }
+
 std::complex<float> At(const cv::Mat& spectrum, int row, int column) {
   const auto& value = spectrum.at<cv::Vec2f>(row, column);
   return {value[0], value[1]};
@@ -61,7 +65,8 @@ BackgroundSpectrum::BackgroundSpectrum(std::span<const GradientCells> frames, in
     : side_(side), mean_(MeanOf(frames)) {
   VICTORIOUS_CHECK(side > 0 && side % 2 == 0);
   const cv::Mat window = HannWindow(side);
-  const auto frequencies = static_cast<std::size_t>(side) * side;
+  const int columns = Columns(side);
+  const auto frequencies = static_cast<std::size_t>(side) * columns;
   std::vector<Density> density(frequencies, Density::Zero());
   int windows = 0;
   std::array<cv::Mat, kCellOrientations> part;
@@ -81,12 +86,14 @@ BackgroundSpectrum::BackgroundSpectrum(std::span<const GradientCells> frames, in
         }
         const Spectra spectra = Transform(part);
         ++windows;
-        for (std::size_t f = 0; f < frequencies; ++f) {
-          Eigen::Vector<std::complex<float>, kCellOrientations> here;
-          for (int k = 0; k < kCellOrientations; ++k) {
-            here[k] = At(spectra[static_cast<std::size_t>(k)], static_cast<int>(f) / side, static_cast<int>(f) % side);
+        for (int row = 0; row < side; ++row) {
+          for (int column = 0; column < columns; ++column) {
+            Eigen::Vector<std::complex<float>, kCellOrientations> here;
+            for (int k = 0; k < kCellOrientations; ++k) {
+              here[k] = At(spectra[static_cast<std::size_t>(k)], row, column);
+            }
+            density[static_cast<std::size_t>(row) * columns + column] += here * here.adjoint();
           }
-          density[f] += here * here.adjoint();
         }
       }
     }
@@ -100,35 +107,44 @@ BackgroundSpectrum::BackgroundSpectrum(std::span<const GradientCells> frames, in
 }
 
 CellTemplate BackgroundSpectrum::Whiten(const CellTemplate& cells) const {
-  VICTORIOUS_CHECK(cells.rows == side_ && cells.columns == side_);
+  VICTORIOUS_CHECK(cells.rows <= side_ && cells.columns <= side_);
+  const int top = side_ / 2 - cells.rows / 2;
+  const int left = side_ / 2 - cells.columns / 2;
   std::array<cv::Mat, kCellOrientations> channels;
   for (int k = 0; k < kCellOrientations; ++k) {
     cv::Mat& channel = channels[static_cast<std::size_t>(k)];
-    channel.create(side_, side_, CV_32F);
-    for (int row = 0; row < side_; ++row) {
-      for (int column = 0; column < side_; ++column) channel.at<float>(row, column) = cells.at(row, column, k);
+    channel = cv::Mat::zeros(side_, side_, CV_32F);
+    for (int row = 0; row < cells.rows; ++row) {
+      auto* const out = channel.ptr<float>(top + row) + left;
+      for (int column = 0; column < cells.columns; ++column) out[column] = cells.at(row, column, k);
     }
   }
   Spectra spectra = Transform(channels);
+  const int columns = Columns(side_);
   for (int row = 0; row < side_; ++row) {
-    for (int column = 0; column < side_; ++column) {
+    std::array<cv::Vec2f*, kCellOrientations> of_row{};
+    for (std::size_t k = 0; k < of_row.size(); ++k) of_row[k] = spectra[k].ptr<cv::Vec2f>(row);
+    for (int column = 0; column < columns; ++column) {
       Eigen::Vector<std::complex<float>, kCellOrientations> here;
-      for (int k = 0; k < kCellOrientations; ++k) here[k] = At(spectra[static_cast<std::size_t>(k)], row, column);
-      here = (inverse_[static_cast<std::size_t>(row) * side_ + column] * here).eval();
-      for (int k = 0; k < kCellOrientations; ++k) {
-        spectra[static_cast<std::size_t>(k)].at<cv::Vec2f>(row, column) = {here[k].real(), here[k].imag()};
+      for (std::size_t k = 0; k < of_row.size(); ++k) {
+        here[static_cast<int>(k)] = {of_row[k][column][0], of_row[k][column][1]};
+      }
+      here = (inverse_[static_cast<std::size_t>(row) * columns + column] * here).eval();
+      for (std::size_t k = 0; k < of_row.size(); ++k) {
+        of_row[k][column] = {here[static_cast<int>(k)].real(), here[static_cast<int>(k)].imag()};
       }
     }
   }
-  CellTemplate weights{.rows = side_, .columns = side_, .values = std::vector<float>(cells.values.size())};
+  CellTemplate weights{.rows = cells.rows, .columns = cells.columns, .values = std::vector<float>(cells.values.size())};
   double squared_norm = 0;
   for (int k = 0; k < kCellOrientations; ++k) {
     cv::Mat channel;
     cv::dft(spectra[static_cast<std::size_t>(k)], channel, cv::DFT_INVERSE | cv::DFT_SCALE | cv::DFT_REAL_OUTPUT);
-    for (int row = 0; row < side_; ++row) {
-      for (int column = 0; column < side_; ++column) {
-        weights.at(row, column, k) = channel.at<float>(row, column);
-        squared_norm += static_cast<double>(channel.at<float>(row, column)) * cells.at(row, column, k);
+    for (int row = 0; row < cells.rows; ++row) {
+      const auto* const in = channel.ptr<float>(top + row) + left;
+      for (int column = 0; column < cells.columns; ++column) {
+        weights.at(row, column, k) = in[column];
+        squared_norm += static_cast<double>(in[column]) * cells.at(row, column, k);
       }
     }
   }

@@ -8,7 +8,11 @@
 // its shape alone.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "victorious/geometry/view_direction.h"
 #include "victorious/shape/background_spectrum.h"
@@ -17,21 +21,32 @@
 namespace victorious {
 
 enum class TemplatePaint {
-  kOwn,   ///< that of the model
-  kPlain  ///< one grey
+  kPlain,  ///< one grey
+  kOwn     ///< that of the model
 };
+inline constexpr std::size_t kTemplatePaints = 2;
 
 struct TemplateView {
   ViewDirection to_camera;              ///< from the object, in the model frame
   std::optional<ViewDirection> to_sun;  ///< in the model frame; std::nullopt: light from above
   double pixels_per_m = 1;              ///< scale of the template
-  TemplatePaint paint = TemplatePaint::kPlain;
 };
 
-/// The gradient cells of a drawn surface, less the mean of the background, weighed by how much of a cell is object. The
-/// centre of the object's bounding box lies in the centre of the cell (side / 2, side / 2), up is the image's up.
-/// @return without any value other than 0 if nothing of the surface lies within side x side cells
-[[nodiscard]] CellTemplate DrawTemplate(const VisibleSurface& surface, const TemplateView& view,
-                                        const BackgroundSpectrum& background);
+/// The gradient cells of a drawn surface, row by row. They do not depend on a video.
+struct DrawnCells {
+  int side = 0;
+  std::vector<std::uint8_t> coverage;  ///< side x side: of a cell by the object; 255: all of it
+  std::vector<std::uint8_t> codes;     ///< side x side x 8, as in GradientCells
+
+  bool operator==(const DrawnCells&) const = default;
+};
+
+/// In each paint. The centre of the object's bounding box lies in the centre of the cell (side / 2, side / 2), up is
+/// the image's up. Cost: about 0.4 ms for 18 x 18 cells.
+[[nodiscard]] std::array<DrawnCells, kTemplatePaints> DrawCells(const VisibleSurface& surface, const TemplateView& view,
+                                                                int side);
+
+/// Drawn cells, less the mean of the background, weighed by how much of a cell is object.
+[[nodiscard]] CellTemplate MakeTemplate(const DrawnCells& drawn, const BackgroundSpectrum& background);
 
 }  // namespace victorious

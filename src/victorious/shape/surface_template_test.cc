@@ -25,14 +25,15 @@ VisibleSurface Plate() {
   return plate;
 }
 
-CellTemplate Draw(const VisibleSurface& surface, const TemplateView& view) {
-  return DrawTemplate(surface, view, BackgroundSpectrum({}, kSide));
+CellTemplate Draw(const VisibleSurface& surface, const TemplateView& view,
+                  TemplatePaint paint = TemplatePaint::kPlain) {
+  return MakeTemplate(DrawCells(surface, view, kSide)[static_cast<std::size_t>(paint)], BackgroundSpectrum({}, kSide));
 }
 
 double Strength(const CellTemplate& cells, int row, int column, int k) { return cells.at(row, column, k); }
 
 // From above, the front upwards in the image: 40 px for 4 m, which are 5 cells on each side of the middle.
-const TemplateView kFromAbove{.to_camera = {0, 0}, .to_sun = {}, .pixels_per_m = 10, .paint = TemplatePaint::kPlain};
+const TemplateView kFromAbove{.to_camera = {0, 0}, .to_sun = {}, .pixels_per_m = 10};
 
 TEST(SurfaceTemplate, ShowsTheOutlineAroundTheMiddle) {
   const CellTemplate cells = Draw(Plate(), kFromAbove);
@@ -51,11 +52,9 @@ TEST(SurfaceTemplate, IsZeroBesideTheObject) {
 }
 
 TEST(SurfaceTemplate, OfOneGreyHasNoEdgesOfPaint) {
-  TemplateView painted = kFromAbove;
-  painted.paint = TemplatePaint::kOwn;
   const int middle = kSide / 2;
   EXPECT_LT(Strength(Draw(Plate(), kFromAbove), middle, middle, 4), 0.05);
-  EXPECT_GT(Strength(Draw(Plate(), painted), middle, middle, 4), 0.2);
+  EXPECT_GT(Strength(Draw(Plate(), kFromAbove, TemplatePaint::kOwn), middle, middle, 4), 0.2);
 }
 
 TEST(SurfaceTemplate, HidesWhatLiesBehind) {
@@ -65,9 +64,8 @@ TEST(SurfaceTemplate, HidesWhatLiesBehind) {
     point.albedo = 0.5F;
     plates.points.push_back(point);
   }
-  TemplateView painted = kFromAbove;
-  painted.paint = TemplatePaint::kOwn;
-  EXPECT_EQ(Draw(plates, painted).values, Draw(Plate(), painted).values);
+  EXPECT_EQ(Draw(plates, kFromAbove, TemplatePaint::kOwn).values,
+            Draw(Plate(), kFromAbove, TemplatePaint::kOwn).values);
 }
 
 TEST(SurfaceTemplate, TheSunLightsWhatFacesIt) {

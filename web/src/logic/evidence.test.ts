@@ -57,6 +57,7 @@ describe("evidence of a sighting", () => {
     expect(verdictOf(counted)).toContain("1 match agrees on one pose (the search counted 39).");
     expect(verdictOf({ ...evidence, is_relit: true })).toContain("lit by the sun");
     expect(verdictOf({ ...evidence, pose: null })).toContain("give no pose here");
+    expect(verdictOf({ ...evidence, sighting: { ...evidence.sighting, matches: 0 } })).toContain("Found by the shape of its edges");
     const tracked = { ...evidence, pose: null, sighting: { ...evidence.sighting, source: "tracked" as const } };
     expect(verdictOf(tracked)).toContain("Followed from frame to frame");
     expect([1.5, 4, 7.3, 12.8, 340].map(formatPower)).toEqual(["32", "10 thousand", "20 million", "10¹²", "10¹⁰⁰"]);

@@ -82,6 +82,9 @@ export function layOut(evidence: Evidence, stage: number, region: Box): Evidence
 /** What the matches say, in a sentence. */
 export function verdictOf(evidence: Evidence): string {
   const { pose, sighting, stages } = evidence;
+  if (sighting.matches === 0) {
+    return "Found by the shape of its edges, by size and direction of view known from telemetry, not by matches: those shown here are by the way.";
+  }
   if (!pose) {
     return sighting.source === "tracked"
       ? "Followed from frame to frame, not recognised in this one: its matches here give no pose."

@@ -79,6 +79,9 @@ export function baseName(path: string): string {
   return name.split("/").filter(Boolean).pop() ?? path;
 }
 
+/** What a sighting rests on: the matches that agree on its pose, or its edges, which leave none to count. */
+export const describeMatches = (matches: number) => (matches === 0 ? "by shape" : plural(matches, "match", "matches"));
+
 export function plural(count: number, noun: string, many = `${noun}s`): string {
   return `${count.toLocaleString("en")} ${count === 1 ? noun : many}`;
 }

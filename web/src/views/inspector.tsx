@@ -4,7 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { listDecisions, thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail, Review } from "../api/types";
 import { MAX_DECISIONS, isOwnKnown, nameOf, ownDecision } from "../logic/decisions";
-import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, explainScore, formatAngle, formatMetres, formatPosition, formatScore, formatSpan, plural } from "../logic/format";
+import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, describeMatches, explainScore, formatAngle, formatMetres, formatPosition, formatScore, formatSpan, plural } from "../logic/format";
 import { formatUtcSpan } from "../logic/moments";
 import { askForClip, canAdd } from "../jobs";
 import { me } from "../me";
@@ -54,7 +54,9 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
               turn
             </button>
             {" · "}
-            <span title="Matches that agree on the pose, counted by the search">{plural(best.matches, "match", "matches")}</span>
+            <span title={best.matches === 0 ? "Found by the shape of its edges" : "Matches that agree on the pose, counted by the search"}>
+              {describeMatches(best.matches)}
+            </span>
           </figcaption>
         </figure>
       )}

@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { fullViewUrl, thumbnailUrl, viewUrl } from "../api/client";
 import type { Sighting } from "../api/types";
-import { formatMetres, plural } from "../logic/format";
+import { describeMatches, formatMetres, plural } from "../logic/format";
 import { byNearness, describeDirection, fromDisc, nearest, onDisc, stepsAt, turn } from "../logic/turntable";
 import * as state from "../state";
 import * as turntable from "../turntable";
@@ -217,7 +217,7 @@ function Match({ model, view, sighting, isOwn }: { model: number; view: number; 
         <span>
           <strong>{isOwn ? "This object" : `Object ${sighting.object_id}`}</strong>
           <span class="muted">
-            {state.describeTime(sighting.video_id, sighting.time_s)}, {plural(sighting.matches, "match", "matches")}
+            {state.describeTime(sighting.video_id, sighting.time_s)}, {describeMatches(sighting.matches)}
           </span>
         </span>
       </button>
