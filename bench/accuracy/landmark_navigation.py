@@ -189,7 +189,7 @@ def measure(program: Program, movie: Movie, case: str, seed: int, arguments: arg
         turn <= math.sqrt(CHI_SQUARED_90_OF_3) * float(row["sigma_attitude_deg"]) for turn, row in zip(turns, rows)
     ) / len(rows)
     seen = sum(int(row["landmarks"]) > 0 for row in rows)
-    ms, cpu_ms = re.search(r"([\d.]+) ms a frame once landmarks are followed, ([\d.]+)", said).groups()
+    ms, cpu_ms = re.search(r"([\d.]+) ms per frame while landmarks are tracked, ([\d.]+)", said).groups()
     before = f"{'-':>27}"
     if given:
         off = [math.hypot(*apart(row, true)) for row, true in zip(given, truth)]

@@ -39,7 +39,12 @@ FOLDER = program.folder_until_exit()
 TRAIN = [pair(FOLDER / f"train{i}.pgm", i % 2 == 0, i) for i in range(16)]
 TEST = [pair(FOLDER / f"test{i}.pgm", i % 2 == 0, 100 + i) for i in range(10)]
 # The two categories are mirror images of each other.
-SMALL = {"features": {"mirrored": False}, "vocabulary": {"words": 80, "iterations": 5}, "phrases": {"word_clusters": 24}}
+SMALL = {
+    "features": {"mirrored": False},
+    "vocabulary": {"words": 80, "iterations": 5},
+    "phrases": {"word_clusters": 24},
+    "fisher": {"components": 8},
+}
 
 
 def listing(rows) -> str:

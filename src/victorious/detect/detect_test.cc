@@ -41,8 +41,8 @@ TEST(ComputeNegLog10Nfa, GrowsWithAgreementAndFallsWithClutter) {
   EXPECT_EQ(ComputeNegLog10Nfa(1000, 10, 0.5, 1), 0);
 }
 
-// What chance makes in one frame of ten is likelier false, and what it makes in one of ten thousand is as likely true as
-// a detection must be.
+// What chance makes in one frame of ten is likelier false, and what it makes in one of ten thousand is as likely true
+// as a detection must be.
 TEST(ComputeScore, IsTheProbabilityThatADetectionIsRight) {
   EXPECT_LT(ComputeScore(1), 0.35);
   EXPECT_NEAR(ComputeScore(4), DetectOptions().min_score, 0.05);

@@ -19,6 +19,7 @@
 #include "victorious/base/credentials.h"
 #include "victorious/base/json.h"
 #include "victorious/base/progress.h"
+#include "victorious/base/stage_time.h"
 #include "victorious/base/version.h"
 #include "victorious/calibrate/assumed_attitude.h"
 #include "victorious/geometry/angles.h"
@@ -277,10 +278,13 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
 
 Status Indexer::UpdateObjectsOf(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                 const WarningSink& warn) const {
-  const auto warn_of_own = [&](const VideoRecord& video, const std::string& warning) {
-    if (video.name == job.StoredName()) warn(warning);
+  const auto tell_of_own = [&](const VideoRecord& video, const FlightNotes& notes) {
+    if (video.name != job.StoredName()) return;
+    for (const std::string& warning : notes.warnings) warn(warning);
+    if (!job.inform) return;
+    for (const std::string& line : notes.telemetry_errors) job.inform("error of telemetry: " + line);
   };
-  return UpdateObjects(options_.objects, store, cancel, warn_of_own);
+  return UpdateObjects(options_.objects, store, cancel, tell_of_own);
 }
 
 Status Indexer::CheckNamesOf(const std::vector<ModelRecord>& models_before) const {
@@ -527,6 +531,7 @@ Expected<std::unique_ptr<const ShapeSearch>> Indexer::MakeShapeSearch(const Reco
       !HasAttitudes(cameras.trajectory())) {
     return nullptr;
   }
+  const StageScope scope(Stage::kShape);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::vector<GradientCells> background,
       ReadBackground(job.video, duration_s.value_or(0), options_.features.impulse_fraction, cancel));

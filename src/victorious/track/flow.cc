@@ -79,8 +79,10 @@ std::vector<Eigen::Vector2d> DetectCorners(const cv::Mat& grey, const Polygon& o
       BoundingBox(ClipToBox(outline, {0, 0, static_cast<double>(grey.cols), static_cast<double>(grey.rows)}));
   const auto left = static_cast<int>(std::floor(box.x));
   const auto top = static_cast<int>(std::floor(box.y));
-  const cv::Rect region(left, top, static_cast<int>(std::ceil(box.x + box.width)) - left,
-                        static_cast<int>(std::ceil(box.y + box.height)) - top);
+  // A sum of doubles may lie a little beyond the border.
+  const cv::Rect region = cv::Rect(left, top, static_cast<int>(std::ceil(box.x + box.width)) - left,
+                                   static_cast<int>(std::ceil(box.y + box.height)) - top) &
+                          cv::Rect({0, 0}, grey.size());
   if (region.area() <= 0 || max_points <= 0) return {};
   cv::Mat mask = cv::Mat::zeros(region.size(), CV_8UC1);
   std::vector<cv::Point> corners;

@@ -55,6 +55,20 @@ TEST(TrackPointsForwardBackward, FailsForBlankFramesAndFramesOfAnotherSize) {
   }
 }
 
+// Sums of doubles round beyond the border for some of these.
+TEST(DetectCorners, OutlinesMayEndAtOrBeyondTheBorder) {
+  const cv::Mat town = GreyTown();
+  for (int i = 0; i < 100; ++i) {
+    const double from = 0.37 * (i - 70) - 0.1;
+    for (const Eigen::Vector2d& corner :
+         DetectCorners(town, BoxCorners({from, from, 2.0 * town.cols, 2.0 * town.rows}), 20)) {
+      EXPECT_GE(corner.minCoeff(), from - 1);
+      EXPECT_LT(corner.x(), town.cols);
+      EXPECT_LT(corner.y(), town.rows);
+    }
+  }
+}
+
 TEST(Patch, IsInvariantToBrightnessRotationAndScale) {
   const cv::Mat before = GreyTown();
   const Eigen::Vector2d position(200.5, 150.5);
