@@ -375,7 +375,7 @@ std::optional<CadFormat> CadFormatFromName(std::string_view name) {
 
 Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format) {
   VICTORIOUS_ASSIGN_OR_RETURN(ReadableFile readable, MakeReadable(folder, format));
-  const CadFolder files = folder.WithBytes(std::as_bytes(std::span(readable.bytes)));
+  const CadFolder files = readable.rewritten ? folder.WithBytes(std::as_bytes(std::span(*readable.rewritten))) : folder;
   Assimp::Importer importer;
   importer.SetIOHandler(new CadFolderIo(files));  // the importer takes ownership
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);

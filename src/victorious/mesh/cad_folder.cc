@@ -97,7 +97,7 @@ std::optional<fs::path> CadFolder::Find(std::string_view name) const {
 }
 
 Expected<std::string> CadFolder::Read(std::string_view name) const {
-  if (name == name_) return std::string(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+  if (name == name_) return std::string(text());
   const auto path = Find(name);
   if (!path) return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file in the CAD file's folder", name));
   return ReadFile(*path, kMaxCadBytes);

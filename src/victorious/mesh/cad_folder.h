@@ -24,6 +24,9 @@ class CadFolder {
 
   [[nodiscard]] const std::string& name() const { return name_; }
 
+  /// The content of the CAD file.
+  [[nodiscard]] std::string_view text() const { return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}; }
+
   /// The path of a file that the CAD file refers to. std::nullopt if the file does not exist or lies outside the
   /// folder. A path from another machine ("C:\work\tank.png") is also tried by its last component; URI escapes ("%20")
   /// are also tried decoded. If there is no such file, one whose name differs in case only, if it is the only one.

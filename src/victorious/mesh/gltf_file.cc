@@ -141,10 +141,8 @@ GltfFile::GltfFile(GltfFile&&) noexcept = default;
 GltfFile::~GltfFile() = default;
 
 std::optional<GltfFile> GltfFile::Read(const CadFolder& folder) {
-  const auto bytes = folder.Read(folder.name());
-  if (!bytes) return std::nullopt;
   GltfFile file(folder);
-  std::string_view text = *bytes;
+  std::string_view text = folder.text();
   if (text.starts_with(kMagic)) {
     file.is_glb_ = true;
     constexpr std::size_t kHead = 12;

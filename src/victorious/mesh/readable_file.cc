@@ -27,24 +27,15 @@ std::string_view TakeWord(std::string_view& line) {
   return word;
 }
 
-Expected<ReadableFile> AsItIs(const CadFolder& folder) {
-  VICTORIOUS_ASSIGN_OR_RETURN(std::string bytes, folder.Read(folder.name()));
-  return ReadableFile{.bytes = std::move(bytes), .warnings = {}};
-}
-
 Expected<ReadableFile> ReadableGltf(const CadFolder& folder) {
-  VICTORIOUS_ASSIGN_OR_RETURN(ReadableFile file, AsItIs(folder));
+  ReadableFile file;
   std::optional<GltfFile> gltf = GltfFile::Read(folder);
   if (!gltf) return file;
   const nlohmann::json before = gltf->document();
   VICTORIOUS_ASSIGN_OR_RETURN(file.warnings, SimplifyGltf(*gltf));
-  if (gltf->document() != before) file.bytes = gltf->Write();
+  if (gltf->document() != before) file.rewritten = gltf->Write();
   return file;
 }
-
-// Whole numbers of this size and above are coordinates of a map, not of a vehicle: they leave floats of 32 bits less
-// than 1 mm.
-constexpr double kMapCoordinate = 8192;
 
 using Coordinates = std::array<double, 3>;
 
@@ -93,25 +84,26 @@ std::string MovedToOrigin(std::string_view text, const Coordinates& offset) {
 }
 
 Expected<ReadableFile> ReadableObj(const CadFolder& folder) {
-  VICTORIOUS_ASSIGN_OR_RETURN(ReadableFile file, AsItIs(folder));
-  file.bytes.erase(0, file.bytes.size() - StripByteOrderMark(file.bytes).size());
-  for (std::string_view text = file.bytes; !text.empty();) {
-    std::string_view line = TakeLine(text);
+  ReadableFile file;
+  const std::string_view text = StripByteOrderMark(folder.text());
+  if (text.size() < folder.text().size()) file.rewritten = std::string(text);
+  for (std::string_view rest = text; !rest.empty();) {
+    std::string_view line = TakeLine(rest);
     if (TakeWord(line) != "mtllib") continue;
     const std::string_view name = TrimBlanks(line);
     if (!name.empty() && !folder.Find(name))
       file.warnings.push_back(
           fmt::format("{}: no such file in the CAD file's folder: without colours and textures", name));
   }
-  if (const auto offset = MapOffset(file.bytes)) file.bytes = MovedToOrigin(file.bytes, *offset);
+  if (const auto offset = MapOffset(text)) file.rewritten = MovedToOrigin(text, *offset);
   return file;
 }
 
 // The importer skips all line feeds after the header; one that ends in CR LF it takes as it is.
 Expected<ReadableFile> ReadablePly(const CadFolder& folder) {
-  VICTORIOUS_ASSIGN_OR_RETURN(ReadableFile file, AsItIs(folder));
+  ReadableFile file;
   std::string header;
-  std::string_view rest = file.bytes;
+  std::string_view rest = folder.text();
   bool is_binary = false;
   bool is_ended = false;
   bool is_face = false;
@@ -139,12 +131,12 @@ Expected<ReadableFile> ReadablePly(const CadFolder& folder) {
     if (first == "property" && is_face && (name == "red" || name == "diffuse_red"))
       file.warnings.emplace_back("colours of faces are left out: give the vertices their colours");
   }
-  if (!file.bytes.starts_with("ply") || file.bytes.find("end_header") == std::string::npos)
+  if (!folder.text().starts_with("ply") || folder.text().find("end_header") == std::string::npos)
     return Fail(ErrorCode::kDataLoss, "damaged, or not a PLY file: the header has no end_header");
   if (!is_ended) return file;  // of lines that end otherwise
   if (faces == 0) return Fail(ErrorCode::kUnsupported, "a point cloud: it has no faces; make a mesh of it first");
   header.append(rest);
-  file.bytes = std::move(header);
+  file.rewritten = std::move(header);
   return file;
 }
 
@@ -159,7 +151,7 @@ Expected<ReadableFile> MakeReadable(const CadFolder& folder, CadFormat format) {
     case CadFormat::kPly:
       return ReadablePly(folder);
     default:
-      return AsItIs(folder);
+      return ReadableFile{};
   }
 }
 

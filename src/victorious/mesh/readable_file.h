@@ -6,6 +6,7 @@
 //   PLY   data that begin with a line feed; colours named diffuse_red, …; a point cloud is refused
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,8 @@
 namespace victorious {
 
 struct ReadableFile {
-  std::string bytes;
-  std::vector<std::string> warnings;  ///< what is left out, one line each
+  std::optional<std::string> rewritten;  ///< std::nullopt: the file as it is
+  std::vector<std::string> warnings;     ///< what is left out, one line each
 };
 
 /// Errors: kUnsupported for what cannot be read as intended, kDataLoss for a damaged header.

@@ -345,7 +345,6 @@ class Simplifier {
 
   // Root nodes at coordinates of a map, which 32 bits would round: the offset that is common to them goes.
   void MoveToOrigin() {
-    constexpr double kMapCoordinate = 8192;
     std::vector<json*> roots;
     for (const json& scene : ListAt(root(), "scenes")) {
       for (const json& index : ListAt(scene, "nodes")) {
