@@ -16,6 +16,7 @@
 #include "victorious/geolocate/flight_shift.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/focal_prior.h"
+#include "victorious/telemetry/telemetry.h"
 
 namespace victorious {
 namespace {
@@ -44,10 +45,6 @@ constexpr double kOwnSigma = 0.5;
 
 // A line farther from the others of its object than this many standard deviations, of all lines, is an outlier.
 constexpr double kGateSigmas = 4;
-
-// The supposed standard deviation of a clock whose telemetry was recorded with the video (telemetry.clock_sigma_s). A
-// measured one, or one that was given, is another and stays.
-constexpr double kSupposedClock_s = 0.3;
 
 struct ComparedLine {
   int frame = 0;  // index into the frames that are used
@@ -446,8 +443,10 @@ bool HasSupposedClock(std::span<const ComparedObject> objects) {
   });
   const Vector3d velocity = slope / std::max(1e-9, spread_s2);
   const double sigma_s = std::abs(shift_m.dot(velocity)) / std::max(1e-9, velocity.squaredNorm());
+  // That of a clock whose telemetry was recorded with the video. A measured one, or one that was given, is another.
+  const double supposed_s = TelemetryOptions().clock_sigma_s;
   constexpr double kTolerance = 0.2;
-  return std::abs(sigma_s - kSupposedClock_s) < kTolerance * kSupposedClock_s;
+  return std::abs(sigma_s - supposed_s) < kTolerance * supposed_s;
 }
 
 // False if the field of view may well be that of another zoom, of which rows say nothing.

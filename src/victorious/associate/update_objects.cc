@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -18,6 +17,7 @@
 #include "victorious/associate/observed_tracklet.h"
 #include "victorious/associate/search_counts.h"
 #include "victorious/base/json.h"
+#include "victorious/telemetry/telemetry_file.h"
 
 namespace victorious {
 namespace {
@@ -87,14 +87,8 @@ Expected<SearchCounts> CountFullFrameSearches(const std::vector<ModelRecord>& mo
 // True if the telemetry is a table of camera states: given, or beside the video. No column says so.
 bool IsTable(const VideoRecord& video) {
   if (!video.telemetry.empty()) return video.telemetry.ends_with(".csv");
-  namespace fs = std::filesystem;
-  const fs::path path = fs::path(video.folder) / video.name;
-  fs::path of_stem = path;
-  of_stem.replace_extension(".telemetry.csv");
-  fs::path of_name = path;
-  of_name += ".telemetry.csv";
-  std::error_code error;
-  return fs::exists(of_stem, error) || fs::exists(of_name, error);
+  const auto beside = FindTelemetryFile((std::filesystem::path(video.folder) / video.name).string());
+  return beside && beside->extension() == ".csv";
 }
 
 // The tracklets of the store without content, by id, of each video.
@@ -108,7 +102,11 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
     if (model.kind == ModelKind::kCad) cad_models.insert(model.id);
   }
   std::map<std::int64_t, const VideoRecord*> videos_by_id;
-  for (const VideoRecord& video : videos) videos_by_id[video.id] = &video;
+  std::set<std::int64_t> with_tables;  // videos
+  for (const VideoRecord& video : videos) {
+    videos_by_id[video.id] = &video;
+    if (IsTable(video)) with_tables.insert(video.id);
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> records, store.Tracklets());
   std::map<std::int64_t, std::vector<ObservedTracklet>> flights;
   for (const TrackletRecord& record : records) {
@@ -118,7 +116,7 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
                                      .is_category = categories.contains(record.model),
                                      .is_cad_model = cad_models.contains(record.model),
                                      .is_of_photos = is_known && video->second->is_of_photos,
-                                     .has_filtered_telemetry = !is_known || !IsTable(*video->second),
+                                     .has_filtered_telemetry = !with_tables.contains(record.video),
                                      .start_utc_us = is_known ? video->second->start_utc_us : std::nullopt,
                                      .frames = {},
                                      .boxes = {},

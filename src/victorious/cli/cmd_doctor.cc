@@ -32,6 +32,7 @@
 #include "victorious/store/open_store.h"
 #include "victorious/store/video_coverage.h"
 #include "victorious/telemetry/camera_track.h"
+#include "victorious/telemetry/telemetry_file.h"
 #include "victorious/telemetry/telemetry_report.h"
 #include "victorious/video/codecs.h"
 #include "victorious/video/video_reader.h"

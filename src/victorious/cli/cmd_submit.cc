@@ -33,6 +33,7 @@
 #include "victorious/pipeline/preset.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/open_store.h"
+#include "victorious/telemetry/telemetry_file.h"
 #include "victorious/video/image_folder.h"
 #include "victorious/video/video_reader.h"
 

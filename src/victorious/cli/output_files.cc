@@ -22,6 +22,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/image/image_header.h"
 #include "victorious/pipeline/video_telemetry.h"
+#include "victorious/telemetry/telemetry_file.h"
 
 namespace victorious::cli {
 namespace {

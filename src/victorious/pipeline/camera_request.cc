@@ -10,6 +10,7 @@
 #include "victorious/base/packed_bytes.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/geoid.h"
+#include "victorious/telemetry/telemetry_file.h"
 
 namespace victorious {
 namespace {

@@ -11,6 +11,7 @@
 #include "victorious/base/file.h"
 #include "victorious/base/median.h"
 #include "victorious/pipeline/photo_telemetry.h"
+#include "victorious/telemetry/telemetry_file.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -170,16 +171,6 @@ std::optional<std::string> DescribeUnderground(std::span<const CameraState> stat
       "the heights put the camera {:.0f} m under the ground (median): they have another vertical datum "
       "(telemetry.vertical_datum), or the ground has",
       -median_m);
-}
-
-std::optional<fs::path> FindTelemetryFile(const std::string& video) {
-  for (const fs::path& path :
-       {fs::path(video).replace_extension(".SRT"), fs::path(video).replace_extension(".srt"),
-        fs::path(video + ".telemetry.csv"), fs::path(video).replace_extension(".telemetry.csv")}) {
-    std::error_code error;
-    if (fs::is_regular_file(path, error)) return path;
-  }
-  return std::nullopt;
 }
 
 }  // namespace victorious

@@ -60,8 +60,4 @@ namespace victorious {
 /// ground are unknown.
 [[nodiscard]] std::optional<std::string> DescribeUnderground(std::span<const CameraState> states, const Ground& ground);
 
-/// The telemetry file beside a video: of `flight.mp4` the first that exists of `flight.SRT`, `flight.srt`,
-/// `flight.mp4.telemetry.csv`, `flight.telemetry.csv`.
-[[nodiscard]] std::optional<std::filesystem::path> FindTelemetryFile(const std::string& video);
-
 }  // namespace victorious

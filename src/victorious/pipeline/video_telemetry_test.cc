@@ -16,6 +16,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/klv_camera.h"
 #include "victorious/telemetry/klv_packets.h"
+#include "victorious/telemetry/telemetry_file.h"
 #include "victorious/telemetry/telemetry_report.h"
 
 namespace victorious {
