@@ -22,7 +22,7 @@ std::string Archive(const std::string& name) {
   return bytes + std::string(3, '\0') + name;
 }
 
-TEST(DescribeForeignFile, NamesTheKindAndWhatToDo) {
+TEST(DescribeForeignFile, NamesTheKindAndTheRemedy) {
   EXPECT_THAT(Describe("ISO-10303-21;\nHEADER;"), Optional(HasSubstr("a STEP file")));
   EXPECT_THAT(Describe("Kaydara FBX Binary  "), Optional(HasSubstr("export it as glTF")));
   EXPECT_THAT(Describe("OFF\n8 6 12\n"), Optional(HasSubstr("an OFF file")));

@@ -79,7 +79,7 @@ class IndexView {
   /// Stores the review with the present time. Errors: kPermissionDenied; those of IndexStore::PutReview.
   [[nodiscard]] Status PutReview(std::int64_t object, Review review);
 
-  /// How often this server has changed what the lists show a little later: reviews, and what NoteOwnChange is told of.
+  /// How often this server has changed what the lists show a little later: reviews, and those of NoteOwnChange.
   [[nodiscard]] std::int64_t own_changes() const { return own_changes_; }
   void NoteOwnChange() { ++own_changes_; }
 
