@@ -15,11 +15,11 @@ namespace victorious {
 namespace {
 
 // Item numbers of ST 0601 that change slowly enough for linear interpolation: the sensor's position and height.
-constexpr int kSensorLongitude = 14;
-constexpr std::array kInterpolated = {13, kSensorLongitude, 15, 75, 104};
-constexpr int kRelativeElevation = 19;
-constexpr int kPrecisionTimeStamp = 2;
-constexpr int kChecksum = 1;
+constexpr int kLongitudeItem = 14;
+constexpr std::array kInterpolated = {13, kLongitudeItem, 15, 75, 104};
+constexpr int kElevationItem = 19;
+constexpr int kTimeItem = 2;
+constexpr int kChecksumNumber = 1;
 
 bool IsUsable(const KlvPacket& packet) { return !packet.checksum || packet.checksum->IsValid(); }
 
@@ -31,7 +31,7 @@ std::map<int, Rank> RankStreams(std::span<const KlvPacket> packets) {
   for (const KlvPacket& packet : packets) {
     auto& [cameras, pointings, known] = ranks[packet.stream];
     cameras += CameraFromKlv(packet) ? 1 : 0;
-    pointings += packet.Number(kRelativeElevation) ? 1 : 0;
+    pointings += packet.Number(kElevationItem) ? 1 : 0;
     known += packet.standard == KlvStandard::kOther ? 0 : 1;
   }
   return ranks;
@@ -68,7 +68,7 @@ std::optional<KlvItem> ItemAt(const std::vector<TimedItem>& items, double time_s
   const auto from = last->item.Number();
   const auto to = next->item.Number();
   constexpr double kHalfTurn_deg = 180;
-  if (!from || !to || (item.number == kSensorLongitude && std::abs(*to - *from) > kHalfTurn_deg)) return item;
+  if (!from || !to || (item.number == kLongitudeItem && std::abs(*to - *from) > kHalfTurn_deg)) return item;
   item.value = *from + (*to - *from) * (time_s - last->time_s) / (next->time_s - last->time_s);
   return item;
 }
@@ -128,7 +128,7 @@ CameraStream SelectCameraStream(std::span<const KlvPacket> packets, double max_g
     chosen.has_others = true;
     if (cameras == 0) donors.insert(stream);
   }
-  std::set<int> present = {kChecksum, kPrecisionTimeStamp};
+  std::set<int> present = {kChecksumNumber, kTimeItem};
   bool by_container = true;
   for (const KlvPacket& packet : packets) {
     if (packet.stream != chosen.stream) continue;
