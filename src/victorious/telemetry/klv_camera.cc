@@ -39,6 +39,10 @@ enum : int {
   kSensorEllipsoidHeightExtended = 104,
 };
 
+// The errors of telemetry that what an earlier packet sent has beside its age.
+constexpr double kUsualPosition_m = 2;
+constexpr double kUsualAttitude_deg = 0.5;
+
 struct Height {
   double altitude_m;
   VerticalDatum datum;
@@ -166,6 +170,10 @@ std::optional<CameraState> CameraFromKlv(const KlvPacket& packet) {
     state.hfov_rad = RadiansFromDegrees(*metadata.hfov_deg);
   }
   state.utc_us = PrecisionTime(packet);
+  if (packet.moved_m > 0) state.sigma_position_m = std::hypot(kUsualPosition_m, packet.moved_m);
+  if (packet.turned_deg > 0) {
+    state.sigma_attitude_rad = RadiansFromDegrees(std::hypot(kUsualAttitude_deg, packet.turned_deg));
+  }
   return state;
 }
 

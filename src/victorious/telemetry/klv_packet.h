@@ -60,6 +60,9 @@ struct KlvPacket {
   std::vector<KlvItem> items;    ///< in packet order
   std::optional<KlvChecksum> checksum;
   std::string problem;  ///< where decoding stopped early; empty if it did not
+  /// Of values that earlier packets sent (klv_hold.h): how far the camera may have moved and turned since.
+  double moved_m = 0;
+  double turned_deg = 0;
 
   /// The last item of this number that has a value; nullptr if there is none.
   [[nodiscard]] const KlvItem* Find(int number) const {

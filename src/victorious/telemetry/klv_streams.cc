@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "victorious/telemetry/klv_camera.h"
+#include "victorious/telemetry/klv_hold.h"
 #include "victorious/telemetry/klv_packets.h"
 
 namespace victorious {
@@ -115,8 +116,10 @@ class Completion {
 
 }  // namespace
 
-CameraStream SelectCameraStream(std::span<const KlvPacket> packets, double max_gap_s) {
+CameraStream SelectCameraStream(std::span<const KlvPacket> sent, double max_gap_s) {
   CameraStream chosen;
+  std::vector<KlvPacket> packets(sent.begin(), sent.end());
+  HoldItems(packets, max_gap_s);
   const std::map<int, Rank> ranks = RankStreams(packets);
   if (ranks.empty()) return chosen;
   chosen.stream = std::ranges::max_element(ranks, {}, &std::pair<const int, Rank>::second)->first;

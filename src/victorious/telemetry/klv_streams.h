@@ -19,12 +19,12 @@ struct CameraStream {
   bool has_others = false;         ///< whether other streams have packets of a known standard
 };
 
-/// Selects the stream by the number of packets that give a camera state; of equal ones, by those with a sensor
-/// pointing, then by those of a known standard. An ST 0601 item that the stream lacks altogether is taken from the
-/// packets of a stream without camera states: position and height interpolated between the packets before and after,
-/// other items from the nearest packet, at most `max_gap_s` away. Packets without a time, and those that fail their
-/// checksum, complete nothing.
-/// @param packets  of all streams; empty: the result has no packets
-CameraStream SelectCameraStream(std::span<const KlvPacket> packets, double max_gap_s);
+/// Completes the packets of each stream by the others of it (klv_hold.h). Then selects the stream by the number of
+/// packets that give a camera state; of equal ones, by those with a sensor pointing, then by those of a known standard.
+/// An ST 0601 item that the stream lacks altogether is taken from the packets of a stream without camera states:
+/// position and height interpolated between the packets before and after, other items from the nearest packet, at most
+/// `max_gap_s` away. Packets without a time, and those that fail their checksum, complete nothing.
+/// @param sent  the packets of all streams; empty: the result has no packets
+CameraStream SelectCameraStream(std::span<const KlvPacket> sent, double max_gap_s);
 
 }  // namespace victorious

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -110,6 +112,39 @@ void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::s
                   DegreesFromRadians(median_rad)));
 }
 
+// The items that the packets without a camera state lack, with the number of packets.
+std::string DescribeMissing(std::span<const KlvPacket> packets) {
+  std::vector<std::pair<std::string_view, int>> counts;  // in the order of the items
+  for (const KlvPacket& packet : packets) {
+    for (const std::string_view item : FindMissingCameraItems(std::span(&packet, 1))) {
+      const auto found = std::ranges::find(counts, item, &std::pair<std::string_view, int>::first);
+      if (found == counts.end()) {
+        counts.emplace_back(item, 1);
+      } else {
+        ++found->second;
+      }
+    }
+  }
+  std::vector<std::string> texts;
+  for (const auto& [item, count] : counts) texts.push_back(fmt::format("{} in {}", item, count));
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+// @param packets  of the camera's stream, completed
+void WarnOfPacketsWithoutState(std::span<const KlvPacket> packets, std::vector<std::string>& warnings) {
+  std::vector<KlvPacket> without;
+  std::size_t known = 0;
+  for (const KlvPacket& packet : packets) {
+    if (packet.standard == KlvStandard::kOther || HasBadChecksum(packet)) continue;
+    ++known;
+    if (!CameraFromKlv(packet)) without.push_back(packet);
+  }
+  if (without.empty() || without.size() == known) return;
+  const std::string missing = DescribeMissing(without);
+  warnings.push_back(fmt::format("{} of {} KLV packets give no camera state, also with what earlier packets sent{}{}",
+                                 without.size(), known, missing.empty() ? "" : ": without ", missing));
+}
+
 void WarnOfNoCamera(Telemetry& telemetry) {
   const bool local =
       std::ranges::find(telemetry.packets, KlvStandard::kSt0601, &KlvPacket::standard) != telemetry.packets.end();
@@ -157,6 +192,7 @@ Telemetry TelemetryFromKlv(KlvPackets decoded, double max_gap_s) {
   WarnOfChecksums(telemetry.packets, telemetry.warnings);
   WarnOfProblems(telemetry.packets, telemetry.warnings);
   WarnOfFrameCentre(telemetry.packets, telemetry.warnings);
+  WarnOfPacketsWithoutState(camera.packets, telemetry.warnings);
   if (!has_camera && known != telemetry.packets.end()) WarnOfNoCamera(telemetry);
   return telemetry;
 }

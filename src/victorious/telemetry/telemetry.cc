@@ -82,6 +82,19 @@ void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
   }
 }
 
+// Says how many states lack something that others have.
+void WarnOfIncomplete(const std::vector<CameraState>& states, std::vector<std::string>& warnings) {
+  const auto warn = [&](auto has, std::string_view name) {
+    const auto without = std::ranges::count_if(states, [&](const CameraState& state) { return !has(state); });
+    if (without == 0 || static_cast<std::size_t>(without) == states.size()) return;
+    warnings.push_back(fmt::format("{} of {} camera states have no {}: objects that are seen then get no place",
+                                   without, states.size(), name));
+  };
+  warn([](const CameraState& state) { return state.hfov_rad.has_value(); }, "field of view");
+  warn([](const CameraState& state) { return state.attitude.has_value(); }, "attitude");
+  warn([](const CameraState& state) { return state.datum != VerticalDatum::kUnknown; }, "height");
+}
+
 // Names the flags that give what all states lack, in one line; std::nullopt if a state is complete, or there is none.
 std::optional<std::string> FlagsForMissing(const std::vector<CameraState>& states) {
   const auto none = [&](auto has) { return std::ranges::none_of(states, has); };
@@ -114,6 +127,7 @@ Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options)
   CompleteAttitudes(telemetry.states, options, telemetry.warnings);
   if (telemetry.format != TelemetryFormat::kPhotos) WarnOfJumps(telemetry, options.max_gap_s);
   VICTORIOUS_RETURN_IF_ERROR(ConvertToEllipsoid(telemetry.states, options, telemetry.warnings));
+  if (telemetry.format != TelemetryFormat::kPhotos) WarnOfIncomplete(telemetry.states, telemetry.warnings);
   if (auto flags = FlagsForMissing(telemetry.states)) telemetry.warnings.push_back(*std::move(flags));
   return telemetry;
 }
