@@ -39,7 +39,7 @@ enum : int {
   kSensorEllipsoidHeightExtended = 104,
 };
 
-// The errors of telemetry that what an earlier packet sent has beside its age.
+// The usual errors of telemetry. What an earlier packet sent has one by its age beside them, where that is larger.
 constexpr double kUsualPosition_m = 2;
 constexpr double kUsualAttitude_deg = 0.5;
 
@@ -169,9 +169,9 @@ std::optional<CameraState> CameraFromKlv(const KlvPacket& packet) {
   if (metadata.hfov_deg && *metadata.hfov_deg > 0 && *metadata.hfov_deg < 180) {
     state.hfov_rad = RadiansFromDegrees(*metadata.hfov_deg);
   }
-  state.utc_us = PrecisionTime(packet);
-  if (packet.moved_m > 0) state.sigma_position_m = std::hypot(kUsualPosition_m, packet.moved_m);
-  if (packet.turned_deg > 0) {
+  state.utc_us = UtcTime(packet);
+  if (packet.moved_m > kUsualPosition_m) state.sigma_position_m = std::hypot(kUsualPosition_m, packet.moved_m);
+  if (packet.turned_deg > kUsualAttitude_deg) {
     state.sigma_attitude_rad = RadiansFromDegrees(std::hypot(kUsualAttitude_deg, packet.turned_deg));
   }
   return state;

@@ -59,7 +59,8 @@ struct KlvPacket {
   std::optional<double> time_s;  ///< from the container, on the video's clock
   std::vector<KlvItem> items;    ///< in packet order
   std::optional<KlvChecksum> checksum;
-  std::string problem;  ///< where decoding stopped early; empty if it did not
+  std::string problem;      ///< where decoding stopped early; empty if it did not
+  std::int64_t leap_s = 0;  ///< what its time stamp lacks to UTC, s: by item 136 of the stream, 0 or less
   /// Of values that earlier packets sent (klv_hold.h): how far the camera may have moved and turned since.
   double moved_m = 0;
   double turned_deg = 0;

@@ -1,6 +1,8 @@
 #include "victorious/telemetry/klv_packets.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -60,20 +62,31 @@ class UnitAssembler {
   std::optional<DataPacket> partial_;
 };
 
-}  // namespace
-
-KlvPackets DecodeKlv(Bytes bytes) {
+KlvPackets DecodeUnits(Bytes bytes) {
   KlvUnits split = SplitKlv(bytes);
   KlvPackets decoded{.packets = {}, .warnings = std::move(split.warnings)};
   for (const KlvUnit& unit : split.units) decoded.packets.push_back(DecodeUnit(unit));
   return decoded;
 }
 
-namespace {
+// The leap seconds that the stream sent last, or else will send first: a flight has one number of them. UTC is never
+// ahead of a time that counts without leap seconds, so that a positive number counts those to be taken off.
+void SetLeapSeconds(std::vector<KlvPacket>& packets) {
+  std::map<int, std::int64_t> latest_s;  // by stream
+  const auto set = [&](KlvPacket& packet) {
+    const bool is_damaged = packet.checksum && !packet.checksum->IsValid();
+    if (const auto leap_s = is_damaged ? std::nullopt : LeapSeconds(packet); leap_s) {
+      latest_s[packet.stream] = -std::abs(*leap_s);
+    }
+    if (const auto found = latest_s.find(packet.stream); found != latest_s.end()) packet.leap_s = found->second;
+  };
+  for (auto packet = packets.rbegin(); packet != packets.rend(); ++packet) set(*packet);
+  for (KlvPacket& packet : packets) set(packet);
+}
 
 // Decodes a container packet and appends the result, with its stream and time.
 void Decode(const DataPacket& packet, KlvPackets& all) {
-  KlvPackets some = DecodeKlv(Bytes(packet.bytes));
+  KlvPackets some = DecodeUnits(Bytes(packet.bytes));
   for (KlvPacket& decoded : some.packets) {
     decoded.stream = packet.stream;
     decoded.time_s = packet.time_s;
@@ -85,6 +98,12 @@ void Decode(const DataPacket& packet, KlvPackets& all) {
 
 }  // namespace
 
+KlvPackets DecodeKlv(Bytes bytes) {
+  KlvPackets decoded = DecodeUnits(bytes);
+  SetLeapSeconds(decoded.packets);
+  return decoded;
+}
+
 KlvPackets DecodeKlv(std::span<const DataPacket> packets) {
   KlvPackets all;
   std::map<int, UnitAssembler> joiners;  // by stream
@@ -95,6 +114,7 @@ KlvPackets DecodeKlv(std::span<const DataPacket> packets) {
   for (const auto& [stream, joiner] : joiners) {
     if (joiner.partial()) Decode(*joiner.partial(), all);
   }
+  SetLeapSeconds(all.packets);
   return all;
 }
 
@@ -109,6 +129,20 @@ std::optional<std::int64_t> PrecisionTime(const KlvPacket& packet) {
     }
   }
   return std::nullopt;
+}
+
+std::optional<std::int64_t> LeapSeconds(const KlvPacket& packet) {
+  constexpr int kLeapSeconds = 136;
+  constexpr double kMost = 1000;  // there were 27 in the 45 years to 2017
+  const auto leap_s = packet.Number(kLeapSeconds);
+  if (!leap_s || std::abs(*leap_s) > kMost) return std::nullopt;
+  return static_cast<std::int64_t>(*leap_s);
+}
+
+std::optional<std::int64_t> UtcTime(const KlvPacket& packet) {
+  constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;
+  const auto own_us = PrecisionTime(packet);
+  return own_us ? std::optional(*own_us + packet.leap_s * kMicrosecondsPerSecond) : std::nullopt;
 }
 
 }  // namespace victorious

@@ -24,7 +24,14 @@ struct KlvPackets {
 /// that spans several data packets of its stream; it has the time of the first.
 [[nodiscard]] KlvPackets DecodeKlv(std::span<const DataPacket> packets);
 
-/// The packet's own time stamp, microseconds since 1970-01-01 UTC; std::nullopt if absent, 0 or beyond the year 9999.
+/// The packet's own time stamp, microseconds since 1970-01-01; std::nullopt if absent, 0 or beyond the year 9999. Most
+/// producers count UTC, those that follow ST 0603 count without leap seconds.
 [[nodiscard]] std::optional<std::int64_t> PrecisionTime(const KlvPacket& packet);
+
+/// The same in UTC: with the leap seconds of item 136, where the stream has it.
+[[nodiscard]] std::optional<std::int64_t> UtcTime(const KlvPacket& packet);
+
+/// Item 136 of the packet, the leap seconds to be added to its time stamp; std::nullopt if absent or impossible.
+[[nodiscard]] std::optional<std::int64_t> LeapSeconds(const KlvPacket& packet);
 
 }  // namespace victorious

@@ -57,16 +57,16 @@ int AddKlvStates(const std::vector<KlvPacket>& packets, Telemetry& telemetry) {
     if (packet.time_s && !(first_at_time != nullptr && first_at_time->time_s == packet.time_s)) first_at_time = &packet;
     auto state = CameraFromKlv(packet);
     if (!state) continue;
+    const auto own_us = PrecisionTime(packet);
     if (packet.time_s) {
-      const auto own_us = PrecisionTime(packet);
       const auto first_us = PrecisionTime(*first_at_time);
       if (own_us && first_us) state->time_s += kSecondsPerMicrosecond * static_cast<double>(*own_us - *first_us);
     } else {
-      if (!state->utc_us || !offset_s) {
+      if (!own_us || !offset_s) {
         ++untimed;
         continue;
       }
-      state->time_s = *offset_s + kSecondsPerMicrosecond * static_cast<double>(*state->utc_us);
+      state->time_s = *offset_s + kSecondsPerMicrosecond * static_cast<double>(*own_us);
     }
     telemetry.states.push_back(*state);
   }
@@ -78,6 +78,17 @@ void WarnOfClock(Telemetry& telemetry) {
   if (telemetry.states.empty() || std::ranges::any_of(telemetry.packets, timed)) return;
   telemetry.warnings.emplace_back(
       "the KLV packets have no video time: the first is at time 0; shift them by time_offset_s");
+}
+
+void WarnOfLeapSeconds(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
+  for (const KlvPacket& packet : packets) {
+    const auto leap_s = LeapSeconds(packet);
+    if (!leap_s || *leap_s <= 0) continue;
+    warnings.push_back(
+        fmt::format("item 136 (leap seconds) is {}, but UTC is never ahead of the time stamps: it is taken as {}",
+                    *leap_s, -*leap_s));
+    return;
+  }
 }
 
 void WarnOfChecksums(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
@@ -189,6 +200,7 @@ Telemetry TelemetryFromKlv(KlvPackets decoded, double max_gap_s) {
       telemetry.packets, [](const KlvPacket& packet) { return packet.standard != KlvStandard::kOther; });
   telemetry.format = known == telemetry.packets.end() ? TelemetryFormat::kOtherKlv : FormatOf(known->standard);
   WarnOfClock(telemetry);
+  WarnOfLeapSeconds(telemetry.packets, telemetry.warnings);
   WarnOfChecksums(telemetry.packets, telemetry.warnings);
   WarnOfProblems(telemetry.packets, telemetry.warnings);
   WarnOfFrameCentre(telemetry.packets, telemetry.warnings);

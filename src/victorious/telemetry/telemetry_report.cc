@@ -52,7 +52,7 @@ nlohmann::json PacketToJson(const KlvPacket& packet) {
                       {"time_s", OrNull(packet.time_s)}};
   const auto own_us = PrecisionTime(packet);
   json["precision_time_us"] = OrNull(own_us);
-  json["utc"] = own_us ? nlohmann::json(FormatUtc(*own_us)) : nlohmann::json();
+  json["utc"] = own_us ? nlohmann::json(FormatUtc(*UtcTime(packet))) : nlohmann::json();
   json["checksum"] = packet.checksum ? ChecksumToJson(*packet.checksum) : nlohmann::json();
   if (!packet.problem.empty()) json["problem"] = packet.problem;
   for (const KlvItem& item : packet.items) json["items"].push_back(ItemToJson(item));

@@ -52,6 +52,26 @@ TEST(Telemetry, PacketsOfAVideoUseItsClock) {
       << "by its own clock, with the offset of the packets that have both";
 }
 
+// ST 0601, item 136: to be added to item 2 for UTC, where item 2 counts without leap seconds (ST 0603).
+TEST(Telemetry, LeapSecondsAreAddedToTheTimeStamp) {
+  const auto leap_packet = [](std::int32_t leap_s) {
+    return St0601Packet({{2, BigEndian(100'500'000, 8)}, {136, BigEndian(static_cast<std::uint32_t>(leap_s), 4)}});
+  };
+  for (const std::int32_t leap_s : {-28, 28}) {
+    const auto telemetry =
+        ParseTelemetry(CameraPacket(100'000'000) + leap_packet(leap_s) + CameraPacket(101'000'000), {});
+    ASSERT_TRUE(telemetry) << telemetry.error().message;
+    ASSERT_GE(telemetry->states.size(), 2U);
+    EXPECT_EQ(telemetry->states.front().utc_us, 72'000'000) << leap_s;
+    EXPECT_EQ(telemetry->states.back().utc_us, 73'000'000) << leap_s;
+    EXPECT_NEAR(telemetry->states.back().time_s, 1, 1e-9) << "the video's clock is not shifted";
+    EXPECT_EQ(ToJson(*telemetry)["packets"][0]["utc"], "1970-01-01T00:01:12.000000Z");
+    EXPECT_EQ(
+        std::ranges::any_of(telemetry->warnings, [](const auto& line) { return line.contains("is taken as -28"); }),
+        leap_s > 0);
+  }
+}
+
 TEST(Telemetry, StreamsAreNotMixed) {
   const std::vector packets = {Packet(1, 0.0, CameraPacket(0)), Packet(2, 0.1, CameraPacket(0)),
                                Packet(2, 0.2, CameraPacket(0))};
