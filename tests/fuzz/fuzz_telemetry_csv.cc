@@ -31,5 +31,9 @@ std::vector<std::string> FuzzSeeds() {
   return {header + "\n0,42,-71,100,0,-90,0,40\n0.1,42.1,-71,100,350,-45,0,40\n",
           "altitude_m,time_s,longitude_deg,latitude_deg,vertical_datum,utc,k1,k2,p1,p2,sigma_position_m\n"
           "1,2,3,4,egm96,2026-05-27T13:14:22.5Z,0.1,0.2,0.3,0.4,5\r\n",
-          header + ",sigma_attitude_deg\n0,95,-71,100,0,-90,0,40,1\n,,,\n1e308,1,1,1\n", header, ""};
+          "Time_s;Latitude_deg;Longitude_deg;Altitude_m\r\n0,5;42,25;-71;\"100\"\r\n",
+          std::string("\xFF\xFEt\0i\0m\0e\0_\0s\0", 14),
+          header + ",sigma_attitude_deg\n0,95,-71,100,0,-90,0,40,1\n,,,\n1e308,1,1,1\n",
+          header,
+          ""};
 }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/table_text.h"
 #include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
 
@@ -66,7 +67,7 @@ Expected<ColumnIndices> ParseHeader(std::string_view line) {
   const std::vector<std::string> names = SplitRow(line);
   ColumnIndices indices;
   for (std::size_t at = 0; at < names.size(); ++at) {
-    const auto* const column = std::ranges::find(kColumns, names[at], &Column::name);
+    const auto* const column = std::ranges::find(kColumns, LowerCase(names[at]), &Column::name);
     if (column == kColumns.end()) continue;
     auto& position = indices[static_cast<std::size_t>(column - kColumns.begin())];
     if (position)
@@ -122,8 +123,9 @@ Expected<LineOfSight> ParseRow(std::string_view line, const ColumnIndices& indic
 
 }  // namespace
 
-Expected<LineOfSightTable> ParseLinesOfSight(std::string_view text, std::string_view name) {
-  text = StripByteOrderMark(text);
+Expected<LineOfSightTable> ParseLinesOfSight(std::string_view bytes, std::string_view name) {
+  const std::string whole = CommaSeparated(bytes);
+  std::string_view text = whole;
   std::optional<ColumnIndices> indices;
   LineOfSightTable table;
   for (std::size_t number = 1; !text.empty(); ++number) {

@@ -41,6 +41,14 @@ struct BadCase {
   std::vector<std::string> words;
 };
 
+TEST(LinesCsv, SemicolonsAndCapitals) {
+  const auto table = ParseLinesOfSight(
+      "Time_s;Latitude_deg;Longitude_deg;Altitude_m;Azimuth_deg;Elevation_deg\n0,5;50;10;100;0;-45,5\n", "x");
+  ASSERT_TRUE(table) << table.error().message;
+  ASSERT_EQ(table->lines.size(), 1U);
+  EXPECT_EQ(table->lines[0].time_s, 0.5);
+}
+
 TEST(LinesCsv, ErrorsNameFileLineAndRemedy) {
   const std::string good = "0,42,-71,120,90,-30\n";
   const BadCase cases[] = {

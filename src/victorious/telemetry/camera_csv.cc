@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/enum_text.h"
+#include "victorious/base/table_text.h"
 #include "victorious/base/text.h"
 #include "victorious/base/utc.h"
 #include "victorious/base/warning_list.h"
@@ -110,6 +111,13 @@ Expected<CameraState> ParseState(const Row& row) {
   return state;
 }
 
+// Whether a row has cells beyond those of the header that are not empty.
+bool HasMore(const std::vector<std::string>& cells, std::size_t columns) {
+  return cells.size() > columns &&
+         std::ranges::any_of(cells.begin() + static_cast<std::ptrdiff_t>(columns), cells.end(),
+                             [](const std::string& cell) { return !cell.empty(); });
+}
+
 std::string Cell(const std::optional<double>& value) { return value ? fmt::format("{:.6f}", *value) : std::string(); }
 
 std::optional<double> Degrees(const std::optional<double>& radians) {
@@ -156,19 +164,22 @@ std::string RequiredCells(const CameraState& state) {
 
 }  // namespace
 
-bool LooksLikeCameraCsv(std::string_view text) {
-  text = StripByteOrderMark(text);
+bool LooksLikeCameraCsv(std::string_view bytes) {
+  constexpr std::size_t kHeadSize = 8192;
+  const std::string head = CommaSeparated(bytes.substr(0, kHeadSize));
+  std::string_view text = head;
   const std::vector<std::string> names = SplitRow(TakeLine(text));
   return std::ranges::count_if(names, [](const std::string& name) {
-           return std::ranges::find(kPlaceColumns, name) != kPlaceColumns.end();
+           return std::ranges::find(kPlaceColumns, LowerCase(name)) != kPlaceColumns.end();
          }) >= 2;
 }
 
-Expected<CameraRows> ParseCameraCsv(std::string_view text) {
-  text = StripByteOrderMark(text);
+Expected<CameraRows> ParseCameraCsv(std::string_view bytes) {
+  const std::string table = CommaSeparated(bytes);
+  std::string_view text = table;
   Columns columns;
   std::size_t at = 0;
-  for (const std::string& name : SplitRow(TakeLine(text))) columns.emplace(name, at++);
+  for (const std::string& name : SplitRow(TakeLine(text))) columns.emplace(LowerCase(name), at++);
   for (const std::string_view name : kPlaceColumns) {
     if (!columns.contains(name)) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("the header has no column {}: a telemetry table needs {}",
@@ -182,7 +193,15 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
     const std::string_view cells = TakeLine(text);
     if (TrimBlanks(cells).empty()) continue;
     ++rows.rows;
-    const Row row(columns, SplitRow(cells));
+    std::vector<std::string> values = SplitRow(cells);
+    if (HasMore(values, at)) {
+      skipped.Add(
+          fmt::format("line {} is skipped: it has {} cells, the header {}: decimal commas need a semicolon or a "
+                      "tab between the cells",
+                      line, values.size(), at));
+      continue;
+    }
+    const Row row(columns, std::move(values));
     auto state = ParseState(row);
     if (state) {
       bad_times += !row.Text("utc").empty() && !state->utc_us ? 1 : 0;

@@ -93,6 +93,34 @@ TEST(CameraCsv, UtcOffsetsAreApplied) {
   EXPECT_NE(rows->warnings[0].find("1 rows"), std::string::npos);
 }
 
+// As spreadsheet programs write them in countries with a decimal comma, and other tools.
+TEST(CameraCsv, SeparatorsCapitalsAndEncodings) {
+  std::string utf16 = "\xFF\xFE";
+  for (const char c : std::string_view("time_s,latitude_deg,longitude_deg,altitude_m\n1.5,42.25,-71.5,100\n")) {
+    utf16 += std::string{c, '\0'};
+  }
+  for (const std::string& table :
+       {std::string("Time_S,Latitude_Deg,LONGITUDE_DEG,altitude_m\n1.5,42.25,-71.5,100\n"),
+        std::string("time_s;latitude_deg;longitude_deg;altitude_m\n1.5;42.25;-71.5;100\n"),
+        std::string("time_s;latitude_deg;longitude_deg;altitude_m\r\n1,5;42,25;-71,5;100\r\n"),
+        std::string("time_s\tlatitude_deg\tlongitude_deg\taltitude_m\n1.5\t42.25\t-71.5\t100\n"), utf16}) {
+    EXPECT_TRUE(LooksLikeCameraCsv(table)) << table;
+    const auto rows = ParseCameraCsv(table);
+    ASSERT_TRUE(rows) << rows.error().message;
+    ASSERT_EQ(rows->states.size(), 1U);
+    EXPECT_EQ(rows->states[0].time_s, 1.5);
+    EXPECT_NEAR(DegreesFromRadians(rows->states[0].place.longitude_rad), -71.5, 1e-9);
+    EXPECT_EQ(rows->states[0].place.altitude_m, 100);
+  }
+}
+
+TEST(CameraCsv, DecimalCommasBetweenCommasAreNamed) {
+  const auto rows = ParseCameraCsv("time_s,latitude_deg,longitude_deg,altitude_m\n1,5,42,25,-71,5,100,0\n");
+  ASSERT_FALSE(rows);
+  EXPECT_NE(rows.error().message.find("it has 8 cells, the header 4: decimal commas"), std::string::npos)
+      << rows.error().message;
+}
+
 TEST(CameraCsv, NoUsableRowIsAnError) {
   EXPECT_NE(ParseCameraCsv("time_s,latitude_deg,altitude_m\n1,2,3\n").error().message.find("longitude_deg"),
             std::string::npos);
