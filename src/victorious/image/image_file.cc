@@ -19,6 +19,7 @@
 #include "victorious/base/file.h"
 #include "victorious/base/foreign_file.h"
 #include "victorious/base/text.h"
+#include "victorious/image/grey_range.h"
 #include "victorious/image/image_header.h"
 #include "victorious/image/pixel_limit.h"
 
@@ -33,9 +34,14 @@ cv::Mat DecodeStored(std::span<const std::byte> bytes) {
   return cv::imdecode(view, cv::IMREAD_UNCHANGED);
 }
 
-std::optional<Image> SplitAlpha(const cv::Mat& stored) {
+std::optional<Image> SplitAlpha(const cv::Mat& stored, GreyRange& range) {
+  constexpr double kWhite = 65535;
   cv::Mat eight_bits = stored;
-  if (stored.depth() == CV_16U) stored.convertTo(eight_bits, CV_8U, 1.0 / 257.0);
+  if (stored.type() == CV_16UC1) {
+    eight_bits = range.ToEightBits(stored, kWhite);
+  } else if (stored.depth() == CV_16U) {
+    stored.convertTo(eight_bits, CV_8U, 1.0 / 257.0);
+  }
   Image image;
   switch (stored.channels()) {
     case 1:
@@ -82,7 +88,8 @@ Expected<ImageHeader> ReadCheckedHeader(std::span<const std::byte> bytes, const 
 }
 
 // May throw cv::Exception.
-Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeader& header, const std::string& name) {
+Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeader& header, const std::string& name,
+                              GreyRange& range) {
   const cv::Mat stored = DecodeStored(bytes);
   if (stored.empty()) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} image", name, Name(header.format)));
@@ -90,7 +97,7 @@ Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeade
   if (stored.depth() != CV_8U && stored.depth() != CV_16U) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: pixels are neither 8-bit nor 16-bit integers", name));
   }
-  auto image = SplitAlpha(stored);
+  auto image = SplitAlpha(stored, range);
   if (!image) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} channels, not 1 to 4", name, stored.channels()));
   }
@@ -110,9 +117,14 @@ Expected<Image> ReadImage(const std::filesystem::path& path) {
 }
 
 Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name) {
+  GreyRange range;
+  return DecodeImage(bytes, name, range);
+}
+
+Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name, GreyRange& range) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, ReadCheckedHeader(bytes, name));
   try {
-    return DecodeChecked(bytes, header, name);
+    return DecodeChecked(bytes, header, name, range);
   } catch (const std::exception&) {  // cv::Exception or std::bad_alloc
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} image", name, Name(header.format)));
   }
