@@ -54,7 +54,8 @@ class Muxer {
     if (video_.video) AddVideo();
     if (video_.audio) AddAudio();
     if (video_.cover) AddCover();
-    if (!video_.klv.empty()) AddData(AVMEDIA_TYPE_DATA, AV_CODEC_ID_SMPTE_KLV, video_.klv);
+    const AVCodecID klv = video_.names_klv ? AV_CODEC_ID_SMPTE_KLV : AV_CODEC_ID_BIN_DATA;
+    if (!video_.klv.empty()) AddData(AVMEDIA_TYPE_DATA, klv, video_.klv);
     if (!video_.subtitles.empty()) AddData(AVMEDIA_TYPE_SUBTITLE, AV_CODEC_ID_SUBRIP, video_.subtitles);
     AVDictionary* options = nullptr;
     if (video_.muxer == "mp4") av_dict_set(&options, "movflags", "+faststart", 0);

@@ -41,6 +41,7 @@ struct TestVideo {
   bool video = true;                       ///< false: audio only
   bool cover = false;                      ///< true: adds an attached image before the video stream
   std::vector<TestPacket> klv = {};        ///< packets of a KLV stream (mpegts)
+  bool names_klv = true;                   ///< false: in a private stream without a descriptor
   std::vector<TestPacket> subtitles = {};  ///< packets of a subtitle stream (matroska, mp4)
 };
 

@@ -56,5 +56,13 @@ TEST(ClockPrior, AClockThatIsGivenAsExactStaysSo) {
   }
 }
 
+TEST(ClockPrior, TelemetryBeforeTheFirstKeyFrameIsOfTheVideo) {
+  const ClockPrior prior = MakeClockPrior(Rows(-0.7, 1.3), 1.4, {});
+  EXPECT_EQ(prior.extent, TelemetryExtent::kOfVideo);
+  EXPECT_EQ(prior.offset_s, 0);
+  EXPECT_EQ(MakeClockPrior(Rows(-30, 20), kVideo_s, {}).extent, TelemetryExtent::kOther)
+      << "longer than a key interval";
+}
+
 }  // namespace
 }  // namespace victorious

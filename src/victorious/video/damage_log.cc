@@ -21,4 +21,9 @@ void DamageLog::Add(std::string_view what, double time_s) {
 
 void DamageLog::AddLine(std::string line) { lines_.push_back(std::move(line)); }
 
+void DamageLog::AddNote(std::string line) {
+  AddLine(std::move(line));
+  ++notes_;
+}
+
 }  // namespace victorious

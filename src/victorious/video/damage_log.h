@@ -1,6 +1,7 @@
 // Private to video/: collects warnings about damaged input with their times; repetitions of one kind share a line.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -17,7 +18,12 @@ class DamageLog {
   /// Appends a line as it is.
   void AddLine(std::string line);
 
+  /// Appends a line that is no damage.
+  void AddNote(std::string line);
+
   [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
+
+  [[nodiscard]] bool has_damage() const { return lines_.size() > notes_; }
 
  private:
   struct Kind {
@@ -29,6 +35,7 @@ class DamageLog {
 
   std::vector<Kind> kinds_;
   std::vector<std::string> lines_;
+  std::size_t notes_ = 0;  ///< lines that are no damage
 };
 
 }  // namespace victorious

@@ -28,12 +28,17 @@ bool IsGreyFormat(const AVPixFmtDescriptor& format) {
   return format.nb_components <= 2 && (format.flags & AV_PIX_FMT_FLAG_RGB) == 0;
 }
 
-// True if the luma samples are contiguous in plane 0, with one byte each, or with two bytes in native byte order.
+bool HasForeignOrder(const AVPixFmtDescriptor& format) {
+  return format.comp[0].depth > 8 &&
+         ((format.flags & AV_PIX_FMT_FLAG_BE) != 0) != (std::endian::native == std::endian::big);
+}
+
+// True if the luma samples are contiguous in plane 0, with one byte each, or with two bytes in native byte order; those
+// of grey formats in either order.
 bool HasLumaPlane(const AVFrame& frame, const AVPixFmtDescriptor& format) {
   const AVComponentDescriptor& luma = format.comp[0];
   const int sample_bytes = luma.depth > 8 ? 2 : 1;
-  const bool foreign_order =
-      sample_bytes == 2 && ((format.flags & AV_PIX_FMT_FLAG_BE) != 0) != (std::endian::native == std::endian::big);
+  const bool foreign_order = HasForeignOrder(format) && !IsGreyFormat(format);
   return (format.flags & kNoLumaPlane) == 0 && luma.plane == 0 && luma.offset == 0 && luma.step == sample_bytes &&
          !foreign_order && frame.linesize[0] > 0;
 }
@@ -65,15 +70,22 @@ bool IsFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format) {
 }
 
 // Converts range and depth and copies, in one pass.
-cv::Mat GreyFromLuma(const AVFrame& frame, const AVPixFmtDescriptor& format) {
+cv::Mat GreyFromLuma(const AVFrame& frame, const AVPixFmtDescriptor& format, GreyRange& range) {
   const AVComponentDescriptor& luma = format.comp[0];
   const int type = luma.depth > 8 ? CV_16UC1 : CV_8UC1;
-  const cv::Mat plane(frame.height, frame.width, type, frame.data[0], static_cast<std::size_t>(frame.linesize[0]));
+  cv::Mat plane(frame.height, frame.width, type, frame.data[0], static_cast<std::size_t>(frame.linesize[0]));
+  if (HasForeignOrder(format)) {
+    plane = plane.clone();
+    plane.forEach<std::uint16_t>([](std::uint16_t& value, const int* /*at*/) { value = std::byteswap(value); });
+  }
   // Stored value that corresponds to 1/255 of white; accounts for the depth and for zero bits below the sample.
   const double unit =
       std::ldexp(1.0, luma.shift) *
       (IsFullRange(frame, format) ? (std::ldexp(1.0, luma.depth) - 1) / 255 : std::ldexp(219.0 / 255, luma.depth - 8));
   const double black = IsFullRange(frame, format) ? 0 : std::ldexp(16.0, luma.depth - 8 + luma.shift);
+  if (type == CV_16UC1 && IsGreyFormat(format) && IsFullRange(frame, format)) {
+    return range.ToEightBits(plane, unit * 255);
+  }
   cv::Mat grey;
   plane.convertTo(grey, CV_8U, 1 / unit, -black / unit);
   return grey;
@@ -108,7 +120,7 @@ Expected<cv::Mat> FrameConverter::ConvertColor(const AVFrame& frame) {
   const bool grey = color_ == FrameColor::kGrey;
   const bool luma = HasLumaPlane(frame, *format) && HasBt601Luma(frame, *format);
   if (luma && (grey || IsGreyFormat(*format))) {
-    cv::Mat image = GreyFromLuma(frame, *format);
+    cv::Mat image = GreyFromLuma(frame, *format, range_);
     if (!grey) cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
     return image;
   }

@@ -5,9 +5,13 @@
 // 0..255 and deeper samples are reduced to 8 bits in the same pass. All other formats are converted through BGR.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/error.h"
+#include "victorious/image/grey_range.h"
 #include "victorious/image/orientation.h"
 #include "victorious/video/ffmpeg_handles.h"
 #include "victorious/video/video_reader.h"
@@ -24,6 +28,9 @@ class FrameConverter {
   /// Errors: kUnsupported (pixel format), kInternal (out of memory).
   [[nodiscard]] Expected<cv::Mat> Convert(const AVFrame& frame);
 
+  /// What was done to grey frames of more than 8 bits; std::nullopt if nothing.
+  [[nodiscard]] std::optional<std::string> DescribeRange() const { return range_.Describe(); }
+
  private:
   [[nodiscard]] Expected<cv::Mat> ConvertAndRotate(const AVFrame& frame);
   [[nodiscard]] Expected<cv::Mat> ConvertColor(const AVFrame& frame);
@@ -32,6 +39,7 @@ class FrameConverter {
   FrameColor color_;
   Orientation orientation_;
   cv::Size size_;
+  GreyRange range_;
   ScalerHandle scaler_;
   cv::Mat padded_;  ///< buffer with padded rows, because the scaler writes whole groups of pixels
 };

@@ -16,6 +16,7 @@
 #include "victorious/base/file.h"
 #include "victorious/base/folder.h"
 #include "victorious/base/text.h"
+#include "victorious/image/grey_range.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/image_header.h"
 #include "victorious/video/damage_log.h"
@@ -83,6 +84,7 @@ class ImageSequenceReader : public VideoReader {
   VideoReaderOptions options_;
   VideoInfo info_;
   DamageLog damage_;
+  GreyRange range_;
   std::optional<Frame> first_;  ///< frame that Start() read, until it is delivered
   std::size_t next_file_ = 0;   ///< index in files_
   std::size_t first_file_ = 0;  ///< index in files_ of the first readable image
@@ -97,6 +99,7 @@ Status ImageSequenceReader::Start(const fs::path& source) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: none of its {} images can be read, the first: {}",
                                                   source.string(), files_.size(), reason));
   }
+  if (auto note = range_.Describe()) damage_.AddNote(*std::move(note));
   info_.of_images = true;
   info_.container = sequence_ == Sequence::kFolder ? "folder of images" : "image";
   info_.frame_rate = options_.folder_frame_rate;
@@ -129,7 +132,7 @@ std::optional<Frame> ImageSequenceReader::ReadNext() {
 
 Expected<cv::Mat> ImageSequenceReader::ReadImageFile(const fs::path& file) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(file));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Image image, DecodeImage(std::as_bytes(std::span(bytes)), file.string()));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Image image, DecodeImage(std::as_bytes(std::span(bytes)), file.string(), range_));
   if (next_index_ == 0) {
     const auto header = ReadImageHeader(std::as_bytes(std::span(bytes)));
     info_.codec = Name(header->format);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -17,6 +18,7 @@
 #include "victorious/video/frame_clock.h"
 #include "victorious/video/frame_converter.h"
 #include "victorious/video/frame_loop.h"
+#include "victorious/video/time_base_joints.h"
 
 extern "C" {
 #include <libavutil/display.h>
@@ -67,6 +69,20 @@ StreamType TypeOf(const AVStream& stream) {
   }
 }
 
+// FFmpeg's name; of a data track that it does not know, the four letters of its sample entry.
+std::string CodecName(const AVStream& stream) {
+  const AVCodecParameters& codec = *stream.codecpar;
+  const bool is_unknown = codec.codec_id == AV_CODEC_ID_NONE || codec.codec_id == AV_CODEC_ID_BIN_DATA;
+  if (!is_unknown || codec.codec_type != AVMEDIA_TYPE_DATA) return avcodec_get_name(codec.codec_id);
+  std::string letters;
+  for (int shift = 0; shift < 32; shift += 8) {
+    const auto letter = static_cast<unsigned char>(codec.codec_tag >> shift & 0xFF);
+    if (std::isalnum(letter) == 0) return avcodec_get_name(codec.codec_id);
+    letters += static_cast<char>(letter);
+  }
+  return letters;
+}
+
 Expected<CodecHandle> OpenDecoder(const AVStream& stream, const MediaSource& source, int threads) {
   const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
   const char* codec_name = avcodec_get_name(stream.codecpar->codec_id);
@@ -99,9 +115,11 @@ class MediaReader : public VideoReader {
         demuxer_(std::move(demuxer)),
         decoder_(std::move(decoder)),
         packet_(av_packet_alloc()),
+        packet_after_(av_packet_alloc()),
         frame_(av_frame_alloc()),
         lookahead_(av_frame_alloc()),
         clock_(MakeFrameClock(demuxer_->video())),
+        joints_(demuxer_->video().time_base),
         has_time_stamps_(HasTimeStamps(demuxer_->container())) {
     demuxer_->KeepStreams([&](const AVStream& stream) {
       return stream.index == demuxer_->video().index || (options_.data_packets && IsDataStream(stream));
@@ -114,7 +132,7 @@ class MediaReader : public VideoReader {
   [[nodiscard]] const VideoInfo& info() const override { return info_; }
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
-  std::vector<DataPacket> TakeDataPackets() override { return data_.Take(clock_.origin_s()); }
+  std::vector<DataPacket> TakeDataPackets() override { return data_.Take(clock_.origin_s(), joints_); }
   bool SeekTo(double time_s) override;
   void SkipToEnd() override;
   [[nodiscard]] std::optional<std::int64_t> ArrivalUtc(double time_s) const override;
@@ -129,6 +147,9 @@ class MediaReader : public VideoReader {
   void LogFrameDamage(double time_s);
   void FeedDecoder();
   bool ReadPacket();
+  int ReadVideoPacket(AVPacket* packet);
+  void DecideTimeBase();
+  void LogMarkedPacket();
   void SendPacket();
   void StopReading(int result);
   void Finish();
@@ -138,7 +159,9 @@ class MediaReader : public VideoReader {
   cv::Size SquareSize();
   void FillInfo(Orientation orientation, cv::Size size);
   [[nodiscard]] Orientation DisplayOrientation() const;
+  [[nodiscard]] std::optional<double> ContainerDuration() const;
   [[nodiscard]] std::optional<double> VideoDuration() const;
+  [[nodiscard]] double UndecodableLead() const;
   [[nodiscard]] bool IsVideoDuration() const;
   [[nodiscard]] double PacketTime() const;
   [[nodiscard]] std::int64_t StampFromTime(double time_s) const;
@@ -148,13 +171,18 @@ class MediaReader : public VideoReader {
   std::unique_ptr<Demuxer> demuxer_;
   CodecHandle decoder_;
   PacketHandle packet_;
-  FrameHandle frame_;      ///< the current frame
-  FrameHandle lookahead_;  ///< the next frame; valid if has_lookahead_
+  PacketHandle packet_after_;  ///< the next packet of the video; valid if has_packet_after_
+  bool has_packet_after_ = false;
+  int read_end_ = 0;                     ///< FFmpeg's result at the end of the packets, once it was met
+  std::optional<double> marked_time_s_;  ///< of a packet that the container marks as damaged, until it is logged
+  FrameHandle frame_;                    ///< the current frame
+  FrameHandle lookahead_;                ///< the next frame; valid if has_lookahead_
   bool has_lookahead_ = false;
   FrameClock clock_;
   LiveDelay arrival_;  ///< by time stamps
   DamageLog damage_;
   DataTrack data_;
+  TimeBaseJoints joints_;
   std::optional<FrameConverter> converter_;
   cv::Size stored_size_;  ///< size of the first frame, px
   bool has_time_stamps_;  ///< the container has time stamps
@@ -164,12 +192,13 @@ class MediaReader : public VideoReader {
   bool finished_ = false;
   std::string stop_reason_;  ///< reason for a premature end of the packets; empty at the regular end
   std::int64_t next_index_ = 0;
+  std::optional<double> first_packet_s_;     ///< earliest time of the video's packets read so far, as stored
   std::optional<double> packets_end_ticks_;  ///< latest end of the video's packets read so far, stream time base
   bool has_unstamped_packets_ = false;       ///< true if one of them has no time stamp
 };
 
 Status MediaReader::Start() {
-  if (!packet_ || !frame_ || !lookahead_)
+  if (!packet_ || !packet_after_ || !frame_ || !lookahead_)
     return Fail(ErrorCode::kInternal, fmt::format("{}: no memory for a frame", source_.name));
   if (!DecodeNext()) {
     const std::string reason = damage_.lines().empty() ? stop_reason_ : damage_.lines().front();
@@ -182,6 +211,9 @@ Status MediaReader::Start() {
   const cv::Size size = SquareSize();
   converter_.emplace(options_.color, orientation, size);
   FillInfo(orientation, size);
+  if (const double lead_s = UndecodableLead(); lead_s > 0) {
+    damage_.AddNote(fmt::format("begins without a key frame: its first {:.2f} s cannot be shown", lead_s));
+  }
   return {};
 }
 
@@ -200,6 +232,9 @@ Expected<std::optional<Frame>> MediaReader::NextFrame() {
     const double time_s = first_time_s_ ? *std::exchange(first_time_s_, std::nullopt) : ComputeFrameTime();
     LogFrameDamage(time_s);
     auto image = converter_->Convert(*frame_);
+    if (next_index_ == 0 && image) {
+      if (auto note = converter_->DescribeRange()) damage_.AddNote(*std::move(note));
+    }
     if (image) return Frame{.index = next_index_++, .time_s = time_s, .image = *std::move(image)};
     if (next_index_ == 0) return std::unexpected(std::move(image).error().WithContext(source_.name));
     damage_.Add(image.error().message, time_s);
@@ -276,12 +311,15 @@ std::optional<std::int64_t> MediaReader::ArrivalUtc(double time_s) const {
 bool MediaReader::SeekTo(double time_s) {
   constexpr double kReordering_s = 1;  // bound of the reordering between decoding and presentation order, s
   const auto origin_s = clock_.origin_s();
-  if (source_.remote || !has_time_stamps_ || !origin_s || !damage_.lines().empty()) return false;
+  if (source_.remote || !has_time_stamps_ || !origin_s || damage_.has_damage()) return false;
   if (time_s <= kReordering_s) return false;  // FFmpeg seeks in MPEG-TS only from the second key frame on
   if (demuxer_->SeekBefore(StampFromTime(time_s - kReordering_s)) < 0) return false;
   avcodec_flush_buffers(decoder_.get());
   first_time_s_.reset();
-  has_lookahead_ = draining_ = finished_ = false;
+  has_lookahead_ = draining_ = finished_ = has_packet_after_ = false;
+  av_packet_unref(packet_after_.get());
+  read_end_ = 0;
+  joints_.Restart();
   clock_.Restart();
   return true;
 }
@@ -302,30 +340,68 @@ void MediaReader::SkipToEnd() {
 
 // Reads the next packet of the video into packet_. Returns false at the end.
 bool MediaReader::ReadPacket() {
-  for (int errors = 0; !draining_;) {
-    const int result = demuxer_->Read(packet_.get());
+  if (draining_) return false;
+  int result = 0;
+  if (std::exchange(has_packet_after_, false)) {
+    std::swap(packet_, packet_after_);
+  } else {
+    result = read_end_ < 0 ? read_end_ : ReadVideoPacket(packet_.get());
+  }
+  if (result < 0) {
+    LogMarkedPacket();
+    StopReading(result);
+    return false;
+  }
+  if (has_time_stamps_ && joints_.IsOutOfOrder(*packet_)) DecideTimeBase();
+  LogMarkedPacket();
+  joints_.Move(*packet_);
+  UpdatePacketsEnd();
+  if ((packet_->flags & AV_PKT_FLAG_CORRUPT) != 0) marked_time_s_ = PacketTime();
+  return true;
+}
+
+// Reads up to the next packet of the video. Returns FFmpeg's result at the end.
+int MediaReader::ReadVideoPacket(AVPacket* packet) {
+  for (int errors = 0;;) {
+    const int result = demuxer_->Read(packet);
     if (result == AVERROR_INVALIDDATA && ++errors <= kMaxReadErrors) {
       damage_.Add("a part of the container cannot be read", EndOfPackets().value_or(clock_.end_time_s()));
     } else if (result == AVERROR(EAGAIN) && ++errors <= kMaxReadErrors) {
       std::this_thread::sleep_for(kRetryPause);
     } else if (result < 0) {
-      StopReading(result);
-    } else if (packet_->stream_index == demuxer_->video().index) {
-      UpdatePacketsEnd();
-      return true;
+      return result;
+    } else if (packet->stream_index == demuxer_->video().index) {
+      return 0;
     } else {
-      const AVStream& stream = demuxer_->stream(packet_->stream_index);
-      if (options_.data_packets && IsDataStream(stream)) data_.Add(stream, *packet_);
-      av_packet_unref(packet_.get());
+      const AVStream& stream = demuxer_->stream(packet->stream_index);
+      if (options_.data_packets && IsDataStream(stream)) data_.Add(stream, *packet, joints_.count());
+      av_packet_unref(packet);
     }
   }
-  return false;
+}
+
+// Decides whether packet_, which is out of order, begins another time base or has a damaged stamp.
+void MediaReader::DecideTimeBase() {
+  if (has_packet_after_ || read_end_ < 0) return;
+  read_end_ = ReadVideoPacket(packet_after_.get());
+  has_packet_after_ = read_end_ == 0;
+  if (!has_packet_after_ || !joints_.EnterIfJoint(*packet_, *packet_after_)) return;
+  // The container counts its packets anew: that one is missing is no damage.
+  marked_time_s_.reset();
+  damage_.AddLine(
+      fmt::format("at {:.2f} s: the time stamps begin anew, as where recordings are joined: what comes "
+                  "then, with its telemetry, follows what was before",
+                  EndOfPackets().value_or(clock_.end_time_s())));
+}
+
+// Logs the previous packet of the video if the container marks it as damaged.
+void MediaReader::LogMarkedPacket() {
+  if (const auto time_s = std::exchange(marked_time_s_, std::nullopt)) {
+    damage_.Add("a packet is marked as damaged by the container", *time_s);
+  }
 }
 
 void MediaReader::SendPacket() {
-  if ((packet_->flags & AV_PKT_FLAG_CORRUPT) != 0) {
-    damage_.Add("a packet is marked as damaged by the container", PacketTime());
-  }
   const int result = avcodec_send_packet(decoder_.get(), packet_.get());
   if (result < 0 && result != AVERROR(EAGAIN) && result != AVERROR_EOF) {
     damage_.Add(fmt::format("a packet cannot be decoded ({})", FfmpegErrorText(result)), PacketTime());
@@ -394,7 +470,7 @@ void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   }
   for (unsigned i = 0; i < demuxer_->container().nb_streams; ++i) {
     const AVStream& stream = demuxer_->stream(static_cast<int>(i));
-    info_.streams.push_back({stream.index, TypeOf(stream), avcodec_get_name(stream.codecpar->codec_id)});
+    info_.streams.push_back({stream.index, TypeOf(stream), CodecName(stream)});
   }
 }
 
@@ -415,7 +491,22 @@ Orientation MediaReader::DisplayOrientation() const {
   return OrientationFromDisplayMatrix(matrix);
 }
 
+// How much later than the packets of the video its first frame begins, s: those before the first key frame are not
+// decoded. 0 where it is no more than the pictures that are stored after a key frame and shown before it.
+double MediaReader::UndecodableLead() const {
+  const auto origin_s = clock_.origin_s();
+  if (source_.remote || !origin_s || !has_time_stamps_ || !first_packet_s_) return 0;
+  const double lead_s = *origin_s - *first_packet_s_;
+  const double rate = info_.frame_rate > 0 ? info_.frame_rate : 10;
+  return lead_s > std::max(0.25, 2.5 / rate) ? lead_s : 0;
+}
+
 std::optional<double> MediaReader::VideoDuration() const {
+  const auto duration_s = ContainerDuration();
+  return duration_s && *duration_s > UndecodableLead() ? std::optional(*duration_s - UndecodableLead()) : duration_s;
+}
+
+std::optional<double> MediaReader::ContainerDuration() const {
   const AVStream& video = demuxer_->video();
   const AVFormatContext& container = demuxer_->container();
   const double rate = FrameRate(video);
@@ -451,6 +542,10 @@ void MediaReader::UpdatePacketsEnd() {
   const std::int64_t stamp = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
   if (source_.remote && stamp != AV_NOPTS_VALUE) {
     arrival_.EnterRead(static_cast<double>(stamp) * av_q2d(demuxer_->video().time_base), 0);
+  }
+  if (packet_->pts != AV_NOPTS_VALUE && (packet_->flags & AV_PKT_FLAG_DISCARD) == 0) {
+    const double time_s = static_cast<double>(packet_->pts) * av_q2d(demuxer_->video().time_base);
+    first_packet_s_ = std::min(time_s, first_packet_s_.value_or(time_s));
   }
   has_unstamped_packets_ = has_unstamped_packets_ || stamp == AV_NOPTS_VALUE;
   if (has_unstamped_packets_) return;

@@ -203,6 +203,71 @@ TEST(VideoDamage, HoleIsSkippedWithAWarning) {
   EXPECT_FALSE(outcome.warnings.empty());
 }
 
+// A part of a stream whose first picture has the number `first`, with a KLV packet at each.
+std::string WritePart(const std::filesystem::path& path, int first, std::int64_t begin_ms,
+                      int key_frame_interval = 12) {
+  testing::TestVideo video{.muxer = "mpegts", .pts = {}, .key_frame_interval = key_frame_interval};
+  for (int i = 0; i < 24; ++i) {
+    video.pts.push_back(begin_ms + 40 * i);
+    video.images.push_back(testing::NumberedImage(first + i, video.size));
+    video.klv.push_back({begin_ms + 40 * i, "\x06\x0E\x2B\x34" + std::to_string(first + i)});
+  }
+  WriteTestVideo(path, video);
+  return testing::ReadBytes(path);
+}
+
+// ISO/IEC 13818-1: a programme has one time base. What moves the frames moves the telemetry.
+TEST(VideoDamage, JoinedStreamsShareOneClock) {
+  const ScratchFolder folder;
+  for (const std::int64_t second_ms : {2000, 1000, 2500}) {
+    const std::string bytes = WritePart(folder / "a.ts", 0, 2000) + WritePart(folder / "b.ts", 24, second_ms);
+    testing::WriteBytes(folder / "joined.ts", bytes);
+    const Outcome outcome = ReadDamaged(folder / "joined.ts");
+    ASSERT_EQ(outcome.frames, 48U) << second_ms;
+    EXPECT_THAT(outcome.warnings, ::testing::ElementsAre(HasSubstr("at 0.96 s: the time stamps begin anew")));
+    for (const bool decodes : {false, true}) {
+      const auto reader = VideoReader::Open((folder / "joined.ts").string(), {.data_packets = true}).value();
+      std::vector<double> frames_s;
+      while (decodes) {
+        const auto frame = reader->NextFrame().value();
+        if (!frame) break;
+        frames_s.push_back(frame->time_s);
+      }
+      if (!decodes) reader->SkipToEnd();
+      const std::vector<DataPacket> packets = reader->TakeDataPackets();
+      ASSERT_EQ(packets.size(), 48U);
+      for (int i = 0; i < 48; ++i) {
+        EXPECT_NEAR(packets[static_cast<std::size_t>(i)].time_s.value_or(-1), 0.04 * i, 1e-3) << second_ms;
+        if (decodes) {
+          EXPECT_NEAR(frames_s[static_cast<std::size_t>(i)], 0.04 * i, 1e-3);
+        }
+      }
+    }
+  }
+}
+
+TEST(VideoDamage, AStreamThatBeginsBetweenKeyFramesIsNotDamaged) {
+  const ScratchFolder folder;
+  const std::string whole = WritePart(folder / "a.ts", 0, 2000, 12);
+  // From the first packet of the sixth picture on, behind the tables.
+  constexpr std::size_t kPacket = 188;
+  std::size_t images = 0;
+  std::size_t at = 0;
+  for (; at < whole.size() && images < 6; at += kPacket) {
+    const bool begins = (whole[at + 1] & 0x40) != 0;
+    images += begins && (whole[at + 1] & 0x1F) == 1 && static_cast<unsigned char>(whole[at + 2]) == 0 ? 1 : 0;
+  }
+  testing::WriteBytes(folder / "tap.ts", whole.substr(0, 3 * kPacket) + whole.substr(at - kPacket));
+  const auto reader = VideoReader::Open((folder / "tap.ts").string(), {.data_packets = true}).value();
+  EXPECT_NEAR(reader->info().duration_s.value_or(0), 0.48, 0.05);
+  reader->SkipToEnd();
+  EXPECT_THAT(reader->warnings(),
+              ::testing::ElementsAre(HasSubstr("begins without a key frame: its first 0.28 s cannot be shown")));
+  const Outcome outcome = ReadDamaged(folder / "tap.ts");
+  EXPECT_EQ(outcome.frames, 12U);
+  EXPECT_THAT(outcome.warnings, ::testing::ElementsAre(HasSubstr("begins without a key frame")));
+}
+
 TEST(VideoDamage, NoFrameIsAnError) {
   const ScratchFolder folder;
   WriteWhole(folder / "whole.mp4", "mp4", "libx264");

@@ -48,7 +48,7 @@ inline constexpr auto kStreamTypeTexts = std::to_array<EnumText<StreamType>>({{S
 struct StreamInfo {
   int index = 0;
   StreamType type = StreamType::kOther;
-  std::string codec;  ///< FFmpeg's name: "h264", "klv", …
+  std::string codec;  ///< FFmpeg's name: "h264", "klv", …; of unknown data its four letters: "gpmd"
 };
 
 struct VideoInfo {

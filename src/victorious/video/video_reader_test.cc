@@ -366,6 +366,34 @@ TEST(VideoReader, DataPacketsWithoutDecodingTheFrames) {
   EXPECT_TRUE(reader->warnings().empty());
 }
 
+// Muxers leave out the descriptor, and write the header of metadata cells (ISO/IEC 13818-1, 2.12.4) all the same.
+TEST(VideoReader, KlvInAPrivateStreamIsRecognised) {
+  const ScratchFolder folder;
+  const std::string label = "\x06\x0E\x2B\x34";
+  const std::string cell("\x00\x01\xDF\x00\x09", 5);
+  WriteTestVideo(folder / "cells.ts", {.muxer = "mpegts",
+                                       .pts = {400, 440, 480, 520},
+                                       .klv = {{400, cell + label + "begin"}, {440, "rest of it"}, {480, "more"}},
+                                       .names_klv = false});
+  const auto reader = MustOpen(folder / "cells.ts", {.data_packets = true});
+  ASSERT_TRUE(reader);
+  reader->SkipToEnd();
+  const std::vector<DataPacket> packets = reader->TakeDataPackets();
+  ASSERT_EQ(packets.size(), 3U);
+  for (const DataPacket& packet : packets) EXPECT_EQ(packet.kind, DataKind::kKlv);
+}
+
+TEST(VideoReader, UnknownDataTracksAreNamedByTheirLetters) {
+  const ScratchFolder folder;
+  WriteTestVideo(folder / "gopro.mp4",
+                 {.pts = {0, 40, 80}, .klv = {{0, "DEVC....first"}, {40, "DEVC....second"}}, .names_klv = false});
+  const auto reader = MustOpen(folder / "gopro.mp4");
+  ASSERT_TRUE(reader);
+  ASSERT_EQ(reader->info().streams.size(), 2U);
+  EXPECT_EQ(reader->info().streams[1].type, StreamType::kData);
+  EXPECT_EQ(reader->info().streams[1].codec, "gpmd");
+}
+
 TEST(VideoReader, DataPacketsOnTheFramesClock) {
   const ScratchFolder folder;
   const std::string label = "\x06\x0E\x2B\x34";
