@@ -80,6 +80,13 @@ def make_files(demo: Path) -> None:
     write("t_latitude.csv", TELEMETRY_HEADER + "0,950,10,100,0,-45,0,30\n")
     write("t_short.csv", "time_s,latitude_deg\n0\n1,2,3,4\n")
     write("t_semicolon.csv", "\ufefftime_s;latitude_deg\n0;1\n")
+    write("t_commas.csv", TELEMETRY_HEADER + "0,5,50,1,10,2,100,0,0,0,-45,5,0,0,30,0\n")
+    write("t_utf16.csv", "\ufefftime_s;latitude_deg\n0;1\n".encode("utf-16-le"))
+    write("t_zero.csv", TELEMETRY_HEADER + "0,0,0,0,0,0,0,0\n")
+    write("cut.srt", "1\n00:00:00,000 --> 00:00:01,000\n[latitude: 47.37] [longitude: 8.")
+    write("autel.srt", "1\n00:00:00,000 --> 00:00:01,000\nGPS(W: 71.09, N: , 86)\n\n")
+    write("empty.ass", "[Script Info]\n[Events]\nDialogue: 0,0:00:01.0,GPS(W:\n")
+    write("cut.klv", bytes.fromhex("060e2b34020b01010e01030101000000") + b"\x40\x0d\x04")
     write("bad.srt", "1\n00:00:00,000 --> xx\nGPS(abc)\n\n")
     for name, text in (("cut", '{"a":'), ("array", "[1,2]"), ("deep", "[" * 100000), ("twice", '{"every":1,"every":2}'),
                        ("unknown", '{"no.such":1}'), ("type", '{"every":"x"}'), ("range", '{"detect.min_score":-5}'),
@@ -266,7 +273,8 @@ def make_cases(demo: Path) -> list[list[str]]:
         cases.append(["model", "add", "x", c, "--models", "ml"])
     for t in [
         "none", "empty.bin", "rand.bin", "t_columns.csv", "t_nan.csv", "t_back.csv", "t_latitude.csv",
-        "t_short.csv", "t_semicolon.csv", "bad.srt", "dir", "bomb.png", video, TOO_LONG,
+        "t_short.csv", "t_semicolon.csv", "bad.srt", "t_commas.csv", "t_utf16.csv", "t_zero.csv", "cut.srt",
+        "autel.srt", "empty.ass", "cut.klv", "dir", "bomb.png", video, TOO_LONG,
     ]:  # fmt: skip
         cases.append(["telemetry", t])
         cases.append(["index", video, "--telemetry", t, "--models", "empty", "--db", "o3.db"])

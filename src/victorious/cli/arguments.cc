@@ -209,6 +209,10 @@ void AddCamera(ArgumentParser& parser, CameraArguments& camera) {
       .TypeName("METRES");
   parser.Add("--vertical-datum", camera.vertical_datum, "What telemetry's heights are above; overrides telemetry")
       .OneOf(DatumOverrideTexts<VerticalDatum::kTakeoff>());
+  parser
+      .Add("--gps-order", camera.gps_order,
+           "Order of latitude and longitude in subtitles with GPS(a, b, height), if letters do not tell it")
+      .OneOf(kGpsOrderTexts);
   const auto check = [](const std::string& text) -> Status {
     if (FindCameraModel(text) != nullptr) return {};
     const auto names = CameraModels() | std::views::transform(&CameraModel::aircraft);
@@ -236,6 +240,7 @@ Status ApplyCamera(const CameraArguments& arguments, TelemetryOptions& options) 
   if (arguments.takeoff_m) options.takeoff_altitude_m = *arguments.takeoff_m;
   if (!arguments.vertical_datum.empty())
     options.vertical_datum = FromText(kVerticalDatumTexts, arguments.vertical_datum);
+  if (const auto order = FromText(kGpsOrderTexts, arguments.gps_order)) options.gps_order = *order;
   return {};
 }
 

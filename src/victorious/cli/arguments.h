@@ -38,6 +38,7 @@ struct CameraArguments {
   std::optional<double> pitch_deg;
   std::optional<double> yaw_deg;
   std::optional<double> takeoff_m;
+  std::string gps_order;
   std::string vertical_datum;
   bool nadir = false;
   std::string camera;

@@ -96,11 +96,12 @@ struct VideoProbe {
   bool at_end = false;
   bool live = false;
   std::vector<DataPacket> packets;
+  std::optional<std::string> unread;  // telemetry that is not read
 };
 
 Expected<VideoProbe> ProbeVideo(VideoReader& reader, const std::string& source) {
   constexpr std::int64_t kMaxFrames = 300;
-  VideoProbe probe{.live = reader.info().live};
+  VideoProbe probe{.live = reader.info().live, .packets = {}, .unread = DescribeUnreadTelemetry(reader.info())};
   while (probe.frames < kMaxFrames) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader.NextFrame());
     if (!frame) {
@@ -171,12 +172,12 @@ Report DescribeTelemetrySource(const std::string& source, const VideoProbe& prob
   }
   if (!beside) {
     const std::string name = OneLine(std::filesystem::path(source).stem().string());
-    return {fmt::format(
-                "impossible: no telemetry\n"
-                "  missing: KLV or a DJI aircraft's subtitles in the file, positions in a folder's photos, {}.SRT or "
-                "{}.telemetry.csv beside it, or a table given to `index --telemetry`\n",
-                name, name),
-            nullptr};
+    return {
+        fmt::format("impossible: no telemetry\n{}"
+                    "  missing: KLV or an aircraft's subtitles in the file, positions in a folder's photos, {}.SRT or "
+                    "{}.telemetry.csv beside it, or a table given to `index --telemetry`\n",
+                    probe.unread ? "  " + *probe.unread + "\n" : "", name, name),
+        nullptr};
   }
   const auto telemetry = ReadTelemetry(beside->string(), {});
   std::vector<std::string> statements =

@@ -48,6 +48,8 @@ std::string PackCameraRequest(const CameraRequest& request) {
   ByteWriter writer;
   PutText(writer, request.video);
   writer.PutOptional(request.duration_s);
+  writer.Put(std::int64_t{request.width});
+  writer.Put(std::int64_t{request.height});
   writer.Put(request.file.has_value());
   PutText(writer, request.file.value_or(""));
   PutText(writer, OptionsToJsonText(request.options));
@@ -60,6 +62,8 @@ Expected<std::string> AnswerCameraRequest(std::string_view packed) {
   CameraRequest request;
   request.video = GetText(reader);
   request.duration_s = reader.GetOptional<double>();
+  request.width = static_cast<int>(reader.Get<std::int64_t>());
+  request.height = static_cast<int>(reader.Get<std::int64_t>());
   const bool has_file = reader.Get<bool>();
   std::string file = GetText(reader);
   if (has_file) request.file = std::move(file);
@@ -70,6 +74,8 @@ Expected<std::string> AnswerCameraRequest(std::string_view packed) {
 
   VideoInfo info;
   info.duration_s = request.duration_s;
+  info.width = request.width;
+  info.height = request.height;
   std::vector<std::string> warnings;
   VICTORIOUS_ASSIGN_OR_RETURN(
       const CameraStates cameras,

@@ -17,6 +17,8 @@ namespace victorious {
 struct CameraRequest {
   std::string video;                 ///< path
   std::optional<double> duration_s;  ///< of the video
+  int width = 0;                     ///< px, of its frames
+  int height = 0;                    ///< px
   std::optional<std::string> file;   ///< the telemetry file that was given; std::nullopt: in the video or beside it
   TelemetryOptions options;
   std::string consequence;  ///< of CameraStates::Load

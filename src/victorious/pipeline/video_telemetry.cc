@@ -1,6 +1,7 @@
 #include "victorious/pipeline/video_telemetry.h"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <limits>
 #include <utility>
@@ -19,7 +20,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kHeadSize = 4096;  // bytes by which the file type is recognised
+constexpr std::size_t kHeadSize = 8192;  // bytes by which the file type is recognised
+
+// Data tracks with telemetry of formats that are not read, by the four letters of their sample entry (ISO/IEC 14496-12,
+// 8.5.2).
+struct UnreadStream {
+  std::string_view codec;
+  std::string_view name;
+};
+
+constexpr auto kUnreadStreams = std::to_array<UnreadStream>({{"gpmd", "GPMF of a GoPro"},
+                                                             {"djmd", "metadata of a DJI camera"},
+                                                             {"camm", "camera motion metadata (CAMM)"},
+                                                             {"rtmd", "real-time metadata of a Sony camera"},
+                                                             {"nmea", "NMEA sentences"},
+                                                             {"gps0", "GPS fixes"}});
 
 std::string ReadHead(const std::string& path) {
   std::string head(kHeadSize, '\0');
@@ -39,7 +54,12 @@ Expected<Telemetry> ReadPackets(const std::string& source, const TelemetryOption
   }
   reader->SkipToEnd();
   if (damage != nullptr) *damage = reader->warnings();
-  return TelemetryFromPackets(reader->TakeDataPackets(), options);
+  Expected<Telemetry> telemetry = TelemetryFromPackets(reader->TakeDataPackets(), options);
+  if (telemetry && telemetry->records == 0) {
+    if (auto unread = DescribeUnreadTelemetry(reader->info())) telemetry->warnings.push_back(*std::move(unread));
+  }
+  if (telemetry) FitToImage(reader->info().width, reader->info().height, *telemetry);
+  return telemetry;
 }
 
 Expected<Telemetry> ReadFromPhotos(const std::string& source, const TelemetryOptions& options) {
@@ -59,11 +79,14 @@ Expected<Telemetry> ReadFromVideo(const std::string& source, const TelemetryOpti
     if (error.code == ErrorCode::kDataLoss) error.message += fmt::format("; telemetry is {}", kTelemetryFiles);
     return std::unexpected(std::move(error));
   }
-  std::ranges::move(damage, std::back_inserter(telemetry->warnings));
   if (telemetry->records == 0) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no telemetry: no KLV and no subtitles of a DJI aircraft are in this video", source));
+    const auto& warnings = telemetry->warnings;
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: no telemetry: {}", source,
+                    warnings.empty() ? "no KLV and no subtitles of an aircraft are in this video" : warnings.front()));
   }
+  std::ranges::move(damage, std::back_inserter(telemetry->warnings));
   return telemetry;
 }
 
@@ -83,6 +106,7 @@ Expected<std::optional<Telemetry>> Find(const std::string& video, double folder_
   if (of_images) return ReadPhotoTelemetry(video, folder_frame_rate, options);
   if (own && own->records > 0) return std::optional(*std::move(own));
   if (!own) warn(own.error().message);
+  if (own) std::ranges::for_each(own->warnings, warn);
   return std::nullopt;
 }
 
@@ -91,7 +115,7 @@ Expected<std::optional<Telemetry>> Find(const std::string& video, double folder_
 bool IsTelemetryFile(const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return false;
-  for (const char* ending : {".klv", ".bin", ".srt", ".SRT", ".csv"}) {
+  for (const char* ending : {".klv", ".bin", ".srt", ".SRT", ".ass", ".csv"}) {
     if (path.ends_with(ending)) return true;
   }
   return LooksLikeTelemetry(ReadHead(path));
@@ -122,10 +146,23 @@ Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const
     VICTORIOUS_ASSIGN_OR_RETURN(telemetry, Find(video, rate, options, warn));
   }
   if (!telemetry) return telemetry;
+  FitToImage(info.width, info.height, *telemetry);
   for (const std::string& warning : telemetry->warnings) warn("telemetry: " + warning);
   const auto why = DescribeMismatch(telemetry->states, info.duration_s);
   if (why && !telemetry->states.empty()) warn(fmt::format("telemetry: {}: {}", consequence, *why));
   return telemetry;
+}
+
+std::optional<std::string> DescribeUnreadTelemetry(const VideoInfo& info) {
+  for (const StreamInfo& stream : info.streams) {
+    const auto* const kind = std::ranges::find(kUnreadStreams, stream.codec, &UnreadStream::codec);
+    if (kind == kUnreadStreams.end()) continue;
+    return fmt::format(
+        "stream {} is {}, which is not read: convert it to a table (time_s, latitude_deg, ...) and give "
+        "that by --telemetry",
+        stream.index, kind->name);
+  }
+  return std::nullopt;
 }
 
 std::optional<std::string> RememberedTelemetry(const std::string& file, const FileRoots& roots,

@@ -51,6 +51,9 @@ namespace victorious {
 [[nodiscard]] std::optional<std::string> RememberedTelemetry(const std::string& file, const FileRoots& roots,
                                                              const WarningSink& warn);
 
+/// What telemetry of a format that is not read the video has, and what to do; std::nullopt if it has none.
+[[nodiscard]] std::optional<std::string> DescribeUnreadTelemetry(const VideoInfo& info);
+
 /// Explains why no camera state is usable for any frame of a video; std::nullopt if one may be.
 /// @param duration_s  of the video, if known
 [[nodiscard]] std::optional<std::string> DescribeMismatch(std::span<const CameraState> states,

@@ -162,7 +162,15 @@ TEST(VideoTelemetry, ErrorOfAnotherFileSaysWhatTelemetryIs) {
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::kDataLoss);
   EXPECT_THAT(none.error().message,
-              AllOf(HasSubstr("notes.txt: not a video"), HasSubstr("; telemetry is KLV, DJI subtitles, or a table")));
+              AllOf(HasSubstr("notes.txt: not a video"),
+                    HasSubstr("; telemetry is KLV, subtitles of DJI or Autel aircraft, or a table")));
+}
+
+TEST(VideoTelemetry, TelemetryThatIsNotReadIsNamed) {
+  VideoInfo info{.streams = {{0, StreamType::kVideo, "h264"}, {1, StreamType::kData, "klv"}}};
+  EXPECT_FALSE(DescribeUnreadTelemetry(info));
+  info.streams.push_back({2, StreamType::kData, "gpmd"});
+  EXPECT_THAT(DescribeUnreadTelemetry(info).value_or(""), HasSubstr("stream 2 is GPMF of a GoPro, which is not read"));
 }
 
 // Hexadecimal packets with their content as JSON.

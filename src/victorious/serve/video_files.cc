@@ -88,6 +88,8 @@ Expected<CameraStates> VideoFiles::Cameras(const VideoRecord& video, const std::
                                            const CancelToken& cancel) {
   const CameraRequest request{.video = path.string(),
                               .duration_s = video.duration_s,
+                              .width = video.width,
+                              .height = video.height,
                               .file = roots_.Telemetry(video, warn),
                               .options = options,
                               .consequence = "the map has no camera path"};

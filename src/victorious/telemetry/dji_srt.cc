@@ -9,15 +9,14 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/table_text.h"
 #include "victorious/base/text.h"
-#include "victorious/base/utc.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_models.h"
+#include "victorious/telemetry/subtitle_cues.h"
 
 namespace victorious {
 namespace {
-
-constexpr std::size_t kMaxUtcLength = 40;  // maximum length of a line that may be a date and time
 
 bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
 
@@ -37,6 +36,7 @@ void TrimFront(std::string_view& text) { text.remove_prefix(std::min(text.find_f
 struct Quantity {
   double number = 0;
   std::string_view unit = {};
+  bool has_point = false;  // a decimal point
 
   [[nodiscard]] bool IsHeight() const { return unit == "m" || unit == "M" || IsFeet(); }
   [[nodiscard]] bool IsFeet() const { return unit == "ft" || unit == "FT"; }
@@ -70,20 +70,40 @@ std::optional<double> TakeNumberWithComma(std::string_view& text) {
   return ParseNumber(number);
 }
 
+// "W:", "N :".
+bool StartsWithCompassLetter(std::string_view text) {
+  if (text.empty() || std::string_view("NESW").find(text[0]) == std::string_view::npos) return false;
+  text.remove_prefix(1);
+  TrimFront(text);
+  return text.starts_with(':');
+}
+
 // Reads the unit of a number, and removes it from the front.
 Quantity TakeUnit(double number, std::string_view& text) {
   TrimFront(text);
   const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
   const auto end = std::ranges::find_if_not(text, is_letter);
-  const Quantity quantity{number, text.substr(0, static_cast<std::size_t>(end - text.begin()))};
+  const Quantity quantity{.number = number, .unit = text.substr(0, static_cast<std::size_t>(end - text.begin()))};
   text.remove_prefix(quantity.unit.size());
   return quantity;
 }
 
-// Reads a quantity and removes it from the front.
+// Reads a quantity and removes it from the front. A letter of the compass may stand before the number: "W: 71.09".
 std::optional<Quantity> TakeQuantity(std::string_view& text) {
+  TrimFront(text);
+  std::string_view letter;
+  if (StartsWithCompassLetter(text)) {
+    letter = text.substr(0, 1);
+    text.remove_prefix(std::min(text.find(':') + 1, text.size()));
+  }
+  const std::string_view from = text;
   const auto number = TakeNumber(text);
-  return number ? std::optional(TakeUnit(*number, text)) : std::nullopt;
+  if (!number) return std::nullopt;
+  const bool has_point = from.substr(0, from.size() - text.size()).contains('.');
+  Quantity quantity = TakeUnit(*number, text);
+  quantity.has_point = has_point;
+  if (!letter.empty()) quantity.unit = letter;
+  return quantity;
 }
 
 // The quantity after "word:" or "word :", also with a decimal comma; std::nullopt for a number whose end is ambiguous.
@@ -170,16 +190,37 @@ bool ReadBrackets(std::string_view text, DjiHeight height, CameraState& state) {
   return true;
 }
 
-// Reads "GPS(…)". The longitude is first, unless the third number is a height or the letters give another order.
-bool ReadGps(std::string_view text, CameraState& state) {
+// Whether the third number of "GPS(a, b, c)" is a height: it has a unit, or decimals, which a number of satellites has
+// not.
+bool IsHeightOfGps(const Quantity& third) { return third.IsHeight() || third.has_point; }
+
+bool HasLetters(const Triple& gps) {
+  return std::ranges::any_of(gps, [](const Quantity& part) { return part.IsNorthing() || part.IsEasting(); });
+}
+
+bool NeedsGuessOfOrder(const Triple& gps) {
+  constexpr double kMaxLatitude_deg = 90;
+  return !HasLetters(gps) && std::abs(gps[0].number) <= kMaxLatitude_deg &&
+         std::abs(gps[1].number) <= kMaxLatitude_deg && IsHeightOfGps(gps[2]);
+}
+
+bool IsLatitudeFirst(const Triple& gps, GpsOrder order) {
+  constexpr double kMaxLatitude_deg = 90;
+  const auto& [first, second, third] = gps;
+  if (HasLetters(gps)) return first.IsNorthing() || second.IsEasting();
+  if (std::abs(first.number) > kMaxLatitude_deg) return false;
+  if (std::abs(second.number) > kMaxLatitude_deg) return true;
+  return order == GpsOrder::kByText ? IsHeightOfGps(third) : order == GpsOrder::kLatitudeFirst;
+}
+
+// Reads "GPS(…)".
+bool ReadGps(std::string_view text, GpsOrder order, CameraState& state) {
   const auto gps = TripleAfter(text, "GPS");
   if (!gps) return false;
-  const auto& [first, second, third] = *gps;
-  const bool latitude_first = first.IsNorthing() || second.IsEasting() ||
-                              (!first.IsEasting() && (third.IsHeight() || std::abs(second.number) > 90));
-  if (!SetPlace(state, latitude_first ? first : second, latitude_first ? second : first)) return false;
-  if (third.IsHeight()) SetTakeoffHeight(state, third);
-  constexpr std::array<HeightWord, 2> kWords = {{{"BAROMETER"}, {"Hb"}}};
+  const bool latitude_first = IsLatitudeFirst(*gps, order);
+  if (!SetPlace(state, (*gps)[latitude_first ? 0 : 1], (*gps)[latitude_first ? 1 : 0])) return false;
+  if (IsHeightOfGps((*gps)[2]) || IsAutelText(text)) SetTakeoffHeight(state, (*gps)[2]);
+  constexpr std::array<HeightWord, 3> kWords = {{{"BAROMETER"}, {"Hb"}, {"ReH"}}};
   SetHeight(text, kWords, state);
   if (auto rest = FindAfterWord(text, "H")) {
     if (const auto height = TakeQuantity(*rest)) SetTakeoffHeight(state, *height);
@@ -227,79 +268,6 @@ std::optional<double> ReadFieldOfView(std::string_view text) {
   return FieldOfViewFromFocal(*focal_mm * DigitalZoom(text, has_decimals));
 }
 
-// Reads "01:02:03,456" as seconds and removes it from the front.
-std::optional<double> TakeCueTime(std::string_view& text) {
-  double seconds = 0;
-  for (int part = 0; part < 3; ++part) {
-    if (part > 0) {
-      if (!text.starts_with(':')) return std::nullopt;
-      text.remove_prefix(1);
-    }
-    const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
-    const auto number = digits > 0 && digits < 6 ? ParseNumber(text.substr(0, digits)) : std::nullopt;
-    if (!number) return std::nullopt;
-    seconds = 60 * seconds + *number;
-    text.remove_prefix(digits);
-  }
-  if (!text.starts_with(',') && !text.starts_with('.')) return seconds;
-  const std::size_t digits = std::min(text.find_first_not_of("0123456789", 1), text.size());
-  const auto thousandths = ParseNumber(text.substr(1, digits - 1));
-  text.remove_prefix(digits);
-  return seconds + thousandths.value_or(0) / std::pow(10.0, static_cast<double>(digits - 1));
-}
-
-std::optional<double> CueStart(std::string_view line) {
-  if (!line.contains("-->")) return std::nullopt;
-  line = TrimBlanks(line);
-  return TakeCueTime(line);
-}
-
-bool IsCueNumber(std::string_view line) {
-  line = TrimBlanks(line);
-  return !line.empty() && line.size() < 10 && line.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
-// The first line of a text that is a date and time, as microseconds UTC. In "11:51,393,525" thousandths and millionths
-// follow the seconds; the latter are ignored.
-std::optional<std::int64_t> FindUtc(std::string_view text) {
-  while (!text.empty()) {
-    const std::string_view line = TrimBlanks(TakeLine(text)).substr(0, kMaxUtcLength);
-    const std::size_t first_comma = line.find(',');
-    const std::size_t second_comma =
-        first_comma == std::string_view::npos ? first_comma : line.find(',', first_comma + 1);
-    if (const auto moment = ParseUtc(line.substr(0, second_comma))) return moment;
-  }
-  return std::nullopt;
-}
-
-struct Cue {
-  std::optional<double> start_s;
-  std::string text;
-};
-
-// A cue starts with its number on a line of its own, followed by its times, or after an empty line by a date. The text
-// may contain empty lines and numbers.
-std::vector<Cue> SplitCues(std::string_view text) {
-  std::vector<Cue> cues;
-  bool after_blank = true;
-  while (!text.empty()) {
-    const std::string_view line = TakeLine(text);
-    std::string_view ahead = text;
-    const std::string_view next = TakeLine(ahead);
-    const bool timed = next.contains("-->");
-    const bool dated = FindUtc(next.substr(0, kMaxUtcLength)).has_value();
-    if (IsCueNumber(line) && (timed || (after_blank && dated))) {
-      cues.push_back({timed ? CueStart(next) : std::nullopt, {}});
-      if (timed) text = ahead;
-    } else if (!cues.empty()) {
-      cues.back().text += line;
-      cues.back().text += '\n';
-    }
-    after_blank = TrimBlanks(line).empty();
-  }
-  return cues;
-}
-
 // The time of a cue: its own, or that of the UTC time in its text relative to the first.
 std::optional<double> CueTime(const Cue& cue, std::optional<std::int64_t>& first_utc_us) {
   if (cue.start_s) return cue.start_s;
@@ -320,9 +288,24 @@ std::optional<Attitude> AttitudeFromGimbal(std::optional<double> yaw_deg, std::o
   return AttitudeFromRotation(CameraFromEnu(turns));
 }
 
-std::optional<CameraState> CameraFromDjiText(std::string_view text, DjiHeight height) {
+bool IsAutelText(std::string_view text) {
+  auto rest = FindAfterWord(text, "GPS");
+  if (!rest) return false;
+  TrimFront(*rest);
+  if (!rest->starts_with('(')) return false;
+  rest->remove_prefix(1);
+  TrimFront(*rest);
+  return StartsWithCompassLetter(*rest);
+}
+
+bool HasAmbiguousGpsOrder(std::string_view text) {
+  const auto gps = TripleAfter(text, "GPS");
+  return gps && NeedsGuessOfOrder(*gps);
+}
+
+std::optional<CameraState> CameraFromDjiText(std::string_view text, const DjiReading& reading) {
   CameraState state{.datum = VerticalDatum::kUnknown};
-  if (!ReadBrackets(text, height, state) && !ReadGps(text, state)) return std::nullopt;
+  if (!ReadBrackets(text, reading.height, state) && !ReadGps(text, reading.order, state)) return std::nullopt;
   state.attitude = ReadAttitude(text);
   state.hfov_rad = ReadFieldOfView(text);
   return state;
@@ -341,9 +324,11 @@ std::optional<double> AmbiguousAltitudeFromDjiText(std::string_view text) {
   return height->Metres();
 }
 
-void AddDjiHeights(std::string_view text, DjiSubtitles& subtitles) {
+void AddDjiRemarks(std::string_view text, DjiSubtitles& subtitles) {
   if (const auto takeoff_m = TakeoffAltitudeFromDjiText(text)) subtitles.takeoff_m.push_back(*takeoff_m);
   if (const auto height_m = AmbiguousAltitudeFromDjiText(text)) subtitles.ambiguous_m.push_back(*height_m);
+  subtitles.ambiguous_orders += HasAmbiguousGpsOrder(text) ? 1 : 0;
+  subtitles.is_autel = subtitles.is_autel || IsAutelText(text);
 }
 
 bool HasDjiKeyword(std::string_view text) {
@@ -352,10 +337,10 @@ bool HasDjiKeyword(std::string_view text) {
   return std::ranges::any_of(kMarks, [&](std::string_view mark) { return text.contains(mark); });
 }
 
-bool LooksLikeDjiSrt(std::string_view text) {
-  constexpr std::size_t kHeadSize = 4096;
-  const std::string_view head = StripByteOrderMark(text).substr(0, kHeadSize);
-  return HasDjiKeyword(head) && !SplitCues(head).empty();
+bool LooksLikeDjiSrt(std::string_view bytes) {
+  constexpr std::size_t kHeadSize = 8192;
+  const std::string head = Utf8FromText(bytes.substr(0, kHeadSize));
+  return HasDjiKeyword(IsAss(head) ? bytes : std::string_view(head)) && !SplitCues(head).empty();
 }
 
 void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtitles) {
@@ -368,16 +353,22 @@ void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtit
   }
 }
 
-DjiSubtitles ParseDjiSrt(std::string_view text, DjiHeight height) {
+DjiSubtitles ParseDjiSrt(std::string_view bytes, const DjiReading& reading) {
   DjiSubtitles subtitles;
-  text = StripByteOrderMark(text);
+  const std::string text = Utf8FromText(bytes);
   std::optional<std::int64_t> first_utc_us;
   int without_place = 0;
   int without_time = 0;
-  for (const Cue& cue : SplitCues(text)) {
+  std::vector<Cue> cues = SplitCues(text);
+  if (IsLastCueCut(cues, text)) {
+    cues.pop_back();
     ++subtitles.cues;
-    auto state = CameraFromDjiText(cue.text, height);
-    AddDjiHeights(cue.text, subtitles);
+    subtitles.warnings.emplace_back("the last subtitle is cut off: it is left out");
+  }
+  for (const Cue& cue : cues) {
+    ++subtitles.cues;
+    auto state = CameraFromDjiText(cue.text, reading);
+    AddDjiRemarks(cue.text, subtitles);
     const auto time_s = CueTime(cue, first_utc_us);
     if (!state || !time_s) {
       ++(state ? without_time : without_place);

@@ -31,9 +31,9 @@ TEST(DjiSrt, Dialects) {
 
 TEST(DjiSrt, OfTwoHeightsTheWantedOneIsTaken) {
   const std::string place = "[latitude: 41.15] [longitude: 16.41] ";
-  ExpectPlace(CameraFromDjiText(place + "[rel_alt: 50.7 abs_alt: 172.0]", DjiHeight::kAboveTakeoff), 41.15, 16.41, 50.7,
-              VerticalDatum::kTakeoff);
-  ExpectPlace(CameraFromDjiText(place + "[abs_alt: 172.0]", DjiHeight::kAboveTakeoff), 41.15, 16.41, 172,
+  ExpectPlace(CameraFromDjiText(place + "[rel_alt: 50.7 abs_alt: 172.0]", {.height = DjiHeight::kAboveTakeoff}), 41.15,
+              16.41, 50.7, VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText(place + "[abs_alt: 172.0]", {.height = DjiHeight::kAboveTakeoff}), 41.15, 16.41, 172,
               VerticalDatum::kEgm96);
 }
 
@@ -121,7 +121,72 @@ TEST(DjiSrt, CueTimesAndBlankLinesInCues) {
   EXPECT_EQ(subtitles.states[0].time_s, 0);
   EXPECT_NEAR(subtitles.states[1].time_s, 60.033, 1e-9);
   ASSERT_EQ(subtitles.warnings.size(), 1U);
-  EXPECT_NE(subtitles.warnings[0].find("1 of 3"), std::string::npos);
+  EXPECT_EQ(subtitles.warnings[0], "the last subtitle is cut off: it is left out");
+}
+
+// Letters before the numbers, longitude first; W and S are negative with or without a sign.
+TEST(DjiSrt, AutelWritesLettersFirst) {
+  const std::string text =
+      "HOME(W: 71.091000, N: 42.363700) 2026-05-27 13:14:22\nGPS(W: 71.090902, N: 42.363691, 86.45m) \nISO:100 "
+      "SHUTTER:500\nF.PRY (-1.2°, 0.8°, 96.0°), G.PRY (-53.0°, 2.0°, 23.0°)";
+  const auto state = CameraFromDjiText(text);
+  ExpectPlace(state, 42.363691, -71.090902, 86.45, VerticalDatum::kTakeoff);
+  EXPECT_NEAR(DegreesFromRadians(state->attitude.value().pitch_rad), -53, 1e-6);
+  EXPECT_NEAR(DegreesFromRadians(state->attitude.value().yaw_rad), 23, 1e-6);
+  EXPECT_TRUE(IsAutelText(text));
+  EXPECT_FALSE(IsAutelText("GPS(11.5,48.1,16)"));
+  ExpectPlace(CameraFromDjiText("GPS(W: -71.0909, N: 42.3637, 86) ReH:85 "), 42.3637, -71.0909, 85,
+              VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText("GPS(E: 151.2, S: 33.8, 86)"), -33.8, 151.2, 86, VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText("GPS (N: 42.5, W: 71.5, 12.0m)"), 42.5, -71.5, 12, VerticalDatum::kTakeoff);
+}
+
+TEST(DjiSrt, SubtitlesInAss) {
+  const DjiSubtitles subtitles = ParseDjiSrt(
+      "[Script Info]\nScriptType: v4.00+\n\n[Events]\nFormat: Layer, Start, End, Style, Name, MarginL, MarginR, "
+      "MarginV, Effect, Text\nDialogue: 0,0:00:01.50,0:00:02.00,Default,,0,0,0,,HOME(W: 71.0, N: 42.0)\\NGPS(W: 71.1, "
+      "N: 42.1, 86) \\NISO:100\nDialogue: 0,0:00:02.50,0:00:03.00,Default,,0,0,0,,HOME(W: 71.0, N: 42.0)\\NGPS(W: "
+      "71.2, N: 42.1, 86) \\NISO:100\n");
+  ASSERT_EQ(subtitles.states.size(), 2U);
+  EXPECT_TRUE(subtitles.is_autel);
+  EXPECT_NEAR(subtitles.states[1].time_s, 2.5, 1e-9);
+  ExpectPlace(subtitles.states[1], 42.1, -71.2, 86, VerticalDatum::kTakeoff);
+}
+
+// A number that ends with the file is not whole.
+TEST(DjiSrt, ACutLastCueIsLeftOut) {
+  const auto cue = [](int number, const std::string& text) {
+    return std::to_string(number) + "\n00:00:0" + std::to_string(number) + ",000 --> 00:00:09,000\n" + text + "\n\n";
+  };
+  const std::string text = "[latitude: 47.37] [longitude: 8.5567] [rel_alt: 90.4 abs_alt: 547.7] [gb_yaw: 1.0] </font>";
+  const std::string whole = cue(1, text) + cue(2, text);
+  EXPECT_EQ(ParseDjiSrt(whole).states.size(), 2U);
+  EXPECT_EQ(ParseDjiSrt(whole.substr(0, whole.size() - 2)).states.size(), 2U) << "without a line end";
+  for (const std::string_view end :
+       {"longitude: 8.", "longitude: 8.55", "abs_alt: 54", "[gb_yaw: 1.0", "[gb_yaw: 1.0]"}) {
+    const DjiSubtitles cut = ParseDjiSrt(whole.substr(0, whole.rfind(end) + end.size()));
+    EXPECT_EQ(cut.states.size(), 1U) << end;
+    ASSERT_EQ(cut.warnings.size(), 1U) << end;
+    EXPECT_EQ(cut.warnings[0], "the last subtitle is cut off: it is left out");
+  }
+  const std::string alone = cue(1, text);
+  EXPECT_TRUE(ParseDjiSrt(alone.substr(0, alone.find("567"))).states.empty());
+  EXPECT_EQ(
+      ParseDjiSrt(cue(1, text) + "2\n00:00:02,000 --> 00:00:09,000\n[latitude: n/a] [longitude: n/a]").states.size(),
+      1U);
+}
+
+TEST(DjiSrt, OrderOfLatitudeAndLongitude) {
+  ExpectPlace(CameraFromDjiText("GPS(139.69,35.69,90.0M)"), 35.69, 139.69, 90, VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText("GPS(42.36,-71.09,90.0)"), 42.36, -71.09, 90, VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText("GPS(-71.09,42.36,90.0M)", {.order = GpsOrder::kLongitudeFirst}), 42.36, -71.09, 90,
+              VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText("GPS(42.36,-71.09,16)", {.order = GpsOrder::kLatitudeFirst}), 42.36, -71.09, 0,
+              VerticalDatum::kUnknown);
+  EXPECT_TRUE(HasAmbiguousGpsOrder("GPS(-71.09,42.36,90.0M)"));
+  for (const char* text : {"GPS(139.69,35.69,90.0M)", "GPS(-71.09,42.36,16)", "GPS(W: 71.09, N: 42.36, 90.0m)"}) {
+    EXPECT_FALSE(HasAmbiguousGpsOrder(text)) << text;
+  }
 }
 
 TEST(DjiSrt, WithoutCueTimesDatesAreUsed) {

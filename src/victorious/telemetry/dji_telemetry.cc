@@ -8,6 +8,7 @@
 
 #include "victorious/base/median.h"
 #include "victorious/telemetry/camera_models.h"
+#include "victorious/telemetry/subtitle_cues.h"
 
 namespace victorious {
 namespace {
@@ -54,6 +55,10 @@ DjiHeight HeightOf(const TelemetryOptions& options) {
   return options.takeoff_altitude_m ? DjiHeight::kAboveTakeoff : DjiHeight::kAboveSea;
 }
 
+DjiReading ReadingOf(const TelemetryOptions& options) {
+  return {.height = HeightOf(options), .order = options.gps_order};
+}
+
 void WarnOfTakeoffHeight(std::vector<double> takeoff_m, std::string_view word, const TelemetryOptions& options,
                          std::vector<std::string>& warnings) {
   if (takeoff_m.empty() || HeightOf(options) == DjiHeight::kAboveTakeoff) return;
@@ -67,10 +72,11 @@ void WarnOfTakeoffHeight(std::vector<double> takeoff_m, std::string_view word, c
 
 Telemetry TelemetryFromDji(DjiSubtitles subtitles, const TelemetryOptions& options) {
   Telemetry telemetry;
-  telemetry.format = TelemetryFormat::kDjiSubtitles;
+  telemetry.format = subtitles.is_autel ? TelemetryFormat::kAutelSubtitles : TelemetryFormat::kDjiSubtitles;
   telemetry.records = subtitles.cues;
   telemetry.states = std::move(subtitles.states);
   telemetry.warnings = std::move(subtitles.warnings);
+  telemetry.hfov_is_of_long_side = true;
   const CameraModel* camera = FindCameraModel(options.camera_model);
   const auto has_hfov = [](const CameraState& state) { return state.hfov_rad.has_value(); };
   if (camera != nullptr) {
@@ -81,6 +87,10 @@ Telemetry TelemetryFromDji(DjiSubtitles subtitles, const TelemetryOptions& optio
     telemetry.warnings.emplace_back(
         "the field of view is estimated from the focal length, within 4 % for an uncropped image: --camera or --hfov "
         "gives it exactly");
+  }
+  if (subtitles.ambiguous_orders > 0 && options.gps_order == GpsOrder::kByText) {
+    telemetry.warnings.emplace_back(
+        "GPS(a, b, height) has two orders: the latitude is taken to be first; --gps-order longitude_first turns it");
   }
   WarnOfTakeoffHeight(std::move(subtitles.takeoff_m), "abs_alt", options, telemetry.warnings);
   ResolveAmbiguousHeights(subtitles.ambiguous_m, options, telemetry);
@@ -93,16 +103,16 @@ bool HasDjiSubtitle(std::span<const DataPacket> packets) {
   });
 }
 
-DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets, DjiHeight height) {
+DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets, const DjiReading& reading) {
   DjiSubtitles subtitles;
   int without_place = 0;
   int without_time = 0;
   for (const DataPacket& packet : packets) {
     if (packet.kind != DataKind::kSubtitle) continue;
     ++subtitles.cues;
-    const std::string_view text = TextOf(packet);
-    auto state = CameraFromDjiText(text, height);
-    AddDjiHeights(text, subtitles);
+    const std::string text = WithLineBreaks(TextOf(packet));
+    auto state = CameraFromDjiText(text, reading);
+    AddDjiRemarks(text, subtitles);
     if (!state || !packet.time_s) {
       ++(state ? without_time : without_place);
       continue;

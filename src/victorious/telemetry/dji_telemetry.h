@@ -1,4 +1,4 @@
-// Private to telemetry/: subtitles of DJI aircraft to camera states and warnings.
+// Private to telemetry/: subtitles of DJI and Autel aircraft to camera states and warnings.
 #pragma once
 
 #include <span>
@@ -15,6 +15,9 @@ namespace victorious {
 /// wrong by tens of metres.
 [[nodiscard]] DjiHeight HeightOf(const TelemetryOptions& options);
 
+/// How subtitles are read.
+[[nodiscard]] DjiReading ReadingOf(const TelemetryOptions& options);
+
 /// Warns of a take-off far below the sea.
 /// @param takeoff_m  the heights of the take-off above the sea that records imply
 /// @param word       the name of the heights above the sea
@@ -28,6 +31,6 @@ void WarnOfTakeoffHeight(std::vector<double> takeoff_m, std::string_view word, c
 [[nodiscard]] bool HasDjiSubtitle(std::span<const DataPacket> packets);
 
 /// Parses the subtitle packets of a video; a text may start with its length.
-[[nodiscard]] DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets, DjiHeight height);
+[[nodiscard]] DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets, const DjiReading& reading);
 
 }  // namespace victorious

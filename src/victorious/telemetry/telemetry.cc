@@ -82,6 +82,28 @@ void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
   }
 }
 
+// An attitude of a camera that flies is not exactly 0, 0, 0 in every state: these are placeholders of aircraft that do
+// not record it, or of the program that converted it.
+void RemovePlaceholderAttitudes(Telemetry& telemetry) {
+  constexpr double kZero_rad = 1e-9;
+  std::vector<CameraState>& states = telemetry.states;
+  const auto is_zero = [&](const CameraState& state) {
+    return state.attitude && std::abs(WrapAngle(state.attitude->yaw_rad)) < kZero_rad &&
+           std::abs(state.attitude->pitch_rad) < kZero_rad && std::abs(WrapAngle(state.attitude->roll_rad)) < kZero_rad;
+  };
+  if (states.empty() || !std::ranges::all_of(states, is_zero)) return;
+  const TangentPlane plane(states.front().place);
+  const auto is_apart = [&](const CameraState& state) {
+    return plane.EnuFromGeodetic(state.place).norm() >= kMinJump_m;
+  };
+  if (std::ranges::none_of(states, is_apart)) return;
+  for (CameraState& state : states) state.attitude.reset();
+  telemetry.warnings.push_back(fmt::format(
+      "yaw, pitch and roll are exactly 0 in all {} camera states, though the camera moves: they are placeholders, and "
+      "the attitude is unknown",
+      states.size()));
+}
+
 // Says how many states lack something that others have.
 void WarnOfIncomplete(const std::vector<CameraState>& states, std::vector<std::string>& warnings) {
   const auto warn = [&](auto has, std::string_view name) {
@@ -120,10 +142,15 @@ Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options)
   const CameraModel* camera = FindCameraModel(options.camera_model);
   for (CameraState& state : telemetry.states) {
     state.time_s += options.time_offset_s;
-    if (camera != nullptr && !state.hfov_rad) state.hfov_rad = FieldOfView(*camera, std::nullopt);
+    if (camera != nullptr && !state.hfov_rad) {
+      state.hfov_rad = FieldOfView(*camera, std::nullopt);
+      telemetry.hfov_is_of_long_side = true;
+    }
     if (options.hfov_deg) state.hfov_rad = RadiansFromDegrees(*options.hfov_deg);
   }
+  if (options.hfov_deg) telemetry.hfov_is_of_long_side = false;
   KeepIncreasingTimes(telemetry);
+  RemovePlaceholderAttitudes(telemetry);
   CompleteAttitudes(telemetry.states, options, telemetry.warnings);
   if (telemetry.format != TelemetryFormat::kPhotos) WarnOfJumps(telemetry, options.max_gap_s);
   VICTORIOUS_RETURN_IF_ERROR(ConvertToEllipsoid(telemetry.states, options, telemetry.warnings));
@@ -160,6 +187,9 @@ void TelemetryOptions::ListFields(FieldList& fields) {
               .reason = "maximum interval between states to interpolate: an aircraft may turn within seconds"});
   fields.Add("vertical_datum", vertical_datum, kDatumTexts,
              {.reason = "vertical datum of the heights; as_given: that of the format or the table"});
+  fields.Add("gps_order", gps_order, kGpsOrderTexts,
+             {.reason = "order of latitude and longitude in subtitles with GPS(a, b, height); by_text: latitude first "
+                        "where the third number is a height"});
   fields.Add("geoid_grid", geoid_grid,
              {.reason = "a .gtx geoid grid, for heights above mean sea level; empty: PROJ's EGM96 grid, if installed"});
   fields.Add(
@@ -189,7 +219,7 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
                    .warnings = std::move(rows.warnings)},
                   options);
   }
-  if (LooksLikeDjiSrt(bytes)) return Finish(TelemetryFromDji(ParseDjiSrt(bytes, HeightOf(options)), options), options);
+  if (LooksLikeDjiSrt(bytes)) return Finish(TelemetryFromDji(ParseDjiSrt(bytes, ReadingOf(options)), options), options);
   KlvPackets decoded = DecodeKlv(AsBytes(bytes));
   if (!decoded.packets.empty()) return Finish(TelemetryFromKlv(std::move(decoded), options.max_gap_s), options);
   if (!decoded.warnings.empty()) return Fail(ErrorCode::kDataLoss, decoded.warnings.Lines()[0]);
@@ -200,11 +230,21 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
 Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, const TelemetryOptions& options) {
   KlvPackets decoded = DecodeKlv(packets);
   if (!decoded.packets.empty()) return Finish(TelemetryFromKlv(std::move(decoded), options.max_gap_s), options);
-  DjiSubtitles subtitles = ParseSubtitlePackets(packets, HeightOf(options));
+  DjiSubtitles subtitles = ParseSubtitlePackets(packets, ReadingOf(options));
   // A film's own subtitles are no telemetry; those of an aircraft without any position are, with its warnings.
   if (!subtitles.states.empty() || HasDjiSubtitle(packets))
     return Finish(TelemetryFromDji(std::move(subtitles), options), options);
   return Finish({.states = {}, .packets = {}, .records = 0, .warnings = decoded.warnings.Lines()}, options);
+}
+
+void FitToImage(int width, int height, Telemetry& telemetry) {
+  if (!std::exchange(telemetry.hfov_is_of_long_side, false) || width <= 0 || height <= width) return;
+  const double scale = static_cast<double>(width) / height;
+  for (CameraState& state : telemetry.states) {
+    if (state.hfov_rad) state.hfov_rad = 2 * std::atan(scale * std::tan(*state.hfov_rad / 2));
+  }
+  telemetry.warnings.push_back(fmt::format(
+      "the picture is upright ({} x {}): the field of view of the focal length is that of its height", width, height));
 }
 
 Expected<Telemetry> TelemetryFromPhotos(std::span<const PhotoMetadata> photos, const TelemetryOptions& options) {

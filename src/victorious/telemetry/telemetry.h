@@ -13,6 +13,7 @@
 
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
+#include "victorious/telemetry/gps_order.h"
 #include "victorious/telemetry/klv_packet.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/data_packet.h"
@@ -28,6 +29,7 @@ struct TelemetryOptions {
   double clock_sigma_apart_s = 2;
   double max_gap_s = 2;
   std::optional<VerticalDatum> vertical_datum;  ///< of the heights; std::nullopt: as the format or the table gives it
+  GpsOrder gps_order = GpsOrder::kByText;
   std::string geoid_grid;
   std::optional<double> takeoff_altitude_m;  ///< std::nullopt: unknown
   std::optional<double> hfov_deg;            ///< std::nullopt: from the telemetry
@@ -44,7 +46,7 @@ struct TelemetryOptions {
 };
 
 /// The format of a source; `kNone` for a video without telemetry.
-enum class TelemetryFormat { kNone, kSt0601, kEg0104, kOtherKlv, kDjiSubtitles, kTable, kPhotos };
+enum class TelemetryFormat { kNone, kSt0601, kEg0104, kOtherKlv, kDjiSubtitles, kAutelSubtitles, kTable, kPhotos };
 
 inline constexpr auto kTelemetryFormatTexts = std::to_array<EnumText<TelemetryFormat>>(
     {{TelemetryFormat::kNone, "none"},
@@ -52,6 +54,7 @@ inline constexpr auto kTelemetryFormatTexts = std::to_array<EnumText<TelemetryFo
      {TelemetryFormat::kEg0104, ToText(kKlvStandardTexts, KlvStandard::kEg0104)},
      {TelemetryFormat::kOtherKlv, "KLV of another standard"},
      {TelemetryFormat::kDjiSubtitles, "DJI subtitles"},
+     {TelemetryFormat::kAutelSubtitles, "Autel subtitles"},
      {TelemetryFormat::kTable, "table"},
      {TelemetryFormat::kPhotos, "photos"}});
 
@@ -61,10 +64,13 @@ struct Telemetry {
   std::vector<KlvPacket> packets;     ///< of KLV: all, as decoded
   int records = 0;                    ///< number of packets, subtitles or rows
   std::vector<std::string> warnings;  ///< one line per defect of the data
+  /// The fields of view follow from focal lengths or camera models, which mean the long side of the picture.
+  bool hfov_is_of_long_side = false;
 };
 
 /// What a telemetry file may be, for messages.
-inline constexpr std::string_view kTelemetryFiles = "KLV, DJI subtitles, or a table with time_s and latitude_deg";
+inline constexpr std::string_view kTelemetryFiles =
+    "KLV, subtitles of DJI or Autel aircraft, or a table with time_s and latitude_deg";
 
 /// Whether the bytes are those of a telemetry file rather than of a video.
 [[nodiscard]] bool LooksLikeTelemetry(std::string_view bytes);
@@ -78,6 +84,9 @@ inline constexpr std::string_view kTelemetryFiles = "KLV, DJI subtitles, or a ta
 /// Errors: kInvalidArgument for invalid options.
 [[nodiscard]] Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets,
                                                        const TelemetryOptions& options);
+
+/// Fits fields of view to a picture of this size, px; does so once. Of an upright picture the long side is the height.
+void FitToImage(int width, int height, Telemetry& telemetry);
 
 /// The camera states of photos (photo.h), by increasing time. They hold at their own times only: the times of photos in
 /// a folder are invented, so nothing between them is known.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -251,6 +252,53 @@ TEST(Telemetry, JumpsAndGapsAreReported) {
   ASSERT_TRUE(telemetry);
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("jumps 1 time, faster")));
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 gap of more than 2 s: the camera state is unknown in it")));
+}
+
+std::string Cues(const std::vector<std::string>& texts) {
+  std::string cues;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    cues += fmt::format("{}\n00:00:{:02},000 --> 00:00:59,000\n{}\n\n", i + 1, i, texts[i]);
+  }
+  return cues;
+}
+
+TEST(Telemetry, AnAssumedOrderOfGpsIsNamedWithItsFlag) {
+  const std::string cues = Cues({"GPS(-71.09,42.36,90.0M)", "GPS(-71.09,42.36,90.0M)"});
+  EXPECT_THAT(ParseTelemetry(cues, {})->warnings, Contains(HasSubstr("--gps-order longitude_first")));
+  const auto turned = ParseTelemetry(cues, {.gps_order = GpsOrder::kLongitudeFirst});
+  EXPECT_NEAR(DegreesFromRadians(turned->states[0].place.latitude_rad), 42.36, 1e-9);
+  EXPECT_THAT(turned->warnings, ::testing::Not(Contains(HasSubstr("--gps-order"))));
+}
+
+TEST(Telemetry, GimbalAnglesThatAreAllZeroArePlaceholders) {
+  const auto cue = [](double latitude_deg, double pitch_deg) {
+    return fmt::format(
+        "[latitude: {:.6f}] [longitude: 8.5] [rel_alt: 90.4 abs_alt: 547.7] [gb_yaw: 0.0 gb_pitch: "
+        "{:.1f} gb_roll: 0.0]",
+        latitude_deg, pitch_deg);
+  };
+  const auto flight = ParseTelemetry(Cues({cue(47.37, 0), cue(47.371, 0)}), {.camera_pitch_deg = -90});
+  ASSERT_EQ(flight->states.size(), 2U);
+  EXPECT_THAT(flight->warnings, Contains(HasSubstr("exactly 0 in all 2 camera states")));
+  EXPECT_NEAR(DegreesFromRadians(flight->states[0].attitude.value().pitch_rad), -90, 1e-6) << "the flag applies";
+  EXPECT_TRUE(ParseTelemetry(Cues({cue(47.37, 0), cue(47.371, -0.1)}), {})->states[0].attitude);
+  EXPECT_TRUE(ParseTelemetry(Cues({cue(47.37, 0), cue(47.37, 0)}), {})->states[0].attitude) << "it does not move";
+}
+
+// The 35 mm equivalent means the long side of the sensor.
+TEST(Telemetry, OfAnUprightImageTheFocalLengthGivesTheHeight) {
+  const std::string cues = Cues({"[latitude: 47.37] [longitude: 8.5] [focal_len: 182.30]"});
+  const auto fitted = [&](const TelemetryOptions& options, int width, int height) {
+    Telemetry telemetry = ParseTelemetry(cues, options).value();
+    FitToImage(width, height, telemetry);
+    FitToImage(width, height, telemetry);
+    return DegreesFromRadians(telemetry.states[0].hfov_rad.value());
+  };
+  EXPECT_NEAR(fitted({}, 480, 270), 11.28, 0.01);
+  EXPECT_NEAR(fitted({}, 270, 480), 6.36, 0.01);
+  EXPECT_NEAR(fitted({.camera_model = "mavic-pro"}, 270, 480), fitted({.camera_model = "mavic-pro"}, 480, 270) * 0.5625,
+              0.1);
+  EXPECT_NEAR(fitted({.hfov_deg = 6.5}, 270, 480), 6.5, 1e-9) << "as given";
 }
 
 TEST(Telemetry, HeightsAboveTakeOffNeedItsHeight) {
