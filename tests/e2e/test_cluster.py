@@ -138,7 +138,7 @@ class ClusterTest(program.ProgramTest):
         while worker.poll() is None:
             self.kill_who_searches(70)
             time.sleep(0.01)
-        self.finish(worker)
+        self.assertIn("1 gap left", self.finish(worker, status=1))
         status = self.status()
         self.assertEqual((status["done"], status["segments"]["failed"]), (1, 1), status)
         (gap,) = status["gaps"]
@@ -150,6 +150,11 @@ class ClusterTest(program.ProgramTest):
         found, all_found = (self.seen_in(index) for index in (self.url, db))
         self.assertEqual(found, [row for row in all_found if not 60 <= row[0] < 120])
         self.assertGreater(len(all_found), len(found))
+        self.assertIn("--redo searches again", self.submit(*self.videos, "--segment", 6).err)
+        self.assertIn("1 video submitted", self.submit(*self.videos, "--segment", 6, "--redo").err)
+        self.finish(self.start_worker("--until-empty"))
+        self.assertEqual(self.status()["gaps"], [])
+        self.assertEqual(self.seen_in(self.url), all_found)
 
     def kill_who_searches(self, frame):
         for process in Path("/proc").iterdir():
@@ -162,7 +167,7 @@ class ClusterTest(program.ProgramTest):
             begin, _, end = words[words.index("--frames") + 1].partition(":")
             if int(begin) <= frame < int(end):
                 with contextlib.suppress(ProcessLookupError):
-                    os.kill(int(process.name), signal.SIGKILL)
+                    os.kill(int(process.name), signal.SIGSEGV)
 
     def seen_in(self, db) -> list[tuple]:
         rows = [json.loads(line) for line in self.exported(db, "sightings").splitlines()]

@@ -329,6 +329,15 @@ Expected<bool> PutUndone(const DescribedVideo& video, const Indexer& indexer, Re
   return is_redone || !finished.HasAllOf(stored.id);
 }
 
+// Whether frames of the video were left out of a search.
+Expected<bool> HasGaps(const DescribedVideo& video, IndexStore& store) {
+  if (video.is_live) return false;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoRecord> stored, store.VideoOfContent(video.record.content_id));
+  if (!stored) return false;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchPart> parts, store.SearchParts(stored->id));
+  return std::ranges::find(parts, SearchPartKind::kFailed, &SearchPart::kind) != parts.end();
+}
+
 Status Run(const SubmitArguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> target_files, FilesOfTargets(arguments));
@@ -354,6 +363,7 @@ Status Run(const SubmitArguments& arguments) {
   const Redo redo = arguments.redo ? Redo::kIfDifferent : Redo::kNever;
   std::vector<postgres::NewTask> tasks;
   std::int64_t live = 0;
+  std::int64_t with_gaps = 0;  // that are not searched again
   // In the order given, which is that of the results, whichever worker is first.
   for (const DescribedVideo& video : videos) {
     VICTORIOUS_ASSIGN_OR_RETURN(postgres::NewTask task, MakeTask(video, shared, arguments));
@@ -368,6 +378,8 @@ Status Run(const SubmitArguments& arguments) {
     }
     task.is_undone = *is_undone;
     live += video.is_live ? 1 : 0;
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_gaps, HasGaps(video, *store));
+    with_gaps += has_gaps && !task.is_undone ? 1 : 0;
     tasks.push_back(std::move(task));
   }
   if (tasks.empty()) return left_out.ToStatus();
@@ -379,6 +391,10 @@ Status Run(const SubmitArguments& arguments) {
           live > 0 ? fmt::format(", with {}", CountText(live, "live source")) : "",
           before > 0 ? fmt::format(", {} submitted before", before) : "",
           submission.done > 0 ? fmt::format(", {} done already", submission.done) : "", counts.queued, counts.running);
+  if (with_gaps > 0) {
+    LogWarning("{} done already, with frames left out (`victorious cluster status` lists them): --redo searches again",
+               CountText(with_gaps, "video"));
+  }
   if (arguments.json) {
     const nlohmann::ordered_json line = {{"submitted", submission.added},
                                          {"submitted_before", before},
@@ -415,8 +431,8 @@ Action SetUpSubmit(ArgumentParser& parser) {
       .Range(0.0, 86'400.0)
       .TypeName("SECONDS");
   parser.AddFlag("--redo", arguments->redo,
-                 "Delete results of these models and categories that were made with other parameters, and search those "
-                 "videos again");
+                 "Delete results of these models and categories that were made with other parameters, or with frames "
+                 "left out that killed their process, and search those videos again");
   parser.AddFlag("--urgent", arguments->urgent, "Before what was submitted without this flag");
   parser.AddFlag("--json", arguments->json,
                  "Print one JSON object: the videos submitted now, before and done already, and the tasks of all");

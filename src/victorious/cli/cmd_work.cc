@@ -1,4 +1,5 @@
 // victorious work --db postgresql://…: a worker
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -68,8 +69,7 @@ Status Run(const WorkArguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ContentCache> cache, OpenCache(arguments));
   const CancelToken& interrupt = Interrupt();
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<SegmentStore> segments,
-                              OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<SegmentStore> segments, OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate));
   const std::string name = WorkerName();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
   const std::chrono::seconds lease(arguments.lease_s);
@@ -84,6 +84,7 @@ Status Run(const WorkArguments& arguments) {
   const auto inform = [](const std::string& line) { LogInfo(OneLine(line)); };
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue->Count());
   VICTORIOUS_ASSIGN_OR_RETURN(const bool has_open, queue->HasOpenTasks());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CoverageGap> gaps_before, segments->Gaps());
   if (counts.queued > 0 && !has_open) {
     LogWarning(
         "the {} in the queue were submitted by another build of the program, whose results may differ: run that "
@@ -111,6 +112,14 @@ Status Run(const WorkArguments& arguments) {
   LogInfo("{} done", CountText(done, "task"));
   if (!arguments.until_empty || interrupt.IsCancelled()) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts ended, queue->Count());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CoverageGap> gaps_after, segments->Gaps());
+  const auto is_new = [&](const CoverageGap& gap) { return std::ranges::find(gaps_before, gap) == gaps_before.end(); };
+  if (const auto left_out = std::ranges::count_if(gaps_after, is_new); ended.failed <= counts.failed && left_out > 0) {
+    return Fail(ErrorCode::kInternal,
+                fmt::format("{} left: `victorious cluster status` says which frames and why, `victorious submit "
+                            "--redo` queues their videos again",
+                            CountText(left_out, "gap")));
+  }
   if (ended.failed <= counts.failed) return {};
   return Fail(ErrorCode::kInternal,
               fmt::format("{} failed: `victorious cluster status` says why, `victorious submit` queues them again",
@@ -154,7 +163,7 @@ Action SetUpWork(ArgumentParser& parser) {
                  "Index live sources only: this worker is free when the one of another source is lost");
   parser.AddFlag("--until-empty", arguments->until_empty,
                  "Index no live sources, and end once no video is queued or being indexed: with exit status 1 if more "
-                 "have failed than at the start");
+                 "have failed than at the start, or parts of videos were left out");
   return [=] { return Run(*arguments); };
 }
 

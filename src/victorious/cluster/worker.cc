@@ -25,9 +25,9 @@ using postgres::TaskQueue;
 
 constexpr std::chrono::milliseconds kCancelPoll{200};
 constexpr std::chrono::minutes kMaxOutage{5};  // of the database, that a worker waits out
-constexpr int kSignalStatus = 128;             // and the number of the signal that killed a process
-constexpr double kShorterSegments = 8;         // at the last attempt of a video
-constexpr double kLastSegment_s = 7.5;         // the same of one that was not to be cut
+constexpr int kSignalStatus = 128;      // and the number of the signal that killed a process
+constexpr double kShorterSegments = 8;  // at the last attempt of a video
+constexpr double kLastSegment_s = 7.5;  // the same of one that was not to be cut
 constexpr std::chrono::milliseconds kRenewPoll{100};
 
 // Renews the lease of a task while its process runs, on a thread of its own: the process is asked to end when the lease
@@ -136,6 +136,19 @@ std::string NameOf(const IndexTask& work) {
 
 bool IsKilled(const ChildEnd& end) { return end.status > kSignalStatus; }
 
+postgres::FailureKind KindOf(const ChildEnd& end) {
+  if (!IsKilled(end)) return postgres::FailureKind::kError;
+  switch (end.status - kSignalStatus) {
+    case SIGKILL:
+    case SIGTERM:
+    case SIGINT:
+    case SIGHUP:
+      return postgres::FailureKind::kKilled;
+    default:
+      return postgres::FailureKind::kCrash;
+  }
+}
+
 // Whether a process that ends while its worker does was ended by that: by its own error, by the worker, or by who ends
 // both.
 bool IsEndedWithWorker(const ChildEnd& end) {
@@ -188,7 +201,7 @@ Status EndFailed(const Task& task, const IndexTask& work, const ChildEnd& end, T
     return queue.Release(task, options.left_delay);
   }
   options.inform(fmt::format("{}: attempt {} failed: {}", NameOf(work), task.attempt, DescribeFailure(end)));
-  return queue.Fail(task, DescribeFailure(end), IsKilled(end));
+  return queue.Fail(task, DescribeFailure(end), KindOf(end));
 }
 
 // Whether a process could not read its live source any more.
@@ -266,7 +279,8 @@ Expected<bool> DoTask(const Task& task, LeaseClock::Clock::time_point claimed, T
   }
   if (!work->part) VICTORIOUS_RETURN_IF_ERROR(GiveUpFatalSegments(task, queue, segments, options));
   // The last attempt must not kill this worker, too: only a short segment can.
-  if (task.failures + 1 == kMaxAttempts && !work->part && !work->is_live) {
+  const bool is_last = task.failures + 1 == kMaxAttempts || task.kills + 1 == kMaxKills;
+  if (is_last && !work->part && !work->is_live) {
     work->segment_s = work->segment_s > 0 ? work->segment_s / kShorterSegments : kLastSegment_s;
   }
   work->attempt = TaskAttempt{.task = task.id, .attempt = task.attempt};

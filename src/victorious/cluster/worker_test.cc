@@ -22,6 +22,7 @@ using postgres::TaskCounts;
 using postgres::TaskQueue;
 using ::testing::AnyOf;
 using ::testing::Contains;
+using ::testing::Each;
 using ::testing::HasSubstr;
 
 class PostgresWorkerTest : public PostgresClusterTest {
@@ -259,7 +260,7 @@ TEST_P(PostgresStandstillTest, DoesNotKeepTheProcess) {
   // By when the server stood still: before the renewal, between it and what follows, or until after the loss.
   EXPECT_THAT(lines_, Contains(AnyOf(HasSubstr("has not answered"), HasSubstr("connection was lost"),
                                      HasSubstr("was not renewed"))));
-  auto row = (*connection)->Query("SELECT failures FROM tasks");
+  auto row = (*connection)->Query("SELECT failures + kills FROM tasks");
   ASSERT_TRUE(row->Next());
   EXPECT_EQ(row->Integer(0), 0);
 }
@@ -279,12 +280,35 @@ TEST_F(PostgresWorkerTest, CrashDuringTheEndIsAFailedAttempt) {
     EXPECT_EQ(Work(*queue_, *segments_, run, {.until_empty = true, .left_delay = {}}, cancel).value_or(-1), 0);
     const auto task = queue_->Claim();
     EXPECT_TRUE(queue_->ReleaseOwn());
-    return task && *task ? (*task)->failures : -1;
+    return task && *task ? (*task)->failures + (*task)->kills : -1;
   };
   EXPECT_EQ(failures_after({.status = 128 + SIGSEGV, .error = {}}), 1);
   EXPECT_EQ(failures_after({.status = 128 + SIGKILL, .error = {}, .is_killed = true}), 1);
   EXPECT_EQ(failures_after({.status = 128 + SIGTERM, .error = {}}), 1) << "by who ends the worker";
   EXPECT_EQ(failures_after({.status = 128 + SIGKILL, .error = {}}), 2) << "as because the memory ran out";
+}
+
+// As by a machine that is short of memory, again and again: nothing is left out for that.
+TEST_F(PostgresWorkerTest, KillsFromOutsideAreCountedApart) {
+  Submit("/a.mp4");
+  int runs = 0;
+  std::vector<double> lengths;
+  const auto run = [&](const IndexTask& task, const std::function<ChildControl()>&) -> Expected<TaskEnd> {
+    lengths.push_back(task.segment_s);
+    ++runs;
+    if (runs < kMaxKills - 1) return TaskEnd{.child = {.status = 128 + SIGKILL}};
+    return runs < kMaxKills + 1 ? TaskEnd{.child = {.status = 128 + SIGSEGV}} : TaskEnd{};
+  };
+  EXPECT_EQ(WorkUntilEmpty(run).value_or(-1), 1);
+  EXPECT_EQ(runs, kMaxKills + 1);
+  lengths.pop_back();
+  EXPECT_THAT(lengths, Each(0)) << "cut short at the last attempt only";
+
+  Submit("/b.mp4");
+  runs = -1'000;
+  EXPECT_EQ(WorkUntilEmpty(run).value_or(-1), 0);
+  EXPECT_EQ(runs, kMaxKills - 1'000);
+  EXPECT_EQ(*queue_->Count(), (TaskCounts{.done = 1, .failed = 1}));
 }
 
 TEST_F(PostgresWorkerTest, InterruptedTaskIsReleasedForTheNextWorker) {
@@ -407,7 +431,7 @@ TEST_F(PostgresWorkerTest, LastAttemptOfAVideoCutsItShort) {
   std::vector<double> lengths;
   const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<ChildControl()>&) {
     lengths.push_back(task.segment_s);
-    return lengths.size() < 3 ? TaskEnd{.child = {.status = 128 + 9}} : TaskEnd{};
+    return lengths.size() < 3 ? TaskEnd{.child = {.status = 128 + 11}} : TaskEnd{};
   });
   EXPECT_EQ(done.value_or(0), 1);
   EXPECT_EQ(lengths, (std::vector<double>{60, 60, 7.5}));
@@ -418,7 +442,7 @@ TEST_F(PostgresWorkerTest, LastAttemptCutsAlsoWhatWasToStayWhole) {
   std::vector<double> lengths;
   const auto done = WorkUntilEmpty([&](const IndexTask& task, const std::function<ChildControl()>&) {
     lengths.push_back(task.segment_s);
-    return lengths.size() < 3 ? TaskEnd{.child = {.status = 128 + 9}} : TaskEnd{};
+    return lengths.size() < 3 ? TaskEnd{.child = {.status = 128 + 11}} : TaskEnd{};
   });
   EXPECT_EQ(done.value_or(0), 1);
   EXPECT_EQ(lengths, (std::vector<double>{0, 0, 7.5}));

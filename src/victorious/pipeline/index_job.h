@@ -20,7 +20,8 @@ namespace victorious {
 /// What becomes of results that the index has already, of the same models in the same video.
 enum class Redo {
   kNever,        ///< they stay, and are completed; if they were made with other parameters, that is an error
-  kIfDifferent,  ///< if they were made with other parameters, they are deleted, and the video is searched again
+  kIfDifferent,  ///< if they were made with other parameters, or have failed parts (SearchPartKind::kFailed), they are
+                 ///< deleted, and the video is searched again
   kAlways,       ///< they are deleted, and the video is searched again
 };
 

@@ -133,6 +133,17 @@ Expected<std::string> FindDifference(const VideoRecord& video, const std::vector
   return difference;
 }
 
+// Whether frames were left out of the search for one of these because they killed who searched them.
+Expected<bool> HasFailedParts(const VideoRecord& video, const std::vector<ModelRecord>& sought, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchPart> parts, store.SearchParts(video.id));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
+  return std::ranges::any_of(parts, [&](const SearchPart& part) {
+    if (part.kind != SearchPartKind::kFailed) return false;
+    const auto model = std::ranges::find(stored, part.model, &ModelRecord::id);
+    return model != stored.end() && std::ranges::find(sought, model->name, &ModelRecord::name) != sought.end();
+  });
+}
+
 // The folder that a relative name is relative to; empty for absolute names and URLs.
 std::string FolderOf(const std::string& name) {
   if (name.contains("://") || std::filesystem::path(name).is_absolute()) return "";
@@ -257,6 +268,7 @@ Expected<bool> Indexer::IsRedone(const IndexJob& job, const VideoInfo& info, con
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string difference,
                               FindDifference(*before, targets_, ParametersOf(options_, intervals, job),
                                              ParametersOf({}, intervals, {}), store));
+  if (difference.empty() && job.redo == Redo::kIfDifferent) return HasFailedParts(*before, targets_, store);
   if (difference.empty() || job.redo == Redo::kIfDifferent) return !difference.empty();
   return Fail(
       ErrorCode::kInvalidArgument,

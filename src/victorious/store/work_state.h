@@ -60,4 +60,8 @@ struct TaskAttempt {
 /// A task whose attempts end without it coming further has failed after this many: it may be what kills its workers.
 inline constexpr int kMaxAttempts = 3;
 
+/// The same of attempts that were killed from outside, or whose worker did not answer any more: a machine that is short
+/// of memory or restarted does so again and again, whatever the task.
+inline constexpr int kMaxKills = 10;
+
 }  // namespace victorious

@@ -85,7 +85,8 @@ Expected<Submission> TaskQueue::Submit(std::span<const NewTask> tasks) {
           "INSERT INTO tasks (kind, key, priority, payload, program, is_lasting) "
           "SELECT kind, key, priority, payload, program, is_lasting <> 0 FROM "
           "(SELECT DISTINCT ON (kind, key) * FROM new_tasks ORDER BY kind, key, position) t ORDER BY position "
-          "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, is_fatal = false, reason = NULL, "
+          "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, kills = 0, is_fatal = false, reason = "
+          "NULL, "
           "not_before = NULL, "
           "payload = excluded.payload, program = excluded.program, "
           "priority = least(tasks.priority, excluded.priority) WHERE tasks.state = 'failed' OR "
@@ -120,16 +121,16 @@ Status TaskQueue::EndLostLeases() {
       connection_->Write(
           "WITH lost AS (SELECT id, worker, CASE WHEN renewed_at < pg_postmaster_start_time() THEN 0 ELSE 1 END "
           "AS failed FROM tasks WHERE state = 'running' AND leased_until < now() "
-          "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET failures = t.failures + failed, "
+          "FOR UPDATE SKIP LOCKED), ended AS (UPDATE tasks t SET kills = t.kills + failed, "
           "leased_until = NULL, worker = NULL, "
-          "state = CASE WHEN is_ending THEN 'done' WHEN failed = 0 OR is_lasting OR t.failures + 1 < ? THEN 'queued' "
+          "state = CASE WHEN is_ending THEN 'done' WHEN failed = 0 OR is_lasting OR t.kills + 1 < ? THEN 'queued' "
           "ELSE 'failed' END, is_ending = false, is_fatal = failed = 1, "
           "reason = CASE WHEN failed = 1 THEN 'its worker did not answer any more' "
           "ELSE 'the server was started again' END FROM lost WHERE t.id = lost.id "
           "RETURNING t.id, t.attempt, lost.worker, failed) "
           "INSERT INTO task_log (task_id, attempt, event, worker) "
           "SELECT id, attempt, CASE WHEN failed = 1 THEN 'lost' ELSE 'released' END, worker FROM ended",
-          kMaxAttempts));
+          kMaxKills));
   return ended.Changes() > 0 ? Wake(std::nullopt) : Status();
 }
 
@@ -138,7 +139,7 @@ Status TaskQueue::Wake(std::optional<std::int64_t> task) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result woken,
       connection_->Write(
-          "UPDATE tasks p SET failures = 0, is_fatal = false, not_before = NULL, "
+          "UPDATE tasks p SET failures = 0, kills = 0, is_fatal = false, not_before = NULL, "
           "state = CASE WHEN EXISTS (SELECT FROM tasks c WHERE c.parent = p.id AND c.program = p.program AND "
           "c.state = 'failed' AND NOT c.is_fatal) THEN 'failed' ELSE 'queued' END, "
           "reason = (SELECT c.reason FROM tasks c WHERE c.parent = p.id AND c.program = p.program AND "
@@ -161,7 +162,8 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
               "(not_before IS NULL OR not_before <= now()) ORDER BY priority, coalesce(parent, id), id LIMIT 1 "
               "FOR UPDATE SKIP LOCKED), claimed AS (UPDATE tasks t SET state = 'running', "
               "attempt = t.attempt + 1, worker = ?, leased_until = now() + ? * interval '1 s', renewed_at = now() FROM "
-              "next WHERE t.id = next.id RETURNING t.id, t.attempt, t.kind, t.key, t.payload, t.failures, t.parent), "
+              "next WHERE t.id = next.id RETURNING t.id, t.attempt, t.kind, t.key, t.payload, t.failures, t.kills, "
+              "t.parent), "
               "logged AS (INSERT INTO task_log (task_id, attempt, event, worker) "
               "SELECT id, attempt, 'claimed', ? FROM claimed) SELECT * FROM claimed",
               IsChosen(options_.choice)),
@@ -174,7 +176,8 @@ Expected<std::optional<Task>> TaskQueue::Claim() {
             .key = row.Text(3),
             .payload = row.Text(4),
             .failures = row.Integer(5),
-            .parent = row.OptionalInteger(6)};
+            .kills = row.Integer(6),
+            .parent = row.OptionalInteger(7)};
     return task;
   }
   // A worker that ended a part may have died before it woke the task.
@@ -186,9 +189,10 @@ Expected<bool> TaskQueue::Renew(const Task& task, bool has_progress) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result renewed,
       connection_->Write(
-          "UPDATE tasks SET leased_until = now() + ? * interval '1 s', renewed_at = now(), failures = failures * ? "
-          "WHERE id = ? AND attempt = ? AND state = 'running' RETURNING is_ending::int::bigint",
-          static_cast<double>(options_.lease.count()), has_progress ? 0 : 1, task.id, task.attempt));
+          "UPDATE tasks SET leased_until = now() + ? * interval '1 s', renewed_at = now(), failures = failures * ?, "
+          "kills = kills * ? WHERE id = ? AND attempt = ? AND state = 'running' RETURNING is_ending::int::bigint",
+          static_cast<double>(options_.lease.count()), has_progress ? 0 : 1, has_progress ? 0 : 1, task.id,
+          task.attempt));
   if (!renewed.Next()) return LostLease(task);
   return renewed.Integer(0) == 0;
 }
@@ -224,19 +228,21 @@ Status TaskQueue::Reject(const Task& task, const std::string& reason) {
   return WakeParent(task);
 }
 
-Status TaskQueue::Fail(const Task& task, const std::string& reason, bool is_fatal) {
+Status TaskQueue::Fail(const Task& task, const std::string& reason, FailureKind kind) {
+  const int kill = kind == FailureKind::kKilled ? 1 : 0;
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result ended,
-      connection_->Write("WITH ended AS (UPDATE tasks SET failures = failures + 1, state = CASE WHEN is_ending THEN "
-                         "'done' WHEN failures + 1 < ? THEN 'queued' ELSE 'failed' END, is_ending = false, reason = ?, "
-                         "is_fatal = ?::bigint <> 0, worker = NULL, "
+      connection_->Write("WITH counted AS (SELECT ?::bigint AS kill), ended AS (UPDATE tasks SET "
+                         "failures = failures + 1 - kill, kills = kills + kill, state = CASE WHEN is_ending THEN "
+                         "'done' WHEN failures + 1 - kill < ? AND kills + kill < ? THEN 'queued' ELSE 'failed' END, "
+                         "is_ending = false, reason = ?, is_fatal = ?::bigint <> 0, worker = NULL, "
                          "leased_until = NULL, "
                          "not_before = now() + ? * power(4, failures) * interval '1 s' "
-                         "WHERE id = ? AND attempt = ? AND state = 'running' RETURNING id, attempt) "
+                         "FROM counted WHERE id = ? AND attempt = ? AND state = 'running' RETURNING id, attempt) "
                          "INSERT INTO task_log (task_id, attempt, event, worker) "
                          "SELECT id, attempt, 'failed', ? FROM ended",
-                         kMaxAttempts, reason, is_fatal ? 1 : 0, static_cast<double>(options_.retry_delay.count()),
-                         task.id, task.attempt, options_.worker));
+                         kill, kMaxAttempts, kMaxKills, reason, kind == FailureKind::kError ? 0 : 1,
+                         static_cast<double>(options_.retry_delay.count()), task.id, task.attempt, options_.worker));
   if (ended.Changes() != 1) return LostLease(task);
   return WakeParent(task);
 }
@@ -245,19 +251,21 @@ Status TaskQueue::Wait(const Task& task, std::span<const NewTask> parts) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kNothing));
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result ended,
-      connection_->Query("WITH ended AS (UPDATE tasks SET state = 'waiting', reason = NULL, worker = NULL, "
-                         "leased_until = NULL, failures = 0, is_fatal = false WHERE id = ? AND attempt = ? AND "
-                         "state = 'running' RETURNING id, attempt, priority), logged AS ("
-                         "INSERT INTO task_log (task_id, attempt, event, worker) "
-                         "SELECT id, attempt, 'released', ? FROM ended) SELECT priority FROM ended",
-                         task.id, task.attempt, options_.worker));
+      connection_->Query(
+          "WITH ended AS (UPDATE tasks SET state = 'waiting', reason = NULL, worker = NULL, "
+          "leased_until = NULL, failures = 0, kills = 0, is_fatal = false WHERE id = ? AND attempt = ? AND "
+          "state = 'running' RETURNING id, attempt, priority), logged AS ("
+          "INSERT INTO task_log (task_id, attempt, event, worker) "
+          "SELECT id, attempt, 'released', ? FROM ended) SELECT priority FROM ended",
+          task.id, task.attempt, options_.worker));
   if (!ended.Next()) return LostLease(task);
   const std::int64_t priority = ended.Integer(0);
   for (const NewTask& part : parts) {
     VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
         "INSERT INTO tasks (kind, key, priority, payload, program, parent) VALUES (?, ?, ?, ?, ?, ?) "
-        "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, is_fatal = false, reason = NULL, "
-        "not_before = NULL, payload = excluded.payload, priority = excluded.priority, program = excluded.program, "
+        "ON CONFLICT (kind, key) DO UPDATE SET state = 'queued', failures = 0, kills = 0, is_fatal = false, "
+        "reason = NULL, not_before = NULL, payload = excluded.payload, priority = excluded.priority, program = "
+        "excluded.program, "
         "parent = excluded.parent WHERE tasks.state IN ('done', 'failed')",
         part.kind, part.key, priority, part.payload, part.program, task.id));
   }
@@ -311,7 +319,7 @@ Status TaskQueue::Excuse(const Task& task) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       const Result excused,
       connection_->Write(
-          "UPDATE tasks t SET failures = greatest(failures - 1, 0), "
+          "UPDATE tasks t SET kills = greatest(kills - 1, 0), "
           "is_fatal = is_fatal AND (attempt <> ? OR state = 'running'), "
           "state = CASE WHEN state = 'failed' AND attempt = ? THEN 'queued' ELSE state END "
           "WHERE id = ? AND state IN ('queued', 'running', 'failed') AND EXISTS (SELECT FROM task_log l WHERE "

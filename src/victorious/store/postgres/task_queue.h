@@ -2,7 +2,8 @@
 //
 // Claims do not wait for each other (SELECT … FOR UPDATE SKIP LOCKED). Only the attempt that runs can be renewed or
 // ended. An attempt that fails, or loses its lease, is followed by another one, after growing delays; after
-// kMaxAttempts of them without progress the task has failed. Submitted again, it is queued again. Results are stored
+// kMaxAttempts failures without progress the task has failed. Lost leases and kills from outside are counted apart, up
+// to kMaxKills: they say more of the machine than of the task. Submitted again, it is queued again. Results are stored
 // with the progress by compare-and-swap (IndexStore::Commit), so that each task takes effect once. No transaction is
 // open while a worker computes.
 //
@@ -58,7 +59,15 @@ struct Task {
   std::string key;
   std::string payload;
   std::int64_t failures = 0;           ///< attempts before this one that failed, since the last progress
+  std::int64_t kills = 0;              ///< those that were killed from outside, or lost their lease, since then
   std::optional<std::int64_t> parent;  ///< the task of which it is a part
+};
+
+/// How an attempt failed.
+enum class FailureKind {
+  kError,   ///< its process said why
+  kCrash,   ///< its process crashed by what it did
+  kKilled,  ///< its process was killed from outside, as by a person or for lack of memory
 };
 
 /// Numbers of tasks by state.
@@ -146,8 +155,7 @@ class TaskQueue {
 
   /// Ends an attempt that failed: the task is queued again, for `retry_delay` from now or later, or has failed. Error:
   /// kConflict if the lease was lost.
-  /// @param is_fatal  the attempt killed its process
-  [[nodiscard]] Status Fail(const Task& task, const std::string& reason, bool is_fatal = false);
+  [[nodiscard]] Status Fail(const Task& task, const std::string& reason, FailureKind kind = FailureKind::kError);
 
   /// Ends an attempt whose task goes on in parts: the task waits, and its parts are queued with its priority, also
   /// those that had ended before. Error: kConflict if the lease was lost; then no part is added.

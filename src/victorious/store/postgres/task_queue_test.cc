@@ -140,18 +140,14 @@ TEST_F(PostgresTaskQueueTest, FatalPartsAreLeftToTheirTask) {
     const Task part = ClaimOrDie(*queue_);
     EXPECT_EQ(part.failures, attempt - 1);
     EXPECT_EQ(part.key, "a 0");
-    if (attempt == kMaxAttempts) {
-      EndLeases();
-    } else {
-      ASSERT_TRUE(queue_->Fail(part, "signal 9", true));
-    }
+    ASSERT_TRUE(queue_->Fail(part, "signal 11", FailureKind::kCrash));
   }
   ASSERT_TRUE(queue_->Complete(ClaimOrDie(*queue_)));
   const Task again = ClaimOrDie(*queue_);
   ASSERT_EQ(again.key, "a");
   const auto fatal = queue_->FatalParts(again);
   ASSERT_EQ(fatal->size(), 1U);
-  EXPECT_THAT(fatal->front().reason, HasSubstr("did not answer"));
+  EXPECT_THAT(fatal->front().reason, HasSubstr("signal 11"));
   ASSERT_TRUE(queue_->CloseFailed(fatal->front().id));
   EXPECT_TRUE(queue_->FatalParts(again)->empty());
   EXPECT_EQ(*queue_->CountParts(), (TaskCounts{.done = 2}));
@@ -313,10 +309,10 @@ TEST_F(PostgresTaskQueueTest, ExcusedLossIsNoFailedAttempt) {
   const auto other = OpenOrDie("other");
   for (int outage = 0; outage < 2 * kMaxAttempts; ++outage) {
     const Task task = ClaimOrDie(*queue_);
-    EXPECT_EQ(task.failures, 0);
+    EXPECT_EQ(task.kills, 0);
     EndLeases();
     const Task taken = ClaimOrDie(*other);
-    EXPECT_EQ(taken.failures, 1);
+    EXPECT_EQ(taken.kills, 1);
     ASSERT_TRUE(queue_->Excuse(task));
     EXPECT_TRUE(other->Renew(taken, false)) << "who has it now, keeps it";
     ASSERT_TRUE(other->Release(taken));
@@ -371,12 +367,14 @@ TEST_F(PostgresTaskQueueTest, WaitingTaskAndItsPartsBecomeUrgent) {
   EXPECT_EQ(ClaimOrDie(*queue_).key, "b 1") << "before c";
 }
 
-TEST_F(PostgresTaskQueueTest, TaskThatKillsThreeWorkersFails) {
+TEST_F(PostgresTaskQueueTest, TaskWhoseWorkersAreLostAgainAndAgainFails) {
   Submit({{"index", "poison", TaskPriority::kBatch, "{}", ""}, {"index", "good", TaskPriority::kBatch, "{}", ""}});
-  for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
+  for (int attempt = 1; attempt <= kMaxKills; ++attempt) {
     const Task task = ClaimOrDie(*queue_);
     EXPECT_EQ(task.key, "poison");
     EXPECT_EQ(task.attempt, attempt);
+    EXPECT_EQ(task.kills, attempt - 1);
+    EXPECT_EQ(task.failures, 0) << "nothing says that the task did it";
     EndLeases();
   }
   EXPECT_EQ(ClaimOrDie(*queue_).key, "good");
