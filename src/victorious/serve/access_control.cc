@@ -112,6 +112,7 @@ Expected<std::unique_ptr<AccessControl>> AccessControl::Open(const std::string& 
                             StoreName(index), IsDatabaseUrl(index) ? "the role" : "the file and its folder"));
   }
   if (!server.is_loopback) control->needs_account_ = true;
+  if (control->writer_) VICTORIOUS_RETURN_IF_ERROR(control->writer_->RemoveExpired(NowUtcMicroseconds()));
   return control;
 }
 
@@ -142,7 +143,9 @@ Expected<Caller> AccessControl::Identify(const HttpRequest& request, int port) {
                                  : FindCookie(request.cookie, CookieName(port));
   if (!IsSecret(secret) || (is_token && !request.authorization.starts_with(kBearer))) return Caller{};
   const std::scoped_lock lock(reader_mutex_);
-  VICTORIOUS_ASSIGN_OR_RETURN(auto proved, reader_->Prove(DigestSecret(secret), NowUtcMicroseconds()));
+  // A clock that is set back brings no credential back that has expired.
+  latest_us_ = std::max(latest_us_, NowUtcMicroseconds());
+  VICTORIOUS_ASSIGN_OR_RETURN(auto proved, reader_->Prove(DigestSecret(secret), latest_us_));
   const CredentialKind kind = is_token ? CredentialKind::kToken : CredentialKind::kSession;
   if (!proved || proved->credential.kind != kind) return Caller{};
   return Caller{.proved = std::move(proved), .is_open = false};

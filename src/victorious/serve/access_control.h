@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -92,6 +93,7 @@ class AccessControl {
 
   std::mutex reader_mutex_;
   std::unique_ptr<AccountStore> reader_;  ///< of its own: no request waits while another process writes
+  std::int64_t latest_us_ = 0;            ///< that the clock has shown, UTC
   std::mutex writer_mutex_;
   std::unique_ptr<AccountStore> writer_;  ///< null: the index cannot be written
   ServerIdentity server_;

@@ -115,6 +115,8 @@ class AccountStore {
   /// The account whose credential has this digest and has not expired; std::nullopt: there is none.
   [[nodiscard]] virtual Expected<std::optional<ProvedAccount>> Prove(const std::string& digest,
                                                                      std::int64_t now_us) = 0;
+  /// Deletes the credentials that have expired.
+  [[nodiscard]] virtual Status RemoveExpired(std::int64_t now_us) = 0;
   /// Ends a credential. Error: kNotFound.
   [[nodiscard]] virtual Status RemoveCredential(std::int64_t account, std::int64_t credential) = 0;
   /// The tokens of an account, oldest first.

@@ -101,6 +101,9 @@ TEST_P(AccountStoreTest, CredentialsProveTheirAccountUntilTheyEnd) {
   EXPECT_FALSE(*other_->Prove("digest c", 100));
   EXPECT_FALSE(*other_->Prove("", 100));
 
+  ASSERT_TRUE(accounts_->RemoveExpired(100 + kHour));
+  EXPECT_FALSE(*other_->Prove("digest a", 100)) << "deleted: no clock that is set back brings it back";
+
   ASSERT_THAT(*accounts_->Tokens(bob), SizeIs(1));
   EXPECT_EQ(accounts_->Tokens(bob)->front().label, "nightly");
   EXPECT_THAT(*accounts_->Tokens(ann), SizeIs(0)) << "a session is no token";

@@ -159,6 +159,19 @@ TEST_P(ReviewsTest, EachPersonDecidesAlone) {
   EXPECT_THAT(*store_->Decisions(1234), SizeIs(0));
 }
 
+// The clock of a server was set back, or those of two servers differ.
+TEST_P(ReviewsTest, LaterDecisionIsTheNewerOneForAnyClock) {
+  const std::int64_t object = CommitOne(MakeBatch(0, 5, 0.5));
+  ASSERT_TRUE(store_->PutReview(object, {Verdict::kAccepted, "", 1'000, "ann"}));
+  ASSERT_TRUE(store_->PutReview(object, {Verdict::kRejected, "", 400, "bob"}));
+  EXPECT_EQ(store_->Decisions(object)->front().reviewer, "bob");
+  EXPECT_EQ(store_->Reviews()->front().review.verdict, Verdict::kRejected);
+  ASSERT_TRUE(store_->PutReview(object, {Verdict::kAccepted, "", 500, "bob"}));
+  EXPECT_EQ(store_->Reviews()->front().review.verdict, Verdict::kAccepted);
+  EXPECT_EQ(store_->Reviews()->front().review.reviewer, "bob");
+  EXPECT_EQ(store_->Decisions(object)->front().updated_utc_us, 1'002) << "as late as it must be, not later";
+}
+
 TEST_P(ReviewsTest, DecisionsFollowJoinedAndPartedTracklets) {
   const std::int64_t a = CommitOne(MakeBatch(0, 2, 0.5));
   const std::int64_t b = CommitOne(MakeBatch(10, 2, 0.5));

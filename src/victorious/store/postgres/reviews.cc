@@ -1,4 +1,6 @@
 // The reviews of an index: bound to a sighting's place in a video, resolved to the object that is there at present.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -40,7 +42,7 @@ constexpr std::string_view kReplaceDecision =
 
 }  // namespace
 
-Status PostgresStore::PutReview(std::int64_t object, const Review& review) {
+Status PostgresStore::PutReview(std::int64_t object, const Review& given) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
   VICTORIOUS_ASSIGN_OR_RETURN(
       Result place,
@@ -51,6 +53,12 @@ Status PostgresStore::PutReview(std::int64_t object, const Review& review) {
                 fmt::format("{}: object {} does not exist (another process may have deleted or joined it)",
                             connection_->name(), object));
   }
+  // After all others of the object: a clock that was set back, or another server's, makes no newer one the older.
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Result latest,
+      connection_->Query("SELECT coalesce(max(decided_utc_us) + 1, 0) FROM decisions WHERE object_id = ?", object));
+  Review review = given;
+  if (latest.Next()) review.updated_utc_us = std::max(review.updated_utc_us, latest.Integer(0));
   VICTORIOUS_RETURN_IF_ERROR(connection_->Query(
       fmt::format("DELETE FROM reviews WHERE ({0}) IN (SELECT r.video_content_id, r.model_name, r.frame, r.box_x_px, "
                   "r.box_y_px, r.box_width_px, r.box_height_px FROM {1} WHERE t.object_id = ?) AND reviewer = ?",

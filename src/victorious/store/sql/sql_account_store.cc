@@ -114,8 +114,7 @@ class SqlAccountStore final : public AccountStore {
                           .label = added.label,
                           .created_utc_us = added.now_us,
                           .expires_utc_us = added.now_us + added.lifetime_us};
-    VICTORIOUS_RETURN_IF_ERROR(
-        database_->Write("DELETE FROM credentials WHERE expires_utc_us <= ?", ValueList(added.now_us)));
+    VICTORIOUS_RETURN_IF_ERROR(RemoveExpired(added.now_us));
     if (added.kind == CredentialKind::kSession) VICTORIOUS_RETURN_IF_ERROR(MakeRoomForSession(added.account));
     VICTORIOUS_ASSIGN_OR_RETURN(
         credential.id,
@@ -138,6 +137,12 @@ class SqlAccountStore final : public AccountStore {
           VICTORIOUS_ASSIGN_OR_RETURN(proved.credential, ReadCredential(row, 4, database_->name()));
           return proved;
         });
+  }
+
+  Status RemoveExpired(std::int64_t now_us) override {
+    const auto removed = database_->Write("DELETE FROM credentials WHERE expires_utc_us <= ?", ValueList(now_us));
+    if (!removed) return std::unexpected(removed.error());
+    return {};
   }
 
   Status RemoveCredential(std::int64_t account, std::int64_t credential) override {

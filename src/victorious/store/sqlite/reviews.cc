@@ -1,4 +1,6 @@
 // The reviews of an index: bound to a sighting's place in a video, resolved to the object that is there at present.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -106,6 +108,17 @@ std::string AddDecisions(std::string_view from, std::string_view where) {
       from, where);
 }
 
+// The same review, decided after all others of the object: a clock that was set back makes no newer one the older.
+Expected<Review> AfterOthers(Connection& connection, std::int64_t object, Review review) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement latest,
+      connection.Prepare("SELECT coalesce(max(decided_utc_us) + 1, 0) FROM decisions WHERE object_id = ?"));
+  latest.Bind(object);
+  VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const bool has_row, latest.Step());
+  review.updated_utc_us = std::max(review.updated_utc_us, latest.Integer(0));
+  return review;
+}
+
 Status LogReview(Connection& connection, std::int64_t object, const Review& review, const Anchor& place) {
   const AuditRecord record = sql::AuditOfReview(object, review, place.model_name, place.video_content_id, place.frame);
   VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection.Prepare(sql::kInsertAudit));
@@ -114,7 +127,7 @@ Status LogReview(Connection& connection, std::int64_t object, const Review& revi
 
 }  // namespace
 
-Status SqliteStore::PutReview(std::int64_t object, const Review& review) {
+Status SqliteStore::PutReview(std::int64_t object, const Review& given) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Anchor> places, FirstSightings(*connection_, object));
   if (places.empty()) {
@@ -122,6 +135,7 @@ Status SqliteStore::PutReview(std::int64_t object, const Review& review) {
                 fmt::format("{}: object {} does not exist (another process may have deleted or joined it)",
                             connection_->name(), object));
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Review review, AfterOthers(*connection_, object, given));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Anchor> replaced, StoredAnchors(*connection_, object, review.reviewer));
   const auto verdict = review.verdict ? std::optional(std::string(ToText(*review.verdict))) : std::nullopt;
   {
