@@ -7,6 +7,7 @@ import os
 import shutil
 import signal
 import ssl
+import socket
 import subprocess
 import threading
 import time
@@ -186,6 +187,17 @@ class ClusterTest(program.ProgramTest):
                 return so
             time.sleep(0.05)
         self.fail("did not come")
+
+    def test_worker_waits_for_a_database_that_is_started_after_it(self):
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            port = taken.getsockname()[1]
+        command = [program.PROGRAM, "work", "--db", f"postgresql://127.0.0.1:{port}/videos", "--until-empty"]
+        worker = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        self.assertIn("start the server", worker.stderr.readline())
+        self.assertIsNone(worker.poll())
+        worker.send_signal(signal.SIGINT)
+        self.finish(worker, status=1)
 
     def test_what_fails_is_listed_with_its_reason(self):
         gone = Path(self.write("gone.mkv", self.videos[1].read_bytes()))

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -57,6 +58,20 @@ Expected<std::optional<ContentCache>> OpenCache(const WorkArguments& arguments) 
                              .max_bytes = static_cast<std::int64_t>(arguments.cache_size_gb * 1e9)});
 }
 
+// A worker may be started before its database, as both are when a machine starts.
+Expected<std::unique_ptr<SegmentStore>> OpenWhenThere(const std::string& db, const CancelToken& interrupt) {
+  constexpr std::chrono::seconds kPause{2};
+  const auto end = std::chrono::steady_clock::now() + kMaxOutage;
+  bool is_said = false;
+  while (true) {
+    auto segments = OpenPostgresSegmentStore(db, StoreMode::kCreate);
+    const bool is_away = !segments && segments.error().code == ErrorCode::kUnavailable;
+    if (!is_away || interrupt.IsCancelled() || std::chrono::steady_clock::now() >= end) return segments;
+    if (!std::exchange(is_said, true)) LogInfo("{}: waits for it", OneLine(segments.error().message));
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
 postgres::TaskChoice ChoiceOf(const WorkArguments& arguments) {
   if (arguments.live) return postgres::TaskChoice::kLasting;
   return arguments.until_empty ? postgres::TaskChoice::kFinite : postgres::TaskChoice::kAll;
@@ -69,7 +84,7 @@ Status Run(const WorkArguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ContentCache> cache, OpenCache(arguments));
   const CancelToken& interrupt = Interrupt();
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<SegmentStore> segments, OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<SegmentStore> segments, OpenWhenThere(arguments.db, interrupt));
   const std::string name = WorkerName();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
   const std::chrono::seconds lease(arguments.lease_s);

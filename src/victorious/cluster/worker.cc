@@ -24,7 +24,6 @@ using postgres::Task;
 using postgres::TaskQueue;
 
 constexpr std::chrono::milliseconds kCancelPoll{200};
-constexpr std::chrono::minutes kMaxOutage{5};  // of the database, that a worker waits out
 constexpr int kSignalStatus = 128;      // and the number of the signal that killed a process
 constexpr double kShorterSegments = 8;  // at the last attempt of a video
 constexpr double kLastSegment_s = 7.5;  // the same of one that was not to be cut

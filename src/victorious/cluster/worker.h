@@ -27,6 +27,9 @@
 
 namespace victorious {
 
+/// Of the database, that a worker waits out.
+inline constexpr std::chrono::minutes kMaxOutage{5};
+
 /// How a task's process ended.
 struct TaskEnd {
   ChildEnd child;

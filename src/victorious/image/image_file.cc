@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <exception>
 #include <limits>
+#include <new>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -87,7 +88,12 @@ Expected<ImageHeader> ReadCheckedHeader(std::span<const std::byte> bytes, const 
   return *header;
 }
 
-// May throw cv::Exception.
+std::unexpected<Error> NoMemoryFor(const ImageHeader& header, const std::string& name) {
+  return Fail(ErrorCode::kUnavailable,
+              fmt::format("{}: not enough memory for an image of {} x {} pixels", name, header.width, header.height));
+}
+
+// May throw cv::Exception and std::bad_alloc.
 Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeader& header, const std::string& name,
                               GreyRange& range) {
   const cv::Mat stored = DecodeStored(bytes);
@@ -125,7 +131,12 @@ Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string&
   VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, ReadCheckedHeader(bytes, name));
   try {
     return DecodeChecked(bytes, header, name, range);
-  } catch (const std::exception&) {  // cv::Exception or std::bad_alloc
+  } catch (const std::bad_alloc&) {
+    return NoMemoryFor(header, name);
+  } catch (const cv::Exception& exception) {
+    if (exception.code == cv::Error::StsNoMem) return NoMemoryFor(header, name);
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} image", name, Name(header.format)));
+  } catch (const std::exception&) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} image", name, Name(header.format)));
   }
 }

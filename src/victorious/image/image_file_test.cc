@@ -1,5 +1,7 @@
 #include "victorious/image/image_file.h"
 
+#include <cstdlib>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -7,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "testing/data.h"
 #include "testing/video_tools.h"
@@ -76,6 +80,22 @@ TEST(ImageFile, JpegRoundTripIsClose) {
   ASSERT_TRUE(image) << image.error().message;
   EXPECT_EQ(image->bgr.size(), Flag().size());
   EXPECT_LT(cv::norm(image->bgr, Flag(), cv::NORM_L1) / static_cast<double>(Flag().total() * 3), 12);
+}
+
+// In a process of its own, whose address space is limited to little more than it has.
+TEST(ImageFile, LackOfMemoryIsNoDamage) {
+  const std::string png = Encode(".png", cv::Mat(8000, 8000, CV_8UC1, cv::Scalar(0)));
+  const auto decode_with_little = [&] {
+    std::ifstream statm("/proc/self/statm");
+    rlim_t pages = 0;
+    statm >> pages;
+    const rlim_t bytes = pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + (rlim_t{32} << 20);
+    const rlimit limit{.rlim_cur = bytes, .rlim_max = bytes};
+    if (::setrlimit(RLIMIT_AS, &limit) != 0) std::_Exit(2);
+    const auto image = DecodeImage(Bytes(png), "large.png");
+    std::_Exit(!image && image.error().code == ErrorCode::kUnavailable ? 0 : 1);
+  };
+  EXPECT_EXIT(decode_with_little(), ::testing::ExitedWithCode(0), "");
 }
 
 // OpenCV would pass a damaged WebP on to any library that accepts it: here the DICOM library, which terminates the

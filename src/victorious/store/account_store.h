@@ -93,7 +93,8 @@ class AccountStore {
  public:
   virtual ~AccountStore() = default;
 
-  /// Errors: those of CheckAccountName; kAlreadyExists.
+  /// From then on, only the user that has the file of the index may read it. Errors: those of CheckAccountName;
+  /// kAlreadyExists.
   [[nodiscard]] virtual Expected<Account> Add(const std::string& name, Role role, const std::string& password_hash,
                                               std::int64_t now_us) = 0;
   /// Error: kNotFound.

@@ -1,6 +1,8 @@
 // The contract of AccountStore, tested for every implementation.
 #include "victorious/store/account_store.h"
 
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,6 +66,18 @@ TEST_P(AccountStoreTest, AccountsAreAddedChangedAndRemoved) {
     EXPECT_THAT(status.error().message, HasSubstr("ann"));
   }
   EXPECT_NE(accounts_->Add("ann", Role::kViewer, "", 20)->id, ann->id) << "an id is never another account's";
+}
+
+// Hashes of passwords are tried out by whoever can read them.
+TEST(AccountStore, FileWithPasswordsIsOfItsUser) {
+  const testing::ScratchFolder folder;
+  const std::filesystem::path index = folder / "index.db";
+  const auto accounts = OpenAccountStore(index, StoreMode::kCreate).value();
+  std::filesystem::permissions(index, std::filesystem::perms(0644));
+  ASSERT_TRUE(accounts->Add("ann", Role::kAdmin, "h", 1));
+  for (const char* const suffix : {"", "-wal"}) {
+    EXPECT_EQ(std::filesystem::status(index.string() + suffix).permissions(), std::filesystem::perms(0600)) << suffix;
+  }
 }
 
 TEST_P(AccountStoreTest, NamesAreOfAFewCharacters) {

@@ -195,7 +195,7 @@ Status Connection::ConnectAgain(const std::string& url) {
   const std::string text = FirstLine(PQerrorMessage(handle_));
   const PGPing ping = Ping(url);
   if (ping == PQPING_NO_RESPONSE) {
-    return Fail(task_ ? ErrorCode::kUnavailable : ErrorCode::kNotFound,
+    return Fail(ErrorCode::kUnavailable,
                 fmt::format("{}: {}: start the server, or correct its host and port", name_, text));
   }
   if (ping == PQPING_REJECT) {

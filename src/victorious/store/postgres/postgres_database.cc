@@ -17,6 +17,8 @@ class PostgresDatabase final : public sql::Database {
   const std::string& name() const override { return connection_->name(); }
   sql::Dialect dialect() const override { return sql::Dialect::kPostgres; }
 
+  Status HideFromOthers() override { return {}; }
+
   Status Visit(const std::string& sql, const sql::ValueList& values, sql::RowCount count,
                const std::function<Expected<bool>(const sql::Row&)>& visit) override {
     BoundValues bound;

@@ -101,9 +101,9 @@ TEST(PostgresName, PasswordIsTakenOutOfAUrl) {
   }
 }
 
-TEST(PostgresName, AbsentServerIsNotFound) {
+TEST(PostgresName, AbsentServerIsUnavailable) {
   const Error error = OpenError("postgresql://me:secret@127.0.0.1:1/videos");
-  EXPECT_EQ(error.code, ErrorCode::kNotFound);
+  EXPECT_EQ(error.code, ErrorCode::kUnavailable);
   EXPECT_THAT(error.message, HasSubstr("postgresql://me@127.0.0.1:1/videos: connection to server"));
   EXPECT_THAT(error.message, HasSubstr("start the server"));
   EXPECT_THAT(error.message, Not(HasSubstr("secret")));

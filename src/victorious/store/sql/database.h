@@ -64,6 +64,9 @@ class Database {
   [[nodiscard]] virtual const std::string& name() const = 0;
   [[nodiscard]] virtual Dialect dialect() const = 0;
 
+  /// Leaves the files of a database that is one to its user; a server has its own rights.
+  [[nodiscard]] virtual Status HideFromOthers() = 0;
+
   /// Visits the rows of a statement: of a query, or of one that writes inside a transaction, with RETURNING. `visit`
   /// returns false to stop, which a statement that writes must not.
   [[nodiscard]] virtual Status Visit(const std::string& sql, const ValueList& values, RowCount rows,

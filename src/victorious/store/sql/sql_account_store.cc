@@ -43,6 +43,7 @@ class SqlAccountStore final : public AccountStore {
   Expected<Account> Add(const std::string& name, Role role, const std::string& password_hash,
                         std::int64_t now_us) override {
     VICTORIOUS_RETURN_IF_ERROR(CheckAccountName(name));
+    VICTORIOUS_RETURN_IF_ERROR(database_->HideFromOthers());
     VICTORIOUS_ASSIGN_OR_RETURN(Change change, Change::Begin(*database_));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Account> known, Find(name));
     if (known) {

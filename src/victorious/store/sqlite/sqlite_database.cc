@@ -1,6 +1,8 @@
 #include "victorious/store/sqlite/sqlite_database.h"
 
+#include <filesystem>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "victorious/store/sqlite/open_database.h"
@@ -14,6 +16,19 @@ class SqliteDatabase final : public sql::Database {
 
   const std::string& name() const override { return connection_->name(); }
   sql::Dialect dialect() const override { return sql::Dialect::kSqlite; }
+
+  // Of the log files, too, which SQLite makes with the permissions of the database.
+  Status HideFromOthers() override {
+    constexpr auto kOfUser = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;
+    for (const char* const suffix : {"", "-wal", "-shm", "-journal"}) {
+      std::error_code error;
+      std::filesystem::permissions(name() + suffix, kOfUser, error);
+      if (error && error != std::errc::no_such_file_or_directory) {
+        return std::unexpected(ErrorFromErrno(error.value(), "make " + name() + suffix + " private"));
+      }
+    }
+    return {};
+  }
 
   Status Visit(const std::string& sql, const sql::ValueList& values, sql::RowCount /*rows*/,
                const std::function<Expected<bool>(const sql::Row&)>& visit) override {
