@@ -1,12 +1,15 @@
 #include "victorious/store/sqlite/open_database.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <string_view>
 #include <thread>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "victorious/base/one_line.h"
 #include "victorious/base/write_access.h"
 #include "victorious/store/sqlite/migrations.h"
 
@@ -32,6 +35,26 @@ Status ChooseJournal(Connection& connection) {
   return connection.Execute(*mode == "wal" ? "PRAGMA synchronous = NORMAL" : "PRAGMA synchronous = FULL");
 }
 
+// What the file runs by itself, triggers and views, must be what a migration of this program made: word for word.
+Status CheckPrograms(Connection& connection) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement select,
+      connection.Prepare("SELECT type, name, sql FROM sqlite_schema WHERE type IN ('trigger', 'view') ORDER BY name"));
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+    if (!has_row) return {};
+    const std::string sql = select.Text(2);
+    const bool is_own = std::ranges::any_of(
+        Migrations(), [&](const Migration& migration) { return migration.sql.find(sql) != std::string_view::npos; });
+    if (is_own) continue;
+    return Fail(
+        ErrorCode::kDataLoss,
+        fmt::format("{}: has a {} that no version of this program made ({}): it would run whenever the index is "
+                    "used; restore the file from a copy, or index again",
+                    connection.name(), select.Text(0), OneLine(select.Text(1))));
+  }
+}
+
 Expected<ConnectionPtr> OpenForWriting(const fs::path& path) {
   std::error_code error;
   const fs::path folder = FolderOf(path);
@@ -47,6 +70,7 @@ Expected<ConnectionPtr> OpenForWriting(const fs::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(ConnectionPtr connection, Connection::Open(path, Access::kCreate));
   const std::span<const Migration> migrations = Migrations();
   VICTORIOUS_RETURN_IF_ERROR(ReadVersion(*connection, migrations.back().version));
+  VICTORIOUS_RETURN_IF_ERROR(CheckPrograms(*connection));
   VICTORIOUS_RETURN_IF_ERROR(ChooseJournal(*connection));
   VICTORIOUS_RETURN_IF_ERROR(Migrate(*connection, migrations));
   return connection;
@@ -89,6 +113,7 @@ Expected<ConnectionPtr> OpenForReading(const fs::path& path) {
                             "index` on it once to migrate it",
                             path.string(), version, newest));
   }
+  VICTORIOUS_RETURN_IF_ERROR(CheckPrograms(*connection));
   return connection;
 }
 

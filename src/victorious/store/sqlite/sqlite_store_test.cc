@@ -199,6 +199,23 @@ TEST_F(SqliteStoreTest, EqualObjectsAreNotWritten) {
   EXPECT_NE(other->ChangeNumber().value(), before);
 }
 
+TEST_F(SqliteStoreTest, ForeignTriggersAndViewsAreRefused) {
+  for (const char* const foreign :
+       {"CREATE TRIGGER spy AFTER INSERT ON videos BEGIN DELETE FROM reviews; END",
+        "CREATE VIEW spy AS SELECT * FROM accounts",
+        "DROP TRIGGER tracklet_added; CREATE TRIGGER tracklet_added AFTER INSERT ON tracklets BEGIN SELECT 1; END"}) {
+    std::filesystem::remove(path_);
+    ASSERT_TRUE(OpenSqliteStore(path_, StoreMode::kCreate));
+    ASSERT_TRUE((*Connection::Open(path_, Access::kWrite))->Execute(foreign));
+    for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
+      const auto opened = OpenSqliteStore(path_, mode);
+      ASSERT_FALSE(opened) << foreign;
+      EXPECT_EQ(opened.error().code, ErrorCode::kDataLoss);
+      EXPECT_THAT(opened.error().message, HasSubstr("that no version of this program made"));
+    }
+  }
+}
+
 TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   ASSERT_TRUE((*Connection::Open(path_, Access::kWrite))->Execute("PRAGMA user_version = 99"));
