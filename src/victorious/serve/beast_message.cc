@@ -1,8 +1,12 @@
 #include "victorious/serve/beast_message.h"
 
 #include <boost/beast/core/string.hpp>
+#include <boost/beast/http/error.hpp>
 #include <boost/beast/http/fields.hpp>
 #include <boost/beast/http/verb.hpp>
+#include <fmt/format.h>
+
+#include "victorious/serve/api_error.h"
 
 namespace victorious {
 
@@ -19,6 +23,19 @@ bool IsAmbiguous(const http::request_header<>& request) {
   const bool is_chunked = codings == 1 && boost::beast::iequals(coding->value(), "chunked");
   if (codings > 0 && (!is_chunked || request.count(http::field::content_length) > 0)) return true;
   return request.count(http::field::content_length) > 1 || request.count(http::field::host) > 1;
+}
+
+std::optional<HttpResponse> ResponseToUnread(const boost::system::error_code& error, std::size_t max_header_bytes,
+                                             std::size_t max_body_bytes) {
+  if (error == http::error::body_limit) {
+    return ErrorResponse(413, "body_too_large", fmt::format("the body has more than {} bytes", max_body_bytes));
+  }
+  if (error == http::error::header_limit) {
+    return ErrorResponse(431, "header_too_large", fmt::format("the header has more than {} bytes", max_header_bytes));
+  }
+  const bool is_of_http = error.category() == http::make_error_code(http::error::bad_method).category();
+  if (!is_of_http || error == http::error::end_of_stream || error == http::error::partial_message) return std::nullopt;
+  return ErrorResponse(400, "bad_request", "not an HTTP request: " + error.message());
 }
 
 HttpRequest FromBeast(const http::request_header<>& request) {

@@ -24,10 +24,15 @@ std::string ClientNetwork(const std::string& address) {
   return ::inet_ntop(AF_INET6, &v6, text.data(), text.size()) == nullptr ? address : text.data();
 }
 
-bool ConnectionCount::Begin(const std::string& address) {
+bool ConnectionCount::HasRoom(const std::string& address) const {
+  const auto counted = open_.find(ClientNetwork(address));
+  return counted == open_.end() ? max_ > 0 : counted->second < max_;
+}
+
+bool ConnectionCount::Begin(const std::string& address, bool has_place) {
   const std::string client = ClientNetwork(address);
   std::size_t& open = open_[client];
-  if (open < max_) {
+  if (open < max_ || has_place) {
     ++open;
     return true;
   }

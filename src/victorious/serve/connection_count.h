@@ -18,8 +18,10 @@ class ConnectionCount {
  public:
   explicit ConnectionCount(std::size_t max_a_client) : max_(max_a_client) {}
 
-  /// Returns false if the client has too many, with a warning at most once a minute.
-  [[nodiscard]] bool Begin(const std::string& address);
+  [[nodiscard]] bool HasRoom(const std::string& address) const;
+  /// Counts one more. Returns false if the client has too many, with a warning at most once a minute.
+  /// @param has_place  one of its others is about to end
+  [[nodiscard]] bool Begin(const std::string& address, bool has_place = false);
   void End(const std::string& address);
 
  private:

@@ -1,7 +1,6 @@
 #include "victorious/serve/http_server.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -27,6 +26,8 @@
 #include "victorious/serve/open_file.h"
 #include "victorious/serve/request_guard.h"
 #include "victorious/serve/tls_certificate.h"
+#include "victorious/serve/upload_folder.h"
+#include "victorious/serve/waiting_connections.h"
 
 namespace victorious {
 namespace {
@@ -49,32 +50,20 @@ constexpr std::chrono::seconds kFarewellTime{2};
 // do not in any case.
 void CloseInPrograms(int descriptor) { ::fcntl(descriptor, F_SETFD, FD_CLOEXEC); }
 
-// What browsers are told about every response: no content type by guess, no frame, nothing from elsewhere.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecurityHeaders = {{
-    {"X-Content-Type-Options", "nosniff"},
-    {"Referrer-Policy", "no-referrer"},
-    {"Cross-Origin-Resource-Policy", "same-origin"},
-}};
 constexpr std::string_view kAmbiguous = "not an HTTP request: its end, or its host, is ambiguous";
 
 boost::beast::string_view ToBeast(std::string_view text) { return {text.data(), text.size()}; }
 
-// What is left in place is not ours, or is found with the other uploads: removing it is not worth another answer.
-void RemoveFileAndEmptyFolder(const std::filesystem::path& file) {
-  std::error_code ignored;
-  std::filesystem::remove(file, ignored);
-  std::filesystem::remove(file.parent_path(), ignored);  // fails if it has other files
-}
-
 // What all sessions share. Used by the thread of Run only.
 struct Shared {
   HttpServerOptions options;
-  std::string security_policy = ContentSecurityPolicy(options.tile_origin);
+  HeaderList security_headers = SecurityHeaders(options.tile_origin, !options.tls_certificate.empty());
   HttpServer::Handler handler;
   HttpServer::UploadHandler plan_upload;
   int port = 0;
   std::size_t connections = 0;
   ConnectionCount counts;
+  WaitingConnections waiting;
   std::size_t responses_due = 0;
   bool stopping = false;
   std::optional<ssl::context> tls;
@@ -103,6 +92,7 @@ class Session : public std::enable_shared_from_this<Session> {
     ++shared_.connections;
   }
   ~Session() {
+    StopWaiting();
     RemoveUpload();
     --shared_.connections;
     shared_.counts.End(client_);
@@ -111,23 +101,38 @@ class Session : public std::enable_shared_from_this<Session> {
   Session& operator=(const Session&) = delete;
 
   void Start() {
-    stream_->tcp().expires_after(shared_.options.request_timeout);
+    Wait();
+    stream_->tcp().expires_after(shared_.options.first_timeout);
     stream_->Handshake([self = shared_from_this()](const BoostError& error) {
       if (error) return self->CloseSocket();
       self->has_handshake_ = true;
-      self->Read();
+      self->Read(self->shared_.options.first_timeout);
     });
   }
 
  private:
+  // From now on until the header has come, the connection may be closed to make room for another one.
+  void Wait() {
+    if (!place_) place_ = shared_.waiting.Add({ClientNetwork(client_), [this] { EndWaiting(); }});
+  }
+  void StopWaiting() {
+    if (const auto place = std::exchange(place_, std::nullopt)) shared_.waiting.Remove(*place);
+  }
+  // Whoever reads from the socket then gets an error.
+  void EndWaiting() {
+    place_.reset();
+    CloseSocket();
+  }
+
   // Waits for the first byte of a request, then reads it under its own time-out.
-  void Read() {
+  void Read(std::chrono::milliseconds idle_timeout) {
+    Wait();
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(shared_.options.max_header_bytes));
     // Known once the header says what the body is. Not boost::none, which Beast 1.74 takes for 0 here.
     parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
     if (buffer_.size() > 0) return ReadRequest();
-    stream_->tcp().expires_after(shared_.options.idle_timeout);
+    stream_->tcp().expires_after(idle_timeout);
     stream_->async_read_some(buffer_.prepare(4096),
                              [self = shared_from_this()](const BoostError& error, std::size_t bytes) {
                                if (error) return self->Close();
@@ -144,6 +149,7 @@ class Session : public std::enable_shared_from_this<Session> {
   }
 
   void OnHeader(const BoostError& error) {
+    StopWaiting();
     if (error) return Refuse(error);
     const auto& header = parser_->get();
     if (IsAmbiguous(header)) return SendLast(ErrorResponse(400, "bad_request", kAmbiguous));
@@ -186,7 +192,7 @@ class Session : public std::enable_shared_from_this<Session> {
     net::post(shared_.pool, [self = shared_from_this(), request = std::move(request)]() mutable {
       HttpResponse response = self->shared_.handler(request, self->shared_.port);
       // Its sender may have been logged out while it was read.
-      if (request.upload && response.status != 200) RemoveFileAndEmptyFolder(*request.upload);
+      if (request.upload && response.status != 200) UploadFolder::RemoveFile(*request.upload);
       GiveBack(std::move(self), [response = std::move(response)](Session& session) mutable {
         if (response.slow) return session.MakeSlowly(std::move(response.slow));
         session.Send(std::move(response));
@@ -309,25 +315,14 @@ class Session : public std::enable_shared_from_this<Session> {
 
   void RemoveUpload() {
     upload_.reset();
-    if (upload_request_.upload) RemoveFileAndEmptyFolder(*upload_request_.upload);
+    if (upload_request_.upload) UploadFolder::RemoveFile(*upload_request_.upload);
     upload_request_ = {};
   }
 
   // A request that cannot be parsed gets an answer if the client may still read one; the connection ends.
   void Refuse(const BoostError& error) {
-    std::optional<HttpResponse> response;
-    if (error == http::error::body_limit) {
-      response = ErrorResponse(413, "body_too_large",
-                               fmt::format("the body has more than {} bytes", shared_.options.max_body_bytes));
-    } else if (error == http::error::header_limit) {
-      response = ErrorResponse(431, "header_too_large",
-                               fmt::format("the header has more than {} bytes", shared_.options.max_header_bytes));
-    } else if (error == beast::error::timeout) {
-      return Close();
-    } else if (error.category() == http::make_error_code(http::error::bad_method).category() &&
-               error != http::error::end_of_stream && error != http::error::partial_message) {
-      response = ErrorResponse(400, "bad_request", "not an HTTP request: " + error.message());
-    }
+    std::optional<HttpResponse> response =
+        ResponseToUnread(error, shared_.options.max_header_bytes, shared_.options.max_body_bytes);
     if (!response) return Close();
     SendLast(*std::move(response));
   }
@@ -347,9 +342,7 @@ class Session : public std::enable_shared_from_this<Session> {
     message.set(http::field::server, "victorious");
     if (!response.content_type.empty()) message.set(http::field::content_type, response.content_type);
     for (const auto& [name, value] : response.headers) message.insert(ToBeast(name), ToBeast(value));
-    for (const auto& [name, value] : kSecurityHeaders) message.insert(ToBeast(name), ToBeast(value));
-    message.insert("Content-Security-Policy", ToBeast(shared_.security_policy));
-    if (shared_.tls) message.insert("Strict-Transport-Security", "max-age=31536000");
+    for (const auto& [name, value] : shared_.security_headers) message.insert(ToBeast(name), ToBeast(value));
     if (shared_.stopping) keep_alive_ = false;
     message.keep_alive(keep_alive_);
     if (length && response.status != 304 && response.status != 204) message.content_length(*length);
@@ -447,7 +440,7 @@ class Session : public std::enable_shared_from_this<Session> {
     --shared_.responses_due;
     file_.reset();
     if (error || !keep_alive_ || shared_.stopping) return Close();
-    Read();
+    Read(shared_.options.idle_timeout);
   }
 
   void Close() {
@@ -465,6 +458,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::unique_ptr<ClientStream> stream_;
   Shared& shared_;
   std::string client_;
+  std::optional<WaitingConnections::Place> place_;  ///< while it waits for a header
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<http::request_parser<http::file_body>> upload_;
@@ -538,7 +532,9 @@ class BeastServer final : public HttpServer {
     const auto peer = socket.remote_endpoint(error);
     if (error) return;  // it has left already
     std::string client = peer.address().to_string();
-    if (!shared_.counts.Begin(client)) return;
+    // What is closed counts until its handlers have run: the client has one more meanwhile.
+    const bool has_place = !shared_.counts.HasRoom(client) && shared_.waiting.CloseOldestOf(ClientNetwork(client));
+    if (!shared_.counts.Begin(client, has_place)) return;
     socket.set_option(tcp::no_delay(true), error);
     beast::tcp_stream stream(std::move(socket));
     std::make_shared<Session>(MakeClientStream(std::move(stream), shared_.tls ? &*shared_.tls : nullptr),
@@ -550,17 +546,19 @@ class BeastServer final : public HttpServer {
     acceptor_.async_accept([this](const BoostError& error, tcp::socket socket) {
       if (shared_.stopping) return;
       if (!error) Begin(std::move(socket));
-      // Too many connections, or no descriptor for another: those that wait are accepted when one ends.
-      if (!error && shared_.connections < shared_.options.max_connections) return Accept();
+      if (!error && (HasRoom() || shared_.waiting.CloseOldest())) return Accept();
+      // All are answered at the moment, or there is no descriptor for another one.
       PauseAccepting();
     });
   }
+
+  [[nodiscard]] bool HasRoom() const { return shared_.connections < shared_.options.max_connections; }
 
   void PauseAccepting() {
     pause_.expires_after(kAcceptPause);
     pause_.async_wait([this](const BoostError&) {
       if (shared_.stopping) return;
-      if (shared_.connections < shared_.options.max_connections) return Accept();
+      if (HasRoom()) return Accept();
       PauseAccepting();
     });
   }

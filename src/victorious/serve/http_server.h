@@ -22,19 +22,22 @@
 namespace victorious {
 
 struct HttpServerOptions {
-  std::string address = "127.0.0.1";           ///< IPv4 or IPv6, numeric
-  bool is_loopback = true;                     ///< of the address: other machines do not reach it
-  int port = 8080;                             ///< 0: any free one
-  std::filesystem::path tls_certificate;       ///< PEM, with those that issued it; empty: no TLS
-  std::filesystem::path tls_key;               ///< PEM, not encrypted
-  std::string tile_origin;                     ///< of a server of map tiles that the page may ask; empty: none
-  int threads = 8;                             ///< that run the handler
-  WorkLimits slow;                             ///< of responses that take long
-  std::size_t max_connections = 900;           ///< further ones wait
-  std::size_t max_connections_a_client = 300;  ///< further ones are closed, so that one client leaves room for others
+  std::string address = "127.0.0.1";      ///< IPv4 or IPv6, numeric
+  bool is_loopback = true;                ///< of the address: other machines do not reach it
+  int port = 8080;                        ///< 0: any free one
+  std::filesystem::path tls_certificate;  ///< PEM, with those that issued it; empty: no TLS
+  std::filesystem::path tls_key;          ///< PEM, not encrypted
+  std::string tile_origin;                ///< of a server of map tiles that the page may ask; empty: none
+  int threads = 8;                        ///< that run the handler
+  WorkLimits slow;                        ///< of responses that take long
+  /// Further ones take the place of the one that waits for its next request for the longest time, or wait themselves.
+  std::size_t max_connections = 900;
+  /// The same; they are closed if none waits. So one client leaves room for others.
+  std::size_t max_connections_a_client = 150;
   std::size_t max_header_bytes = 16 << 10;
   std::size_t max_body_bytes = 64 << 10;
   std::chrono::milliseconds request_timeout{15'000};  ///< from a request's first byte to its last
+  std::chrono::milliseconds first_timeout{5'000};     ///< to the first byte of the first request, and for a handshake
   std::chrono::milliseconds idle_timeout{60'000};     ///< between requests
   std::chrono::milliseconds send_timeout{60'000};     ///< without progress; also of an upload
   std::chrono::milliseconds event_interval{100};      ///< between looks for events

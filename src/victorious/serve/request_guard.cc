@@ -20,6 +20,14 @@ bool IsOwnHost(std::string_view host, int port) {
   });
 }
 
+// A page fetches from its own server only, and map tiles from `tile_origin`.
+std::string ContentSecurityPolicy(const std::string& tile_origin) {
+  const std::string tiles = tile_origin.empty() ? "" : " " + tile_origin;
+  return "default-src 'self'; connect-src 'self'" + tiles + "; img-src 'self' data: blob:" + tiles +
+         "; media-src 'self' blob:; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; "
+         "base-uri 'none'; frame-ancestors 'none'";
+}
+
 }  // namespace
 
 std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, bool is_of_api, const ServerIdentity& server,
@@ -50,11 +58,13 @@ std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, bool is_of
   return std::nullopt;
 }
 
-std::string ContentSecurityPolicy(const std::string& tile_origin) {
-  const std::string tiles = tile_origin.empty() ? "" : " " + tile_origin;
-  return "default-src 'self'; connect-src 'self'" + tiles + "; img-src 'self' data: blob:" + tiles +
-         "; media-src 'self' blob:; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; "
-         "base-uri 'none'; frame-ancestors 'none'";
+HeaderList SecurityHeaders(const std::string& tile_origin, bool has_tls) {
+  HeaderList headers = {{"X-Content-Type-Options", "nosniff"},
+                        {"Referrer-Policy", "no-referrer"},
+                        {"Cross-Origin-Resource-Policy", "same-origin"},
+                        {"Content-Security-Policy", ContentSecurityPolicy(tile_origin)}};
+  if (has_tls) headers.emplace_back("Strict-Transport-Security", "max-age=31536000");
+  return headers;
 }
 
 }  // namespace victorious

@@ -5,6 +5,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "victorious/serve/http_message.h"
 
@@ -24,8 +26,11 @@ struct ServerIdentity {
 [[nodiscard]] std::optional<HttpResponse> RefuseForeign(const HttpRequest& request, bool is_of_api,
                                                         const ServerIdentity& server, int port);
 
-/// The value of the header Content-Security-Policy: a page fetches from its own server only.
+using HeaderList = std::vector<std::pair<std::string, std::string>>;
+
+/// What browsers are told with every response: no content type by guess, no frame, nothing from elsewhere; with TLS,
+/// that it is to be used from now on.
 /// @param tile_origin  where map tiles may come from, too, as in https://tile.example.org; empty: nowhere
-[[nodiscard]] std::string ContentSecurityPolicy(const std::string& tile_origin);
+[[nodiscard]] HeaderList SecurityHeaders(const std::string& tile_origin, bool has_tls);
 
 }  // namespace victorious

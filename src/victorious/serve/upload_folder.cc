@@ -53,6 +53,12 @@ Expected<fs::path> UploadFolder::Find(std::string_view id) const {
   return Fail(ErrorCode::kNotFound, fmt::format("there is no upload \"{}\"", id.substr(0, kIdDigits)));
 }
 
+void UploadFolder::RemoveFile(const fs::path& file) {
+  std::error_code ignored;
+  fs::remove(file, ignored);
+  fs::remove(file.parent_path(), ignored);  // fails if it has other files
+}
+
 std::set<std::string> UploadFolder::IdsIn(std::string_view text) {
   std::set<std::string> ids;
   for (std::size_t at = text.find('/'); at != text.npos; at = text.find('/', at + 1)) {

@@ -26,6 +26,9 @@ class UploadFolder {
   /// The file of an upload. Error: kNotFound.
   [[nodiscard]] Expected<std::filesystem::path> Find(std::string_view id) const;
 
+  /// Removes the file of an upload that broke off, and its folder. What cannot be removed stays with the other uploads.
+  static void RemoveFile(const std::filesystem::path& file);
+
   /// The ids of uploads in a text with paths, such as the input of a job; each once.
   [[nodiscard]] static std::set<std::string> IdsIn(std::string_view text);
 
