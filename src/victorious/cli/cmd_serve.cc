@@ -1,4 +1,6 @@
 // victorious serve --db FILE|URL: the triage page and its API
+#include <chrono>
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -40,6 +42,10 @@ struct ServeArguments {
   std::string tls_certificate;
   std::string tls_key;
   double max_upload_gb = 50;
+  int max_uploads = 500;
+  int max_jobs = 500;
+  int upload_expiry_h = 24;
+  std::vector<std::string> live_sources;
   double max_copies_gb = 20;
 };
 
@@ -138,6 +144,10 @@ Status Run(const ServeArguments& arguments) {
   options.videos.assign(arguments.videos.begin(), arguments.videos.end());
   options.secrets = {arguments.tls_key, arguments.tls_certificate};
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
+  options.max_uploads = static_cast<std::size_t>(arguments.max_uploads);
+  options.max_jobs = static_cast<std::size_t>(arguments.max_jobs);
+  options.upload_expiry = std::chrono::hours(arguments.upload_expiry_h);
+  options.live_sources = arguments.live_sources;
   options.max_copies_bytes = static_cast<std::uint64_t>(arguments.max_copies_gb * 1e9);
   if (!arguments.telemetry.empty()) options.telemetry = arguments.telemetry;
   if (!arguments.tiles.empty()) {
@@ -237,6 +247,28 @@ Action SetUpServe(ArgumentParser& parser) {
       .ShowDefault()
       .Range(0.001, 100'000.0)
       .TypeName("GB");
+  parser
+      .Add("--max-uploads", arguments->max_uploads,
+           "Uploads that no job has named yet, of all accounts; one may have a fifth of them")
+      .ShowDefault()
+      .Range(1, 1'000'000)
+      .TypeName("N");
+  parser
+      .Add("--upload-expiry", arguments->upload_expiry_h,
+           "Hours after which an upload that no job has named is removed, with the next upload")
+      .ShowDefault()
+      .Range(1, 100'000)
+      .TypeName("HOURS");
+  parser.Add("--max-jobs", arguments->max_jobs, "Jobs that are open, of all accounts; one may have a fifth of them")
+      .ShowDefault()
+      .Range(1, 1'000'000)
+      .TypeName("N");
+  parser
+      .Add("--live-sources", arguments->live_sources,
+           "Host of live sources that users may have opened, a name or an address; repeatable (default: all, but with "
+           "accounts not this machine and link-local addresses)")
+      .TypeName("HOST")
+      .OneValueEach();
   parser
       .Add("--max-copies", arguments->max_copies_gb,
            "What the copies of videos and the clips may take on the disk, in GB; those not used for the longest "

@@ -1,7 +1,10 @@
 // Who may do what: every route for every role, sessions, tokens, log-ins.
 #include "victorious/serve/access_control.h"
 
+#include <chrono>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -9,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "testing/data.h"
+#include "victorious/base/folder.h"
 #include "victorious/base/utc.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/secret.h"
@@ -20,6 +24,7 @@ using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::SizeIs;
 using ::testing::StartsWith;
 
 constexpr int kPort = 8080;
@@ -56,16 +61,17 @@ class AccessTest : public ::testing::Test {
     accounts_ = OpenAccountStore(index_, StoreMode::kCreate).value();
   }
 
-  void Open(ServerIdentity server = {}) {
+  void Open(ServerIdentity server = {}, const std::function<void(ApiOptions&)>& change = [](ApiOptions&) {}) {
     api_.reset();
     std::filesystem::create_directories(folder_ / "models");
-    auto api = Api::Open({.index = index_,
-                          .models = folder_ / "models",
-                          .telemetry = {},
-                          .web = {},
-                          .uploads = folder_ / "uploads",
-                          .server = server},
-                         cancel_);
+    ApiOptions options{.index = index_,
+                       .models = folder_ / "models",
+                       .telemetry = {},
+                       .web = {},
+                       .uploads = folder_ / "uploads",
+                       .server = server};
+    change(options);
+    auto api = Api::Open(std::move(options), cancel_);
     ASSERT_TRUE(api) << api.error().message;
     api_ = *std::move(api);
   }
@@ -364,6 +370,43 @@ TEST_F(AccessTest, ReviewsHaveTheNameOfTheAccount) {
   EXPECT_EQ(json::parse(SendAs("viewer", {.target = "/api/v1/project"}).body)["can_review"], false);
   EXPECT_EQ(json::parse(SendAs("viewer", {.target = "/api/v1/project"}).body)["has_jobs"], false);
   EXPECT_EQ(json::parse(SendAs("analyst", {.target = "/api/v1/project"}).body)["can_review"], true);
+}
+
+TEST_F(AccessTest, UploadsAndJobsHaveLimits) {
+  AddAccounts();
+  Open({}, [](ApiOptions& options) {
+    options.max_uploads = 5;  // one an account
+    options.max_jobs = 0;
+  });
+  const auto plan = [&](const std::string& account) {
+    HttpRequest request{.method = HttpMethod::kPost, .target = "/api/v1/uploads?name=a.mp4"};
+    request.host = "127.0.0.1:8080";
+    request.content_type = "application/octet-stream";
+    request.authorization = "";
+    request.cookie = "victorious_8080=" + SecretOf(account);
+    const auto planned = api_->PlanUpload(request, kPort);
+    return planned ? 200 : planned.error().status;
+  };
+  EXPECT_EQ(plan("analyst"), 200);
+  EXPECT_EQ(plan("analyst"), 409);
+  EXPECT_EQ(plan("admin"), 200) << "another account has its own";
+  const auto day_before = std::filesystem::file_time_type::clock::now() - std::chrono::hours(25);
+  const std::filesystem::path uploads = folder_ / "uploads";
+  const std::vector<std::filesystem::path> unused = ListFolder(uploads).value();
+  for (const std::filesystem::path& upload : unused) std::filesystem::last_write_time(upload, day_before);
+  EXPECT_EQ(plan("analyst"), 200) << "what nobody used is removed";
+  EXPECT_THAT(ListFolder(uploads).value(), SizeIs(1));
+
+  std::ofstream(folder_ / "models" / "jeep.vmodel") << "a model, as far as the library lists it";
+  const auto submit = [&](const std::string& url) {
+    return SendAs(
+        "admin",
+        {.method = HttpMethod::kPost, .target = "/api/v1/jobs", .body = json({{"kind", "live"}, {"url", url}}).dump()});
+  };
+  EXPECT_THAT(submit("rtsp://192.0.2.1/a").body, HasSubstr("0 open jobs"));
+  for (const char* const url : {"rtsp://127.0.0.1:22/", "rtsp://169.254.169.254/", "rtsp://localhost/"}) {
+    EXPECT_EQ(submit(url).status, 403) << url;
+  }
 }
 
 TEST(FindCookieTest, ReadsAnyHeader) {

@@ -223,7 +223,7 @@ std::expected<UploadPlan, HttpResponse> Api::PlanUpload(const HttpRequest& reque
   if (route == nullptr || !route->is_upload) {
     return std::unexpected(ErrorResponse(NotFound("files are uploaded to /api/v1/uploads").error()));
   }
-  auto plan = parts_->routes->jobs.PlanUpload(admitted->target);
+  auto plan = parts_->routes->jobs.PlanUpload(admitted->target, admitted->caller);
   if (!plan) return std::unexpected(ErrorResponse(plan.error()));
   return *std::move(plan);
 }

@@ -327,7 +327,9 @@ std::string JobTitle(const JobRecord& job) {
   return std::filesystem::path(text(job.kind == JobKind::kRefine ? "categories" : "video")).filename().string();
 }
 
-Json JobToJson(const JobRecord& job, std::int64_t now_us) {
+constexpr const char* kHiddenReason = "the source cannot be read: an administrator sees why";
+
+Json JobToJson(const JobRecord& job, std::int64_t now_us, SourceReasons reasons) {
   const JobProgress& progress = job.progress;
   // By the rate since this attempt began; the first seconds say little.
   Json left;
@@ -337,6 +339,8 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
     const auto rest = static_cast<double>(std::max<std::int64_t>(0, *progress.total - progress.done));
     if (elapsed_s >= kMinElapsed_s) left = std::round(elapsed_s * rest / static_cast<double>(progress.done));
   }
+  const bool is_hidden =
+      reasons == SourceReasons::kHidden && job.kind == JobKind::kLive && job.state == WorkState::kFailed;
   return {{"id", job.id},
           {"kind", ToText(job.kind)},
           {"title", JobTitle(job)},
@@ -344,7 +348,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
           {"done", progress.done},
           {"total", OrNull(progress.total)},
           {"unit", progress.unit},
-          {"message", WithoutCredentials(progress.message)},
+          {"message", is_hidden ? kHiddenReason : WithoutCredentials(progress.message)},
           {"left_s", std::move(left)},
           {"behind_s", job.state == WorkState::kRunning ? OrNull(progress.behind_s, &TimeJson) : Json()},
           {"cancel_asked", job.cancel_asked},
@@ -354,9 +358,9 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us) {
           {"ended_utc_us", OrNull(job.ended_utc_us)}};
 }
 
-Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us) {
+Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us, SourceReasons reasons) {
   Json rows = Json::array();
-  for (const JobRecord& job : jobs) rows.push_back(JobToJson(job, now_us));
+  for (const JobRecord& job : jobs) rows.push_back(JobToJson(job, now_us, reasons));
   return {{"jobs", std::move(rows)}};
 }
 

@@ -50,9 +50,12 @@ namespace victorious {
 
 /// What a job is about: the name of a video or a model.
 [[nodiscard]] std::string JobTitle(const JobRecord& job);
+/// Why a live source cannot be read tells what answers at an address, which is for administrators.
+enum class SourceReasons { kHidden, kShown };
 /// @param now_us  microseconds since 1970, for the time that is left
-[[nodiscard]] Json JobToJson(const JobRecord& job, std::int64_t now_us);
-[[nodiscard]] Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us);
+[[nodiscard]] Json JobToJson(const JobRecord& job, std::int64_t now_us, SourceReasons reasons = SourceReasons::kHidden);
+[[nodiscard]] Json JobsToJson(const std::vector<JobRecord>& jobs, std::int64_t now_us,
+                              SourceReasons reasons = SourceReasons::kHidden);
 
 [[nodiscard]] Json AuditToJson(const std::vector<AuditRecord>& records);
 

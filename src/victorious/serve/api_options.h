@@ -1,6 +1,8 @@
 // What `victorious serve` gives the API.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -34,6 +36,11 @@ struct ApiOptions {
   std::vector<std::filesystem::path> secrets = {};  ///< files that are never opened for the index: a private key
   std::optional<SampleFiles> sample = {};           ///< std::nullopt: none
   std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
+  /// Uploads that no job and no video has, and jobs that are open; one account may have a fifth of each.
+  std::size_t max_uploads = 500;
+  std::size_t max_jobs = 500;
+  std::chrono::hours upload_expiry{24};        ///< after which an upload that no job and no video has is removed
+  std::vector<std::string> live_sources = {};  ///< hosts of live sources; empty: any but CheckSource's
   std::uint64_t max_upload_bytes = std::uint64_t{50} << 30;
   ServerIdentity server;
 };

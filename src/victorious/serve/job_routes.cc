@@ -21,11 +21,33 @@
 #include "victorious/serve/byte_range.h"
 #include "victorious/serve/file_response.h"
 #include "victorious/serve/job_body.h"
+#include "victorious/serve/source_guard.h"
 #include "victorious/serve/static_files.h"
 
 namespace victorious {
 
-ApiExpected<UploadPlan> JobRoutes::PlanUpload(const RequestTarget& target) {
+namespace {
+
+AccountQuota::Limits LimitsOf(std::size_t in_all) {
+  constexpr std::size_t kAccounts = 5;  // that fill it up together
+  return {.in_all = in_all, .an_account = std::max<std::size_t>(1, in_all / kAccounts)};
+}
+
+// A reason tells what answers at an address of the server's network.
+SourceReasons ReasonsFor(const Caller& caller) {
+  return caller.May(Role::kAdmin) ? SourceReasons::kShown : SourceReasons::kHidden;
+}
+
+bool IsOpen(const JobRecord& job) { return job.state == WorkState::kQueued || job.state == WorkState::kRunning; }
+
+}  // namespace
+
+JobRoutes::JobRoutes(const Needs& needs)
+    : needs_(needs),
+      upload_quota_("uploads without a job", LimitsOf(needs.options.max_uploads)),
+      job_quota_("open jobs", LimitsOf(needs.options.max_jobs)) {}
+
+ApiExpected<UploadPlan> JobRoutes::PlanUpload(const RequestTarget& target, const Caller& caller) {
   if (!needs_.live.has_jobs()) {
     return std::unexpected(ApiError(Error{
         ErrorCode::kPermissionDenied,
@@ -34,7 +56,20 @@ ApiExpected<UploadPlan> JobRoutes::PlanUpload(const RequestTarget& target) {
   QueryReader query(target);
   const auto name = query.Text("name");
   VICTORIOUS_RETURN_IF_ERROR(query.CheckAllUsed());
+  const std::scoped_lock lock(quota_mutex_);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::set<std::string> used, UsedUploads());
+  std::set<std::string> unused;
+  for (const UploadFolder::Listed& upload : needs_.uploads.List()) {
+    if (used.contains(upload.id)) continue;
+    if (std::filesystem::file_time_type::clock::now() - upload.written < needs_.options.upload_expiry) {
+      unused.insert(upload.id);
+    } else {
+      needs_.uploads.Remove(upload.id);
+    }
+  }
+  VICTORIOUS_RETURN_IF_ERROR(upload_quota_.Check(unused, caller.name()));
   auto file = needs_.uploads.Create(name.value_or(""));
+  if (file) upload_quota_.Add(UploadFolder::IdOf(*file), caller.name());
   if (!file) return std::unexpected(ApiError(file.error(), "name"));
   return UploadPlan{.file = *std::move(file), .max_bytes = needs_.options.max_upload_bytes};
 }
@@ -56,9 +91,9 @@ ApiExpected<HttpResponse> JobRoutes::Upload(const ApiCall& call) {
   return JsonResponse(upload);
 }
 
-ApiExpected<HttpResponse> JobRoutes::List(const ApiCall& /*call*/) {
+ApiExpected<HttpResponse> JobRoutes::List(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, needs_.live.Jobs());
-  return JsonResponse(JobsToJson(jobs, NowUtcMicroseconds()));
+  return JsonResponse(JobsToJson(jobs, NowUtcMicroseconds(), ReasonsFor(call.caller)));
 }
 
 ApiExpected<HttpResponse> JobRoutes::Submit(const ApiCall& call) {
@@ -74,6 +109,9 @@ ApiExpected<HttpResponse> JobRoutes::Submit(const ApiCall& call) {
   }
   if (*kind == JobKind::kIndex || *kind == JobKind::kLive) VICTORIOUS_RETURN_IF_ERROR(CheckHasTargets());
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, needs_.inputs.Make(*kind, *body, call.cancel));
+  if (*kind == JobKind::kLive) VICTORIOUS_RETURN_IF_ERROR(CheckMayOpen(DumpJson(input), call.caller));
+  const std::scoped_lock lock(quota_mutex_);
+  VICTORIOUS_RETURN_IF_ERROR(CheckQuota(call.caller));
   if (*kind == JobKind::kSample) return SubmitSample(input, call.caller.name());
   const NewJob asked{.kind = *kind,
                      .input_json = DumpJson(input),
@@ -88,6 +126,7 @@ ApiExpected<HttpResponse> JobRoutes::Submit(const ApiCall& call) {
   // Several viewers ask for the same file.
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job,
                               MakesFile(*kind) ? needs_.live.SubmitOnce(asked) : needs_.live.Submit(asked));
+  job_quota_.Add(std::to_string(job.id), call.caller.name());
   return JsonResponse(JobToJson(job, NowUtcMicroseconds()));
 }
 
@@ -113,9 +152,7 @@ ApiStatus JobRoutes::CheckHasTargets() {
   if (!needs_.live.has_jobs()) return {};  // submitting the job says so
   if (!needs_.options.categories.empty() || needs_.inputs.HasModels()) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, needs_.live.Jobs());
-  const auto makes_model = [](const JobRecord& job) {
-    return job.kind == JobKind::kModel && (job.state == WorkState::kQueued || job.state == WorkState::kRunning);
-  };
+  const auto makes_model = [](const JobRecord& job) { return job.kind == JobKind::kModel && IsOpen(job); };
   if (std::ranges::any_of(jobs, makes_model)) return {};
   return std::unexpected(ApiError(
       Error{ErrorCode::kConflict,
@@ -143,7 +180,11 @@ ApiExpected<HttpResponse> JobRoutes::Cancel(const ApiCall& call) {
 ApiExpected<HttpResponse> JobRoutes::Retry(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, FindJob(call.parameters[0]));
   VICTORIOUS_RETURN_IF_ERROR(needs_.inputs.CheckStillValid(job, call.cancel));
+  if (job.kind == JobKind::kLive) VICTORIOUS_RETURN_IF_ERROR(CheckMayOpen(job.input_json, call.caller));
+  const std::scoped_lock lock(quota_mutex_);
+  VICTORIOUS_RETURN_IF_ERROR(CheckQuota(call.caller));
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord again, needs_.live.Retry(job.id, call.caller.name()));
+  job_quota_.Add(std::to_string(again.id), call.caller.name());
   return JsonResponse(JobToJson(again, NowUtcMicroseconds()));
 }
 
@@ -155,10 +196,36 @@ ApiExpected<HttpResponse> JobRoutes::Remove(const ApiCall& call) {
 }
 
 Status JobRoutes::RemoveUploads(const JobRecord& removed) {
-  std::set<std::string> unused = UploadFolder::IdsIn(removed.input_json);
-  const auto keep = [&](std::string_view text) {
-    for (const std::string& id : UploadFolder::IdsIn(text)) unused.erase(id);
-  };
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::set<std::string> used, UsedUploads());
+  for (const std::string& id : UploadFolder::IdsIn(removed.input_json)) {
+    if (!used.contains(id)) needs_.uploads.Remove(id);
+  }
+  return {};
+}
+
+ApiStatus JobRoutes::CheckQuota(const Caller& caller) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, needs_.live.Jobs());
+  std::set<std::string> open;
+  for (const JobRecord& job : jobs) {
+    if (IsOpen(job)) open.insert(std::to_string(job.id));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(job_quota_.Check(open, caller.name()));
+  return {};
+}
+
+ApiStatus JobRoutes::CheckMayOpen(const std::string& input_json, const Caller& caller) {
+  // Without accounts, who asks has the rights of the server's user on this machine.
+  if (caller.is_open && needs_.options.live_sources.empty()) return {};
+  const auto input = ParseJson(input_json);
+  const std::string url = input ? input->value("video", std::string()) : std::string();
+  const Status status = CheckSource(url, needs_.options.live_sources);
+  if (!status) return std::unexpected(ApiError(status.error(), "url"));
+  return {};
+}
+
+Expected<std::set<std::string>> JobRoutes::UsedUploads() {
+  std::set<std::string> used;
+  const auto keep = [&](std::string_view text) { used.merge(UploadFolder::IdsIn(text)); };
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<JobRecord> jobs, needs_.live.Jobs());
   for (const JobRecord& job : jobs) keep(job.input_json);
   // Not the lists that are kept: a search may have added its video just now.
@@ -168,8 +235,7 @@ Status JobRoutes::RemoveUploads(const JobRecord& removed) {
     keep(video.name);
     keep(video.telemetry);
   }
-  for (const std::string& id : unused) needs_.uploads.Remove(id);
-  return {};
+  return used;
 }
 
 ApiExpected<JobRecord> JobRoutes::FindJob(const std::string& id) {
@@ -232,12 +298,12 @@ ApiExpected<HttpResponse> JobRoutes::SendJobFile(const HttpRequest& request, con
   return response;
 }
 
-ApiExpected<HttpResponse> JobRoutes::Events(const ApiCall& /*call*/) {
+ApiExpected<HttpResponse> JobRoutes::Events(const ApiCall& call) {
   return HttpResponse{.content_type = "text/event-stream",
                       .headers = {{"Cache-Control", "no-store"}},
                       .body = {},
                       .file = {},
-                      .events = needs_.live.Listen()};
+                      .events = needs_.live.Listen(call.caller.is_open)};
 }
 
 }  // namespace victorious

@@ -1,12 +1,15 @@
 // The routes of uploads, jobs and events. Thread-safe.
 #pragma once
 
+#include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "victorious/serve/access_control.h"
+#include "victorious/serve/account_quota.h"
 #include "victorious/serve/api_options.h"
 #include "victorious/serve/copy_folder.h"
 #include "victorious/serve/index_view.h"
@@ -29,10 +32,11 @@ class JobRoutes {
     CopyFolder& copies;
     UploadFolder& uploads;
   };
-  explicit JobRoutes(const Needs& needs) : needs_(needs) {}
+  explicit JobRoutes(const Needs& needs);
 
-  /// Where the body of an upload goes. Errors: kPermissionDenied without jobs; kInvalidArgument for a name.
-  ApiExpected<UploadPlan> PlanUpload(const RequestTarget& target);
+  /// Where the body of an upload goes. Removes uploads that nobody has used for too long. Errors: kPermissionDenied
+  /// without jobs; kInvalidArgument for a name; kConflict if there are too many.
+  ApiExpected<UploadPlan> PlanUpload(const RequestTarget& target, const Caller& caller);
 
   ApiExpected<HttpResponse> Upload(const ApiCall& call);
   ApiExpected<HttpResponse> List(const ApiCall& call);
@@ -52,12 +56,21 @@ class JobRoutes {
   ApiExpected<JobRecord> FindJob(const std::string& id);
   /// A listed job that has made what is asked for; std::nullopt: none, or its file was removed.
   ApiExpected<std::optional<JobRecord>> FindMade(const NewJob& asked);
+  /// The uploads that a job or a video of the index names.
+  [[nodiscard]] Expected<std::set<std::string>> UsedUploads();
+  /// Fails with kConflict if the caller may open no further job.
+  ApiStatus CheckQuota(const Caller& caller);
+  /// Fails with kPermissionDenied if the input of a job names a live source that the caller may not have opened.
+  ApiStatus CheckMayOpen(const std::string& input_json, const Caller& caller);
   /// Removes what was uploaded for a removed job, unless another job or a video of the index needs it.
   [[nodiscard]] Status RemoveUploads(const JobRecord& removed);
   /// The file that a job has made, to be saved under the job's title.
   ApiExpected<HttpResponse> SendJobFile(const HttpRequest& request, const JobRecord& job, const std::string& name);
 
   Needs needs_;
+  std::mutex quota_mutex_;  ///< held while something is counted and added
+  AccountQuota upload_quota_;
+  AccountQuota job_quota_;
 };
 
 }  // namespace victorious

@@ -175,7 +175,8 @@ Status LiveService::PublishNewIndex() {
 void LiveService::PublishJobs() {
   const auto jobs = Jobs();
   if (!jobs) return LogWarning("the queue of jobs: {}", jobs.error().message);
-  hub_->Publish("jobs", DumpJson(JobsToJson(*jobs, NowUtcMicroseconds())));
+  const SourceReasons reasons = has_accounts_ ? SourceReasons::kHidden : SourceReasons::kShown;
+  hub_->Publish("jobs", DumpJson(JobsToJson(*jobs, NowUtcMicroseconds(), reasons)));
 }
 
 }  // namespace victorious

@@ -31,7 +31,11 @@ class LiveService {
 
   [[nodiscard]] bool has_jobs() const { return queue_ != nullptr; }
   /// Events `index` ({"version", "newest_object"}) when the index changes, `jobs` (the list of jobs) when a job does.
-  [[nodiscard]] std::shared_ptr<EventFeed> Listen() { return hub_->Listen(); }
+  /// @param is_open  there are no accounts: who listens may know why sources cannot be read; else nobody hears it here
+  [[nodiscard]] std::shared_ptr<EventFeed> Listen(bool is_open) {
+    if (!is_open) has_accounts_ = true;
+    return hub_->Listen();
+  }
 
   /// Errors of these: kUnsupported without jobs; those of JobQueue.
   [[nodiscard]] Expected<JobRecord> Submit(const NewJob& job);
@@ -65,6 +69,7 @@ class LiveService {
   std::unique_ptr<JobQueue> queue_;  ///< null: no jobs
   std::atomic<bool> is_ending_ = false;
   std::atomic<bool> jobs_changed_ = true;
+  std::atomic<bool> has_accounts_ = false;
   std::int64_t published_version_ = 0;
   std::string index_failure_;  ///< the last one, until there is none
   std::optional<std::chrono::steady_clock::time_point> trimmed_;

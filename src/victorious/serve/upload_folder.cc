@@ -53,6 +53,18 @@ Expected<fs::path> UploadFolder::Find(std::string_view id) const {
   return Fail(ErrorCode::kNotFound, fmt::format("there is no upload \"{}\"", id.substr(0, kIdDigits)));
 }
 
+std::vector<UploadFolder::Listed> UploadFolder::List() const {
+  std::vector<Listed> uploads;
+  for (const fs::path& folder : ListFolder(folder_).value_or(std::vector<fs::path>())) {
+    if (!IsId(folder.filename().string())) continue;
+    const auto file = Find(folder.filename().string());
+    std::error_code error;
+    const fs::file_time_type written = fs::last_write_time(file ? *file : folder, error);
+    if (!error) uploads.push_back({.id = folder.filename(), .written = written});
+  }
+  return uploads;
+}
+
 void UploadFolder::RemoveFile(const fs::path& file) {
   std::error_code ignored;
   fs::remove(file, ignored);

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "victorious/base/error.h"
 
@@ -31,6 +32,13 @@ class UploadFolder {
 
   /// The ids of uploads in a text with paths, such as the input of a job; each once.
   [[nodiscard]] static std::set<std::string> IdsIn(std::string_view text);
+
+  struct Listed {
+    std::string id;
+    std::filesystem::file_time_type written;  ///< when its file was written last
+  };
+  /// All uploads, also those whose file is still being written.
+  [[nodiscard]] std::vector<Listed> List() const;
 
   /// Removes an upload with its file; none is no error. What cannot be removed is logged.
   void Remove(std::string_view id) const;
