@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -47,18 +49,37 @@ struct GridMinimum {
   double cost = std::numeric_limits<double>::infinity();  // mean absolute residual
 };
 
+// Against the mean of the predictions half a row interval earlier and later, as in ComputeDerivatives: interpolation at
+// an offset between rows would halve the noise of telemetry, and a wrong offset there would have the smaller residuals.
+ResidualSet MeanResiduals(const MotionComparison& comparison, const std::vector<std::optional<Vector3d>>& measured,
+                          const MotionComparison::Poses& before, const MotionComparison::Poses& after, double per_m) {
+  ResidualSet residual_set;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    if (!before[i] || !after[i] || !measured[i]) continue;
+    const auto earlier = comparison.Predict(*before[i], per_m);
+    const auto later = comparison.Predict(*after[i], per_m);
+    if (!earlier || !later) continue;
+    residual_set.pairs.push_back(i);
+    residual_set.residuals.push_back(*measured[i] - (*earlier + *later) / 2);
+  }
+  return residual_set;
+}
+
 // Grid search over offset and height. Returns the local minima over the offset, best first.
-std::vector<GridMinimum> GridSearch(const MotionComparison& comparison, double max_offset_s) {
+std::vector<GridMinimum> GridSearch(const MotionComparison& comparison, double row_s, double max_offset_s) {
   constexpr std::array kHeights_m = {15.0, 30.0, 60.0, 90.0, 130.0, 190.0, 280.0, 420.0, 800.0, 1600.0, 3200.0, 6400.0};
   const double step_s = kMinPairInterval_s / 2;
   const int steps = static_cast<int>(std::ceil(max_offset_s / step_s));
+  std::vector<std::optional<Vector3d>> measured;
+  for (std::size_t i = 0; i < comparison.size(); ++i) measured.push_back(comparison.MeanMeasured(i, row_s));
   std::vector<GridMinimum> along;
   for (int k = -steps; k <= steps; ++k) {
     GridMinimum best;
     best.unknowns[0] = k * step_s;
-    const MotionComparison::Poses poses = comparison.PosesAt(k * step_s);
+    const MotionComparison::Poses before = comparison.PosesAt(k * step_s - row_s / 2);
+    const MotionComparison::Poses after = comparison.PosesAt(k * step_s + row_s / 2);
     const auto try_height = [&](double per_m) {
-      const ResidualSet residual_set = ComputeResiduals(comparison, poses, per_m);
+      const ResidualSet residual_set = MeanResiduals(comparison, measured, before, after, per_m);
       const double cost = MeanAbsResidual(residual_set);
       if (cost >= best.cost) return;
       best.cost = cost;
@@ -103,14 +124,60 @@ Vector3d RobustScales(const ResidualSet& residual_set) {
 
 constexpr double kHuber = 2;  // in standard deviations
 
+double PairLoss(const Vector3d& residual, const Vector3d& scales_px) {
+  double loss = 0;
+  for (int c = 0; c < 3; ++c) loss += HuberLoss(residual[c] / scales_px[c], kHuber);
+  return loss;
+}
+
 // Infinite with too few pairs: an offset that leaves telemetry fits nothing.
 double MeanHuberLoss(const ResidualSet& residual_set, const Vector3d& scales_px) {
   if (residual_set.residuals.size() < kMinPairs) return std::numeric_limits<double>::infinity();
   double cost = 0;
-  for (const Vector3d& residual : residual_set.residuals) {
-    for (int c = 0; c < 3; ++c) cost += HuberLoss(residual[c] / scales_px[c], kHuber);
-  }
+  for (const Vector3d& residual : residual_set.residuals) cost += PairLoss(residual, scales_px);
   return cost / static_cast<double>(residual_set.residuals.size());
+}
+
+double Variance(const std::vector<double>& values) {
+  const auto count = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return squares / std::max(1.0, count - 1);
+}
+
+// Whether a fit at another offset is worse than the best one by more than noise explains, over the pairs of frames that
+// both cover.
+//
+// The noise of the image is the same at both offsets and nearly cancels in the difference. The noise of telemetry does
+// not, as other rows predict a pair there: the losses at all offsets by whole periods of a periodic motion differ by
+// sqrt(2 n) standard deviations of one loss. The standard error is therefore that of the differences over blocks of 1 s,
+// or, where few of them contain the camera's manoeuvres and they differ for that, of independent losses.
+bool IsSignificantlyWorse(const MotionComparison& comparison, const OffsetFit& other, const OffsetFit& best,
+                          const Vector3d& scales_px) {
+  constexpr double kSignificantLoss = 9;  // three standard deviations of the offset, without noise of telemetry
+  constexpr double kSignificantSigmas = 4;
+  const double correlation_factor = std::max(1.0, best.block_variance / best.variance);
+  std::map<double, double> of_second;  // differences of the losses, by the second of the video
+  std::vector<double> losses;          // of the best fit
+  auto of_best = best.residual_set.pairs.begin();
+  for (std::size_t i = 0; i < other.residual_set.pairs.size(); ++i) {
+    const std::size_t pair = other.residual_set.pairs[i];
+    of_best = std::lower_bound(of_best, best.residual_set.pairs.end(), pair);
+    if (of_best == best.residual_set.pairs.end()) break;
+    if (*of_best != pair) continue;
+    const auto k = static_cast<std::size_t>(of_best - best.residual_set.pairs.begin());
+    losses.push_back(PairLoss(best.residual_set.residuals[k], scales_px));
+    of_second[std::floor(comparison.time_s(pair))] +=
+        PairLoss(other.residual_set.residuals[i], scales_px) - losses.back();
+  }
+  if (losses.size() < kMinPairs) return false;
+  std::vector<double> differences;
+  for (const auto& [second, difference] : of_second) differences.push_back(difference);
+  const double in_all = std::accumulate(differences.begin(), differences.end(), 0.0);
+  const double variance = std::min(static_cast<double>(differences.size()) * Variance(differences),
+                                   2 * static_cast<double>(losses.size()) * Variance(losses) * correlation_factor);
+  return in_all > std::max(kSignificantLoss * correlation_factor, kSignificantSigmas * std::sqrt(variance));
 }
 
 // Derivatives of the predictions by offset and inverse height; those by the biases are 1.
@@ -360,7 +427,7 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& 
   const double row_s = std::max(MedianRowInterval(cameras), kMinPairInterval_s / 2);
   constexpr std::size_t kMaxMinima = 4;
   std::vector<OffsetFit> fits;
-  for (const GridMinimum& candidate : GridSearch(comparison, options.max_offset_s)) {
+  for (const GridMinimum& candidate : GridSearch(comparison, row_s, options.max_offset_s)) {
     if (fits.size() == kMaxMinima) break;
     if (auto fit = Refine(comparison, candidate.unknowns, row_s)) fits.push_back(*std::move(fit));
   }
@@ -384,14 +451,10 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& 
     result.contradicted = FindContradiction(seen, cameras);
     return result;
   }
-  // Another minimum is equally good if its cost is not significantly higher; the residuals are correlated.
-  constexpr double kSignificantCost = 9;
-  const double correlation_factor = std::max(1.0, best.block_variance / best.variance);
   for (const OffsetFit& other : fits) {
     const double apart_s = std::abs(other.unknowns[0] - result.best_s);
     if (apart_s < std::max(4 * result.sigma_s, kMinPairInterval_s)) continue;
-    const double worse = (cost(other) - cost(best)) * static_cast<double>(result.pairs);
-    if (worse > kSignificantCost * correlation_factor) continue;
+    if (IsSignificantlyWorse(comparison, other, best, scales_px)) continue;
     result.status = TimeOffsetStatus::kPeriodic;
     result.other_s = other.unknowns[0];
     return result;

@@ -8,7 +8,8 @@
 // motion component. They minimise a Huber loss: a grid search, then Gauss-Newton.
 //
 // The standard error is a sandwich estimate with residual blocks of 1 s, which may be correlated within. There is no
-// offset if the camera's motion hardly changes, is periodic, or does not match the image motion.
+// offset if the camera's motion hardly changes, is periodic, or does not match the image motion. It is periodic if
+// another offset explains the image as well up to the noise of the image and of telemetry.
 #pragma once
 
 #include <optional>
@@ -97,7 +98,7 @@ struct TimeOffset {
 [[nodiscard]] Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
                                                     double impulse_fraction, const CancelToken& cancel);
 
-/// Estimates the offset. Deterministic. Cost: half a second for a minute of video.
+/// Estimates the offset. Deterministic. Cost: a second for a minute of video.
 /// @param cameras  telemetry's states, on the video's clock up to the offset
 TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& cameras,
                               const TimeOffsetOptions& options);

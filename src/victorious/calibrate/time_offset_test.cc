@@ -137,6 +137,29 @@ TEST(EstimateTimeOffset, PeriodicMotionIsAmbiguous) {
   EXPECT_THAT(Describe(offset), HasSubstr("is periodic"));
 }
 
+// A camera that shakes by 0.35 degrees at 1.3 Hz on a straight flight, and a telemetry with noise of 0.1 degrees a row.
+TEST(EstimateTimeOffset, NoiseOfTelemetryDoesNotChooseBetweenPeriodsOfAShake) {
+  constexpr int kDraws = 8;
+  int ambiguous = 0;
+  for (std::uint64_t draw = 1; draw <= kDraws; ++draw) {
+    Random random(draw);
+    const auto shaking = [](double time_s) {
+      const double phase = 2 * kPi * 1.3 * time_s;
+      return Above({8 * time_s, -60, 110}, 0.35 * std::sin(phase), -60 + 0.6 * time_s + 0.35 * std::cos(phase),
+                   0.3 * time_s, time_s);
+    };
+    std::vector<CameraState> states = RecordedLate(shaking, 0).states();
+    for (CameraState& state : states) {
+      for (double* angle : {&state.attitude->yaw_rad, &state.attitude->pitch_rad, &state.attitude->roll_rad})
+        *angle += RadiansFromDegrees(0.1) * random.Normal();
+    }
+    const TimeOffset offset = EstimateTimeOffset(Film(shaking, draw, 0.3), CameraTrajectory(states, 2), {});
+    EXPECT_FALSE(offset.offset_s) << Describe(offset);
+    ambiguous += offset.status == TimeOffsetStatus::kPeriodic ? 1 : 0;
+  }
+  EXPECT_GE(ambiguous, kDraws - 1);
+}
+
 TEST(EstimateTimeOffset, TelemetryOfAnotherFlightGivesNoOffset) {
   const auto other = [](double time_s) {
     return Above({8 * time_s, -60, 110}, 3 * std::sin(1.7 * time_s + 2), -60 + 2 * std::sin(2.3 * time_s), 0, time_s);
