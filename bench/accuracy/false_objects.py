@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Measures the rate of false positives in videos without the objects.
 
-Usage: false_objects.py [VIDEO...] --models DIR [--program build/victorious] [--flights 10] [--frames 60] [--fps 1]
-                        [--params FILE] [--work build/false_objects]
+Usage: false_objects.py [VIDEO...] --models DIR [--program build/victorious] [--flights 10] [--first 1] [--frames 60]
+                        [--fps 1] [--params FILE] [--work build/false_objects]
 
 All CAD models of DIR (*.glb) are searched for together in videos that do not contain them: FLIGHTS simulated flights of
-FRAMES frames at FPS frames/s over towns without them, and each VIDEO. The flight number seeds the town and its parked
+FRAMES frames at FPS frames/s over towns without them, from number FIRST on, and each VIDEO. The flight number seeds the town and its parked
 vehicles, the sun, the height, off-nadir angle, speed and rotation of the camera, noise, blur and sensor noise. The
 vehicles of assets/models parked in the towns are of other makes than those of DIR, but similar (distractors). Flights
 and models that exist in WORK are reused; delete WORK after a change.
@@ -21,7 +21,6 @@ import random
 import re
 import sys
 import time
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -104,8 +103,8 @@ def count(program: Program, video: Path, library: Path, db: Path, params: Path |
     took = time.monotonic() - begun
     sightings = program("export", "--db", db, "--format", "sightings").splitlines()
     objects = [json.loads(line) for line in program("export", "--db", db, "--format", "objects").splitlines()]
-    for model, found in sorted(Counter(o["model"] for o in objects).items()):
-        print(f"  {video}: {found} {model}", file=sys.stderr, flush=True)
+    for one in objects:
+        print(f"  {video}: {one['model']}, score {one['score']:.3f}, {one['frames']} frames", file=sys.stderr, flush=True)
     frames = int(re.search(r"(\d+) frames searched", reported)[1])
     frame_rate = json.loads(program("doctor", video, "--json"))["frame_rate"]
     return Tally(frames, frames / frame_rate, len(sightings), len(objects)), took
@@ -117,6 +116,7 @@ def main():
     parser.add_argument("--models", type=Path, required=True)
     parser.add_argument("--program", default=REPOSITORY / "build/victorious")
     parser.add_argument("--flights", type=int, default=10)
+    parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--fps", type=float, default=1)
     parser.add_argument("--params", type=Path)
@@ -133,7 +133,7 @@ def main():
 
     of_kind = {"empty town": Tally(), "video": Tally(), "together": Tally()}
     print(f"{'':<40}{'frames':>8}{'seconds':>9}{'sightings':>11}{'objects':>9}{'frames/s':>10}")
-    towns = [flight(program, n, work, arguments.frames, arguments.fps) for n in range(1, arguments.flights + 1)]
+    towns = [flight(program, n, work, arguments.frames, arguments.fps) for n in range(arguments.first, arguments.first + arguments.flights)]
     for kind, videos in (("empty town", towns), ("video", arguments.videos)):
         for video in videos:
             name = video.parent.name if kind == "empty town" else video.stem

@@ -163,6 +163,28 @@ TEST_F(ShapeSearchTest, NeedsTheHeightAndTheVertical) {
   EXPECT_TRUE(Find(scene.grey, unknown, -100).empty());
 }
 
+TEST_F(ShapeSearchTest, FindsAnObjectOfAnySizeWithoutACamera) {
+  const PlainScene scene = SceneWith(5);
+  const std::vector<ShapeMatch> known = Find(scene.grey, scene.conditions);
+  const std::vector<ShapeMatch> found = search_.FindInAnyView(scene.grey, 0).value();
+  ASSERT_EQ(known.size(), 1U);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT((found[0].centre_px - scene.centre_px).norm(), 6);
+  EXPECT_NEAR(found[0].pixels_per_m / known[0].pixels_per_m, 1, 0.12);
+  EXPECT_NEAR(found[0].to_camera.off_nadir_rad, RadiansFromDegrees(kOffNadir_deg), RadiansFromDegrees(11));
+  EXPECT_LT(found[0].neg_log10_nfa, known[0].neg_log10_nfa);
+}
+
+TEST_F(ShapeSearchTest, AnAssumedCameraStandsInForAnUnknownOne) {
+  const PlainScene scene = SceneWith(5);
+  const std::vector<ShapeMatch> known = Find(scene.grey, scene.conditions);
+  search_.AssumeCamera(scene.conditions);
+  const std::vector<ShapeMatch> found = Find(scene.grey, {}, 2);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_DOUBLE_EQ(found[0].response, known[0].response);
+  EXPECT_DOUBLE_EQ(found[0].neg_log10_nfa, known[0].neg_log10_nfa - kDecadesOfAssumedCamera);
+}
+
 TEST_F(ShapeSearchTest, FindsNoObjectOfAnotherSize) {
   PlainScene scene = SceneWith(5);
   *scene.conditions.height_above_ground_m *= 1.6;

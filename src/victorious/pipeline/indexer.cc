@@ -31,6 +31,7 @@
 #include "victorious/pipeline/shape_background.h"
 #include "victorious/pipeline/shown_ground.h"
 #include "victorious/pipeline/video_telemetry.h"
+#include "victorious/recognize/common_view.h"
 #include "victorious/terrain/terrain.h"
 #include "victorious/video/stream_recorder.h"
 #include "victorious/video/video_reader.h"
@@ -536,19 +537,31 @@ Status Indexer::EstimateSun(const Recognizer& recognizer, const IndexJob& job, O
 
 Expected<std::unique_ptr<const ShapeSearch>> Indexer::MakeShapeSearch(const Recognizer& recognizer, const IndexJob& job,
                                                                       const CameraStates& cameras,
-                                                                      std::optional<double> duration_s,
+                                                                      const VideoInfo& info,
                                                                       const CancelToken& cancel) const {
-  const bool has_ground = cameras.ground_height() || options_.objects.ground;
-  if (!options_.shape.enabled || !has_ground || !recognizer.HasRelitTemplates() ||
-      !HasAttitudes(cameras.trajectory())) {
+  const bool has_camera = (cameras.ground_height() || options_.objects.ground) && HasAttitudes(cameras.trajectory());
+  if (!options_.shape.enabled || !recognizer.HasRelitTemplates() || info.live ||
+      (!has_camera && !options_.shape.without_height)) {
     return nullptr;
   }
   const StageScope scope(Stage::kShape);
   VICTORIOUS_ASSIGN_OR_RETURN(
-      const std::vector<GradientCells> background,
-      ReadBackground(job.video, duration_s.value_or(0), options_.features.impulse_fraction, cancel));
-  if (background.empty()) return nullptr;
-  return std::make_unique<const ShapeSearch>(recognizer.models(), recognizer.relit_templates(), background);
+      const std::vector<cv::Mat> frames,
+      ReadSpreadFrames(job.video, info.duration_s.value_or(0), has_camera ? kBackgroundFrames : kViewFrames,
+                       options_.features.impulse_fraction, cancel));
+  if (frames.empty()) return nullptr;
+  auto shapes = std::make_unique<ShapeSearch>(recognizer.models(), recognizer.relit_templates(), BackgroundOf(frames));
+  if (has_camera) return shapes;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<CommonView> view, EstimateCommonView(*shapes, frames, cancel));
+  if (!view) return nullptr;
+  if (job.inform) {
+    job.inform(
+        fmt::format("{}: the camera's height is unknown; for the search by shape, {:.3g} pixels a metre and an "
+                    "off-nadir angle of {:.0f} degrees are assumed, in which the objects of several models agree",
+                    job.video, view->pixels_per_m, DegreesFromRadians(view->off_nadir_rad)));
+  }
+  shapes->AssumeCamera(ConditionsOf(*view, frames.front().size()));
+  return shapes;
 }
 
 Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video, const CancelToken& cancel,
@@ -563,7 +576,7 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
   pass.sun = report.sun;
   pass.duration_s = video.reader->info().duration_s;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<const ShapeSearch> shapes,
-                              MakeShapeSearch(recognizer, job, video.cameras, pass.duration_s, cancel));
+                              MakeShapeSearch(recognizer, job, video.cameras, video.reader->info(), cancel));
   pass.shapes = shapes.get();
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *video.reader, cancel, store, warn, report));
   video.reader.reset();

@@ -118,7 +118,7 @@ class Indexer {
   [[nodiscard]] Expected<std::unique_ptr<const ShapeSearch>> MakeShapeSearch(const Recognizer& recognizer,
                                                                              const IndexJob& job,
                                                                              const CameraStates& cameras,
-                                                                             std::optional<double> duration_s,
+                                                                             const VideoInfo& info,
                                                                              const CancelToken& cancel) const;
   // Sets the sun of the report. The reader is then at its first frame.
   [[nodiscard]] Status EstimateSun(const Recognizer& recognizer, const IndexJob& job, OpenedVideo& video,

@@ -313,7 +313,7 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   pass.sun = prepared.sun;
   pass.segment = &output;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<const ShapeSearch> shapes,
-                              MakeShapeSearch(recognizer, job, video.cameras, reader->info().duration_s, cancel));
+                              MakeShapeSearch(recognizer, job, video.cameras, reader->info(), cancel));
   pass.shapes = shapes.get();
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *reader, cancel, store, warn, report));
   if (!reader->IsExact()) {

@@ -11,33 +11,48 @@
 
 namespace victorious {
 
-Expected<std::vector<GradientCells>> ReadBackground(const std::string& video, double duration_s,
-                                                    double impulse_fraction, const CancelToken& cancel) {
-  constexpr int kFrames = 4;
-  std::vector<GradientCells> cells;
+Expected<std::vector<cv::Mat>> ReadSpreadFrames(const std::string& video, double duration_s, int count,
+                                                double impulse_fraction, const CancelToken& cancel) {
+  std::vector<cv::Mat> frames;
   auto reader = VideoReader::Open(video, {.color = FrameColor::kGrey, .threads = 1});
-  if (!reader) return cells;
+  if (!reader) return frames;
   bool seeks = duration_s > 0;
   std::optional<double> last_s;
-  for (int i = 0; i < kFrames; ++i) {
-    const double time_s = (i + 0.5) / kFrames * duration_s;
+  for (int i = 0; i < count; ++i) {
+    const double time_s = (i + 0.5) / count * duration_s;
     if (seeks) seeks = (*reader)->SeekTo(time_s);
     while (true) {
       if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, video + ": cancelled");
       const Expected<std::optional<Frame>> frame = (*reader)->NextFrame();
-      if (!frame || !*frame) return cells;
+      if (!frame || !*frame) return frames;
       if (last_s && (*frame)->time_s <= *last_s) {  // no key frame since: from here on decoding is faster
         seeks = false;
         continue;
       }
       if ((*frame)->time_s < time_s) continue;
       last_s = (*frame)->time_s;
-      std::vector<GradientCells> of_frame = BackgroundCells(RemoveImpulses((*frame)->image, impulse_fraction));
-      std::ranges::move(of_frame, std::back_inserter(cells));
+      frames.push_back(RemoveImpulses((*frame)->image, impulse_fraction));
       break;
     }
   }
+  return frames;
+}
+
+std::vector<GradientCells> BackgroundOf(std::span<const cv::Mat> frames) {
+  std::vector<GradientCells> cells;
+  for (const cv::Mat& frame : frames) std::ranges::move(BackgroundCells(frame), std::back_inserter(cells));
   return cells;
+}
+
+Expected<std::optional<CommonView>> EstimateCommonView(const ShapeSearch& shapes, std::span<const cv::Mat> frames,
+                                                       const CancelToken& cancel) {
+  std::vector<ShapeMatch> all;
+  for (const cv::Mat& frame : frames) {
+    if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "cancelled");
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ShapeMatch> matches, shapes.FindInAnyView(frame, 0));
+    all.insert(all.end(), matches.begin(), matches.end());
+  }
+  return FindCommonView(all, frames.front().size());
 }
 
 }  // namespace victorious

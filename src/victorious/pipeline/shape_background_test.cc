@@ -1,15 +1,14 @@
 #include "victorious/pipeline/shape_background.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "testing/data.h"
 #include "testing/video_tools.h"
-#include "victorious/recognize/shape_search.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -26,49 +25,43 @@ std::string WriteVideo(const testing::ScratchFolder& folder, int key_frame_inter
   return path.string();
 }
 
-// The numbers of the frames that the background is of.
-std::vector<int> FramesOf(const std::vector<GradientCells>& background, const std::string& video) {
+// The numbers of the frames that were read.
+std::vector<int> FramesRead(int key_frame_interval, double duration_s) {
+  const testing::ScratchFolder folder;
+  const std::string video = WriteVideo(folder, key_frame_interval);
+  const std::vector<cv::Mat> frames = ReadSpreadFrames(video, duration_s, 4, 1, {}).value();
   auto reader = VideoReader::Open(video, {}).value();
-  const std::size_t scales = BackgroundCells(cv::Mat::zeros(64, 96, CV_8U)).size();
   std::vector<int> numbers;
   for (int number = 0; number < kFrames; ++number) {
-    const std::vector<GradientCells> cells = BackgroundCells(reader->NextFrame().value()->image);
-    for (std::size_t first = 0; first + scales <= background.size(); first += scales) {
-      if (background[first + scales - 1].codes == cells.back().codes) numbers.push_back(number);
+    const cv::Mat image = reader->NextFrame().value()->image;
+    for (const cv::Mat& frame : frames) {
+      if (cv::norm(frame, image, cv::NORM_INF) == 0) numbers.push_back(number);
     }
   }
   return numbers;
 }
 
-std::vector<int> FramesOfBackground(int key_frame_interval, double duration_s) {
-  const testing::ScratchFolder folder;
-  const std::string video = WriteVideo(folder, key_frame_interval);
-  return FramesOf(ReadBackground(video, duration_s, 1, {}).value(), video);
-}
-
-TEST(ReadBackground, IsSpreadOverTheVideo) {
+TEST(ReadSpreadFrames, IsSpreadOverTheVideo) {
   for (const int key_frame_interval : {12, 1000}) {
-    EXPECT_THAT(FramesOfBackground(key_frame_interval, 20), ElementsAre(25, 75, 125, 175)) << key_frame_interval;
+    EXPECT_THAT(FramesRead(key_frame_interval, 20), ElementsAre(25, 75, 125, 175)) << key_frame_interval;
   }
 }
 
-TEST(ReadBackground, OfAnUnknownDurationIsOfTheBeginning) {
-  EXPECT_THAT(FramesOfBackground(12, 0), ElementsAre(0, 1, 2, 3));
-}
+TEST(ReadSpreadFrames, OfAnUnknownDurationIsOfTheBeginning) { EXPECT_THAT(FramesRead(12, 0), ElementsAre(0, 1, 2, 3)); }
 
-TEST(ReadBackground, IsEmptyWithoutAVideo) {
+TEST(ReadSpreadFrames, IsEmptyWithoutAVideo) {
   const testing::ScratchFolder folder;
-  EXPECT_THAT(ReadBackground((folder / "none.mp4").string(), 20, 1, {}).value(), IsEmpty());
+  EXPECT_THAT(ReadSpreadFrames((folder / "none.mp4").string(), 20, 4, 1, {}).value(), IsEmpty());
 }
 
-TEST(ReadBackground, CanBeCancelled) {
+TEST(ReadSpreadFrames, CanBeCancelled) {
   const testing::ScratchFolder folder;
   const std::string video = WriteVideo(folder, 12);
   CancelToken cancel;
   cancel.Cancel();
-  const auto background = ReadBackground(video, 20, 1, cancel);
-  ASSERT_FALSE(background);
-  EXPECT_EQ(background.error().code, ErrorCode::kCancelled);
+  const auto frames = ReadSpreadFrames(video, 20, 4, 1, cancel);
+  ASSERT_FALSE(frames);
+  EXPECT_EQ(frames.error().code, ErrorCode::kCancelled);
 }
 
 }  // namespace

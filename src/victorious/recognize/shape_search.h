@@ -46,6 +46,10 @@ inline constexpr double kCoarseSize_px = 64;
 /// What is gained where only a place and a heading are searched instead of a frame.
 inline constexpr double kDecadesOfOnePlace = 2.5;
 
+/// What is lost where the camera is assumed (common_view.h): sizes are known to some per cent only, and no place on the
+/// ground contradicts what looks alike.
+inline constexpr double kDecadesOfAssumedCamera = 1;
+
 /// A model found by its shape in one frame.
 struct ShapeMatch {
   std::size_t model_index = 0;
@@ -58,7 +62,10 @@ struct ShapeMatch {
   double neg_log10_nfa = 0;  ///< decades, of one frame and model
 };
 
-/// Thread-safe. Deterministic.
+class ModelShapeSearch;
+struct Place;
+
+/// Thread-safe but for AssumeCamera. Deterministic.
 class ShapeSearch {
  public:
   /// Models without stored renderings or a bounding box are not searched for.
@@ -71,12 +78,22 @@ class ShapeSearch {
   ShapeSearch(const ShapeSearch&) = delete;
   ShapeSearch& operator=(const ShapeSearch&) = delete;
 
-  /// The matches in a frame, by falling response. Empty without the vertical or the height above the ground.
+  /// The matches in a frame, by falling response. Empty without the vertical or the height above the ground, unless
+  /// they are assumed.
   /// @param grey               CV_8UC1, without impulse noise
   /// @param min_neg_log10_nfa  decades
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<std::vector<ShapeMatch>> Find(const cv::Mat& grey, const FrameConditions& conditions,
                                                        double min_neg_log10_nfa) const;
+
+  /// The matches in a frame of an unknown camera: of objects that stand upright in the image, of any size and off-nadir
+  /// angle. So many views are tested that what looks alike in another size is often more significant than the object.
+  /// Cost: some ten times that of Find.
+  /// Errors: those of RelitTemplateSource.
+  [[nodiscard]] Expected<std::vector<ShapeMatch>> FindInAnyView(const cv::Mat& grey, double min_neg_log10_nfa) const;
+
+  /// The camera of the frames that come without the vertical or the height above the ground.
+  void AssumeCamera(const FrameConditions& conditions) { assumed_ = conditions; }
 
   /// A detection by shape found again in another frame, near where it is expected and from about the same side.
   /// std::nullopt if it is not there. A place and a heading are tested, not all of a frame: as much as
@@ -93,11 +110,19 @@ class ShapeSearch {
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<Detection> MakeDetection(const ShapeMatch& match, FeatureSet& features) const;
 
+  class Templates;  ///< private to recognize/
+
  private:
-  class Templates;
+  [[nodiscard]] const FrameConditions* CameraOf(const FrameConditions& conditions) const;
+  [[nodiscard]] ModelShapeSearch SearchFor(std::size_t model) const;
+  [[nodiscard]] Expected<std::vector<ShapeMatch>> RefineBest(const cv::Mat& grey, const FrameConditions& conditions,
+                                                             std::vector<Expected<std::vector<Place>>>& found,
+                                                             std::size_t parts, double decades_of_views,
+                                                             double min_neg_log10_nfa) const;
 
   std::span<const ObjectModel> models_;
   std::unique_ptr<Templates> templates_;
+  std::optional<FrameConditions> assumed_;
 };
 
 /// Cells of a frame at the scales that the background of a search is taken from.
