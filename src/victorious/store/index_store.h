@@ -226,6 +226,13 @@ struct IndexBatch {
     std::int64_t expected_next_frame = 0;  ///< the progress before the batch; refused if another process changed it
   };
 
+  /// Two tracklets of one video and model that are one: the sightings of the second become those of the first.
+  struct JoinedTracklets {
+    std::int64_t into = 0;
+    std::int64_t from = 0;  ///< shares no frame with the first; deleted
+  };
+
+  std::vector<JoinedTracklets> joined;  ///< before all else
   std::vector<TrackletUpdate> tracklets;
   std::vector<NewSighting> sightings;
   std::vector<KeptFrame> kept_frames;

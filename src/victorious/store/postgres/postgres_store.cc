@@ -160,6 +160,30 @@ Status PostgresStore::LockObjectsOf(const std::vector<IndexBatch::TrackletUpdate
   return {};
 }
 
+Status PostgresStore::JoinTracklets(const IndexBatch::JoinedTracklets& joined) {
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Query("SELECT id FROM objects WHERE id IN (SELECT object_id FROM tracklets WHERE id = ? OR id = ?) "
+                         "ORDER BY id FOR UPDATE",
+                         joined.into, joined.from));
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Query("UPDATE sightings SET tracklet_id = ? WHERE tracklet_id = ?", joined.into, joined.from));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const Result counted,
+      connection_->Query("UPDATE tracklets t SET score = greatest(t.score, f.score), frames = t.frames + f.frames, "
+                         "first_time_s = least(t.first_time_s, f.first_time_s), last_time_s = greatest(t.last_time_s, "
+                         "f.last_time_s), revision = t.revision + 1 FROM tracklets f WHERE t.id = ? AND f.id = ? AND "
+                         "f.video_id = t.video_id AND f.model_id = t.model_id",
+                         joined.into, joined.from));
+  if (counted.Changes() != 1) return std::unexpected(Missing("tracklet", joined.from));
+  // The object of the second one remains if it has other tracklets.
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Query("DELETE FROM objects o WHERE o.id = (SELECT object_id FROM tracklets WHERE id = ?) AND NOT "
+                         "EXISTS (SELECT 1 FROM tracklets t WHERE t.object_id = o.id AND t.id <> ?)",
+                         joined.from, joined.from));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query("DELETE FROM tracklets WHERE id = ?", joined.from));
+  return {};
+}
+
 Expected<std::vector<std::int64_t>> PostgresStore::PutTracklets(
     const std::vector<IndexBatch::TrackletUpdate>& updates) {
   std::map<std::int64_t, std::int64_t> next_ids;  // by video
@@ -231,6 +255,7 @@ Status PostgresStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
 Expected<std::vector<std::int64_t>> PostgresStore::Commit(const IndexBatch& batch) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
   for (const IndexBatch::Progress& progress : batch.progress) VICTORIOUS_RETURN_IF_ERROR(PutProgress(progress));
+  for (const IndexBatch::JoinedTracklets& joined : batch.joined) VICTORIOUS_RETURN_IF_ERROR(JoinTracklets(joined));
   VICTORIOUS_RETURN_IF_ERROR(LockObjectsOf(batch.tracklets));
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::int64_t> tracklet_ids, PutTracklets(batch.tracklets));
   VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));

@@ -83,6 +83,8 @@ class PostgresStore final : public IndexStore {
       const std::vector<IndexBatch::TrackletUpdate>& updates);
   [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
   [[nodiscard]] Status PutKeptFrames(const std::vector<KeptFrame>& frames);
+  /// Inside a transaction.
+  [[nodiscard]] Status JoinTracklets(const IndexBatch::JoinedTracklets& joined);
   /// Locks the objects of the tracklets that a batch adds to, in the order of their ids, so that two batches that add
   /// to the same objects wait for each other, but not in a circle. Inside a transaction.
   [[nodiscard]] Status LockObjectsOf(const std::vector<IndexBatch::TrackletUpdate>& updates);

@@ -268,6 +268,28 @@ Status SqliteStore::PutProgress(const IndexBatch::Progress& progress) {
       .Run();
 }
 
+Status SqliteStore::JoinTracklets(const IndexBatch::JoinedTracklets& joined) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement move,
+                              connection_->Prepare("UPDATE sightings SET tracklet_id = ? WHERE tracklet_id = ?"));
+  VICTORIOUS_RETURN_IF_ERROR(move.Bind(joined.into, joined.from).Run());
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement count,
+      connection_->Prepare("UPDATE tracklets AS t SET score = max(t.score, f.score), frames = t.frames + f.frames, "
+                           "first_time_s = min(t.first_time_s, f.first_time_s), last_time_s = max(t.last_time_s, "
+                           "f.last_time_s), revision = t.revision + 1 FROM tracklets f WHERE t.id = ? AND f.id = ? AND "
+                           "f.video_id = t.video_id AND f.model_id = t.model_id"));
+  count.Bind(joined.into, joined.from);
+  VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(count, "tracklet", joined.from));
+  // The object of the second one remains if it has other tracklets.
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement forget,
+      connection_->Prepare("DELETE FROM objects WHERE id = (SELECT object_id FROM tracklets WHERE id = ?) AND NOT "
+                           "EXISTS (SELECT 1 FROM tracklets WHERE object_id = objects.id AND id <> ?)"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement remove, connection_->Prepare("DELETE FROM tracklets WHERE id = ?"));
+  VICTORIOUS_RETURN_IF_ERROR(forget.Bind(joined.from, joined.from).Run());
+  return remove.Bind(joined.from).Run();
+}
+
 Expected<std::int64_t> SqliteStore::PutTracklet(const IndexBatch::TrackletUpdate& update) {
   const TrackletRecord& tracklet = update.tracklet;
   if (update.id) {
@@ -344,6 +366,7 @@ Expected<std::vector<CoveredTime>> SqliteStore::CoveredTimes(const std::string& 
 Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   for (const IndexBatch::Progress& progress : batch.progress) VICTORIOUS_RETURN_IF_ERROR(PutProgress(progress));
+  for (const IndexBatch::JoinedTracklets& joined : batch.joined) VICTORIOUS_RETURN_IF_ERROR(JoinTracklets(joined));
   std::vector<std::int64_t> tracklet_ids;
   tracklet_ids.reserve(batch.tracklets.size());
   for (const IndexBatch::TrackletUpdate& update : batch.tracklets) {

@@ -59,6 +59,7 @@ class SqliteStore final : public IndexStore {
  private:
   [[nodiscard]] Expected<std::int64_t> PutOptions(const std::string& json);
   [[nodiscard]] Status PutProgress(const IndexBatch::Progress& progress);
+  [[nodiscard]] Status JoinTracklets(const IndexBatch::JoinedTracklets& joined);
   [[nodiscard]] Expected<std::int64_t> PutTracklet(const IndexBatch::TrackletUpdate& update);
   [[nodiscard]] Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
   /// PutObjects inside a transaction.
