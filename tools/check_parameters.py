@@ -39,6 +39,7 @@ OWNERS = {
     "telemetry": "telemetry",
     "follow": "pipeline",
     "follow.track": "track",
+    "grow": "pipeline",
     "tracklets": "associate",
     "keep": "pipeline",
     "every": "pipeline",

@@ -62,6 +62,7 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("daylight", sun_direction);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("follow", follow);
+  fields.AddGroup("grow", grow);
   fields.AddGroup("tracklets", tracklets);
   fields.AddGroup("keep", keep);
   fields.Add("every", every,

@@ -9,6 +9,7 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/follower.h"
+#include "victorious/pipeline/track_growth.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
@@ -61,6 +62,7 @@ struct IndexOptions {
   TelemetryOptions telemetry;
   ObservationOptions observation;  ///< Not a user parameter
   FollowOptions follow;
+  GrowOptions grow;
   TrackletOptions tracklets;
   ObjectOptions objects;
   GroundOptions ground;

@@ -20,6 +20,7 @@
 #include "victorious/pipeline/backward_follower.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/full_search_schedule.h"
+#include "victorious/pipeline/grow_results.h"
 #include "victorious/pipeline/interval_selector.h"
 #include "victorious/pipeline/search_pace.h"
 #include "victorious/pipeline/search_part_writer.h"
@@ -52,13 +53,8 @@ struct FrameWork {
   std::vector<SightingRecord> sightings;
 };
 
-// True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
-bool IsTrackingEnabled(const IndexPass& pass) { return pass.follow.enabled && !pass.recognizer.models().empty(); }
-
-// True if the frame lies beyond the interval of time to search, or the segment.
-bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
-  return (pass.to_s && frame.time_s > *pass.to_s + kSameTime_s) ||
-         (pass.segment && frame.index >= pass.segment->frames.to);
+std::unexpected<Error> Stopped(const std::string& video, std::int64_t frame) {
+  return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped at frame {}; run again to resume", video, frame));
 }
 
 // Selects the frames to search or track. Called in frame order.
@@ -302,11 +298,20 @@ class ResultWriter {
       can_commit_ = false;
       return std::unexpected(ids.error());
     }
-    linker_.SetCommittedIds(*ids);
+    if (!finished) linker_.SetCommittedIds(*ids);
     batch_ = {};
     committed_frame_ = next_frame_;
     last_commit_ = Clock::now();
     return {};
+  }
+
+  /// Commits the end of the searches, with what growth adds to their finds. @param times_s  of all frames
+  Status Finish(std::span<const double> times_s, const CancelToken& cancel) {
+    if (!MayGrow(pass_, is_live_) || times_s.empty()) return Commit(true);
+    VICTORIOUS_RETURN_IF_ERROR(Commit(false));  // growth begins with what is stored
+    VICTORIOUS_RETURN_IF_ERROR(GrowResults(pass_, times_s, next_frame_, cancel, store_, batch_));
+    report_.sightings += std::ssize(batch_.sightings);
+    return Commit(true);
   }
 
   /// Enters what lies after the last search, to the last frame that was read.
@@ -514,11 +519,11 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
                   .frame_count = pass.to_s ? CountFramesUntil(reader.info(), *pass.to_s) : std::nullopt});
   if (!pass.source.empty()) {
     sink.Cover([&](double time_s) {
-      const std::int64_t recorded_utc_us = pass.recorded_utc_us.value_or(0) + std::llround(1e6 * time_s);
-      return reader.ArrivalUtc(time_s).value_or(recorded_utc_us);
+      return reader.ArrivalUtc(time_s).value_or(pass.recorded_utc_us.value_or(0) + std::llround(1e6 * time_s));
     });
   }
   DamageFinder damage(reader);
+  std::vector<double> times_s;
   const Expected<FrameLoopEnd> end = loop.Run<FrameWork>(
       [&](Frame frame) -> std::optional<FrameWork> {
         if (IsBeyondEnd(pass, frame)) {
@@ -526,6 +531,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
           return std::nullopt;
         }
         damage.Enter(frame);
+        if (frame.index == std::ssize(times_s)) times_s.push_back(frame.time_s);
         auto task = selector.Select(std::move(frame), loop.ReadBehind());
         if (task) task->damaged = damage.Take();
         return task;
@@ -549,14 +555,11 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
   const bool cancelled = *end == FrameLoopEnd::kCancelled;
   // What is held of a cancelled video is searched again: frames that would have come might add to it.
   if (!cancelled) VICTORIOUS_RETURN_IF_ERROR(tracking.Finish());
-  const bool is_read = *end == FrameLoopEnd::kEndOfVideo;
-  if (!cancelled) sink.EnterEnd(damage.last_frame(), damage.last_time_s(), is_read ? damage.Finish() : std::nullopt);
+  const auto damaged = *end == FrameLoopEnd::kEndOfVideo ? damage.Finish() : std::nullopt;
+  if (!cancelled) sink.EnterEnd(damage.last_frame(), damage.last_time_s(), damaged);
   report.stopped_live = cancelled && reader.info().live;  // cannot be resumed
-  VICTORIOUS_RETURN_IF_ERROR(sink.Commit(!cancelled || report.stopped_live));
-  if (cancelled && !report.stopped_live) {
-    return Fail(ErrorCode::kCancelled,
-                fmt::format("{}: stopped at frame {}; run again to resume", pass.video.name, sink.next_frame()));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(cancelled ? sink.Commit(report.stopped_live) : sink.Finish(times_s, cancel));
+  if (cancelled && !report.stopped_live) return Stopped(pass.video.name, sink.next_frame());
   if (*end == FrameLoopEnd::kStopped || pass.segment) return {};  // the video goes on
   return store.SetVideoLength(pass.video.id, loop.frames_read(), loop.last_time_s());
 }
@@ -576,10 +579,7 @@ Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
   const std::int64_t next_frame = sink.next_frame();
   const Status joined = visit([&](std::vector<FrameResult> results) -> Status {
     for (FrameResult& result : results) {
-      if (cancel.IsCancelled()) {
-        return Fail(ErrorCode::kCancelled,
-                    fmt::format("{}: stopped at frame {}; run again to resume", pass.video.name, sink.next_frame()));
-      }
+      if (cancel.IsCancelled()) return Stopped(pass.video.name, sink.next_frame());
       FrameWork task;
       task.now.frame.index = result.frame;
       task.now.frame.time_s = pass.times_s[static_cast<std::size_t>(result.frame)];
@@ -592,7 +592,7 @@ Status JoinFrames(const IndexPass& pass, const VideoInfo& info,
     return {};
   });
   if (joined && is_end) sink.EnterEnd(std::ssize(pass.times_s) - 1, pass.times_s.back(), {});
-  if (joined) return sink.Commit(is_end);
+  if (joined) return is_end ? sink.Finish(pass.times_s, cancel) : sink.Commit(false);
   if (sink.can_commit()) VICTORIOUS_RETURN_IF_ERROR(sink.Commit(false));
   return joined;
 }

@@ -60,10 +60,22 @@ struct IndexPass {
   std::string source = {};  ///< the live source whose times the frames cover (CoveredTime); empty: none
   std::optional<std::int64_t> recorded_utc_us = {};  ///< when the first frame came; std::nullopt: they come now
   std::span<const double> times_s = {};              ///< of all frames; only used by JoinFrames, which needs them
+  std::string file = {};  ///< path of the video, to read what is found again (track_growth.h); empty: that is not done
   WarningSink inform = {};
   /// Of a segment, whose `searches` begin at its first frame; null: all frames. Nothing is written to the store then.
   const SegmentOutput* segment = nullptr;
 };
+
+/// True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
+[[nodiscard]] inline bool IsTrackingEnabled(const IndexPass& pass) {
+  return pass.follow.enabled && !pass.recognizer.models().empty();
+}
+
+/// True if the frame lies beyond the interval of time to search, or the segment.
+[[nodiscard]] inline bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
+  return (pass.to_s && frame.time_s > *pass.to_s + kSameTime_s) ||
+         (pass.segment && frame.index >= pass.segment->frames.to);
+}
 
 /// Reads `reader` to its end, commits to `store` on the way, and adds the counts to `report`. A cancelled live source
 /// counts as ended. Warnings are passed to `warn` in any case.

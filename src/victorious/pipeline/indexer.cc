@@ -476,6 +476,7 @@ IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognize
           .frame_budget = job.frame_budget,
           .source = video.reader && video.reader->info().live ? job.StoredName() : job.covers,
           .recorded_utc_us = job.covers.empty() ? std::nullopt : RecordingStart(job.video),
+          .file = job.video,
           .inform = job.inform};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include "victorious/base/progress.h"
@@ -37,30 +38,33 @@ Status ReverseFrameReader::ForEach(std::int64_t end, const std::function<Status(
   return {};
 }
 
-// Reads the frames [first, end), as the forward pass saw them.
-Expected<std::vector<Frame>> ReverseFrameReader::ReadInterval(std::int64_t first, std::int64_t end) const {
+Expected<std::vector<Frame>> ReverseFrameReader::ReadInterval(
+    std::int64_t first, std::int64_t end, const std::function<bool(std::int64_t)>& is_wanted) const {
+  const auto indices = std::views::iota(first, end);
+  const std::int64_t count = is_wanted ? std::ranges::count_if(indices, is_wanted) : end - first;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto entered, OpenRereadable(video_));
   if (entered->SeekTo(times_s_[static_cast<std::size_t>(first)])) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Frame> frames, ReadOn(*entered, first, end));
-    if (std::ssize(frames) == end - first && entered->warnings().empty()) return frames;
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Frame> frames, ReadOn(*entered, first, end, is_wanted));
+    if (std::ssize(frames) == count && entered->warnings().empty()) return frames;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto whole, OpenRereadable(video_));
-  return ReadOn(*whole, first, end);
+  return ReadOn(*whole, first, end, is_wanted);
 }
 
-// Reads on and returns the frames whose time stamps are those of [first, end).
-Expected<std::vector<Frame>> ReverseFrameReader::ReadOn(VideoReader& reader, std::int64_t first,
-                                                        std::int64_t end) const {
+// Reads on and returns the wanted frames whose time stamps are those of [first, end).
+Expected<std::vector<Frame>> ReverseFrameReader::ReadOn(VideoReader& reader, std::int64_t first, std::int64_t end,
+                                                        const std::function<bool(std::int64_t)>& is_wanted) const {
   FrameLoop loop(reader, cancel_, {});
   std::vector<Frame> frames;
   std::int64_t wanted = first;
   const auto select = [&](Frame frame) -> std::optional<Frame> {
     const auto time_s = [&] { return times_s_[static_cast<std::size_t>(wanted)]; };
     while (wanted < end && time_s() < frame.time_s - kSameTime_s) ++wanted;
-    const bool is_wanted = wanted < end && time_s() <= frame.time_s + kSameTime_s;
-    if (is_wanted) frame.index = wanted++;
+    const bool is_inside = wanted < end && time_s() <= frame.time_s + kSameTime_s;
+    if (is_inside) frame.index = wanted++;
     if (wanted == end) loop.Stop();
-    return is_wanted ? std::optional(std::move(frame)) : std::nullopt;
+    const bool is_kept = is_inside && (!is_wanted || is_wanted(frame.index));
+    return is_kept ? std::optional(std::move(frame)) : std::nullopt;
   };
   const auto collect = [&](Frame& frame) -> Status {
     frames.push_back(std::move(frame));

@@ -33,9 +33,15 @@ class ReverseFrameReader {
   /// Errors: those of the video and of `visit`; kCancelled.
   [[nodiscard]] Status ForEach(std::int64_t end, const std::function<Status(const Frame&)>& visit) const;
 
+  /// Reads the frames [first, end) that are wanted, as the forward pass saw them, likewise.
+  /// @param is_wanted  of a frame's index; empty: all
+  /// Errors: those of the video; kCancelled.
+  [[nodiscard]] Expected<std::vector<Frame>> ReadInterval(
+      std::int64_t first, std::int64_t end, const std::function<bool(std::int64_t)>& is_wanted = {}) const;
+
  private:
-  [[nodiscard]] Expected<std::vector<Frame>> ReadInterval(std::int64_t first, std::int64_t end) const;
-  [[nodiscard]] Expected<std::vector<Frame>> ReadOn(VideoReader& reader, std::int64_t first, std::int64_t end) const;
+  [[nodiscard]] Expected<std::vector<Frame>> ReadOn(VideoReader& reader, std::int64_t first, std::int64_t end,
+                                                    const std::function<bool(std::int64_t)>& is_wanted) const;
 
   std::string video_;
   std::span<const double> times_s_;
