@@ -184,7 +184,7 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t first, MiddleFrame(movie));
   const std::array<std::int64_t, 2> numbers = {first, first + 1};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
-                              ReadFrames(movie.folder / "video.mp4", numbers, FrameColor::kGrey));
+                              ReadNumberedFrames(movie.folder / "video.mp4", numbers, FrameColor::kGrey));
   IndexOptions options = TrackingIndexOptions();
   options.recognize.detect.min_score = 0;  // the heat maps show all detections
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));

@@ -81,7 +81,7 @@ Expected<cv::Mat> Draw(const MovieWithTruth& movie, const Lock& lock) {
     numbers.push_back(rows.back()->step.frame);
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
-                              ReadFrames(movie.folder / "video.mp4", numbers, FrameColor::kGrey));
+                              ReadNumberedFrames(movie.folder / "video.mp4", numbers, FrameColor::kGrey));
   std::vector<cv::Mat> images;
   for (const bool together : {true, false}) {
     for (std::size_t i = 0; i < frames.size(); ++i) {

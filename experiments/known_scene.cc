@@ -120,7 +120,7 @@ Expected<std::vector<AnnotatedImage>> ReadLabelledMovie(const std::filesystem::p
   const std::filesystem::path video = folder / "video.mp4";
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> chosen,
-                              ReadFrames(video, EvenlySpaced(length, frames), FrameColor::kBgr));
+                              ReadNumberedFrames(video, EvenlySpaced(length, frames), FrameColor::kBgr));
   MovieMeshes meshes(models, renderer);
   std::vector<AnnotatedImage> scenes;
   for (const Frame& frame : chosen) {

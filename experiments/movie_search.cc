@@ -108,7 +108,7 @@ Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings
   const fs::path video = search.movie / "video.mp4";
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
-                              ReadFrames(video, EvenlySpaced(length, search.frames), FrameColor::kGrey));
+                              ReadNumberedFrames(video, EvenlySpaced(length, search.frames), FrameColor::kGrey));
   constexpr std::size_t kBatch = 4;  // frames between reports of progress
   for (std::size_t first = 0; first < frames.size(); first += kBatch) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());

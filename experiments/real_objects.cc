@@ -58,7 +58,7 @@ Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px)
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t count, CountFrames(path));
   std::vector<std::int64_t> numbers;
   for (std::int64_t i = 0; i < count; i += (count + kMaxFrames - 1) / kMaxFrames) numbers.push_back(i);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames, ReadFrames(path, numbers, FrameColor::kBgr));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames, ReadNumberedFrames(path, numbers, FrameColor::kBgr));
   std::vector<RealView> views;
   for (const Frame& frame : frames) {
     views.push_back({.bgr = frame.image, .focal_px = focal_px, .camera_from_object = {}});

@@ -91,7 +91,7 @@ Expected<MovieFrames> ReadMovieFrames(const fs::path& folder, const Recognizer& 
                            [&](const std::string& warning) { settings.progress(warning); }));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
   const int count = settings.frames > 0 ? settings.frames : kFrames;
-  VICTORIOUS_ASSIGN_OR_RETURN(all.frames, ReadFrames(video, EvenlySpaced(length, count), FrameColor::kGrey));
+  VICTORIOUS_ASSIGN_OR_RETURN(all.frames, ReadNumberedFrames(video, EvenlySpaced(length, count), FrameColor::kGrey));
   return all;
 }
 

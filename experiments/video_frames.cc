@@ -29,8 +29,8 @@ Expected<std::int64_t> CountFrames(const std::filesystem::path& video) {
   return count;
 }
 
-Expected<std::vector<Frame>> ReadFrames(const std::filesystem::path& video, std::span<const std::int64_t> numbers,
-                                        FrameColor color) {
+Expected<std::vector<Frame>> ReadNumberedFrames(const std::filesystem::path& video,
+                                                std::span<const std::int64_t> numbers, FrameColor color) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video.string(), {.color = color}));
   std::vector<Frame> frames;
   while (frames.size() < numbers.size()) {

@@ -23,7 +23,7 @@ namespace victorious {
 
 /// Reads the frames of these numbers, which must rise; numbers beyond the end are left out. Errors: those of
 /// VideoReader.
-[[nodiscard]] Expected<std::vector<Frame>> ReadFrames(const std::filesystem::path& video,
-                                                      std::span<const std::int64_t> numbers, FrameColor color);
+[[nodiscard]] Expected<std::vector<Frame>> ReadNumberedFrames(const std::filesystem::path& video,
+                                                              std::span<const std::int64_t> numbers, FrameColor color);
 
 }  // namespace victorious

@@ -21,7 +21,7 @@ TEST(EvenlySpaced, TakesTheMiddleOfEachEqualPartOnce) {
   EXPECT_TRUE(EvenlySpaced(0, 4).empty());
 }
 
-TEST(ReadFrames, ReadsOnlyTheRequestedFrames) {
+TEST(ReadNumberedFrames, ReadsOnlyTheRequestedFrames) {
   const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "video_frames_test";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
@@ -30,7 +30,7 @@ TEST(ReadFrames, ReadsOnlyTheRequestedFrames) {
   }
   EXPECT_EQ(CountFrames(folder).value(), 7);
   const std::vector<std::int64_t> numbers = {0, 3, 6, 9};
-  const Expected<std::vector<Frame>> frames = ReadFrames(folder, numbers, FrameColor::kBgr);
+  const Expected<std::vector<Frame>> frames = ReadNumberedFrames(folder, numbers, FrameColor::kBgr);
   ASSERT_TRUE(frames.has_value()) << frames.error().message;
   ASSERT_EQ(frames->size(), 3U) << "there is no frame 9";
   for (std::size_t i = 0; i < frames->size(); ++i) {

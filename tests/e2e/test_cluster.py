@@ -144,7 +144,7 @@ class ClusterTest(program.ProgramTest):
         self.assertEqual((status["done"], status["segments"]["failed"]), (1, 1), status)
         (gap,) = status["gaps"]
         self.assertEqual((gap["video"], gap["segment"]), (str(self.videos[0]), [60, 120]))
-        self.assertIn("killed", gap["reason"])
+        self.assertIn("crashed (signal 11)", gap["reason"])
         self.assertIn("frames 60 to 119, 6.0 to 11.9 s", self.succeeds("cluster", "status", "--db", self.url).out)
         db = self.scratch / "one.db"
         self.succeeds("index", *self.videos, "--models", program.models(), "--db", db)

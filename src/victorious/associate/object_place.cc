@@ -31,14 +31,15 @@ LocateOptions MakeLocateOptions(std::span<const BearingObservation> observations
   std::vector<double> positions_m;
   std::vector<double> attitudes_rad;
   for (const BearingObservation& observation : observations) {
-    if (observation.sigma_position_m) positions_m.push_back(*observation.sigma_position_m);
-    if (observation.sigma_attitude_rad) attitudes_rad.push_back(*observation.sigma_attitude_rad);
+    positions_m.push_back(observation.sigma_position_m.value_or(locate.common.position_m));
+    attitudes_rad.push_back(observation.sigma_attitude_rad.value_or(RadiansFromDegrees(locate.common.heading_deg)));
   }
-  if (!positions_m.empty()) {
+  // Of most, as some rows may be older than others: the median.
+  if (std::ranges::any_of(observations, [](const auto& one) { return one.sigma_position_m.has_value(); })) {
     locate.line.position_m = locate.common.position_m = locate.common.height_m =
         std::min(kMaxSigma_m, Median(positions_m));
   }
-  if (!attitudes_rad.empty()) {
+  if (std::ranges::any_of(observations, [](const auto& one) { return one.sigma_attitude_rad.has_value(); })) {
     const double attitude_deg = std::min(kMaxSigma_deg, DegreesFromRadians(Median(attitudes_rad)));
     locate.common.heading_deg = locate.common.boresight_rise_deg = attitude_deg;
     locate.common.boresight_side_deg = 0;

@@ -459,9 +459,10 @@ bool HasRightFieldOfView(std::span<const ComparedObject> objects) {
 }
 
 bool StatesErrors(const ObservedTracklet& tracklet) {
-  return std::ranges::any_of(tracklet.observations, [](const BearingObservation& observation) {
+  const auto states = std::ranges::count_if(tracklet.observations, [](const BearingObservation& observation) {
     return observation.sigma_position_m || observation.sigma_attitude_rad;
   });
+  return 2 * states > std::ssize(tracklet.observations);  // some rows may only be old
 }
 
 Supposed SupposedErrors(const CommonErrorOptions& common) {

@@ -151,8 +151,8 @@ double Variance(const std::vector<double>& values) {
 //
 // The noise of the image is the same at both offsets and nearly cancels in the difference. The noise of telemetry does
 // not, as other rows predict a pair there: the losses at all offsets by whole periods of a periodic motion differ by
-// sqrt(2 n) standard deviations of one loss. The standard error is therefore that of the differences over blocks of 1 s,
-// or, where few of them contain the camera's manoeuvres and they differ for that, of independent losses.
+// sqrt(2 n) standard deviations of one loss. The standard error is therefore that of the differences over blocks of 1
+// s, or, where few of them contain the camera's manoeuvres and they differ for that, of independent losses.
 bool IsSignificantlyWorse(const MotionComparison& comparison, const OffsetFit& other, const OffsetFit& best,
                           const Vector3d& scales_px) {
   constexpr double kSignificantLoss = 9;  // three standard deviations of the offset, without noise of telemetry

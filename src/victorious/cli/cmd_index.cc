@@ -258,7 +258,7 @@ std::optional<std::pair<std::int64_t, std::int64_t>> ReadPair(const std::string&
 }
 
 // "FROM:TO", as `work` gives it.
-Expected<std::optional<FrameInterval>> ReadFrames(const std::string& text) {
+Expected<std::optional<FrameInterval>> ParseFrames(const std::string& text) {
   if (text.empty()) return std::nullopt;
   const auto numbers = ReadPair(text);
   if (!numbers || numbers->first >= numbers->second) {
@@ -341,7 +341,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
       CheckOutputs(parser, {{"--db", arguments.db, std::nullopt}, {"--draw", arguments.draw, FileKind::kVideo}}));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<FrameInterval> frames, ReadFrames(arguments.frames));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<FrameInterval> frames, ParseFrames(arguments.frames));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<TaskAttempt> task, ReadTask(arguments.task));
   std::vector<ObjectModel> models;
   if (!arguments.models.empty()) {

@@ -42,7 +42,7 @@ struct ServeArguments {
   std::string tls_certificate;
   std::string tls_key;
   double max_upload_gb = 50;
-  int max_uploads = 500;
+  int max_uploads = 2000;
   int max_jobs = 500;
   int upload_expiry_h = 24;
   std::vector<std::string> live_sources;

@@ -55,13 +55,14 @@ cv::Mat GreyRange::ToEightBits(const cv::Mat& image, double white) {
     const auto total = static_cast<double>(image.total());
     const Range used{Percentile(counts, total, kTail), Percentile(counts, total, 1 - kTail)};
     const double range = std::max(used.high - used.low, kMinRange);
-    const Range wide{used.low - kMargin * range, used.high + kMargin * range};
+    const Range wide{std::max(0.0, used.low - kMargin * range), std::min(white, used.high + kMargin * range)};
     if (!is_decided_) {
-      is_decided_ = true;
+      is_decided_ = used.high - used.low >= kMinRange;  // not an image of one grey: a shutter, a film that fades in
+      stretch_.reset();
       white_ = white;
       used_ = used;
       if (range < kFewValues * white) stretch_ = wide;
-    } else if (FractionOutside(counts, total, stretch_->low, stretch_->high) > kMaxClipped) {
+    } else if (stretch_ && FractionOutside(counts, total, stretch_->low, stretch_->high) > kMaxClipped) {
       stretch_ = Range{std::min(stretch_->low, wide.low), std::max(stretch_->high, wide.high)};
     }
   }

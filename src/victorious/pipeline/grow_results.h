@@ -11,7 +11,8 @@
 
 namespace victorious {
 
-/// True if the pass lets its finds grow: it tracks, keeps no pace, has a model of photos, and its video can be read again.
+/// True if the pass lets its finds grow: it tracks, keeps no pace, has a model of photos, and its video can be read
+/// again.
 [[nodiscard]] bool MayGrow(const IndexPass& pass, bool is_live);
 
 /// Adds the sightings and joined tracklets of the pass's models of photos to an empty batch. Everything that the pass

@@ -35,10 +35,8 @@ void ShapeSearchOptions::ListFields(FieldList& fields) {
   fields.Add(
       "enabled", enabled,
       {.reason = "CAD models are also searched for by the shape of their edges, where telemetry and the motion of "
-                 "the image give the height above the ground: objects of one colour, small or repainted"});
-  fields.Add("without_height", without_height,
-             {.reason = "also where the height above the ground is unknown, if the objects of several models agree on "
-                        "how large they are: eight frames are searched first for objects of all sizes"});
+                 "the image give the height above the ground, or objects of three models or more agree on their "
+                 "size: objects of one colour, small or repainted"});
   fields.Add("interval_s", interval_s,
              {.min = 0,
               .max = 1000,

@@ -41,8 +41,7 @@ struct VideoOptions {
 /// The search for CAD models by the shape of their edges (recognize/shape_search.h).
 struct ShapeSearchOptions {
   bool enabled = true;
-  bool without_height = true;  ///< also where the camera's height above the ground is unknown
-  double interval_s = 1;       ///< between two searches at least
+  double interval_s = 1;  ///< between two searches at least
   /// Standard deviations of a match: of its centre, of its range as a fraction, and of its direction of view. Not user
   /// parameters.
   double centre_sigma_px = 2;

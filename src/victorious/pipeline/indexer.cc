@@ -541,8 +541,9 @@ Expected<std::unique_ptr<const ShapeSearch>> Indexer::MakeShapeSearch(const Reco
                                                                       const VideoInfo& info,
                                                                       const CancelToken& cancel) const {
   const bool has_camera = (cameras.ground_height() || options_.objects.ground) && HasAttitudes(cameras.trajectory());
-  if (!options_.shape.enabled || !recognizer.HasRelitTemplates() || info.live ||
-      (!has_camera && !options_.shape.without_height)) {
+  const auto can_be_drawn =
+      std::ranges::count_if(recognizer.relit_templates(), [](const auto& surfaces) { return surfaces != nullptr; });
+  if (!options_.shape.enabled || info.live || can_be_drawn < (has_camera ? 1 : kModelsOfCommonView)) {
     return nullptr;
   }
   const StageScope scope(Stage::kShape);

@@ -402,8 +402,8 @@ class TrackGrower {
     }
   }
 
-  // Looks for the views of the chain, and learns one where they are found no more or hardly. Returns the matches of what
-  // is found.
+  // Looks for the views of the chain, and learns one where they are found no more or hardly. Returns the matches of
+  // what is found.
   Expected<int> Search(const Frame& frame, const Box& box, const Polygon& outline, bool is_contrasting,
                        ViewChain& chain, Walk& walk) {
     ++walk.steps;

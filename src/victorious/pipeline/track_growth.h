@@ -1,17 +1,17 @@
-// Growth of what photos found (ADR 0040). A photo shows an object from one side; recognition ends some 25 degrees beyond
-// it. In: the tracklets of one photo model in one video, once all of it is searched. Out: their sightings in the frames
-// before, between and after, and which tracklets are one object.
+// Growth of what photos found (ADR 0040). A photo shows an object from one side; recognition ends some 25 degrees
+// beyond it. In: the tracklets of one photo model in one video, once all of it is searched. Out: their sightings in the
+// frames before, between and after, and which tracklets are one object.
 //
 //   best recognition of a tracklet -> followed forward and backward (track/surround_tracker.h) until its evidence ends
 //                                  -> views at which the known ones are hardly recognised are learnt
 //                                  -> it meets another tracklet of the model: both are one object
 //
 // Evidence of a frame: the colours in the box differ from those around it as they did at first, where the motion of the
-// surroundings expects it; or a view of the chain is recognised there. A view is learnt only where both grounds hold: it
-// stands where its surroundings have moved to, and an older view of the chain is found in it, or it in the last frame in
-// which one was. Frames without evidence are left out: after `max_lost_s` of them the colours no longer count alone, and
-// after twice that the object is given up. An object that moves by itself is given up too, and what was added since it was
-// last recognised is removed. Sightings between two frames that are looked at are interpolated.
+// surroundings expects it; or a view of the chain is recognised there. A view is learnt only where both grounds hold:
+// it stands where its surroundings have moved to, and an older view of the chain is found in it, or it in the last
+// frame in which one was. Frames without evidence are left out: after `max_lost_s` of them the colours no longer count
+// alone, and after twice that the object is given up. An object that moves by itself is given up too, and what was
+// added since it was last recognised is removed. Sightings between two frames that are looked at are interpolated.
 //
 // What is found depends on the stored sightings and the video only: not on interruptions, nor on who searched it.
 #pragma once

@@ -20,7 +20,6 @@ constexpr double kOffNadirReach_rad = RadiansFromDegrees(10.5);
 // A pattern that repeats itself, as houses or hedges do, agrees with itself: no model counts for more decades.
 constexpr double kMaxDecadesOfModel = 15;
 constexpr double kMinDecadesOfModel = 3;
-constexpr std::size_t kMinModels = 3;
 constexpr double kMinDecades = 45;
 constexpr double kMinRatio = 1.5;  // to the second best view
 constexpr double kMaxHalfFieldOfView_rad = RadiansFromDegrees(40);
@@ -39,7 +38,7 @@ struct Support {
   double octaves = 0;
   double off_nadir_rad = 0;
   double decades = 0;
-  std::size_t models = 0;  // with kMinDecadesOfModel or more
+  int models = 0;  // with kMinDecadesOfModel or more
 };
 
 Support SupportOf(std::span<const ShapeMatch> matches, double octaves, double off_nadir_rad) {
@@ -55,9 +54,9 @@ Support SupportOf(std::span<const ShapeMatch> matches, double octaves, double of
   return support;
 }
 
-// Of a camera f px above flat ground, seen at the off-nadir angle a in the middle: below it by y, the angle is a - y / f
-// and the logarithm of the size larger by y tan(a) / f. The slope is fitted to the matches that agree with it, weighted
-// by their decades.
+// Of a camera f px above flat ground, seen at the off-nadir angle a in the middle: below it by y, the angle is a - y /
+// f and the logarithm of the size larger by y tan(a) / f. The slope is fitted to the matches that agree with it,
+// weighted by their decades.
 CommonView FitView(std::span<const ShapeMatch> matches, const Support& support, const cv::Size& size) {
   constexpr int kRounds = 4;
   const double middle_px = size.height / 2.0;
@@ -104,7 +103,7 @@ std::optional<CommonView> FindCommonView(std::span<const ShapeMatch> matches, co
   }
   if (views.empty()) return std::nullopt;
   const Support& best = *std::ranges::max_element(views, {}, &Support::decades);
-  if (best.decades < kMinDecades || best.models < kMinModels) return std::nullopt;
+  if (best.decades < kMinDecades || best.models < kModelsOfCommonView) return std::nullopt;
   for (const Support& other : views) {
     const bool is_elsewhere = std::abs(other.octaves - best.octaves) > 2 * kSizeReach ||
                               std::abs(other.off_nadir_rad - best.off_nadir_rad) > 2 * kOffNadirReach_rad;

@@ -14,8 +14,10 @@
 
 namespace victorious {
 
+inline constexpr int kModelsOfCommonView = 3;  ///< at least
+
 struct CommonView {
-  double off_nadir_rad = 0;  ///< in the middle of the frame, as
+  double off_nadir_rad = 0;  ///< in the middle of the frame, as is `pixels_per_m`
   double pixels_per_m = 1;
   double focal_px = 0;  ///< by how much larger objects are further down in the frame
 };

@@ -86,7 +86,7 @@ cv::Point PositionAt(const Vector2d& at_px) {
 }
 
 // The positions around those in a tile.
-cv::Rect PositionsOf(const UprightPart& part, const Tile& tile) {
+cv::Rect PositionsOf(const UprightPart& part, const FrameTile& tile) {
   std::vector<cv::Point> corners;
   for (const cv::Point& corner : {tile.part.tl(), tile.part.br(), cv::Point(tile.part.x, tile.part.br().y),
                                   cv::Point(tile.part.br().x, tile.part.y)}) {
@@ -97,12 +97,12 @@ cv::Rect PositionsOf(const UprightPart& part, const Tile& tile) {
 
 }  // namespace
 
-std::vector<Tile> DivideFrame(const Vertical& vertical, const cv::Size& size) {
+std::vector<FrameTile> DivideFrame(const Vertical& vertical, const cv::Size& size) {
   const auto parts = [&](int length_px) {
     return std::max(1, static_cast<int>(std::ceil(std::atan(length_px / vertical.pinhole.fx) / kTileOffNadir_rad)));
   };
   const auto [rows, columns] = std::pair(parts(size.height), parts(size.width));
-  std::vector<Tile> tiles;
+  std::vector<FrameTile> tiles;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       tiles.push_back({cv::Rect(cv::Point(size.width * column / columns, size.height * row / rows),
@@ -120,7 +120,7 @@ std::vector<double> AssumedSizes(const cv::Size& size) {
   return sizes_px;
 }
 
-PreparedPart PreparePart(const cv::Mat& grey, const Tile& tile, double object_px, double lean_rad) {
+PreparedPart PreparePart(const cv::Mat& grey, const FrameTile& tile, double object_px, double lean_rad) {
   // Objects of the tile reach beyond it; turned, so do its corners.
   const double turned = std::abs(std::sin(lean_rad));
   const cv::Size2d wanted(tile.part.width + object_px + turned * tile.part.height,
@@ -150,7 +150,7 @@ std::vector<ShapeBankKey> ModelShapeSearch::PlaceKeys(const LocalView& view) con
 }
 
 Expected<std::vector<Place>> ModelShapeSearch::FindPlaces(const cv::Mat& grey, const FrameConditions& conditions,
-                                                          const Tile& tile) const {
+                                                          const FrameTile& tile) const {
   const auto view = ViewAt(conditions, tile.centre(), centre_height_m_);
   if (!view) return std::vector<Place>{};
   const std::vector<ShapeBankKey> keys = PlaceKeys(*view);
@@ -163,7 +163,7 @@ Expected<std::vector<Place>> ModelShapeSearch::FindPlaces(const cv::Mat& grey, c
   return LookCloser(prepared, glances, keys[1]);
 }
 
-Expected<std::vector<Place>> ModelShapeSearch::FindAssumedPlaces(const PreparedPart& prepared, const Tile& tile,
+Expected<std::vector<Place>> ModelShapeSearch::FindAssumedPlaces(const PreparedPart& prepared, const FrameTile& tile,
                                                                  const LocalView& view) const {
   const std::vector<ShapeBankKey> keys = PlaceKeys(view);
   if (keys.empty()) return std::vector<Place>{};
@@ -184,6 +184,12 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Refine(const cv::Mat& grey
   }
   if (!best || best->response < kMinAssumedFineResponse) return std::optional<ShapeMatch>();
   Place tried = place;
+  const auto take = [&](const Place& there, const ShapeMatch& match) {
+    best = match;
+    tried = there;
+    tried.at_px = match.centre_px;
+    tried.azimuth_deg = Quantised(match.to_camera.azimuth_rad, kFineHeadingStep_deg);
+  };
   const auto vary = [&](auto change, int headings) -> Status {
     const Place middle = tried;
     for (const double step : {-1.0, 1.0}) {
@@ -192,14 +198,12 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Refine(const cv::Mat& grey
       if (!(std::cos(other.assumed->off_nadir_rad) > kMinDown)) continue;
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> match, Match(grey, conditions, other, headings));
       if (!match || match->response <= best->response) continue;
-      best = match;
-      tried = other;
-      tried.at_px = match->centre_px;
-      tried.azimuth_deg = Quantised(match->to_camera.azimuth_rad, kFineHeadingStep_deg);
+      take(other, *match);
     }
     return {};
   };
-  VICTORIOUS_RETURN_IF_ERROR(vary([](LocalView&, double) {}, kFineHeadings));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> turned, Match(grey, conditions, tried, kFineHeadings));
+  if (turned && turned->response > best->response) take(tried, *turned);
   for (const double part : {1.0, 0.5}) {
     VICTORIOUS_RETURN_IF_ERROR(
         vary([&](LocalView& view, double step) { view.pixels_per_m *= std::exp2(part * step * kSizeStep); }, 0));
@@ -255,7 +259,7 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Match(const cv::Mat& grey,
 }
 
 // The best places of templates of half the coarse size, as many as `most`.
-std::vector<ModelShapeSearch::Glance> ModelShapeSearch::FindGlances(const PreparedPart& prepared, const Tile& tile,
+std::vector<ModelShapeSearch::Glance> ModelShapeSearch::FindGlances(const PreparedPart& prepared, const FrameTile& tile,
                                                                     const ShapeBank& bank, std::size_t most) const {
   const UprightPart& part = prepared.half;
   if (part.grey.empty() || bank.templates.empty()) return {};

@@ -30,12 +30,12 @@ struct LocalView {
 };
 
 /// A part of the frame in which objects look alike but for their heading.
-struct Tile {
+struct FrameTile {
   cv::Rect part;
   [[nodiscard]] Eigen::Vector2d centre() const { return {part.x + 0.5 * part.width, part.y + 0.5 * part.height}; }
 };
 
-[[nodiscard]] std::vector<Tile> DivideFrame(const Vertical& vertical, const cv::Size& size);
+[[nodiscard]] std::vector<FrameTile> DivideFrame(const Vertical& vertical, const cv::Size& size);
 
 /// A place that is searched again with fine templates.
 struct Place {
@@ -57,12 +57,12 @@ struct PreparedPart {
 
 /// Without its cells at full scale. Empty beside the frame.
 /// @param object_px  size of the objects searched for, in the frame
-[[nodiscard]] PreparedPart PreparePart(const cv::Mat& grey, const Tile& tile, double object_px, double lean_rad);
+[[nodiscard]] PreparedPart PreparePart(const cv::Mat& grey, const FrameTile& tile, double object_px, double lean_rad);
 
-/// What is assumed where the camera is unknown: objects stand upright in the image, are seen from one of these off-nadir
-/// angles, and their bounding boxes have diagonals a quarter of an octave apart, from this one on. Without their size
-/// and the sun, smaller ones look too much alike: of 43 to 52 px, six vehicles of `dev_far` are found, and five that are
-/// others (docs/adr/0038).
+/// What is assumed where the camera is unknown: objects stand upright in the image, are seen from one of these
+/// off-nadir angles, and their bounding boxes have diagonals a quarter of an octave apart, from this one on. Without
+/// their size and the sun, smaller ones look too much alike: of 43 to 52 px, six vehicles of `dev_far` are found, and
+/// five that are others (docs/adr/0038).
 inline constexpr double kSmallestAssumed_px = 64;
 inline constexpr std::array kAssumedOffNadirs_deg = {10.0, 30.0, 50.0, 70.0};
 [[nodiscard]] std::vector<double> AssumedSizes(const cv::Size& size);
@@ -79,11 +79,11 @@ class ModelShapeSearch {
   /// The best places of coarse templates in a tile, by the camera. Empty if the model cannot be seen there.
   /// Errors: those of RelitTemplateSource; so of the others.
   [[nodiscard]] Expected<std::vector<Place>> FindPlaces(const cv::Mat& grey, const FrameConditions& conditions,
-                                                        const Tile& tile) const;
+                                                        const FrameTile& tile) const;
 
   /// The best places of objects of one size, seen at one off-nadir angle.
   /// @param prepared   of the tile, for `object_px` and the view's lean
-  [[nodiscard]] Expected<std::vector<Place>> FindAssumedPlaces(const PreparedPart& prepared, const Tile& tile,
+  [[nodiscard]] Expected<std::vector<Place>> FindAssumedPlaces(const PreparedPart& prepared, const FrameTile& tile,
                                                                const LocalView& view) const;
 
   /// The best match of fine templates around a place. Of an assumed view, size, off-nadir angle and lean are varied.
@@ -104,8 +104,8 @@ class ModelShapeSearch {
   };
 
   [[nodiscard]] std::vector<ShapeBankKey> PlaceKeys(const LocalView& view) const;
-  [[nodiscard]] std::vector<Glance> FindGlances(const PreparedPart& prepared, const Tile& tile, const ShapeBank& bank,
-                                                std::size_t most) const;
+  [[nodiscard]] std::vector<Glance> FindGlances(const PreparedPart& prepared, const FrameTile& tile,
+                                                const ShapeBank& bank, std::size_t most) const;
   [[nodiscard]] Expected<std::vector<Place>> LookCloser(const PreparedPart& prepared,
                                                         const std::vector<Glance>& glances,
                                                         const ShapeBankKey& key) const;

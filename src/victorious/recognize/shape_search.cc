@@ -135,7 +135,7 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::Find(const cv::Mat& grey, const F
   VICTORIOUS_CHECK(grey.type() == CV_8UC1);
   const FrameConditions* conditions = CameraOf(given);
   if (conditions == nullptr) return std::vector<ShapeMatch>{};
-  const std::vector<Tile> tiles = DivideFrame(*conditions->vertical, grey.size());
+  const std::vector<FrameTile> tiles = DivideFrame(*conditions->vertical, grey.size());
   std::vector<Expected<std::vector<Place>>> found(models_.size() * tiles.size());
   ParallelFor(found.size(), [&](std::size_t i) {
     const std::size_t m = i / tiles.size();
@@ -151,7 +151,7 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::Find(const cv::Mat& grey, const F
 
 Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey, double min_neg_log10_nfa) const {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1);
-  const Tile whole{cv::Rect({0, 0}, grey.size())};
+  const FrameTile whole{cv::Rect({0, 0}, grey.size())};
   const std::vector<double> sizes_px = AssumedSizes(grey.size());
   if (sizes_px.empty()) return std::vector<ShapeMatch>{};
   std::vector<PreparedPart> prepared(sizes_px.size());

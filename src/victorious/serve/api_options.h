@@ -37,7 +37,7 @@ struct ApiOptions {
   std::optional<SampleFiles> sample = {};           ///< std::nullopt: none
   std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
   /// Uploads that no job and no video has, and jobs that are open; one account may have a fifth of each.
-  std::size_t max_uploads = 500;
+  std::size_t max_uploads = 2000;
   std::size_t max_jobs = 500;
   std::chrono::hours upload_expiry{24};        ///< after which an upload that no job and no video has is removed
   std::vector<std::string> live_sources = {};  ///< hosts of live sources; empty: any but CheckSource's

@@ -20,13 +20,13 @@ TEST(CheckSource, RefusesThisMachineAndLinkLocalAddresses) {
   for (const char* const url :
        {"rtsp://127.0.0.1:22/", "rtsp://127.9.9.9/", "rtsp://2130706433/", "rtsp://0x7f.1/", "rtsp://localhost:80/",
         "rtsp://169.254.169.254/latest", "rtsp://a:b@0.0.0.0/", "srt://[::1]:1", "srt://[::ffff:127.0.0.1]:1",
-        "srt://[fe80::1]:1", "srt://[::]:1", "rtsp://there-is-none.invalid/"}) {
+        "srt://[fe80::1]:1", "srt://[::]:1", "rtsp://there-is-none.invalid/", "rtsp://:8554/a", "srt://:9000"}) {
     const Status status = CheckSource(url, {});
     ASSERT_FALSE(status) << url;
     EXPECT_EQ(status.error(), CheckSource("rtsp://127.0.0.1/", {}).error()) << "the same words for all";
   }
-  for (const char* const url :
-       {"rtsp://192.0.2.7:554/", "rtsp://10.1.2.3/", "udp://:1234", "udp://@239.1.2.3:1234", "srt://[2001:db8::1]:9"}) {
+  for (const char* const url : {"rtsp://192.0.2.7:554/", "rtsp://10.1.2.3/", "udp://:1234", "udp://0.0.0.0:5600",
+                                "udp://@239.1.2.3:1234", "srt://:9000?mode=listener", "srt://[2001:db8::1]:9"}) {
     EXPECT_TRUE(CheckSource(url, {})) << url;
   }
 }

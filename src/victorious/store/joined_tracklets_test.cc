@@ -53,7 +53,8 @@ class JoinedTrackletsTest : public ::testing::TestWithParam<testing::StoreKind> 
 
   [[nodiscard]] std::vector<std::int64_t> ObjectIds() const {
     std::vector<std::int64_t> ids;
-    for (const ObjectRecord& object : store_->Objects({}).value()) ids.push_back(object.id);
+    const std::vector<ObjectRecord> objects = store_->Objects({}).value();
+    for (const ObjectRecord& object : objects) ids.push_back(object.id);
     return ids;
   }
 
@@ -79,7 +80,8 @@ TEST_P(JoinedTrackletsTest, HaveTheSightingsOfBoth) {
   EXPECT_EQ(tracklets[1].id, other);
   EXPECT_THAT(ObjectIds(), ElementsAre(first, other));
   std::vector<std::int64_t> frames;
-  for (const SightingRecord& sighting : store_->Sightings({}).value()) {
+  const std::vector<SightingRecord> sightings = store_->Sightings({}).value();
+  for (const SightingRecord& sighting : sightings) {
     if (sighting.object == first) frames.push_back(sighting.frame);
   }
   EXPECT_THAT(frames, ElementsAre(0, 1, 10, 11, 12));
@@ -105,8 +107,8 @@ TEST_P(JoinedTrackletsTest, AreOfOneModel) {
   EXPECT_EQ(Join(first, second).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(Join(first, second + 99).error().code, ErrorCode::kNotFound);
   EXPECT_THAT(store_->Tracklets().value(), SizeIs(2));
-  for (const SightingRecord& sighting : store_->Sightings({}).value())
-    EXPECT_EQ(sighting.object, sighting.frame < 5 ? first : second);
+  const std::vector<SightingRecord> sightings = store_->Sightings({}).value();
+  for (const SightingRecord& sighting : sightings) EXPECT_EQ(sighting.object, sighting.frame < 5 ? first : second);
 }
 
 VICTORIOUS_TEST_ON_ALL_STORES(JoinedTrackletsTest);

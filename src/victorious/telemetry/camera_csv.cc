@@ -111,11 +111,11 @@ Expected<CameraState> ParseState(const Row& row) {
   return state;
 }
 
-// Whether a row has cells beyond those of the header that are not empty.
+// Whether a row has numbers beyond the cells of the header, as decimal commas cause; a comment may be there.
 bool HasMore(const std::vector<std::string>& cells, std::size_t columns) {
   return cells.size() > columns &&
          std::ranges::any_of(cells.begin() + static_cast<std::ptrdiff_t>(columns), cells.end(),
-                             [](const std::string& cell) { return !cell.empty(); });
+                             [](const std::string& cell) { return ParseNumber(cell).has_value(); });
 }
 
 std::string Cell(const std::optional<double>& value) { return value ? fmt::format("{:.6f}", *value) : std::string(); }

@@ -169,6 +169,8 @@ TEST(DjiSrt, ACutLastCueIsLeftOut) {
     ASSERT_EQ(cut.warnings.size(), 1U) << end;
     EXPECT_EQ(cut.warnings[0], "the last subtitle is cut off: it is left out");
   }
+  const std::string lines = cue(1, text) + cue(2, "[latitude: 47.37] [longitude: 8.5567]\n[gb_yaw: 1.0]");
+  EXPECT_EQ(ParseDjiSrt(lines).states.size(), 2U) << "cut between two lines";
   const std::string alone = cue(1, text);
   EXPECT_TRUE(ParseDjiSrt(alone.substr(0, alone.find("567"))).states.empty());
   EXPECT_EQ(

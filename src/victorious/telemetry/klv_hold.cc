@@ -134,7 +134,7 @@ class Stream {
     for (const HeldItem& held : kHeldItems) {
       const std::vector<Sending> sendings = Sendings(held);
       if (sendings.empty()) continue;
-      const double rate = RateOf(sendings, held.course);
+      const std::optional<double> rate = RateOf(sendings, held.course);
       auto next = sendings.begin();
       for (const std::size_t i : indices_) {
         while (next != sendings.end() && next->packet <= i) ++next;
@@ -182,7 +182,8 @@ class Stream {
   }
 
   // By how much a value changes a second, in the mean of the stream: a value that is sent on change moves in steps.
-  static double RateOf(const std::vector<Sending>& sendings, Course course) {
+  // std::nullopt: it was sent once, or too rarely.
+  static std::optional<double> RateOf(const std::vector<Sending>& sendings, Course course) {
     double change = 0;
     double seconds = 0;
     for (std::size_t i = 1; i < sendings.size(); ++i) {
@@ -193,26 +194,33 @@ class Stream {
       change += std::abs(Difference(*from, *to, course));
       seconds += interval_s;
     }
-    return seconds > 0 ? change / seconds : 0;
+    return seconds > 0 ? std::optional(change / seconds) : std::nullopt;
   }
 
   // @param last  the sending before, or null; `next` the one after
   std::optional<Offer> OfferAt(double time_s, const Sending* last, const Sending* next, Course course,
-                               double rate) const {
+                               std::optional<double> rate) const {
     const auto from = last != nullptr ? last->item.Number() : std::nullopt;
     const auto to = next != nullptr ? next->item.Number() : std::nullopt;
     const bool is_next_near = to && next->time_s >= time_s && next->time_s - time_s <= max_gap_s_;
-    if (last == nullptr && is_next_near) return Offer{.sent_s = next->time_s, .item = next->item};
-    if (!from || !(time_s >= last->time_s && time_s - last->time_s <= kMaxHold_s)) return std::nullopt;
+    const bool is_step = course == Course::kStep;
+    if (last == nullptr && is_next_near) {
+      return Offer{.sent_s = next->time_s,
+                   .drift = is_step ? 0 : rate.value_or(0) * (next->time_s - time_s),
+                   .item = next->item};
+    }
+    // How far a value may have moved is known from other sendings only.
+    const double max_hold_s = is_step || rate ? kMaxHold_s : max_gap_s_;
+    if (!from || !(time_s >= last->time_s && time_s - last->time_s <= max_hold_s)) return std::nullopt;
     Offer offer{.sent_s = last->time_s, .item = last->item};
-    if (course == Course::kStep) return offer;
+    if (is_step) return offer;
     const double age_s = time_s - last->time_s;
     const double interval_s = next != nullptr ? next->time_s - last->time_s : 0;
     if (is_next_near && interval_s > 0 && interval_s <= max_gap_s_) {
       const double value = *from + Difference(*from, *to, course) * age_s / interval_s;
       offer.item.value = course == Course::kCircle ? std::remainder(value, kTurn_deg) : value;
     } else {
-      offer.drift = rate * age_s;
+      offer.drift = rate.value_or(0) * age_s;
     }
     return offer;
   }

@@ -127,6 +127,7 @@ void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::s
 std::string DescribeMissing(std::span<const KlvPacket> packets) {
   std::vector<std::pair<std::string_view, int>> counts;  // in the order of the items
   for (const KlvPacket& packet : packets) {
+    if (packet.standard != KlvStandard::kSt0601) continue;  // the names are those of ST 0601
     for (const std::string_view item : FindMissingCameraItems(std::span(&packet, 1))) {
       const auto found = std::ranges::find(counts, item, &std::pair<std::string_view, int>::first);
       if (found == counts.end()) {

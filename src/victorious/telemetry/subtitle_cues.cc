@@ -129,15 +129,12 @@ bool IsAss(std::string_view text) { return TrimBlanks(text).starts_with("[Script
 std::vector<Cue> SplitCues(std::string_view text) { return IsAss(text) ? SplitAss(text) : SplitSrt(text); }
 
 bool IsLastCueCut(std::span<const Cue> cues, std::string_view text) {
-  if (cues.empty()) return false;
+  if (cues.empty() || text.ends_with('\n')) return false;  // the values of a whole last line are whole
   const std::string last = Shape(cues.back().text);
-  if (cues.size() == 1) {
-    return !text.ends_with('\n') && !last.empty() &&
-           std::string_view(")]>").find(last.back()) == std::string_view::npos;
-  }
+  if (cues.size() == 1) return !last.empty() && std::string_view(")]>").find(last.back()) == std::string_view::npos;
   const std::string before = Shape(cues[cues.size() - 2].text);
   if (last.size() < before.size() && before.starts_with(last)) return true;
-  return !text.ends_with('\n') && std::ranges::count(last, '0') < std::ranges::count(before, '0');
+  return std::ranges::count(last, '0') < std::ranges::count(before, '0');
 }
 
 }  // namespace victorious

@@ -140,11 +140,14 @@ std::optional<std::string> FlagsForMissing(const std::vector<CameraState>& state
 Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   const CameraModel* camera = FindCameraModel(options.camera_model);
+  // Telemetry's own fields of view are horizontal.
+  const bool has_own =
+      std::ranges::any_of(telemetry.states, [](const auto& state) { return state.hfov_rad.has_value(); });
   for (CameraState& state : telemetry.states) {
     state.time_s += options.time_offset_s;
     if (camera != nullptr && !state.hfov_rad) {
       state.hfov_rad = FieldOfView(*camera, std::nullopt);
-      telemetry.hfov_is_of_long_side = true;
+      if (!has_own) telemetry.hfov_is_of_long_side = true;
     }
     if (options.hfov_deg) state.hfov_rad = RadiansFromDegrees(*options.hfov_deg);
   }

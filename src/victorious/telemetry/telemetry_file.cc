@@ -8,8 +8,8 @@ namespace fs = std::filesystem;
 
 std::optional<fs::path> FindTelemetryFile(const std::string& video) {
   for (const fs::path& path : {fs::path(video).replace_extension(".SRT"), fs::path(video).replace_extension(".srt"),
-                               fs::path(video).replace_extension(".ass"), fs::path(video + ".telemetry.csv"),
-                               fs::path(video).replace_extension(".telemetry.csv")}) {
+                               fs::path(video + ".telemetry.csv"), fs::path(video).replace_extension(".telemetry.csv"),
+                               fs::path(video).replace_extension(".ass")}) {
     std::error_code error;
     if (fs::is_regular_file(path, error)) return path;
   }

@@ -1,18 +1,22 @@
-// track/: follows an object that stands still by the motion of what stands around it. In: an outline in a first frame, and
-// frames in order. Out: the box of the object in each, and how much its colours still differ from those around it. It
-// needs no texture on the object, and sees it from all sides while the camera circles.
+// track/: follows an object that stands still by the motion of what stands around it. In: an outline in a first frame,
+// and frames in order. Out: the box of the object in each, and how much its colours still differ from those around it.
+// It needs no texture on the object, and sees it from all sides while the camera circles.
 //
 // Method:
-// 1. Place: corners around the object are tracked by Lucas-Kanade from a reference frame (flow.h); MLESAC fits an affine
+// 1. Place: corners around the object are tracked by Lucas-Kanade from a reference frame (flow.h); MLESAC fits an
+// affine
 //    map, which moves the first outline. The reference is renewed once half of its corners are lost, so that errors add
 //    up per reference, not per frame. The ellipse inscribed in the moved outline bounds the expected box.
-// 2. Box: each pixel has the logarithm of the ratio of its colour's frequencies on the object and around it, clipped. The
+// 2. Box: each pixel has the logarithm of the ratio of its colour's frequencies on the object and around it, clipped.
+// The
 //    box near the expected one with the largest sum wins; a quadratic penalty holds its centre and size. So the box
 //    follows the object's body, which the motion of the ground does not show. It is then extended as far as the
 //    object's colours go on in the turned outline, and the hull of these colours is the outline.
 // 3. Contrast: the mean of the logarithms in the box, less that around it, over the same in the first frame.
-// 4. Planar parallax: with A the linear part of the ground's motion between two frames, the offset o of the box from the
-//    place obeys |o2 - A o1| <= h |I - A| + tolerance if the object stands still; its height in the image, h, is at most
+// 4. Planar parallax: with A the linear part of the ground's motion between two frames, the offset o of the box from
+// the
+//    place obeys |o2 - A o1| <= h |I - A| + tolerance if the object stands still; its height in the image, h, is at
+//    most
 //    that of the box. Else it moves by itself.
 //
 // The colours of the object are those of the first frame and of the last frames, half each.
@@ -53,8 +57,8 @@ class SurroundTracker {
   [[nodiscard]] const std::optional<SurroundStep>& first() const { return first_; }
 
   /// Tracks the object into the next frame, in either order of time.
-  /// @return std::nullopt if the surroundings are lost, or the object is not in the frame: it cannot be followed further
-  /// Cost: about 5 ms at any size of frame and object.
+  /// @return std::nullopt if the surroundings are lost, or the object is not in the frame: it cannot be followed
+  /// further Cost: about 5 ms at any size of frame and object.
   std::optional<SurroundStep> Step(const cv::Mat& bgr);
 
  private:

@@ -9,6 +9,9 @@ namespace {
 // A jump ahead by more than half the range of MPEG-TS's stamps (33 bits at 90 kHz) is one back that FFmpeg takes for an
 // overflow.
 constexpr double kOverflow_s = 4294967296 / 90'000.0;
+// Stamps of 64 bits may have any value.
+constexpr double kMaxOffset = 1e15;
+constexpr double kMaxStamp = 4e18;
 
 }  // namespace
 
@@ -19,25 +22,37 @@ bool TimeBaseJoints::IsOutOfOrder(const AVPacket& packet) const {
 
 bool TimeBaseJoints::EnterIfJoint(const AVPacket& packet, const AVPacket& next) {
   if (next.dts == AV_NOPTS_VALUE || next.dts <= packet.dts) return false;
+  // A damaged stamp ahead of its place comes before packets that go on from the one before it.
+  if (before_last_ && packet.dts > *before_last_ &&
+      Seconds(packet.dts) - Seconds(*before_last_) < Seconds(*last_stamp_) - Seconds(packet.dts)) {
+    last_stamp_ = before_last_;
+    return false;
+  }
   const double interval_s = Seconds(next.dts) - Seconds(packet.dts);
   if (interval_s >= std::abs(Seconds(packet.dts) - Seconds(*last_stamp_))) return false;
   const double duration = packet.duration > 0 ? static_cast<double>(packet.duration) : interval_s / av_q2d(time_base_);
   const double end = static_cast<double>(*last_stamp_) + duration;
-  offset_ += std::llround(end - static_cast<double>(packet.dts));
+  const double change = end - static_cast<double>(packet.dts);
+  if (!(std::abs(static_cast<double>(offset_) + change) < kMaxOffset)) return false;
+  offset_ += std::llround(change);
   joints_.push_back({.end_s = Seconds(*last_stamp_),
                      .start_s = Seconds(packet.dts),
                      .end_position = last_position_,
                      .start_position = packet.pos,
                      .offset_s = Seconds(offset_)});
-  last_stamp_.reset();
+  Restart();
   return true;
 }
 
 void TimeBaseJoints::Move(AVPacket& packet) {
-  if (packet.dts != AV_NOPTS_VALUE && !IsOutOfOrder(packet)) last_stamp_ = packet.dts;
+  if (packet.dts != AV_NOPTS_VALUE && !IsOutOfOrder(packet)) {
+    before_last_ = last_stamp_;
+    last_stamp_ = packet.dts;
+  }
   last_position_ = packet.pos;
   for (std::int64_t* stamp : {&packet.dts, &packet.pts}) {
-    if (*stamp != AV_NOPTS_VALUE) *stamp += offset_;
+    if (*stamp == AV_NOPTS_VALUE) continue;
+    *stamp = std::abs(static_cast<double>(*stamp)) < kMaxStamp ? *stamp + offset_ : AV_NOPTS_VALUE;
   }
 }
 

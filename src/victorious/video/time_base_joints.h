@@ -36,7 +36,10 @@ class TimeBaseJoints {
   [[nodiscard]] std::size_t count() const { return joints_.size(); }
 
   /// After a seek.
-  void Restart() { last_stamp_.reset(); }
+  void Restart() {
+    last_stamp_.reset();
+    before_last_.reset();
+  }
 
  private:
   struct Joint {
@@ -50,7 +53,8 @@ class TimeBaseJoints {
   [[nodiscard]] double Seconds(std::int64_t stamp) const { return static_cast<double>(stamp) * av_q2d(time_base_); }
 
   AVRational time_base_;
-  std::optional<std::int64_t> last_stamp_;  ///< as read
+  std::optional<std::int64_t> last_stamp_;   ///< as read
+  std::optional<std::int64_t> before_last_;  ///< the one before it
   std::int64_t last_position_ = -1;
   std::int64_t offset_ = 0;  ///< of the current time base, in units of the video's
   std::vector<Joint> joints_;
