@@ -123,6 +123,8 @@ TEST(TelemetryErrors, AreSupposedWhereTheFlightSaysNothing) {
   EXPECT_FALSE(EstimateTelemetryErrors(Simulate({}), supposed));
   std::vector<ObservedTracklet> stated = Simulate({});
   stated[0].observations[0].sigma_position_m = 0.02;
+  EXPECT_TRUE(EstimateTelemetryErrors(stated, {})) << "of a row that is older than the others";
+  for (BearingObservation& observation : stated[0].observations) observation.sigma_position_m = 0.02;
   EXPECT_FALSE(EstimateTelemetryErrors(stated, {})) << "telemetry that states its errors";
 }
 
