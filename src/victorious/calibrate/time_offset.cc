@@ -49,37 +49,18 @@ struct GridMinimum {
   double cost = std::numeric_limits<double>::infinity();  // mean absolute residual
 };
 
-// Against the mean of the predictions half a row interval earlier and later, as in ComputeDerivatives: interpolation at
-// an offset between rows would halve the noise of telemetry, and a wrong offset there would have the smaller residuals.
-ResidualSet MeanResiduals(const MotionComparison& comparison, const std::vector<std::optional<Vector3d>>& measured,
-                          const MotionComparison::Poses& before, const MotionComparison::Poses& after, double per_m) {
-  ResidualSet residual_set;
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    if (!before[i] || !after[i] || !measured[i]) continue;
-    const auto earlier = comparison.Predict(*before[i], per_m);
-    const auto later = comparison.Predict(*after[i], per_m);
-    if (!earlier || !later) continue;
-    residual_set.pairs.push_back(i);
-    residual_set.residuals.push_back(*measured[i] - (*earlier + *later) / 2);
-  }
-  return residual_set;
-}
-
 // Grid search over offset and height. Returns the local minima over the offset, best first.
-std::vector<GridMinimum> GridSearch(const MotionComparison& comparison, double row_s, double max_offset_s) {
+std::vector<GridMinimum> GridSearch(const MotionComparison& comparison, double max_offset_s) {
   constexpr std::array kHeights_m = {15.0, 30.0, 60.0, 90.0, 130.0, 190.0, 280.0, 420.0, 800.0, 1600.0, 3200.0, 6400.0};
   const double step_s = kMinPairInterval_s / 2;
   const int steps = static_cast<int>(std::ceil(max_offset_s / step_s));
-  std::vector<std::optional<Vector3d>> measured;
-  for (std::size_t i = 0; i < comparison.size(); ++i) measured.push_back(comparison.MeanMeasured(i, row_s));
   std::vector<GridMinimum> along;
   for (int k = -steps; k <= steps; ++k) {
     GridMinimum best;
     best.unknowns[0] = k * step_s;
-    const MotionComparison::Poses before = comparison.PosesAt(k * step_s - row_s / 2);
-    const MotionComparison::Poses after = comparison.PosesAt(k * step_s + row_s / 2);
+    const MotionComparison::Poses poses = comparison.PosesAt(k * step_s);
     const auto try_height = [&](double per_m) {
-      const ResidualSet residual_set = MeanResiduals(comparison, measured, before, after, per_m);
+      const ResidualSet residual_set = ComputeResiduals(comparison, poses, per_m);
       const double cost = MeanAbsResidual(residual_set);
       if (cost >= best.cost) return;
       best.cost = cost;
@@ -427,7 +408,7 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& 
   const double row_s = std::max(MedianRowInterval(cameras), kMinPairInterval_s / 2);
   constexpr std::size_t kMaxMinima = 4;
   std::vector<OffsetFit> fits;
-  for (const GridMinimum& candidate : GridSearch(comparison, row_s, options.max_offset_s)) {
+  for (const GridMinimum& candidate : GridSearch(comparison, options.max_offset_s)) {
     if (fits.size() == kMaxMinima) break;
     if (auto fit = Refine(comparison, candidate.unknowns, row_s)) fits.push_back(*std::move(fit));
   }

@@ -98,7 +98,7 @@ struct TimeOffset {
 [[nodiscard]] Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
                                                     double impulse_fraction, const CancelToken& cancel);
 
-/// Estimates the offset. Deterministic. Cost: a second for a minute of video.
+/// Estimates the offset. Deterministic. Cost: half a second for a minute of video.
 /// @param cameras  telemetry's states, on the video's clock up to the offset
 TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& cameras,
                               const TimeOffsetOptions& options);
