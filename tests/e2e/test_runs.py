@@ -66,13 +66,6 @@ class RunsTest(program.ProgramTest):
         self.assertGreater(last["elapsed_s"], 0)
         self.assertIn(f"{program.SEARCHED_FRAMES} frames searched", events[-1]["message"])
         self.assertEqual({event["event"] for event in events}, {"progress", "info"})
-        # As if another process stored progress of the second model when this one stores that of the first.
-        self.query("CREATE TRIGGER other AFTER INSERT ON searches WHEN (SELECT count(*) FROM searches) = 1 BEGIN "
-                   "INSERT INTO searches (video_id, model_id, next_frame, finished, options_id, program_version) "
-                   "SELECT NEW.video_id, id, NEW.next_frame + 1, 0, NEW.options_id, NEW.program_version FROM models "
-                   "WHERE id <> NEW.model_id; END")  # fmt: skip
-        events = self.events(*index, "--redo")
-        self.assertIn({"event": "video_left", "video": str(VIDEO)}, events)
         self.assertIn("the video is left to it", self.index(VIDEO, "--redo").err)
         [error] = self.events("index", "none.mkv", "--models", MODELS, "--db", self.db, status=2)
         self.assertEqual((error["event"], error["code"]), ("error", "not_found"))
