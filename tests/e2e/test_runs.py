@@ -66,7 +66,6 @@ class RunsTest(program.ProgramTest):
         self.assertGreater(last["elapsed_s"], 0)
         self.assertIn(f"{program.SEARCHED_FRAMES} frames searched", events[-1]["message"])
         self.assertEqual({event["event"] for event in events}, {"progress", "info"})
-        self.assertIn("the video is left to it", self.index(VIDEO, "--redo").err)
         [error] = self.events("index", "none.mkv", "--models", MODELS, "--db", self.db, status=2)
         self.assertEqual((error["event"], error["code"]), ("error", "not_found"))
         self.assertIn("none.mkv", error["message"])
