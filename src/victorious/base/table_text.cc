@@ -55,31 +55,11 @@ std::string Utf8FromUtf16(std::string_view bytes, bool big_endian) {
   return text;
 }
 
-// The cells of a line; a cell in double quotes may contain separators and doubled quotes.
-std::vector<std::string> SplitAt(std::string_view line, char separator) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') {
-      if (quoted && i + 1 < line.size() && line[i + 1] == '"') {
-        cells.back() += line[++i];
-      } else {
-        quoted = !quoted;
-      }
-    } else if (line[i] == separator && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += line[i];
-    }
-  }
-  return cells;
-}
-
 char SeparatorOf(std::string_view header) {
   char best = ',';
-  std::size_t most = SplitAt(header, best).size();
+  std::size_t most = SplitRow(header, best).size();
   for (const char separator : {';', '\t'}) {
-    const std::size_t cells = SplitAt(header, separator).size();
+    const std::size_t cells = SplitRow(header, separator).size();
     if (cells <= most) continue;
     most = cells;
     best = separator;
@@ -141,7 +121,7 @@ std::string CommaSeparated(std::string_view bytes) {
   std::string table;
   while (!rest.empty()) {
     bool first = true;
-    for (std::string& cell : SplitAt(TakeLine(rest), separator)) {
+    for (std::string& cell : SplitRow(TakeLine(rest), separator)) {
       if (!first) table += ',';
       first = false;
       table += Quoted(WithDecimalPoint(std::move(cell)));

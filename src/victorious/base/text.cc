@@ -40,7 +40,7 @@ std::string_view TakeLine(std::string_view& text) {
   return line;
 }
 
-std::vector<std::string> SplitRow(std::string_view line) {
+std::vector<std::string> SplitRow(std::string_view line, char separator) {
   std::vector<std::string> cells;
   std::string cell;
   bool quoted = false;
@@ -51,7 +51,7 @@ std::vector<std::string> SplitRow(std::string_view line) {
       } else {
         quoted = !quoted;
       }
-    } else if (line[i] == ',' && !quoted) {
+    } else if (line[i] == separator && !quoted) {
       cells.emplace_back(TrimBlanks(cell));
       cell.clear();
     } else {

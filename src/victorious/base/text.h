@@ -19,9 +19,9 @@ namespace victorious {
 /// Removes a line from the front of `text` and returns it without its end ("\n", "\r\n").
 [[nodiscard]] std::string_view TakeLine(std::string_view& text);
 
-/// Splits a line into cells at commas, and trims blanks. A cell in double quotes may contain commas, and doubled quotes
-/// (RFC 4180, except line ends).
-[[nodiscard]] std::vector<std::string> SplitRow(std::string_view line);
+/// Splits a line into cells, and trims blanks. A cell in double quotes may contain separators, and doubled quotes (RFC
+/// 4180, except line ends).
+[[nodiscard]] std::vector<std::string> SplitRow(std::string_view line, char separator = ',');
 
 /// Removes a number, after blanks, from the front of `text` and returns it; std::nullopt if there is no number, and for
 /// infinities and NaN.

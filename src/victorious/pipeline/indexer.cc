@@ -558,9 +558,9 @@ Expected<std::unique_ptr<const ShapeSearch>> Indexer::MakeShapeSearch(const Reco
   if (!view) return nullptr;
   if (job.inform) {
     job.inform(
-        fmt::format("{}: the camera's height is unknown; for the search by shape, {:.3g} pixels a metre and an "
+        fmt::format("the camera's height is unknown; for the search by shape, {:.3g} pixels a metre and an "
                     "off-nadir angle of {:.0f} degrees are assumed, in which the objects of several models agree",
-                    job.video, view->pixels_per_m, DegreesFromRadians(view->off_nadir_rad)));
+                    view->pixels_per_m, DegreesFromRadians(view->off_nadir_rad)));
   }
   shapes->AssumeCamera(ConditionsOf(*view, frames.front().size()));
   return shapes;

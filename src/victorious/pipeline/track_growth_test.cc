@@ -112,6 +112,13 @@ ObjectModel PhotoModelOf(const TurningScene& scene) {
   return MakePhotoModel("can", std::span(&photo, 1), std::nullopt, {}).value();
 }
 
+std::vector<Frame> DrawFrames(std::int64_t first, std::int64_t end, const std::function<cv::Mat(int)>& draw) {
+  std::vector<Frame> frames;
+  for (std::int64_t i = first; i < end; ++i)
+    frames.push_back({.index = i, .time_s = kFrame_s * static_cast<double>(i), .image = draw(static_cast<int>(i))});
+  return frames;
+}
+
 class TrackGrowthTest : public ::testing::Test {
  protected:
   // What recognition has found: an object in some frames.
@@ -139,12 +146,8 @@ class TrackGrowthTest : public ::testing::Test {
     std::vector<double> times_s;
     for (int i = 0; i < kFrames; ++i) times_s.push_back(kFrame_s * i);
     const ReadFrames read = [&](std::int64_t first, std::int64_t end) -> Expected<std::vector<Frame>> {
-      std::vector<Frame> frames;
-      for (std::int64_t i = first; i < end; ++i) {
-        read_.insert(i);
-        frames.push_back({.index = i, .time_s = kFrame_s * static_cast<double>(i), .image = draw(static_cast<int>(i))});
-      }
-      return frames;
+      for (std::int64_t i = first; i < end; ++i) read_.insert(i);
+      return DrawFrames(first, end, draw);
     };
     return GrowTracks({.model = model,
                        .tracklets = tracklets_,
@@ -313,11 +316,7 @@ TEST_F(TrackGrowthTest, PlacesThatTelemetryExcludesAreLeftOut) {
   std::vector<double> times_s;
   for (int i = 0; i < kFrames; ++i) times_s.push_back(kFrame_s * i);
   const ReadFrames read = [&](std::int64_t first, std::int64_t end) -> Expected<std::vector<Frame>> {
-    std::vector<Frame> frames;
-    for (std::int64_t i = first; i < end; ++i)
-      frames.push_back(
-          {.index = i, .time_s = kFrame_s * static_cast<double>(i), .image = scene.Draw(static_cast<int>(i))});
-    return frames;
+    return DrawFrames(first, end, [&](int i) { return scene.Draw(i); });
   };
   const GrowthInput input{.model = model,
                           .tracklets = tracklets_,

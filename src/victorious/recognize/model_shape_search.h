@@ -20,6 +20,9 @@
 
 namespace victorious {
 
+inline constexpr int kFineHeadingStep_deg = 5;  ///< between fine templates
+inline constexpr int kFineHeadings = 2;         ///< on either side of one that is known to some degrees
+
 /// How an upright object looks in one place of the frame.
 struct LocalView {
   double off_nadir_rad = 0;

@@ -25,10 +25,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kHeadingStep_deg = 5;     // of fine templates
-constexpr std::size_t kMaxPlaces = 4;   // of a model in a frame that are searched with fine templates
-constexpr int kHeadingsOfOnePlace = 2;  // on either side of the last one, kHeadingStep_deg apart
-constexpr double kSuppression = 0.4;    // distance of two matches over the smaller one's size
+constexpr std::size_t kMaxPlaces = 4;  // of a model in a frame that are searched with fine templates
+constexpr double kSuppression = 0.4;   // distance of two matches over the smaller one's size
 
 }  // namespace
 
@@ -181,12 +179,13 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
   if (conditions == nullptr || templates_->surfaces(m) == nullptr) return std::optional<ShapeMatch>();
   VICTORIOUS_ASSIGN_OR_RETURN(const RenderedSurface rendered, templates_->surfaces(m)->GetSurface(last.view));
   const double azimuth_deg = DegreesFromRadians(models_[m].views[last.view].angles->azimuth_rad);
-  const Place place{.model = m,
-                    .at_px = last.fit.scene_from_template.Apply(rendered.centre_px) + shift_px,
-                    .azimuth_deg = static_cast<int>(std::lround(azimuth_deg / kHeadingStep_deg)) * kHeadingStep_deg,
-                    .assumed = {}};
+  const Place place{
+      .model = m,
+      .at_px = last.fit.scene_from_template.Apply(rendered.centre_px) + shift_px,
+      .azimuth_deg = static_cast<int>(std::lround(azimuth_deg / kFineHeadingStep_deg)) * kFineHeadingStep_deg,
+      .assumed = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ShapeMatch> match,
-                              SearchFor(m).Match(grey, *conditions, place, kHeadingsOfOnePlace));
+                              SearchFor(m).Match(grey, *conditions, place, kFineHeadings));
   if (!match) return match;
   match->neg_log10_nfa = NegLog10Nfa(*match) + kDecadesOfOnePlace;
   if (conditions != &given) match->neg_log10_nfa -= kDecadesOfAssumedCamera;
