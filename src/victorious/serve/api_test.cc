@@ -322,6 +322,19 @@ TEST_F(ApiTest, ReviewIsKept) {
   EXPECT_TRUE(Get("/api/v1/objects/" + std::to_string(ids_[1]))["review"].is_null());
 }
 
+TEST_F(ApiTest, MemberOfAReviewThatIsLeftOutStays) {
+  ASSERT_EQ(Review(ids_[0], R"({"verdict": "accepted", "note": "by the barn", "reviewer": "ann"})").status, 200);
+  const json rejected = json::parse(Review(ids_[0], R"({"verdict": "rejected", "reviewer": "ann"})").body)["review"];
+  EXPECT_EQ(rejected["verdict"], "rejected");
+  EXPECT_EQ(rejected["note"], "by the barn");
+  const json noted = json::parse(Review(ids_[0], R"({"note": "in the barn", "reviewer": "ann"})").body)["review"];
+  EXPECT_EQ(noted["verdict"], "rejected");
+  EXPECT_EQ(noted["note"], "in the barn");
+  // The note of ann is not that of bob.
+  const json other = json::parse(Review(ids_[0], R"({"verdict": "accepted", "reviewer": "bob"})").body)["review"];
+  EXPECT_EQ(other["note"], "");
+}
+
 TEST_F(ApiTest, DecisionsArePersons) {
   EXPECT_EQ(Review(ids_[0], R"({"verdict": "accepted", "reviewer": "ann"})").status, 200);
   EXPECT_EQ(Review(ids_[1], R"({"verdict": "accepted", "reviewer": "ann"})").status, 200);

@@ -148,7 +148,7 @@ void IndexView::Return(std::unique_ptr<IndexReader> reader) {
   returned_.notify_one();
 }
 
-Status IndexView::PutReview(std::int64_t object, Review review) {
+Status IndexView::ChangeReview(std::int64_t object, const ReviewChange& change) {
   const std::scoped_lock lock(writer_mutex_);
   if (!writer_) {
     return Fail(ErrorCode::kPermissionDenied,
@@ -157,6 +157,11 @@ Status IndexView::PutReview(std::int64_t object, Review review) {
                             StoreName(name_),
                             IsDatabaseUrl(name_) ? "the role to write" : "writing to the file and its folder"));
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Review> decisions, writer_->Decisions(object));
+  const auto before = std::ranges::find(decisions, change.reviewer, &Review::reviewer);
+  Review review = before == decisions.end() ? Review{.reviewer = change.reviewer} : *before;
+  if (change.verdict) review.verdict = *change.verdict;
+  if (change.note) review.note = *change.note;
   review.updated_utc_us = NowUtcMicroseconds();
   VICTORIOUS_RETURN_IF_ERROR(writer_->PutReview(object, review));
   NoteOwnChange();

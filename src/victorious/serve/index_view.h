@@ -40,6 +40,13 @@ struct IndexLists {
   [[nodiscard]] const ModelRecord* Model(std::int64_t id) const;
 };
 
+/// What a person changes of a review.
+struct ReviewChange {
+  std::optional<std::optional<Verdict>> verdict;  ///< std::nullopt: stays as it is
+  std::optional<std::string> note;                ///< likewise
+  std::string reviewer;                           ///< whose review
+};
+
 class IndexView {
  public:
   /// An IndexReader that returns to the view when it is destroyed.
@@ -76,8 +83,8 @@ class IndexView {
   /// and if the index is not there any more.
   [[nodiscard]] Expected<Loan> Borrow();
 
-  /// Stores the review with the present time. Errors: kPermissionDenied; those of IndexStore::PutReview.
-  [[nodiscard]] Status PutReview(std::int64_t object, Review review);
+  /// Stores the changed review with the present time. Errors: kPermissionDenied; those of IndexStore::PutReview.
+  [[nodiscard]] Status ChangeReview(std::int64_t object, const ReviewChange& change);
 
   /// How often this server has changed what the lists show a little later: reviews, and those of NoteOwnChange.
   [[nodiscard]] std::int64_t own_changes() const { return own_changes_; }

@@ -119,29 +119,29 @@ Json RowsToJson(const std::vector<TriageObject>& objects, const IndexLists& list
 }
 
 // The body of a review. Error: the field that is wrong.
-ApiExpected<Review> ParseReview(std::string_view body) {
+ApiExpected<ReviewChange> ParseReview(std::string_view body) {
   constexpr std::size_t kMaxNoteBytes = 4000;
   constexpr std::size_t kMaxNameBytes = 100;
   const auto json = ParseJson(body);
   if (!json) return std::unexpected(ApiError(json.error()));
   if (!json->is_object()) return FailField("", "the body must be {\"verdict\": …, \"note\": …}");
-  const auto read_text = [](const Json& value, const std::string& key, std::size_t limit,
-                            std::string& text) -> ApiStatus {
+  const auto read_text = [](const Json& value, const std::string& key, std::size_t limit) -> ApiExpected<std::string> {
     if (!value.is_string()) return FailField(key, fmt::format("The {} must be a text", key));
-    text = value.get<std::string>();
-    if (text.size() <= limit) return {};
+    std::string text = value.get<std::string>();
+    if (text.size() <= limit) return text;
     return FailField(key, fmt::format("The {} has {} bytes; at most {} are kept", key, text.size(), limit));
   };
-  Review review;
+  ReviewChange review;
   for (const auto& [key, value] : json->items()) {
     if (key == "verdict") {
+      review.verdict = std::optional<Verdict>();
       if (value.is_null()) continue;
       if (value.is_string()) review.verdict = FromText(kVerdictTexts, value.get<std::string>());
-      if (!review.verdict) return FailField("verdict", "The verdict must be \"accepted\", \"rejected\" or null");
+      if (!*review.verdict) return FailField("verdict", "The verdict must be \"accepted\", \"rejected\" or null");
     } else if (key == "note") {
-      VICTORIOUS_RETURN_IF_ERROR(read_text(value, key, kMaxNoteBytes, review.note));
+      VICTORIOUS_ASSIGN_OR_RETURN(review.note, read_text(value, key, kMaxNoteBytes));
     } else if (key == "reviewer") {
-      VICTORIOUS_RETURN_IF_ERROR(read_text(value, key, kMaxNameBytes, review.reviewer));
+      VICTORIOUS_ASSIGN_OR_RETURN(review.reviewer, read_text(value, key, kMaxNameBytes));
     } else {
       return FailField(key, "Only verdict, note and reviewer can be set");
     }
@@ -367,10 +367,10 @@ ApiExpected<HttpResponse> ObjectRoutes::Decisions(const ApiCall& call) {
 
 ApiExpected<HttpResponse> ObjectRoutes::PutReview(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(index_, call.parameters[0]));
-  VICTORIOUS_ASSIGN_OR_RETURN(Review review, ParseReview(call.request.body));
+  VICTORIOUS_ASSIGN_OR_RETURN(ReviewChange review, ParseReview(call.request.body));
   // With accounts, nobody decides in the name of another.
   if (!call.caller.is_open) review.reviewer = call.caller.name();
-  VICTORIOUS_RETURN_IF_ERROR(index_.PutReview(found.object.id, std::move(review)));
+  VICTORIOUS_RETURN_IF_ERROR(index_.ChangeReview(found.object.id, review));
   // What it makes of the team's review, and of those of others.
   VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject reviewed, FindObject(index_, call.parameters[0]));
   return JsonResponse({{"object_id", reviewed.object.id},
