@@ -1,4 +1,5 @@
 // An area drawn on the map: a polygon whose edges are straight in latitude and longitude.
+import { readPosition } from "./coordinates";
 import type { Position } from "./geo";
 
 /** Corners in order, without the first one again. */
@@ -54,19 +55,27 @@ export function isInArea(area: Area, [longitude, latitude]: Position): boolean {
 export const formatArea = (area: Area): string =>
   area.map(([longitude, latitude]) => `${Number(latitude.toFixed(6))},${Number(longitude.toFixed(6))}`).join(",");
 
+/** All positions of a text; null: it has something else, too. */
+function readCorners(text: string): Position[] | null {
+  const corners: Position[] = [];
+  for (let rest = text.trim(); rest !== ""; ) {
+    const found = readPosition(rest);
+    if (found === null || corners.length === MAX_CORNERS) return null;
+    corners.push([found.longitude, found.latitude]);
+    rest = found.rest.replace(/^[\s,;]+/, "");
+  }
+  return corners;
+}
+
 /**
- * Reads latitudes and longitudes in decimal degrees, with commas, semicolons or spaces between. Two corners are opposite
- * ones of a rectangle. Null: it is no area.
+ * Reads corners with commas, semicolons or spaces between, each as the page writes positions. Two corners are opposite ones
+ * of a rectangle. Null: it is no area.
  */
 export function parseArea(text: string): Area | null {
-  const numbers = text.split(/[\s,;]+/).filter((part) => part !== "").map(Number);
-  if (numbers.length < 4 || numbers.length % 2 !== 0 || numbers.length > 2 * MAX_CORNERS) return null;
-  const corners: Position[] = [];
-  for (let i = 0; i < numbers.length; i += 2) corners.push([numbers[i + 1] ?? NaN, numbers[i] ?? NaN]);
+  const corners = readCorners(text);
+  if (corners === null || corners.length < 2) return null;
   const [first, second] = corners as [Position, Position];
-  const isValid = corners.every(
-    ([x, y]) => Number.isFinite(x) && Number.isFinite(y) && Math.abs(x) <= 360 && Math.abs(y) <= 90 && Math.abs(turn(x - first[0])) <= 90,
-  );
+  const isValid = corners.every(([x, y]) => Math.abs(x) <= 360 && Math.abs(y) <= 90 && Math.abs(turn(x - first[0])) <= 90);
   if (!isValid) return null;
   if (corners.length > 2) return corners;
   return first[0] === second[0] || first[1] === second[1] ? null : rectangle(first, second);

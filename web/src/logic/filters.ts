@@ -1,6 +1,7 @@
 // Filters of the list: they grey objects out.
 import type { FoundObject, Verdict } from "../api/types";
 import { type Area, formatArea, isInArea } from "./area";
+import { isPosition, readPosition } from "./coordinates";
 import { ownDecision } from "./decisions";
 
 export interface Circle {
@@ -15,7 +16,7 @@ export interface Circle {
 export type ReviewFilter = "all" | "none" | Exclude<Verdict, null> | "own" | "not_own" | "disputed";
 
 export interface Filters {
-  /** Words of the model's name, or "near 52.52,13.40 200 m". */
+  /** Words of the model's name, "near 52.52,13.40 200 m", or a position alone. */
   text: string;
   /** Names of models; empty: all. */
   models: readonly string[];
@@ -31,26 +32,41 @@ export interface Filters {
 
 export const NO_FILTERS: Filters = { text: "", models: [], video: null, review: "all", minScore: 0, area: null, thresholds: new Map() };
 
-const NEAR = /\bnear\s+(-?\d+(?:\.\d+)?)(?:\s*,\s*|\s+)(-?\d+(?:\.\d+)?)(?:\s*,?\s+(\d+(?:\.\d+)?)\s*(km|m)?\b)?/i;
+const NEAR = /\bnear\s+(?=\S)/i;
+const RADIUS = /^\s*,?\s+(\d+(?:\.\d+)?)\s*(km|m)?(?!\w)/i;
 /** A place that is not complete, as while it is typed. */
-const NEAR_PART = /\bnear\s+-?\d[^a-z]*/i;
+const NEAR_PART = /\bnear\s+-?\d.*$/i;
 /** m, of a place without a radius */
 const NEAR_RADIUS = 200;
 
+/** The place that a text names, after "near" or as all of it, and what is left of the text. */
+function takePlace(text: string): { place: { latitude: number; longitude: number }; radius: RegExpExecArray | null; words: string } | null {
+  const near = NEAR.exec(text);
+  const isBare = near === null && isPosition(text.replace(/\s+\d+(?:\.\d+)?\s*k?m\s*$/i, ""));
+  if (near === null && !isBare) return null;
+  const place = readPosition(near ? text.slice(near.index + near[0].length) : text.trim());
+  if (place === null) return null;
+  const radius = RADIUS.exec(place.rest);
+  const after = place.rest.slice(radius?.[0].length ?? 0);
+  // A bare place stands alone.
+  if (near === null && after.trim() !== "") return null;
+  return { place, radius, words: `${near ? text.slice(0, near.index) : ""} ${after}` };
+}
+
 /** Splits a query into words and a circle. `hint`: what is taken for granted, or what is missing. */
 export function parseQuery(text: string): { words: string[]; near: Circle | null; hint: string | null } {
-  const match = NEAR.exec(text);
-  const [latitude, longitude] = [Number(match?.[1]), Number(match?.[2])];
+  const found = takePlace(text);
+  const radius = found?.radius ?? null;
+  const { latitude, longitude } = found?.place ?? { latitude: NaN, longitude: NaN };
   const isOnEarth = Math.abs(latitude) <= 90 && Math.abs(longitude) <= 180;
-  const metres = match?.[3] === undefined ? NEAR_RADIUS : Number(match[3]) * (match[4]?.toLowerCase() === "km" ? 1000 : 1);
-  const near = match && isOnEarth ? { latitude, longitude, metres } : null;
+  const metres = radius === null ? NEAR_RADIUS : Number(radius[1]) * (radius[2]?.toLowerCase() === "km" ? 1000 : 1);
+  const near = found && isOnEarth ? { latitude, longitude, metres } : null;
   const hintOf = () => {
-    if (match && !isOnEarth) return "near: a latitude lies between −90 and 90, a longitude between −180 and 180.";
-    if (match) return match[3] === undefined ? `Within ${NEAR_RADIUS} m, as no radius is given.` : null;
-    return NEAR_PART.test(text) ? "near needs latitude and longitude: near 52.52,13.40 200 m" : null;
+    if (found && !isOnEarth) return "near: a latitude lies between −90 and 90, a longitude between −180 and 180.";
+    if (found) return radius === null ? `Within ${NEAR_RADIUS} m, as no radius is given.` : null;
+    return NEAR_PART.test(text) ? "near takes latitude and longitude, MGRS or UTM: near 52.52,13.40 200 m" : null;
   };
-  const words = text
-    .replace(match ? NEAR : NEAR_PART, " ")
+  const words = (found?.words ?? text.replace(NEAR_PART, " "))
     .toLowerCase()
     .split(/\s+/)
     .filter((word) => word !== "");

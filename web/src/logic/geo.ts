@@ -28,6 +28,13 @@ export function ellipseRing(place: Place, corners = 48): Position[] | null {
   });
 }
 
+/** A circle on the ground, closed; m. */
+export const circleRing = (centre: Position, radius: number, corners = 64): Position[] =>
+  Array.from({ length: corners + 1 }, (_, i) => {
+    const angle = (2 * Math.PI * (i % corners)) / corners;
+    return offset(centre, radius * Math.sin(angle), radius * Math.cos(angle));
+  });
+
 export interface CameraMoment {
   position: Position;
   yaw: number | null;

@@ -13,6 +13,13 @@ const ALPHA = [
   (61 * N ** 3) / 240 - (103 * N ** 4) / 140,
   (49561 * N ** 4) / 161280,
 ];
+/** Of the way back. */
+const BETA = [
+  N / 2 - (2 * N ** 2) / 3 + (37 * N ** 3) / 96 - N ** 4 / 360,
+  N ** 2 / 48 + N ** 3 / 15 - (437 * N ** 4) / 1440,
+  (17 * N ** 3) / 480 - (37 * N ** 4) / 840,
+  (4397 * N ** 4) / 161280,
+];
 const E = Math.sqrt(F * (2 - F));
 const BANDS = "CDEFGHJKLMNPQRSTUVWXX";
 const COLUMNS = ["ABCDEFGH", "JKLMNPQR", "STUVWXYZ"];
@@ -43,8 +50,7 @@ export function utmOf(latitude: number, longitude: number): Utm | null {
   const lambda = ((east - (6 * zone - 183)) * Math.PI) / 180;
   // The conformal latitude, then the Gauss-Schreiber coordinates, then the series.
   const tangent = Math.tan(phi);
-  const sigma = Math.sinh(E * Math.atanh((E * tangent) / Math.hypot(1, tangent)));
-  const conformal = tangent * Math.hypot(1, sigma) - sigma * Math.hypot(1, tangent);
+  const conformal = conformalTangent(tangent);
   const xi = Math.atan2(conformal, Math.cos(lambda));
   const eta = Math.asinh(Math.sin(lambda) / Math.hypot(conformal, Math.cos(lambda)));
   let [x, y] = [eta, xi];
@@ -75,4 +81,60 @@ export function formatMgrs(latitude: number, longitude: number): string | null {
 export function formatUtm(latitude: number, longitude: number): string | null {
   const utm = utmOf(latitude, longitude);
   return utm && `${utm.zone}${utm.band} ${utm.easting.toFixed(1)} ${utm.northing.toFixed(1)}`;
+}
+
+export interface LatLon {
+  /** degrees */
+  latitude: number;
+  longitude: number;
+}
+
+/** The tangent of the conformal latitude. */
+function conformalTangent(tangent: number): number {
+  const sigma = Math.sinh(E * Math.atanh((E * tangent) / Math.hypot(1, tangent)));
+  return tangent * Math.hypot(1, sigma) - sigma * Math.hypot(1, tangent);
+}
+
+/** Null if there is no such zone or band, or the point lies far beyond its zone. */
+export function positionOfUtm({ zone, band, easting, northing }: Utm): LatLon | null {
+  const isZone = zone >= 1 && zone <= 60 && BANDS.includes(band.toUpperCase()) && band.length === 1;
+  if (!isZone || easting < 0 || easting > 1_000_000 || northing < 0 || northing > 10_000_000) return null;
+  const isSouth = band.toUpperCase() < "N";
+  const [x, y] = [(easting - 500_000) / (K0 * RECTIFYING), (northing - (isSouth ? 10_000_000 : 0)) / (K0 * RECTIFYING)];
+  let [eta, xi] = [x, y];
+  BETA.forEach((beta, i) => {
+    const order = 2 * (i + 1);
+    eta -= beta * Math.cos(order * y) * Math.sinh(order * x);
+    xi -= beta * Math.sin(order * y) * Math.cosh(order * x);
+  });
+  const wanted = Math.sin(xi) / Math.hypot(Math.sinh(eta), Math.cos(xi));
+  // Newton's steps from the conformal latitude (Karney 2011, equations 19 to 21).
+  let tangent = wanted;
+  for (let step = 0; step < 5; step++) {
+    const present = conformalTangent(tangent);
+    tangent += ((wanted - present) / Math.hypot(1, present)) * ((1 + (1 - E * E) * tangent ** 2) / ((1 - E * E) * Math.hypot(1, tangent)));
+  }
+  const longitude = 6 * zone - 183 + (Math.atan2(Math.sinh(eta), Math.cos(xi)) * 180) / Math.PI;
+  return { latitude: (Math.atan(tangent) * 180) / Math.PI, longitude: longitude - 360 * Math.round(longitude / 360) };
+}
+
+/**
+ * The middle of the square that MGRS names.
+ * @param square  two letters
+ * @param east  digits of the easting, as many as of the northing
+ */
+export function positionOfMgrs(zone: number, band: string, square: string, east: string, north: string): LatLon | null {
+  const [column, row] = [square.charAt(0).toUpperCase(), square.charAt(1).toUpperCase()];
+  const at = COLUMNS[(zone + 2) % 3]?.indexOf(column) ?? -1;
+  const line = ROWS.indexOf(row);
+  const place = BANDS.indexOf(band.toUpperCase());
+  if (at < 0 || line < 0 || place < 0 || band.length !== 1) return null;
+  const size = 10 ** (5 - east.length);
+  const metres = (digits: string) => (Number(digits) + 0.5) * size;
+  const easting = (at + 1) * 100_000 + metres(east);
+  const first = ((line + (zone % 2 === 0 ? 15 : 0)) % 20) * 100_000 + metres(north);
+  // The letters of rows come again each 2000 km: the band, 8 degrees high, says which ones are meant.
+  const middle = place >= 19 ? 78 : 8 * place - 76;
+  const all = [0, 1, 2, 3, 4].flatMap((turns) => positionOfUtm({ zone, band, easting, northing: first + turns * 2_000_000 }) ?? []);
+  return all.sort((a, b) => Math.abs(a.latitude - middle) - Math.abs(b.latitude - middle))[0] ?? null;
 }

@@ -92,6 +92,7 @@ export function Header() {
           type="search"
           autocomplete="off"
           placeholder='Name, note, or "near 52.52,13.40 200 m"'
+          title="Words of names and notes; a position as the page copies it (degrees, MGRS, UTM), with a radius"
           value={state.filters.value.text}
           onInput={(event) => state.setFilters({ text: event.currentTarget.value })}
         />

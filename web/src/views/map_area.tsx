@@ -1,11 +1,12 @@
 // Drawing an area on the map, by mouse or by coordinates: corners by clicks, or a rectangle by dragging.
-import { effect, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import type { FeatureCollection } from "geojson";
 import type { Map as MapLibre, MapMouseEvent } from "maplibre-gl";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { type Area, MAX_CORNERS, formatArea, isArea, nearestCorner, onOneGlobe, parseArea, rectangle } from "../logic/area";
-import type { Position } from "../logic/geo";
+import { parseQuery } from "../logic/filters";
+import { type Position, circleRing } from "../logic/geo";
 import * as state from "../state";
 import { Icon } from "./icons";
 import { EMPTY, collection, feature, polygon } from "./map_style";
@@ -14,6 +15,10 @@ import { EMPTY, collection, feature, polygon } from "./map_style";
 const draft = signal<Area>([]);
 /** px */
 const NEAR = 8;
+/** What the search field asks for. */
+const searchedCircle = computed(() => parseQuery(state.filters.value.text).near);
+/** Not for each digit that is typed. */
+const SHOW_CIRCLE_MS = 500;
 
 const distance = (a: { x: number; y: number }, b: { x: number; y: number }) => Math.hypot(a.x - b.x, a.y - b.y);
 
@@ -79,12 +84,25 @@ export function connectArea(map: MapLibre, setData: (source: string, data: Featu
       pressed = null;
     }),
     effect(() => {
+      const near = searchedCircle.value;
+      if (near === null) return;
+      const timer = setTimeout(() => {
+        const ring = circleRing([near.longitude, near.latitude], near.metres, 4);
+        const [north, east, south, west] = ring;
+        if (!north || !east || !south || !west || map.getBounds().contains([near.longitude, near.latitude])) return;
+        map.fitBounds([[west[0], south[1]], [east[0], north[1]]], { padding: 40, maxZoom: 18, duration: 0 });
+      }, SHOW_CIRCLE_MS);
+      return () => clearTimeout(timer);
+    }),
+    effect(() => {
       const isDrawing = state.isDrawingArea.value;
       const area = isDrawing ? draft.value : (state.filters.value.area ?? []);
-      if (area.length === 0) return setData("area", EMPTY);
+      const near = isDrawing ? null : searchedCircle.value;
+      const circle = near ? [feature(polygon(circleRing([near.longitude, near.latitude], near.metres)))] : [];
+      if (area.length === 0) return setData("area", circle.length > 0 ? collection(circle) : EMPTY);
       const corners = area.map((one) => feature({ type: "Point", coordinates: one }));
       const shape = area.length > 2 ? polygon([...area]) : { type: "LineString" as const, coordinates: [...area] };
-      setData("area", collection(isDrawing ? [feature(shape), ...corners] : [feature(shape)]));
+      setData("area", collection(isDrawing ? [feature(shape), ...corners] : [feature(shape), ...circle]));
     }),
   ];
 }
@@ -120,7 +138,7 @@ export function AreaPanel() {
     >
       <span>Drag a rectangle, or click corners (the last twice)</span>
       <label class="hidden" for="area-corners">
-        Corners as latitude and longitude; two make a rectangle
+        Corners as latitude and longitude, MGRS or UTM; two make a rectangle
       </label>
       <div class="corners">
         <input
@@ -130,7 +148,7 @@ export function AreaPanel() {
           autocomplete="off"
           spellcheck={false}
           placeholder="or 52.51,13.37 52.52,13.39"
-          title="Corners as latitude,longitude; two make a rectangle"
+          title="Corners as the page copies them: degrees, MGRS or UTM; two make a rectangle"
           aria-invalid={isWrong}
           value={text}
           onInput={(event) => setText(event.currentTarget.value)}
