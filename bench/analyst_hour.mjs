@@ -87,7 +87,6 @@ async function findElsewhere() {
   await page.fill("#model-name", "crate");
   await page.getByRole("button", { name: "Make the model" }).click();
   await until(`/objects?model=crate&video=${wanted}`, ({ objects }) => objects.length > 0);
-  await page.getByText("matches only").click();
   await page.keyboard.press("/");
   await page.keyboard.type("crate");
   await page.keyboard.press("Escape");

@@ -348,7 +348,8 @@ async function checkQueue(page, objects) {
 }
 
 async function triage(page) {
-  await open(page, "/");
+  // The list greys out what filters exclude; other scenarios leave it out.
+  await open(page, "/?list=all");
   const { objects } = await api(page, "/objects");
   assert.ok(objects.length >= 2, "the test needs two objects");
   await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, objects.length);
@@ -466,9 +467,15 @@ async function triage(page) {
   await becomes(() => page.locator("[role=option].greyed").count(), greyed);
   await becomes(() => page.locator("[role=option]").count(), objects.length, "nothing is hidden");
   await page.waitForFunction((text) => document.querySelector(".list h2")?.textContent?.startsWith(text), `${objects.length - greyed} of`);
-  // Shown alone, then all again.
+  // Shown alone, then all again. A reload finds again what was set.
   await page.getByText("matches only").click();
   await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, objects.length - greyed);
+  await page.selectOption("#sort", "rank");
+  await page.waitForFunction(() => location.search.includes("order=rank") && location.search.includes("q=") && !location.search.includes("list="));
+  await open(page, page.url());
+  await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, objects.length - greyed);
+  assert.deepEqual([await page.inputValue("#search"), await page.inputValue("#sort")], [second.model, "rank"]);
+  await page.selectOption("#sort", "queue");
   await page.getByText("matches only").click();
   await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, objects.length);
   await page.getByText("Clear filters").click();
@@ -586,6 +593,14 @@ async function many(page) {
   await page.keyboard.type("rare");
   await page.keyboard.press("Escape");
   await page.waitForFunction((text) => document.querySelector(".list h2")?.textContent?.startsWith(text), `${rare.length} of`);
+  // Alone, from the first one on, also where all are listed.
+  const first = page.locator(`#object-${rare[0].id}`);
+  await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, rare.length);
+  await page.getByText("matches only").click();
+  await page.waitForFunction(() => document.querySelector("[role=option]")?.getAttribute("aria-setsize") === "3000");
+  await first.waitFor();
+  await page.getByText("matches only").click();
+  await page.waitForFunction((count) => document.querySelectorAll("[role=option]").length === count, rare.length);
   const after = await api(page, `/objects?after=${middle[0].id}&model=rare&limit=1`);
   await page.keyboard.press("j");
   await page.waitForSelector(`#object-${after.objects[0].id}[aria-selected=true]`);
@@ -597,6 +612,16 @@ async function many(page) {
   await page.keyboard.press("a");
   await page.waitForFunction(() => /^1 of/.test(document.querySelector(".progress")?.textContent ?? ""));
   await until(page, "/objects/counts", ({ accepted }) => accepted === 1);
+
+  // The message takes it back, U does after a reload, too.
+  await page.locator(".notice").getByRole("button", { name: "Undo" }).click();
+  await until(page, "/objects/counts", ({ accepted }) => accepted === 0);
+  await page.keyboard.press("a");
+  await until(page, "/objects/counts", ({ accepted }) => accepted === 1);
+  await page.reload();
+  await page.waitForSelector("[role=option]");
+  await page.keyboard.press("u");
+  await until(page, "/objects/counts", ({ accepted }) => accepted === 0);
 
   // A cluster on the map opens where it is clicked.
   await page.getByText("Clear filters").click();
@@ -991,10 +1016,9 @@ async function thresholds(page) {
   // 0.09 and 0.04; what was decided stays, and other models are not asked.
   for (const tab of [page, second]) {
     await tab.waitForFunction(() => document.querySelector(".list h2")?.textContent === "22 of 24 objects");
-    await tab.waitForSelector(".learnt-row:has-text('only ≥ 0.3: greys out 2 objects')");
+    await tab.waitForSelector(".learnt-row:has-text('only ≥ 0.3: leaves out 2 objects')");
   }
   await checkAccessible(page, "a threshold in force");
-  await page.getByRole("button", { name: "matches only" }).click();
   await page.waitForFunction(() => document.querySelector("[role=option]")?.getAttribute("aria-setsize") === "22");
   const [table] = await Promise.all([page.waitForEvent("download"), saveAs(page, "Table (CSV)")]);
   assert.equal(readFileSync(await table.path(), "utf8").trim().split("\r\n").length, 1 + 22);
@@ -1398,10 +1422,11 @@ async function notes(page) {
     await page.keyboard.press(key);
     await page.keyboard.press("n");
     await page.keyboard.type(text);
-    await page.keyboard.press("Escape");
     const id = await selectedId(page);
     assert.notEqual(id, before);
+    // Without leaving the field: a reload loses nothing.
     await until(page, `/objects/${id}`, ({ review }) => review?.note === text && review.verdict === null);
+    await page.keyboard.press("Escape");
   }
 }
 

@@ -2,7 +2,7 @@
 import { effect } from "@preact/signals";
 
 import { formatUrl } from "./logic/url_state";
-import { detail, filters, isPlaying, project, selectedId, shownFrame, shownTime, videoId } from "./state";
+import { detail, filters, isOnlyMatching, isPlaying, project, selectedId, shownFrame, shownTime, sort, videoId } from "./state";
 
 let urlTimer: ReturnType<typeof setTimeout> | undefined;
 
@@ -15,7 +15,14 @@ function selectedName() {
 
 /** @param push  Back returns to what the bar holds now */
 export function writeUrl(push: boolean) {
-  const url = formatUrl({ object: selectedName(), video: videoId.value, time: shownTime.value, area: filters.value.area });
+  const url = formatUrl({
+    object: selectedName(),
+    video: videoId.value,
+    time: shownTime.value,
+    filters: filters.value,
+    order: sort.value,
+    isAllListed: !isOnlyMatching.value,
+  });
   if (url === location.search) return;
   if (push) history.pushState(null, "", url || location.pathname);
   else history.replaceState(null, "", url || location.pathname);
@@ -26,7 +33,9 @@ effect(() => {
   void shownFrame.value;
   void selectedId.value;
   void detail.value;
-  void filters.value.area;
+  void filters.value;
+  void sort.value;
+  void isOnlyMatching.value;
   if (project.value.state !== "ready" || isPlaying.value) return;
   clearTimeout(urlTimer);
   urlTimer = setTimeout(() => writeUrl(false), 250);

@@ -3,7 +3,6 @@ import { batch, effect, untracked } from "@preact/signals";
 
 import { ApiFailure, getCameraPath, getProject, getTimes, isAlive, listVideos, onUnreachable } from "./api/client";
 import { onEvent, startEvents } from "./events";
-import { formatArea } from "./logic/area";
 import { messageOf } from "./logic/errors";
 import { FrameTable } from "./logic/frame_table";
 import { parseUrl } from "./logic/url_state";
@@ -42,6 +41,8 @@ export async function load() {
     const [summary, found] = await Promise.all([getProject(), listVideos()]);
     objects.setQueueTime(summary.now_utc_us);
     await thresholds.load();
+    // The list begins as the address says.
+    if (project.peek().state !== "ready") takeFilters(parseUrl(location.search));
     await Promise.all([objects.loadList(sort.value, filters.value, isOnlyMatching.value), objects.countOwn()]);
     batch(() => {
       project.value = { state: "ready", value: summary };
@@ -101,9 +102,18 @@ function startLive() {
   startEvents();
 }
 
+/** Sets what an address says of the list. */
+function takeFilters({ filters: chosen, order, isAllListed }: ReturnType<typeof parseUrl>) {
+  batch(() => {
+    if (JSON.stringify({ ...filters.peek(), ...chosen }) !== JSON.stringify(filters.peek())) setFilters(chosen);
+    sort.value = order;
+    isOnlyMatching.value = !isAllListed;
+  });
+}
+
 async function openFromUrl() {
   const wanted = parseUrl(location.search);
-  if (formatArea(wanted.area ?? []) !== formatArea(filters.peek().area ?? [])) setFilters({ area: wanted.area });
+  takeFilters(wanted);
   const id = typeof wanted.object === "string" ? await objects.idOfKey(wanted.object).catch(() => null) : wanted.object;
   if (id !== null && !objects.objectOf(id)) await objects.locate(id).catch(() => undefined);
   const target = id === null ? undefined : objects.objectOf(id);

@@ -9,14 +9,21 @@ export interface Notice {
   kind: "info" | "error";
   /** A later message about the same takes its place. */
   about: string;
+  action: NoticeAction | null;
+}
+
+/** What a click on a message does. */
+export interface NoticeAction {
+  label: string;
+  run: () => void;
 }
 export const notices = signal<Notice[]>([]);
 let nextNotice = 0;
 
-export function notify(text: string, kind: Notice["kind"] = "info", about = text) {
+export function notify(text: string, kind: Notice["kind"] = "info", about = text, action: NoticeAction | null = null) {
   const id = nextNotice++;
-  notices.value = [...notices.value.filter((one) => one.about !== about), { id, text, kind, about }];
-  setTimeout(() => dismiss(id), kind === "error" ? 12_000 : 4000);
+  notices.value = [...notices.value.filter((one) => one.about !== about), { id, text, kind, about, action }];
+  setTimeout(() => dismiss(id), kind === "error" ? 12_000 : action !== null ? 7000 : 4000);
 }
 
 export function dismiss(id: number) {

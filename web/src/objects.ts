@@ -6,10 +6,11 @@ import type { Counts, FoundObject, Review } from "./api/types";
 import { type Reviews, isOwnKnown, ownDecision, reviewsOf, withStored } from "./logic/decisions";
 import { type Filters, filterParams, isFiltered } from "./logic/filters";
 import { PagedList } from "./logic/paged_list";
+import type { Order } from "./logic/url_state";
 import { withVerdict } from "./logic/threshold_cost";
 import { me } from "./me";
 
-export type Sort = "queue" | "rank" | "newest";
+export type Sort = Order;
 
 const PAGE = 100;
 const MAX_LANES = 200;
@@ -25,7 +26,7 @@ export const list = signal<PagedList | null>(null);
 export const listVersion = signal(0);
 /** Of all objects. */
 export const counts = signal<Counts | null>(null);
-/** Objects that the list was made from; null if it leaves some out. */
+/** Objects of the index when the list was made; null before. */
 export const listedAll = signal<number | null>(null);
 /** How many objects match the filters; null: not known yet. */
 export const matching = signal<number | null>(null);
@@ -99,7 +100,7 @@ export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boo
     remember(page.objects);
     list.value = fresh;
     counts.value = all;
-    listedAll.value = isOnlyMatching ? null : fresh.total;
+    listedAll.value = all.objects;
     listVersion.value++;
   });
 }

@@ -4,6 +4,8 @@ import type { FoundObject, Review } from "./api/types";
 
 const server = vi.hoisted(() => {
   vi.stubGlobal("localStorage", { getItem: () => null, setItem: () => {} });
+  const kept = new Map<string, string>();
+  vi.stubGlobal("sessionStorage", { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => kept.set(key, value), clear: () => kept.clear() });
   return { putReview: vi.fn(), listDecisions: vi.fn(), listObjects: vi.fn() };
 });
 
@@ -67,6 +69,44 @@ beforeEach(() => {
   );
   session.value = { has_accounts: false, account: null };
   givenName.value = "ann";
+});
+
+describe("what can be taken back", () => {
+  it("outlives a reload of the page", async () => {
+    const id = await show([say("ann", "accepted", "by the barn")]);
+    reviews.review(id, "rejected");
+    await settle();
+    const stored = { id, model: "jet", moments: [], review: say("ann", "rejected", "by the barn"), decisions: [say("ann", "rejected", "by the barn")], is_disputed: false };
+    vi.resetModules();
+    const reloaded = await import("./reviews");
+    server.listObjects.mockResolvedValue({ objects: [stored as unknown as FoundObject] });
+    (await import("./me")).givenName.value = "ann";
+    (await import("./session")).session.value = { has_accounts: false, account: null };
+    reloaded.undo();
+    await settle();
+    await settle();
+    expect(sent().at(-1)).toEqual([id, "accepted", "by the barn", "ann"]);
+    // It is taken back once.
+    const count = sent().length;
+    reloaded.undo();
+    await settle();
+    expect(sent().slice(count).filter(([of]) => of === id)).toEqual([]);
+  });
+
+  it("is a note as a whole, however often it was stored while it was typed", async () => {
+    const id = await show([say("ann", "accepted", "old")]);
+    reviews.note(id, "by");
+    await settle();
+    reviews.note(id, "by the", true);
+    await settle();
+    reviews.note(id, "by the barn", true);
+    await settle();
+    expect(sent().map(([, , text]) => text)).toEqual(["by", "by the", "by the barn"]);
+    reviews.undo();
+    await settle();
+    await settle();
+    expect(sent().at(-1)).toEqual([id, "accepted", "old", "ann"]);
+  });
 });
 
 describe("a decision that came without the reader's own", () => {

@@ -5,6 +5,7 @@ import { ApiFailure, listDecisions, putReview } from "./api/client";
 import type { Review, Verdict } from "./api/types";
 import { type Reviews, isOwnKnown, ownDecision, ownOf, reviewsOf, withDecision } from "./logic/decisions";
 import { messageOf } from "./logic/errors";
+import { formatUndoSteps, readUndoSteps } from "./logic/undo_steps";
 import { type Filters, isChosen, nextReview } from "./logic/filters";
 import { plural } from "./logic/format";
 import { me } from "./me";
@@ -15,6 +16,8 @@ import { account, session } from "./session";
 import { filters, isConnected, isQueueDone, matcher, project, selected, selectedId } from "./state";
 
 const RETRY_MS = 3000;
+/** In the storage of the tab: a reload does not end what can be taken back. */
+const UNDO = "undo";
 
 /** Objects that the next decision is about, together. */
 export const marked = signal<ReadonlySet<number>>(new Set());
@@ -33,7 +36,9 @@ interface Decision {
   note: string;
 }
 /** What was decided before, of each person; those who share a page do not take back each other's decisions. */
-const undoSteps = new Map<string, Promise<Decision[]>[]>();
+const undoSteps = new Map<string, Promise<Decision[]>[]>(
+  readUndoSteps<Decision>(sessionStorage.getItem(UNDO)).map(([reviewer, steps]) => [reviewer, steps.map((one) => Promise.resolve(one))]),
+);
 /** What the server does not have yet, by person and object: of several decisions the latest. */
 const pending = signal<ReadonlyMap<string, Decision>>(new Map());
 
@@ -50,6 +55,17 @@ export const waiting = computed(() => {
 });
 
 const keyOf = (reviewer: string, id: number) => `${id} ${reviewer}`;
+
+/** Keeps the steps that can be taken back, for the case of a reload. */
+async function keepUndoSteps() {
+  const known = await Promise.all([...undoSteps].map(async ([name, steps]) => [name, await settled(steps)] as const));
+  sessionStorage.setItem(UNDO, formatUndoSteps(known));
+}
+
+async function settled<T>(promises: readonly Promise<T>[]): Promise<T[]> {
+  const all = await Promise.allSettled(promises);
+  return all.flatMap((one) => (one.status === "fulfilled" ? [one.value] : []));
+}
 
 function setPending(key: string, decision: Decision | null) {
   const next = new Map(pending.peek());
@@ -121,11 +137,22 @@ export function review(id: number, verdict: Verdict) {
   void change([id], (before) => ({ ...before, verdict }));
 }
 
-/** Stores a note beside what the reader decided, if it is another one than before. */
-export function note(id: number, text: string) {
+/**
+ * Stores a note beside what the reader decided, if it is another one than before.
+ * @param isSameStep  it goes on with the note that was stored last: one step of undo takes back both
+ * Returns whether it is another one.
+ */
+export function note(id: number, text: string, isSameStep = false): boolean {
   const object = objects.objectOf(id);
-  if (!object || text === (ownDecision(object, me.peek())?.note ?? "") || !canReview()) return;
-  void change([id], (before) => ({ ...before, note: text }));
+  if (!object || text === (ownDecision(object, me.peek())?.note ?? "") || !canReview()) return false;
+  if (!isSameStep) {
+    void change([id], (before) => ({ ...before, note: text }));
+    return true;
+  }
+  presentDecision(id, me.peek())
+    .then((before) => void writeReview({ ...before, note: text }))
+    .catch((error: unknown) => notify(`The note is not stored: ${messageOf(error)}`, "error"));
+  return true;
 }
 
 /** Replaces what the reader decided about objects; one step of undo. Returns whether what to replace was known. */
@@ -136,6 +163,7 @@ async function change(ids: readonly number[], next: (before: Decision) => Decisi
   undoSteps.set(reviewer, [...steps(), step]);
   try {
     for (const before of await step) void writeReview(next(before));
+    void keepUndoSteps();
     return true;
   } catch (error) {
     undoSteps.set(reviewer, steps().filter((one) => one !== step));
@@ -186,7 +214,7 @@ export function markRange(from: number, to: number) {
 function decideMarked(verdict: Exclude<Verdict, null>) {
   const ids = [...marked.value].filter((id) => objects.objectOf(id) !== undefined);
   marked.value = new Set();
-  notify(`${plural(ids.length, "object")} ${verdict}. U takes it back.`, "info", "review");
+  notify(`${plural(ids.length, "object")} ${verdict}.`, "info", "review", UNDO_ACTION);
   void change(ids, (before) => ({ ...before, verdict })).then((isDone) => {
     if (!isDone) marked.value = new Set([...marked.value, ...ids]);
   });
@@ -210,7 +238,7 @@ export function decide(verdict: Exclude<Verdict, null>) {
   const wanted = { ...filters.value, review: nextReview(filters.value.review) };
   const next = neighbour(1, wanted);
   review(object.id, verdict);
-  notify(`${object.model} ${object.id}: ${verdict}. U takes it back.`, "info", "review");
+  notify(`${object.model} ${object.id}: ${verdict}.`, "info", "review", UNDO_ACTION);
   void goOn(object.id, next, wanted).catch(notifyError);
 }
 
@@ -236,11 +264,19 @@ export function undo() {
     notify("There is nothing to take back.");
     return;
   }
-  last
-    .then((all) => {
-      for (const before of all) void writeReview(before);
-      if (all[0]) select(all[0].id);
-    })
-    // change() has said it.
-    .catch(() => {});
+  takeBack(last).catch(notifyError);
 }
+
+async function takeBack(step: Promise<Decision[]>) {
+  // change() has said why it is not known.
+  const all = await step.catch(() => []);
+  void keepUndoSteps();
+  // After a reload, they may not be loaded.
+  await objects.needObjects(all.map((one) => one.id));
+  const there = all.filter((one) => objects.objectOf(one.id) !== undefined);
+  if (there.length < all.length) notify("What was decided about is not in this index any more: a new search has replaced it.", "error");
+  for (const before of there) void writeReview(before);
+  if (there[0]) select(there[0].id);
+}
+
+const UNDO_ACTION = { label: "Undo (U)", run: undo };

@@ -38,5 +38,6 @@ export async function logIn(name: string, password: string) {
 /** Nothing of the former user stays on the page. */
 export async function logOut() {
   await postLogOut();
+  sessionStorage.clear();
   location.reload();
 }

@@ -23,8 +23,8 @@ export const indexVersion = signal(0);
 // ---- what the user chose
 
 export const filters = signal<Filters>(NO_FILTERS);
-/** Leaves out of the list what the filters grey out. */
-export const isOnlyMatching = signal(false);
+/** The list leaves out what the filters exclude; else it greys that out. */
+export const isOnlyMatching = signal(true);
 export const sort = signal<objects.Sort>("queue");
 export const selectedId = signal<number | null>(null);
 export const videoId = signal<number | null>(null);
@@ -59,12 +59,9 @@ export const seekRequest = signal<{ video: number; time: number } | null>(null);
 export const matcher = computed(() => makeMatcher(filters.value, me.value));
 export const selected = computed(() => (selectedId.value === null ? null : (objects.objectOf(selectedId.value) ?? null)));
 export const video = computed(() => videos.value.find((one) => one.id === videoId.value) ?? null);
-export const modelNames = computed(() =>
-  project.value.state === "ready" ? project.value.value.models.map((one) => one.name) : [],
-);
-const modelById = computed(
-  () => new Map(project.value.state === "ready" ? project.value.value.models.map((one) => [one.id, one.name]) : []),
-);
+export const models = computed(() => (project.value.state === "ready" ? project.value.value.models : []));
+export const modelNames = computed(() => models.value.map((one) => one.name));
+const modelById = computed(() => new Map(models.value.map((one) => [one.id, one.name])));
 export const modelName = (id: number) => modelById.value.get(id) ?? "";
 
 export const frameTable = signal<Load<FrameTable>>({ state: "loading" });

@@ -39,7 +39,7 @@ export async function load() {
 export async function apply(model: ThresholdOfModel, minScore: number | null) {
   try {
     take(await putThreshold(model.model_id, minScore, me.peek()));
-    notify(minScore === null ? `All of ${model.model} is shown again.` : `Of ${model.model}, what scores less than ${minScore} is greyed out, for everybody.`);
+    notify(minScore === null ? `All of ${model.model} is shown again.` : `Of ${model.model}, what scores less than ${minScore} is left out, for everybody.`);
   } catch (error) {
     notifyError(error);
   }

@@ -89,8 +89,8 @@ async function ask<T>(path: string, init: RequestInit | undefined, read: (respon
 const request = <T>(path: string, init?: RequestInit) => ask(path, init, (response) => response.json() as Promise<T>);
 const requestText = (path: string) => ask(path, undefined, (response) => response.text());
 
-const send = <T>(path: string, method: "POST" | "PUT", body: unknown) =>
-  request<T>(path, { method, headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+const send = <T>(path: string, method: "POST" | "PUT", body: unknown, more: RequestInit = {}) =>
+  request<T>(path, { method, headers: { "Content-Type": "application/json" }, body: JSON.stringify(body), ...more });
 
 export const getSession = () => request<Session>("/session");
 export const postLogIn = (name: string, password: string) => send<Session>("/session", "POST", { name, password });
@@ -132,7 +132,8 @@ export const getCameraPath = (video: number, signal: AbortSignal) =>
   request<CameraPath>(`/videos/${video}/camera`, { signal });
 
 export const putReview = (object: number, verdict: Verdict, note: string, reviewer: string) =>
-  send<ReviewedObject>(`/objects/${object}/review`, "PUT", { verdict, note, reviewer });
+  // Sent also if the page is left meanwhile.
+  send<ReviewedObject>(`/objects/${object}/review`, "PUT", { verdict, note, reviewer }, { keepalive: true });
 
 /** Of all persons. */
 export const listDecisions = async (object: number, signal?: AbortSignal): Promise<Review[]> =>

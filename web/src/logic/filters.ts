@@ -1,4 +1,4 @@
-// Filters of the list: they grey objects out.
+// Filters of the list: they leave objects out, or grey them out.
 import type { FoundObject, Verdict } from "../api/types";
 import { type Area, formatArea, isInArea } from "./area";
 import { isPosition, readPosition } from "./coordinates";

@@ -32,6 +32,6 @@ describe("what is said of thresholds", () => {
     expect(describeLearnt(model({ accepted: 3, rejected: 2 }), 10)).toBe("a threshold is learnt from 10 decisions on");
     expect(describeLearnt(model({}), 10)).toBe("no score separates them");
     expect(describeBelow(0)).toBe("nothing undecided scores less");
-    expect(describeBelow(2)).toBe("greys out 2 objects");
+    expect(describeBelow(2)).toBe("leaves out 2 objects");
   });
 });

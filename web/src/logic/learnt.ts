@@ -32,4 +32,4 @@ export function describeLearnt(one: ThresholdOfModel, minDecisions: number): str
   return "no score separates them";
 }
 
-export const describeBelow = (count: number) => (count === 0 ? "nothing undecided scores less" : `greys out ${plural(count, "object")}`);
+export const describeBelow = (count: number) => (count === 0 ? "nothing undecided scores less" : `leaves out ${plural(count, "object")}`);

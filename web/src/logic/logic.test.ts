@@ -13,7 +13,7 @@ import { formatMgrs, utmOf } from "./mgrs";
 import { boxBetween, boxCentres, fit } from "./overlay";
 import { PagedList } from "./paged_list";
 import { formatBehind, formatLeft, modelNameOf, planFiles, withoutUploadFolder } from "./uploads";
-import { formatUrl, parseUrl } from "./url_state";
+import { PLAIN, formatUrl, parseUrl } from "./url_state";
 
 const place = (latitude: number, longitude: number): Place => ({
   time_s: 0,
@@ -372,25 +372,33 @@ describe("uploads", () => {
 
 describe("address", () => {
   it("survives a round trip", () => {
-    const state = { object: 3, video: 1, time: 4.9, area: null };
+    const state = { ...PLAIN, object: 3, video: 1, time: 4.9 };
     expect(formatUrl(state)).toBe("?object=3&video=1&t=4.9");
     expect(parseUrl(formatUrl(state))).toEqual(state);
-    const there = { ...state, area: rectangle([13.4, 52.5], [13.5, 52.6]) };
+    const there = { ...state, filters: { ...PLAIN.filters, area: rectangle([13.4, 52.5], [13.5, 52.6]) } };
     expect(formatUrl(there)).toBe("?object=3&video=1&t=4.9&area=52.5,13.4,52.6,13.4,52.6,13.5,52.5,13.5");
     expect(parseUrl(formatUrl(there))).toEqual(there);
-    expect(parseUrl(formatUrl({ object: null, video: null, time: null, area: there.area })).area).toEqual(there.area);
-    expect(parseUrl("?area=1,2,x").area).toBeNull();
-    expect(formatUrl({ object: null, video: null, time: null, area: null })).toBe("");
+    expect(parseUrl(formatUrl({ ...PLAIN, filters: there.filters })).filters.area).toEqual(there.filters.area);
+    expect(parseUrl("?area=1,2,x").filters.area).toBeNull();
+    expect(formatUrl(PLAIN)).toBe("");
+  });
+
+  it("holds what the reader has set of the list", () => {
+    const filters = { text: 'shed & "near 52.5,13.4"', models: ["a, b", "c&d"], video: 2, review: "not_own" as const, minScore: 0.35, area: null };
+    const state = { ...PLAIN, filters, order: "newest" as const, isAllListed: true };
+    expect(parseUrl(formatUrl(state))).toEqual(state);
+    expect(parseUrl("?review=wrong&min=7&order=x&in=1.5&list=")).toEqual(PLAIN);
   });
 
   it("names an object by its key, and takes the id of older links", () => {
     const key = "2f00c4.4900000.1.25.0.10.20.vehicle/car & van.v2";
-    expect(parseUrl(formatUrl({ object: key, video: 1, time: 4.9, area: null }))).toEqual({ object: key, video: 1, time: 4.9, area: null });
+    const state = { ...PLAIN, object: key, video: 1, time: 4.9 };
+    expect(parseUrl(formatUrl(state))).toEqual(state);
     expect(parseUrl("?object=12").object).toBe(12);
   });
 
   it("ignores what is no number", () => {
-    expect(parseUrl("?object=x&t=-3&video=1.5")).toEqual({ object: null, video: null, time: null, area: null });
+    expect(parseUrl("?object=x&t=-3&video=1.5")).toEqual(PLAIN);
   });
 });
 

@@ -250,6 +250,35 @@ function Decisions({ object, shown }: { object: FoundObject; shown: readonly Rev
   );
 }
 
+interface Draft {
+  id: number;
+  note: string;
+  /** Something of it is stored. */
+  isKept: boolean;
+}
+
+/** ms without a letter, after which a note is stored */
+const PAUSE_MS = 700;
+
+/** All that is typed in one go is one step of undo. */
+function keep(draft: Draft) {
+  draft.isKept = reviews.note(draft.id, draft.note, draft.isKept) || draft.isKept;
+}
+
+/** Stores a note while it is typed, and before the page is left. */
+function useAutoSave(draft: Draft | null) {
+  useEffect(() => {
+    if (draft === null) return;
+    const store = () => keep(draft);
+    const timer = setTimeout(store, PAUSE_MS);
+    window.addEventListener("pagehide", store);
+    return () => {
+      clearTimeout(timer);
+      window.removeEventListener("pagehide", store);
+    };
+  }, [draft]);
+}
+
 /** The reader's own decision, and those of others. */
 function ReviewPanel({ object }: { object: FoundObject }) {
   const all = useAllDecisions(object);
@@ -258,17 +287,18 @@ function ReviewPanel({ object }: { object: FoundObject }) {
   const verdict = own?.verdict ?? null;
   const stored = own?.note ?? "";
   // What is typed belongs to the object that was selected as it was typed.
-  const [draft, setDraft] = useState<{ id: number; note: string } | null>(null);
+  const [draft, setDraft] = useState<Draft | null>(null);
   const isPending = objects.pendingReviews.value.has(object.id);
   const canReview = state.project.value.state === "ready" && state.project.value.value.can_review;
   const save = () => {
-    if (draft !== null) reviews.note(draft.id, draft.note);
+    if (draft !== null) keep(draft);
     setDraft(null);
   };
   const type = (note: string) => {
     if (draft !== null && draft.id !== object.id) save();
-    setDraft({ id: object.id, note });
+    setDraft({ id: object.id, note, isKept: draft?.id === object.id && draft.isKept });
   };
+  useAutoSave(draft);
   // The same as the keys. A button that was clicked does not keep the focus: Space plays.
   const decide = (chosen: "accepted" | "rejected") => (event: MouseEvent) => {
     if (event.detail > 0) (event.currentTarget as HTMLElement).blur();

@@ -10,6 +10,7 @@ import { searchedHours } from "../logic/coverage";
 import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, parseQuery } from "../logic/filters";
 import { baseName, explainScore, formatExpected, formatMetres, formatScore, plural } from "../logic/format";
 import { describeSeen, summarizeSeen } from "../logic/moments";
+import { type ChoosableModel, findModels, modelsWithChips } from "../logic/model_choice";
 import type { PagedList } from "../logic/paged_list";
 import { thresholdCost } from "../logic/threshold_cost";
 import * as jobs from "../jobs";
@@ -149,19 +150,67 @@ const REVIEWS: [ReviewFilter, string, string][] = [
   ["disputed", "disputed", "Some accepted it, some rejected it"],
 ];
 
+/** All models, to be searched by name. */
+function ModelChoice({ all, toggle }: { all: readonly ChoosableModel[]; toggle: (name: string) => void }) {
+  const [text, setText] = useState("");
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => field.current?.focus(), []);
+  const { models } = state.filters.value;
+  const found = findModels(all, text);
+  return (
+    <div id="all-models" class="model-choice" role="group" aria-label="All models">
+      <label class="hidden" for="model-search">
+        Part of a model's name
+      </label>
+      <input
+        id="model-search"
+        class="field"
+        type="search"
+        autocomplete="off"
+        placeholder="Part of a name"
+        ref={field}
+        value={text}
+        onInput={(event) => setText(event.currentTarget.value)}
+      />
+      <ul tabIndex={0} aria-label="Models">
+        {found.map(({ name, objects: count }) => (
+          <li key={name}>
+            <label class="check">
+              <input type="checkbox" checked={models.includes(name)} onChange={() => toggle(name)} />
+              <span class="swatch" style={{ background: state.colourOf(name) }} />
+              <span class="name">{name}</span>
+              <span class="muted">{count.toLocaleString("en")}</span>
+            </label>
+          </li>
+        ))}
+      </ul>
+      {found.length === 0 && <p class="muted">No model has this in its name.</p>}
+    </div>
+  );
+}
+
 function Chips() {
   const { models, review, video, area } = state.filters.value;
+  const [isChoosing, setIsChoosing] = useState(false);
+  const all = state.models.value;
+  const shown = modelsWithChips(all, models);
   const toggle = (name: string) =>
     state.setFilters({ models: models.includes(name) ? models.filter((one) => one !== name) : [...models, name] });
   return (
     <div class="chips" role="group" aria-label="Filters">
-      {state.modelNames.value.length > 1 &&
-        state.modelNames.value.slice(0, 12).map((name) => (
+      {all.length > 1 &&
+        shown.map(({ name }) => (
           <button key={name} class="chip" aria-pressed={models.includes(name)} onClick={() => toggle(name)}>
             <span class="swatch" style={{ background: state.colourOf(name) }} />
             {name}
           </button>
         ))}
+      {shown.length < all.length && (
+        <button class="chip" aria-expanded={isChoosing} aria-controls="all-models" onClick={() => setIsChoosing(!isChoosing)}>
+          all {all.length} models <span aria-hidden="true">▾</span>
+        </button>
+      )}
+      {isChoosing && <ModelChoice all={all} toggle={toggle} />}
       {REVIEWS.map(([one, text, title]) => (
         <button
           key={one}
@@ -223,6 +272,34 @@ function Threshold() {
   );
 }
 
+/** Where the filters exclude what is selected, the list shows the first object that they do not. */
+function useFirstMatch(list: PagedList, virtualizer: Virtualizer<HTMLDivElement, HTMLDivElement>) {
+  const { filters, isOnlyMatching, selected } = state;
+  const chosen = filters.value;
+  useEffect(() => {
+    const object = selected.peek();
+    if (!isChosen(chosen) || (object !== null && state.matcher.peek()(object))) return;
+    if (isOnlyMatching.peek()) return virtualizer.scrollToIndex(0);
+    let isOver = false;
+    // Not for each letter that is typed.
+    const timer = setTimeout(() => {
+      selection
+        .neighbour(1, chosen, null)
+        .then(async (id) => {
+          if (id === null || isOver) return;
+          if (list.positionOf(id) === undefined) await objects.locate(id);
+          const position = list.positionOf(id);
+          if (position !== undefined) virtualizer.scrollToIndex(position, { align: "start" });
+        })
+        .catch(notices.notifyError);
+    }, 200);
+    return () => {
+      isOver = true;
+      clearTimeout(timer);
+    };
+  }, [chosen, list, virtualizer]);
+}
+
 function Rows({ list }: { list: PagedList }) {
   const { scroller, virtualizer } = useVirtualizer(list.total);
   void objects.listVersion.value;
@@ -232,6 +309,7 @@ function Rows({ list }: { list: PagedList }) {
     if (position !== undefined) virtualizer.scrollToIndex(position, { align: "auto" });
     else if (selected !== null) objects.locate(selected).catch(notices.notifyError);
   }, [selected, virtualizer, list, position !== undefined]);
+  useFirstMatch(list, virtualizer);
   const items = virtualizer.getVirtualItems();
   const [first, last] = [items[0]?.index ?? 0, items.at(-1)?.index ?? 0];
   useEffect(() => {
@@ -298,7 +376,7 @@ function Order() {
       <button
         class="chip"
         aria-pressed={state.isOnlyMatching.value}
-        title="Leave out of the list what the filters grey out"
+        title="Leave out of the list what the filters exclude, instead of greying it out"
         onClick={() => (state.isOnlyMatching.value = !state.isOnlyMatching.value)}
       >
         matches only
@@ -387,10 +465,14 @@ function Empty() {
   return (
     <div class="empty">
       <h3>No object matches</h3>
-      <p>Clear the filters, or show what they grey out, too.</p>
+      <button class="button" onClick={clearFilters}>
+        Clear filters
+      </button>
     </div>
   );
 }
+
+const clearFilters = () => state.setFilters({ ...NO_FILTERS, thresholds: state.filters.value.thresholds });
 
 export function ObjectList() {
   const project = state.project.value;
@@ -408,7 +490,7 @@ export function ObjectList() {
             {hasLess ? `${shown === null ? "…" : shown.toLocaleString("en")} of ${plural(all, "object")}` : known ? plural(all, "object") : "…"}
           </h2>
           {isChosen(state.filters.value) && (
-            <button class="link" onClick={() => state.setFilters({ ...NO_FILTERS, thresholds: state.filters.value.thresholds })}>
+            <button class="link" onClick={clearFilters}>
               Clear filters
             </button>
           )}

@@ -7,6 +7,17 @@ export function Notices() {
       {notices.notices.value.map((one) => (
         <div key={one.id} class={`notice ${one.kind}`}>
           {one.text}
+          {one.action && (
+            <button
+              class="link"
+              onClick={() => {
+                notices.dismiss(one.id);
+                one.action?.run();
+              }}
+            >
+              {one.action.label}
+            </button>
+          )}
           <button class="button icon plain" aria-label="Dismiss" onClick={() => notices.dismiss(one.id)}>
             <Icon name="close" />
           </button>
