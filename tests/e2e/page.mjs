@@ -802,9 +802,17 @@ async function steps(page, [photo, video]) {
   for (const { id } of queued) await page.request.delete(`/api/v1/jobs/${id}`);
   await becomes(states, "open waits waits");
 
+  // The object is boxed in its photo, here by keys.
   await step(1).locator("input[type=file]").setInputFiles(photo);
   await page.waitForSelector("dialog.model[open]");
-  await page.getByRole("button", { name: "Make the model" }).click();
+  const canvas = page.locator("dialog.model .photo canvas");
+  await canvas.press("ArrowRight");
+  for (let i = 0; i < 20; i++) for (const key of ["ArrowLeft", "ArrowUp"]) await canvas.press(key);
+  for (let i = 0; i < 40; i++) for (const key of ["Shift+ArrowRight", "Shift+ArrowDown"]) await canvas.press(key);
+  await checkAccessible(page, "a photo that is boxed");
+  const [asked] = await Promise.all([page.waitForRequest((one) => one.method() === "POST" && one.url().endsWith("/api/v1/jobs")), page.getByRole("button", { name: "Make the model" }).click()]);
+  const [[left, top, width, height]] = asked.postDataJSON().boxes;
+  assert.ok(left === 0 && top === 0 && width > 100 && height > 100, `box ${asked.postData()}`);
   await becomes(states, "done open waits");
   await step(2).locator("input[type=file]").setInputFiles(video);
   await page.waitForSelector("[role=option]", { timeout: 120_000 });
@@ -824,6 +832,7 @@ async function jobs(page, [photos, video]) {
     await page.waitForSelector("dialog.model[open]");
     const name = photo.replace(/.*\/|\.png$/g, "");
     await becomes(() => page.inputValue("#model-name"), name);
+    await page.getByText("Its transparent background marks the object").waitFor();
     await page.getByRole("button", { name: "Make the model" }).click();
     await page.waitForSelector(`.job.done:has(strong:text-is("${name}"))`);
   };
@@ -898,6 +907,18 @@ async function jobs(page, [photos, video]) {
   await until(page, "/objects?model=boxed", ({ objects }) => objects.length > 0);
   // It is drawn in the frame that is shown, without a reload.
   await page.waitForFunction(() => window.labels.includes("boxed"));
+
+  // All of a photo without a transparent background is the object only if the reader says so.
+  const buffer = await (await page.request.get(`/api/v1/videos/${best.video_id}/frames/${best.frame}`)).body();
+  await page.setInputFiles("aside input[type=file]", { name: "My photo (1).jpg", mimeType: "image/jpeg", buffer });
+  const whole = page.getByLabel("The object fills the photo");
+  await whole.waitFor();
+  const isRefused = () => page.getByRole("button", { name: "Make the model" }).isDisabled();
+  assert.deepEqual([await page.inputValue("#model-name"), await isRefused()], ["my-photo-1", true]);
+  await whole.check();
+  await becomes(isRefused, false);
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("dialog.model[open]", { state: "detached" });
 
   // A live source that is no address, and one that does not answer.
   await page.fill("#live-url", "http://127.0.0.1/");

@@ -22,7 +22,7 @@ export const jobs = signal<readonly Job[]>([]);
 export const uploads = signal<readonly Upload[]>([]);
 export const isOpen = signal(false);
 /** What a model is made from: files, or an object that was boxed in a frame (x, y, width, height in the video's pixels). */
-export type ModelSource = { files: readonly File[] } | { video: number; frame: number; box: number[] };
+export type ModelSource = { files: readonly File[]; boxes?: number[][] | null } | { video: number; frame: number; box: number[] };
 /** The source of a model whose name is asked for. */
 export const askedModel = signal<ModelSource | null>(null);
 /** Jobs of models for which all videos are searched once they are made. */
@@ -168,6 +168,7 @@ async function queueModel(name: string, source: ModelSource, length: number | nu
     if ("files" in source) {
       model.uploads = [];
       for (const file of source.files) model.uploads.push(await send(file));
+      if (source.boxes) model.boxes = source.boxes;
     } else {
       model.video_id = source.video;
       model.frame = source.frame;

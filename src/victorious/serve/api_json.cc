@@ -65,9 +65,9 @@ Json FilesOf(const JobRecord& job) {
   return files;
 }
 
-// The video that a track belongs to.
+// The video that a track belongs to, or that is searched again.
 Json VideoIdOf(const JobRecord& job) {
-  if (job.kind != JobKind::kTrack) return nullptr;
+  if (job.kind != JobKind::kTrack && job.kind != JobKind::kIndex) return nullptr;
   const auto input = ParseJson(job.input_json);
   return input && input->is_object() ? Json(input->value("video_id", nlohmann::json())) : Json();
 }

@@ -13,6 +13,12 @@ namespace {
 // reaches; that an rtsp:// address answers can still be seen.
 constexpr std::array<std::string_view, 5> kLiveSchemes = {"rtsp://", "rtsps://", "udp://", "srt://", "rtp://"};
 
+bool IsBox(const nlohmann::json& box) {
+  return box.is_array() && box.size() == 4 &&
+         std::ranges::all_of(box, [](const nlohmann::json& one) { return one.is_number(); }) &&
+         box[2].get<double>() > 0 && box[3].get<double>() > 0;
+}
+
 }  // namespace
 
 bool IsLiveSource(std::string_view url) {
@@ -41,11 +47,16 @@ ApiExpected<std::int64_t> ReadFrame(const nlohmann::json& body, std::int64_t fra
 
 ApiStatus CheckBox(const nlohmann::json& body) {
   const auto box = body.find("box");
-  const bool is_box = box != body.end() && box->is_array() && box->size() == 4 &&
-                      std::ranges::all_of(*box, [](const nlohmann::json& one) { return one.is_number(); }) &&
-                      (*box)[2].get<double>() > 0 && (*box)[3].get<double>() > 0;
-  if (is_box) return {};
+  if (box != body.end() && IsBox(*box)) return {};
   return FailField("box", "The box must be x, y, width and height in pixels");
+}
+
+ApiStatus CheckBoxes(const nlohmann::json& body, std::size_t photos) {
+  const auto boxes = body.find("boxes");
+  if (boxes != body.end() && boxes->is_array() && boxes->size() == photos && std::ranges::all_of(*boxes, IsBox)) {
+    return {};
+  }
+  return FailField("boxes", "Give one box for each photo: x, y, width and height in pixels");
 }
 
 ApiExpected<std::string> ReadText(const nlohmann::json& body, const std::string& name) {

@@ -1,6 +1,7 @@
 // What the bodies of all requests for jobs have in common.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <string>
@@ -29,5 +30,8 @@ namespace victorious {
 
 /// Checks the member "box": x, y, width and height, px, the sizes above 0. Error: kInvalidArgument.
 [[nodiscard]] ApiStatus CheckBox(const nlohmann::json& body);
+
+/// Checks the member "boxes": one such box for each photo. Error: kInvalidArgument.
+[[nodiscard]] ApiStatus CheckBoxes(const nlohmann::json& body, std::size_t photos);
 
 }  // namespace victorious

@@ -59,7 +59,7 @@ ApiExpected<Json> JobInputs::Make(JobKind kind, const Body& body, const CancelTo
 
 ApiExpected<Json> JobInputs::IndexInput(const Body& body) {
   Json input;
-  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id", "upload", "telemetry"}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id", "upload", "telemetry", "redo"}));
   if (body.contains("video_id") == body.contains("upload")) {
     return FailField("upload", "Give a video_id of the index or an upload");
   }
@@ -67,6 +67,7 @@ ApiExpected<Json> JobInputs::IndexInput(const Body& body) {
     VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, ReadVideo(index_, body));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(*video.record));
     input["video"] = path.string();
+    input["video_id"] = video.record->id;
     // What was given when it was indexed is in the index, where the search finds it and says so.
     if (const auto given = videos_.roots().GivenTelemetry(*video.record)) input["telemetry"] = *given;
   } else {
@@ -80,6 +81,10 @@ ApiExpected<Json> JobInputs::IndexInput(const Body& body) {
     const auto path = uploads_.Find(upload);
     if (!path) return std::unexpected(ApiError(path.error(), "telemetry"));
     input["telemetry"] = path->string();
+  }
+  if (const auto redo = body.find("redo"); redo != body.end()) {
+    if (!redo->is_boolean()) return FailField("redo", "Give redo as true or false");
+    if (redo->get<bool>()) input["redo"] = true;
   }
   return input;
 }
@@ -110,7 +115,8 @@ ApiExpected<std::filesystem::path> JobInputs::SaveFrame(const Body& body, const 
 
 ApiExpected<Json> JobInputs::ModelInput(const Body& body, const CancelToken& cancel) {
   constexpr std::size_t kMaxFiles = 200;
-  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "name", "uploads", "length_m", "video_id", "frame", "box"}));
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckMembers(body, {"kind", "name", "uploads", "length_m", "video_id", "frame", "box", "boxes"}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, ReadText(body, "name"));
   const Status is_new = ModelLibrary(options_.models).CheckNewName(name);
   if (!is_new) return std::unexpected(ApiError(is_new.error(), "name"));
@@ -139,6 +145,10 @@ ApiExpected<Json> JobInputs::ModelInput(const Body& body, const CancelToken& can
     const auto path = uploads_.Find(one.is_string() ? one.get<std::string>() : "");
     if (!path) return std::unexpected(ApiError(path.error(), "uploads"));
     input["files"].push_back(path->string());
+  }
+  if (body.contains("boxes")) {
+    VICTORIOUS_RETURN_IF_ERROR(CheckBoxes(body, uploads.size()));
+    input["boxes"] = body.at("boxes");
   }
   return input;
 }

@@ -70,14 +70,13 @@ Status AddNumber(const nlohmann::json& input, const char* name, const char* flag
   return {};
 }
 
-// The flag of the box that the input has.
-Expected<std::string> BoxFlag(const nlohmann::json& input) {
-  const auto box = input.find("box");
-  const bool is_box = box != input.end() && box->is_array() && box->size() == 4 &&
-                      std::ranges::all_of(*box, [](const nlohmann::json& one) { return one.is_number(); });
+// The flag of a box.
+Expected<std::string> BoxFlag(const nlohmann::json& box) {
+  const bool is_box = box.is_array() && box.size() == 4 &&
+                      std::ranges::all_of(box, [](const nlohmann::json& one) { return one.is_number(); });
   if (!is_box) return Fail(ErrorCode::kInvalidArgument, "box: must be four numbers");
-  return fmt::format("--box={},{},{},{}", (*box)[0].get<double>(), (*box)[1].get<double>(), (*box)[2].get<double>(),
-                     (*box)[3].get<double>());
+  return fmt::format("--box={},{},{},{}", box[0].get<double>(), box[1].get<double>(), box[2].get<double>(),
+                     box[3].get<double>());
 }
 
 // Appends --telemetry=FILE, if the input has one.
@@ -125,6 +124,7 @@ Expected<std::vector<std::string>> IndexArguments(JobKind kind, const nlohmann::
   VICTORIOUS_RETURN_IF_ERROR(AddTelemetry(input, folders, arguments));
   AddFilesBelow(folders, arguments);
   if (!folders.certificates.empty()) arguments.push_back("--ca=" + folders.certificates.string());
+  if (kind == JobKind::kIndex && input.value("redo", nlohmann::json()) == true) arguments.emplace_back("--redo");
   arguments.insert(arguments.end(), {"--", video});
   return arguments;
 }
@@ -134,8 +134,15 @@ Expected<std::vector<std::string>> ModelArguments(const nlohmann::json& input, c
   std::vector<std::string> arguments = {"model", "add", "--models", folders.models.string()};
   VICTORIOUS_RETURN_IF_ERROR(AddNumber(input, "length_m", "--length", arguments));
   if (const auto box = input.find("box"); box != input.end() && !box->is_null()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::string flag, BoxFlag(input));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::string flag, BoxFlag(*box));
     arguments.push_back(std::move(flag));
+  }
+  if (const auto boxes = input.find("boxes"); boxes != input.end()) {
+    if (!boxes->is_array()) return Fail(ErrorCode::kInvalidArgument, "boxes: must be a list");
+    for (const nlohmann::json& box : *boxes) {
+      VICTORIOUS_ASSIGN_OR_RETURN(std::string flag, BoxFlag(box));
+      arguments.push_back(std::move(flag));
+    }
   }
   arguments.insert(arguments.end(), {"--", name});
   const auto files = input.find("files");
@@ -160,7 +167,7 @@ Expected<std::vector<std::string>> CopyArguments(const nlohmann::json& input, co
 Expected<std::vector<std::string>> TrackArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, SourceMember(input, "video", folders));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string track, MadeMember(input, "track", folders));
-  VICTORIOUS_ASSIGN_OR_RETURN(std::string box, BoxFlag(input));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::string box, BoxFlag(input.value("box", nlohmann::json())));
   std::vector<std::string> arguments = {"track", std::move(box)};
   const auto at = input.find("at_s");
   if (at == input.end() || !at->is_number()) return Fail(ErrorCode::kInvalidArgument, "at_s: must be a number");

@@ -101,6 +101,19 @@ TEST(JobArguments, OfClipsAndOfModelsFromAFrame) {
               ElementsAre("model", "add", "--models", "/d/models", "--box=1,2.5,30,40", "--", "van", "f.jpg"));
 }
 
+TEST(JobArguments, OfBoxedPhotosAndOfASearchFromTheBeginning) {
+  EXPECT_THAT(*JobArguments({.kind = JobKind::kModel, .input_json = R"({"name": "van", "files": ["a.jpg", "b.jpg"],
+                                               "boxes": [[1, 2, 30, 40], [5, 6, 7, 8]]})"},
+                            kFolders),
+              ElementsAre("model", "add", "--models", "/d/models", "--box=1,2,30,40", "--box=5,6,7,8", "--", "van",
+                          "a.jpg", "b.jpg"));
+  EXPECT_FALSE(JobArguments(
+      {.kind = JobKind::kModel, .input_json = R"({"name": "van", "files": ["a.jpg"], "boxes": [[1, 2, 3]]})"},
+      kFolders));
+  EXPECT_THAT(*JobArguments({.kind = JobKind::kIndex, .input_json = R"({"video": "-v.mp4", "redo": true})"}, kFolders),
+              ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--redo", "--", "-v.mp4"));
+}
+
 TEST(JobArguments, OfLiveSourcesAndFollowedBoxes) {
   EXPECT_THAT(*JobArguments({.kind = JobKind::kLive, .input_json = R"({"video": "rtsp://host/one"})"}, kFolders),
               ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--", "rtsp://host/one"));

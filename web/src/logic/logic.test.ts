@@ -351,7 +351,7 @@ describe("uploads", () => {
   });
 
   it("give models a name", () => {
-    expect(["My Jeep (2).JPG", "tank.v2.glb", "___.png", "über.png"].map(modelNameOf)).toEqual(["my-jeep-2", "tank.v2", "___", "ber"]);
+    expect(["My Jeep (2).JPG", "tank.v2.glb", "___.png", "über.png"].map(modelNameOf)).toEqual(["my-jeep-2", "tank.v2", "model", "uber"]);
   });
 
   it("are named as their user knows them", () => {

@@ -46,10 +46,15 @@ export function planFiles<F extends { name: string }>(files: readonly F[]): Plan
   };
 }
 
+/** What a server takes as the name of a model, of what was typed: accents go, other characters become dashes. */
+export function cleanModelName(text: string): string {
+  const plain = text.replaceAll("ß", "ss").normalize("NFKD").replace(/\p{M}/gu, "");
+  return plain.replace(/[^A-Za-z0-9._-]+/g, "-").replace(/^[-._]+/, "");
+}
+
 /** A name for a model, from the name of a file. */
 export function modelNameOf(file: string): string {
-  const name = file.replace(/\.[^.]+$/, "").toLowerCase();
-  return name.replace(/[^a-z0-9._-]+/g, "-").replace(/^[-.]+|[-.]+$/g, "") || "model";
+  return cleanModelName(file.replace(/\.[^.]+$/, "").toLowerCase()).replace(/[-.]+$/, "") || "model";
 }
 
 /** A message of the server's command, which names files by where uploads are kept. */

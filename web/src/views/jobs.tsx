@@ -5,12 +5,14 @@ import { jobFileUrl } from "../api/client";
 import type { Job } from "../api/types";
 import { messageOf } from "../logic/errors";
 import { plural } from "../logic/format";
-import { formatBehind, formatLeft, modelNameOf, withoutUploadFolder } from "../logic/uploads";
+import { boxesToSend } from "../logic/photo_box";
+import { cleanModelName, formatBehind, formatLeft, kindOf, modelNameOf, withoutUploadFolder } from "../logic/uploads";
 import * as jobs from "../jobs";
 import { frameCanvas } from "../player";
 import * as state from "../state";
 import * as turntable from "../turntable";
 import { Icon } from "./icons";
+import { type BoxedPhoto, PhotoBoxes, isMarked, readPhotos } from "./photo_box";
 
 const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories", sample: "simulate" } as const;
 const FILES = { track: "Save the track", clip: "Save the clip", telemetry: "Save its telemetry", categories: "Save the refined model" } as const;
@@ -233,6 +235,29 @@ function Crop({ source }: { source: { video: number; frame: number; box: number[
   );
 }
 
+/** The photos of a model that is made from files, and what is boxed in each. */
+function usePhotos(source: jobs.ModelSource | null) {
+  const [photos, setPhotos] = useState<readonly BoxedPhoto[]>([]);
+  const [pictures, setPictures] = useState<readonly (ImageBitmap | null)[]>([]);
+  useEffect(() => {
+    setPhotos([]);
+    setPictures([]);
+    const files = source && "files" in source ? source.files.filter((one) => kindOf(one.name) === "photo") : [];
+    if (files.length === 0) return;
+    let isOver = false;
+    void readPhotos(files).then((read) => {
+      if (isOver) return;
+      setPhotos(read.map((one) => one.photo));
+      setPictures(read.map((one) => one.picture));
+    });
+    return () => {
+      isOver = true;
+    };
+  }, [source]);
+  const change = (at: number, next: Partial<BoxedPhoto>) => setPhotos((all) => all.map((one, i) => (i === at ? { ...one, ...next } : one)));
+  return { photos, pictures, change };
+}
+
 export function ModelDialog() {
   const dialog = useRef<HTMLDialogElement>(null);
   const source = jobs.askedModel.value;
@@ -245,6 +270,7 @@ export function ModelDialog() {
   const [type, setType] = useState("");
   const nameField = useRef<HTMLInputElement>(null);
   const boxed = source && !("files" in source) ? source : null;
+  const { photos, pictures, change } = usePhotos(source);
   useEffect(() => {
     if (source) {
       setName(first === "" ? "" : modelNameOf(first));
@@ -258,14 +284,21 @@ export function ModelDialog() {
   useEffect(() => {
     if (source && !isFollowed) nameField.current?.focus();
   }, [source, isFollowed]);
-  const isValid = /^[A-Za-z0-9][A-Za-z0-9._-]*$/.test(name);
+  // Before the photos are read, none says what the object is.
+  const hasPhotos = files.some((one) => kindOf(one.name) === "photo");
+  const isValid = name !== "" && (!hasPhotos || (photos.length > 0 && photos.every(isMarked)));
+  const send = (source: jobs.ModelSource) => {
+    const boxes = boxesToSend(photos.map((one) => one.box), photos.map((one) => one.size));
+    const from = "files" in source ? { files: source.files, boxes } : source;
+    jobs.addModel(name, from, length.trim() === "" ? null : Number(length), isSearched && state.videos.value.length > 0);
+  };
   return (
     <dialog class="help model" ref={dialog} aria-labelledby="model-title" onClose={() => (jobs.askedModel.value = null)}>
       <form
         method="dialog"
         onSubmit={() => {
           if (boxed && isFollowed) void jobs.follow(boxed, type);
-          else if (source) jobs.addModel(name, source, length.trim() === "" ? null : Number(length), isSearched && state.videos.value.length > 0);
+          else if (source) send(source);
         }}
       >
         <header>
@@ -312,6 +345,7 @@ export function ModelDialog() {
                   ? `From ${files.length} photos.`
                   : `From ${first}.`}
             </p>
+            {hasPhotos && <PhotoBoxes key={first} files={files} photos={photos} pictures={pictures} change={change} />}
             <label for="model-name">Name</label>
             <input
               id="model-name"
@@ -319,10 +353,12 @@ export function ModelDialog() {
               class="field"
               value={name}
               autocomplete="off"
-              aria-invalid={!isValid}
-              onInput={(event) => setName(event.currentTarget.value)}
+              aria-invalid={name === ""}
+              onInput={(event) => {
+                event.currentTarget.value = cleanModelName(event.currentTarget.value);
+                setName(event.currentTarget.value);
+              }}
             />
-            {!isValid && name !== "" && <p class="muted">Letters, digits, dots and dashes.</p>}
             <label for="model-length">Length, if it is known (m)</label>
             <input
               id="model-length"
