@@ -4,7 +4,10 @@ import { computed, effect, signal } from "@preact/signals";
 import { ApiFailure, cancelJob, listJobs, postJob, removeJob, retryJob, uploadFile } from "./api/client";
 import type { FoundObject, Job, NewJob } from "./api/types";
 import { onEvent } from "./events";
-import { type Plan, formatBehind, planFiles, withoutUploadFolder } from "./logic/uploads";
+import { forReaders } from "./logic/errors";
+import { describeFailed } from "./logic/job_words";
+import { type Plan, formatBehind, planFiles } from "./logic/uploads";
+import { baseName } from "./logic/format";
 import { account } from "./session";
 import * as load from "./load";
 import * as notices from "./notices";
@@ -55,7 +58,7 @@ export const canAdd = computed(() => state.project.value.state === "ready" && st
 export const whyNotAdd = () =>
   account.value?.role === "viewer"
     ? "You may look, but not add or search: that needs the role analyst."
-    : "This server neither adds nor searches: start it with --models DIR on an index that can be written.";
+    : "This server neither adds nor searches: it has no folder for models, or its index cannot be written. Who runs it can change that.";
 
 const READY = {
   model: (title: string) => `The model ${title} is ready.`,
@@ -75,7 +78,7 @@ function take(list: readonly Job[]) {
     if (job.state === "done" && job.kind in READY) notices.notify(READY[job.kind as keyof typeof READY](job.title));
     if (job.state === "done" && searchAfter.delete(job.id)) void searchAll();
     // The open panel says it.
-    if (job.state === "failed" && !isOpen.value) notices.notify(withoutUploadFolder(job.message), "error");
+    if (job.state === "failed" && !isOpen.value) notices.notify(`${job.title}: ${forReaders(describeFailed(job))}`, "error");
     if (job.state === "done") void load.refresh();
   }
   jobs.value = list;
@@ -242,6 +245,23 @@ export async function searchAll() {
     for (const video of state.videos.value) if (video.missing === null) await postJob({ kind: "index", video_id: video.id });
   } catch (error) {
     notices.notifyError(error);
+  }
+}
+
+/** The video of the index that a job has searched; null: it is not there any more, or has another name. */
+export function videoOf(job: Job) {
+  return state.videos.value.find((one) => one.id === job.video_id || (job.video_id === null && [one.name, baseName(one.name)].includes(job.title))) ?? null;
+}
+
+/** Deletes what was found in a video, and searches it from the beginning; with telemetry, if it is given. Reviews stay. */
+export async function searchFromBeginning(video: number, telemetry: File | null = null) {
+  isOpen.value = true;
+  try {
+    const job: NewJob = { kind: "index", video_id: video, redo: true };
+    if (telemetry) job.telemetry = await send(telemetry);
+    await postJob(job);
+  } catch (error) {
+    if (!(error instanceof DOMException && error.name === "AbortError")) notices.notifyError(error);
   }
 }
 

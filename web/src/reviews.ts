@@ -25,7 +25,7 @@ export const marked = signal<ReadonlySet<number>>(new Set());
 export const whyNoReview = computed(() =>
   account.value?.role === "viewer"
     ? "You may look, but not review: that needs the role analyst."
-    : "This index cannot be written: reviews are not kept.",
+    : "This index cannot be written: reviews are not kept. Who runs the server can change that.",
 );
 
 /** Of one person about one object. */

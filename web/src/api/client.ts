@@ -51,7 +51,7 @@ export async function isAlive(): Promise<boolean> {
 
 const unreachable = () => {
   tellUnreachable();
-  return new ApiFailure("The server does not answer. Is `victorious serve` still running?", 0);
+  return new ApiFailure("The server does not answer.", 0);
 };
 
 async function ask<T>(path: string, init: RequestInit | undefined, read: (response: Response) => Promise<T>): Promise<T> {

@@ -12,7 +12,7 @@ import { BINDINGS, actionOf } from "./keys";
 import { formatMgrs, utmOf } from "./mgrs";
 import { boxBetween, boxCentres, fit } from "./overlay";
 import { PagedList } from "./paged_list";
-import { formatBehind, formatLeft, modelNameOf, planFiles, withoutUploadFolder } from "./uploads";
+import { formatBehind, formatLeft, modelNameOf, planFiles } from "./uploads";
 import { PLAIN, formatUrl, parseUrl } from "./url_state";
 
 const place = (latitude: number, longitude: number): Place => ({
@@ -352,11 +352,6 @@ describe("uploads", () => {
 
   it("give models a name", () => {
     expect(["My Jeep (2).JPG", "tank.v2.glb", "___.png", "über.png"].map(modelNameOf)).toEqual(["my-jeep-2", "tank.v2", "model", "uber"]);
-  });
-
-  it("are named as their user knows them", () => {
-    expect(withoutUploadFolder("/data/a.db.uploads/481cafc35cdf7828/my flight.mp4: not a video")).toBe("my flight.mp4: not a video");
-    expect(withoutUploadFolder("/data/b.mp4: 3 frames")).toBe("/data/b.mp4: 3 frames");
   });
 
   it("say how long yet", () => {

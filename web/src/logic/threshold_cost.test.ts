@@ -22,9 +22,10 @@ describe("thresholdCost", () => {
       rejected_scores: bins({ 10: 4, 95: 1 }),
     };
     const cost = thresholdCost(decided, 0.5);
-    expect(cost.falseAlarms).toBeCloseTo(2 * 0.095 + 0.395 + 1);
+    expect(cost.falseAlarms).toBeCloseTo(2 * 0.095 + 0.395);
+    expect(cost.rejected).toBe(1);
     expect(cost.misses).toBeCloseTo(0.205 + 3);
-    expect(thresholdCost(decided, 1)).toEqual({ falseAlarms: 0, misses: expect.closeTo(2 * 0.905 + 0.605 + 0.205 + 8) as number });
+    expect(thresholdCost(decided, 1)).toEqual({ rejected: 0, falseAlarms: 0, misses: expect.closeTo(2 * 0.905 + 0.605 + 0.205 + 8) as number });
   });
 });
 

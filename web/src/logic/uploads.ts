@@ -57,11 +57,6 @@ export function modelNameOf(file: string): string {
   return cleanModelName(file.replace(/\.[^.]+$/, "").toLowerCase()).replace(/[-.]+$/, "") || "model";
 }
 
-/** A message of the server's command, which names files by where uploads are kept. */
-export function withoutUploadFolder(message: string): string {
-  return message.replaceAll(/(?:[^\s:]*\/)?[0-9a-f]{16}\//g, "");
-}
-
 function short(seconds: number): string {
   if (seconds < 60) return `${Math.max(1, Math.round(seconds))} s`;
   if (seconds < 3600) return `${Math.round(seconds / 60)} min`;

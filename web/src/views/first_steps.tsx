@@ -2,7 +2,7 @@
 import { useRef } from "preact/hooks";
 
 import { type StepState, stepsOf } from "../logic/first_steps";
-import { withoutUploadFolder } from "../logic/uploads";
+import { forReaders } from "../logic/errors";
 import * as jobs from "../jobs";
 import * as state from "../state";
 import { Icon } from "./icons";
@@ -82,7 +82,7 @@ export function FirstSteps() {
       </ol>
       {steps.failure !== "" && (
         <p class="problem" role="alert">
-          {withoutUploadFolder(steps.failure)}
+          {forReaders(steps.failure)}
         </p>
       )}
       {project.value.has_sample && !hasBegun && (
@@ -94,7 +94,7 @@ export function FirstSteps() {
         </div>
       )}
       <p class="muted">
-        Files can also be dropped anywhere on the page, or searched from the command line: <code>victorious index</code>.
+        Files can also be dropped anywhere on the page.
       </p>
     </div>
   );

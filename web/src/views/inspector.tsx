@@ -163,7 +163,7 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
         <Seen object={object} />
         {object.against.length > 0 && (
           <div class="wide">
-            <dt>Speaks against it</dt>
+            <dt>Doubts</dt>
             <dd>{object.against.join("; ")}</dd>
           </div>
         )}
@@ -181,8 +181,8 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
           </dd>
         </div>
         <div>
-          <dt>Height</dt>
-          <dd title="Above the WGS 84 ellipsoid">
+          <dt>Above ellipsoid</dt>
+          <dd title="Height above the WGS 84 ellipsoid, which lies up to 100 m from sea level">
             {place ? `${formatMetres(place.altitude_m)} ± ${formatMetres(place.le90_m)}` : DASH}
           </dd>
         </div>
@@ -333,6 +333,11 @@ function ReviewPanel({ object }: { object: FoundObject }) {
           <Icon name="reject" /> Reject{many} <kbd>X</kbd>
         </button>
       </div>
+      {verdict !== null && canReview && (
+        <button class="link take-back" title="Takes your decision back; the note stays" onClick={() => reviews.review(object.id, null)}>
+          Not reviewed
+        </button>
+      )}
       <label class="hidden" for="note">
         Note
       </label>

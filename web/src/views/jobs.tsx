@@ -3,12 +3,16 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { jobFileUrl } from "../api/client";
 import type { Job } from "../api/types";
-import { messageOf } from "../logic/errors";
+import { followed } from "../followed";
+import { forReaders, messageOf } from "../logic/errors";
 import { plural } from "../logic/format";
+import { describeDone, describeFailed, needsNewSearch } from "../logic/job_words";
 import { boxesToSend } from "../logic/photo_box";
-import { cleanModelName, formatBehind, formatLeft, kindOf, modelNameOf, withoutUploadFolder } from "../logic/uploads";
+import { cleanModelName, formatBehind, formatLeft, kindOf, modelNameOf } from "../logic/uploads";
+import { NO_FILTERS } from "../logic/filters";
 import * as jobs from "../jobs";
 import { frameCanvas } from "../player";
+import * as selection from "../selection";
 import * as state from "../state";
 import * as turntable from "../turntable";
 import { Icon } from "./icons";
@@ -34,8 +38,12 @@ function Bar({ of, part }: { of: string; part: number | null }) {
 
 function describe(job: Job): string {
   if (job.state === "queued") return "waits";
-  if (job.state === "done") return withoutUploadFolder(job.message) || "done";
-  if (job.state === "failed") return withoutUploadFolder(job.message);
+  if (job.state === "done") {
+    const seen = followed.value.find((one) => one.job === job.id)?.moments ?? [];
+    const [first, last] = [seen[0], seen.at(-1)];
+    return forReaders(describeDone(job, jobs.videoOf(job)?.objects ?? null, first && last ? { first: first.first, last: last.last } : null)) || "done";
+  }
+  if (job.state === "failed") return forReaders(describeFailed(job));
   if (job.state === "cancelled") return "cancelled";
   if (job.cancel_asked) return "ending";
   const of = job.total === null ? plural(job.done, job.unit.replace(/s$/, "")) : `${job.done.toLocaleString("en")} of ${job.total.toLocaleString("en")} ${job.unit}`;
@@ -52,6 +60,36 @@ function TurnModel({ name }: { name: string }) {
     <button class="button" onClick={() => turntable.open(model.id, null, null)}>
       Turn it
     </button>
+  );
+}
+
+/** The way on from a search: to what it has found, or to a search that can find it. */
+function Found({ job }: { job: Job }) {
+  const video = job.kind === "index" || job.kind === "live" ? jobs.videoOf(job) : null;
+  if (video === null) return null;
+  if (needsNewSearch(job)) {
+    return (
+      <div class="job-files">
+        <button class="button" title="Deletes what was found in it, and searches all of it. Reviews stay" onClick={() => void jobs.searchFromBeginning(video.id)}>
+          Search it from the beginning
+        </button>
+      </div>
+    );
+  }
+  if (job.state !== "done" || video.objects === 0) return null;
+  return (
+    <div class="job-files">
+      <button
+        class="button"
+        onClick={() => {
+          jobs.isOpen.value = false;
+          state.setFilters({ ...NO_FILTERS, thresholds: state.filters.value.thresholds, video: video.id });
+          selection.stepToEnd("first");
+        }}
+      >
+        Show
+      </button>
+    </div>
   );
 }
 
@@ -97,6 +135,7 @@ function Row({ job }: { job: Job }) {
           ))}
         </div>
       )}
+      <Found job={job} />
       {job.kind === "model" && job.state === "done" && (
         <div class="job-files">
           {state.videos.value.length > 0 && (

@@ -36,7 +36,7 @@ const hours = computed(() => {
 });
 const cost = computed(() => {
   const counts = objects.countsOfAnyScore.value ?? objects.counts.value;
-  return counts === null ? { falseAlarms: 0, misses: 0 } : thresholdCost(counts, state.filters.value.minScore);
+  return counts === null ? { rejected: 0, falseAlarms: 0, misses: 0 } : thresholdCost(counts, state.filters.value.minScore);
 });
 /** What the cost of a threshold counts. */
 const COST = [
@@ -242,7 +242,7 @@ function Chips() {
 
 function Threshold() {
   const { minScore } = state.filters.value;
-  const { falseAlarms, misses } = cost.value;
+  const { rejected, falseAlarms, misses } = cost.value;
   // Of less than a minute, an hour says nothing.
   const isLong = hours.value >= 1 / 60;
   const perHour = (count: number) => (isLong ? ` (${formatExpected(count / hours.value)} an hour)` : "");
@@ -262,7 +262,8 @@ function Threshold() {
       <output for="threshold">≥ {minScore.toFixed(2)}</output>
       <span class="cost" title={COST}>
         <span>
-          about {formatExpected(falseAlarms)} false alarms shown{perHour(falseAlarms)}
+          {rejected > 0 ? `${rejected.toLocaleString("en")} rejected; about ${formatExpected(falseAlarms)} further false alarms` : `about ${formatExpected(falseAlarms)} false alarms shown`}
+          {perHour(rejected + falseAlarms)}
         </span>
         <span>
           about {formatExpected(misses)} real objects hidden{perHour(misses)}
@@ -418,13 +419,13 @@ function Nothing() {
       <h3>{state.videos.value.length === 0 ? "No video yet" : "Nothing found yet"}</h3>
       {!isSearched ? (
         <>
-          <p>Search a video for your models, and the finds appear here:</p>
-          <code>victorious index VIDEO --models DIR --db FILE</code>
+          <p>The finds appear here once a video is searched.</p>
+          {!jobs.canAdd.value && <p>{jobs.whyNotAdd()}</p>}
         </>
       ) : (
         <>
-          <p>No model was recognised in the videos that were searched. What a model needs to be found:</p>
-          <code>victorious model show NAME --models DIR --findable</code>
+          <p>No model was recognised in the videos that were searched. Not found are objects of less than some 40 pixels, and sides that no photo of the model shows.</p>
+          {jobs.canAdd.value && <p>Can you see the object in the video? Box it there (B), and search for what it looks like.</p>}
         </>
       )}
     </div>

@@ -11,8 +11,8 @@ import atlasUrl from "world-atlas/countries-50m.json?url";
 
 import { tilesUrl } from "../api/client";
 import type { CameraPath, FoundObject, Project } from "../api/types";
-import { canAdd } from "../jobs";
-import { messageOf } from "../logic/errors";
+import { canAdd, searchFromBeginning } from "../jobs";
+import { forReaders, messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
 import { baseName, formatMetres, formatPosition, formatTime } from "../logic/format";
 import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing } from "../logic/geo";
@@ -367,6 +367,33 @@ function Seen() {
   );
 }
 
+/** Telemetry that was forgotten, or came later. */
+function AttachTelemetry() {
+  const input = useRef<HTMLInputElement>(null);
+  const video = state.videoId.value;
+  if (!canAdd.value || video === null || state.video.value?.missing !== null) return null;
+  return (
+    <>
+      <button class="button attach" title="The video is searched again with it; reviews stay" onClick={() => input.current?.click()}>
+        Attach its telemetry
+      </button>
+      <input
+        ref={input}
+        class="hidden"
+        type="file"
+        accept=".csv,.srt,.klv"
+        tabIndex={-1}
+        aria-label="Telemetry of the video"
+        onChange={(event) => {
+          const file = event.currentTarget.files?.[0];
+          if (file) void searchFromBeginning(video, file);
+          event.currentTarget.value = "";
+        }}
+      />
+    </>
+  );
+}
+
 function Nowhere() {
   const path = state.cameraPath.value;
   if (path === null || path.source !== null || hasPlaces()) return null;
@@ -374,10 +401,9 @@ function Nowhere() {
     <div class="empty">
       <h3>No places</h3>
       <p>
-        A map needs the camera's position: KLV in the video, or a DJI <code style={{ display: "inline", padding: "0 4px" }}>.SRT</code> or
-        a table that is {canAdd.value ? "dropped together with the video. Or from the command line:" : "given with it:"}
+        A map needs the camera's position: KLV in the video, or a file of telemetry (a DJI .SRT, or a table).
       </p>
-      <code>victorious index VIDEO --telemetry FILE.csv --models DIR --db FILE</code>
+      <AttachTelemetry />
     </div>
   );
 }
@@ -413,13 +439,13 @@ export function MapPane() {
         )}
         <div class="panel">
           {path?.reason && path.source !== null && (
-            <div class="readout reason" title={path.reason}>
+            <div class="readout reason" title={forReaders(path.reason)}>
               <Icon name="help" /> <span>{path.source === "sightings" ? "camera path from sightings only" : "ground shown is unknown"}</span>
             </div>
           )}
           {path !== null && path.source === null && hasPlaces() && (
             <div class="readout reason" title="KLV in the video, a DJI .SRT beside it, or a table of telemetry would give its camera and its objects a place">
-              <Icon name="help" /> <span>this video has no telemetry: no camera, no places</span>
+              <Icon name="help" /> <span>this video has no telemetry: no camera, no places</span> <AttachTelemetry />
             </div>
           )}
           <Seen />

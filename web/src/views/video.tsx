@@ -3,6 +3,7 @@ import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { followed } from "../followed";
+import { forReaders } from "../logic/errors";
 import { baseName, formatScore, formatTime } from "../logic/format";
 import { type DrawnSighting, type Fit, boxBetween, boxCentres, drawSightings, drawTrail, fit, hit } from "../logic/overlay";
 import * as jobs from "../jobs";
@@ -156,7 +157,7 @@ function Stage() {
   const video = state.video.value;
   const table = state.frameTable.value;
   const behind = jobs.behind.value;
-  const problem = video?.missing ?? (table.state === "failed" ? table.message : null);
+  const problem = (video?.missing ? forReaders(video.missing) : null) ?? (table.state === "failed" ? table.message : null);
   return (
     <div class="stage">
       <video ref={element} muted playsInline preload="auto" tabIndex={-1} aria-hidden="true" />
