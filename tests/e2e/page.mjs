@@ -837,7 +837,7 @@ async function jobs(page, [photos, video]) {
     await page.waitForSelector(`.job.done:has(strong:text-is("${name}"))`);
   };
   const [first, last] = photos.split(",");
-  await page.setInputFiles("input[type=file]", first);
+  await page.setInputFiles("aside input[type=file]", first);
   await makeModel(first);
 
   // Dropped on the page, as from the desktop: a photo with the video, which is searched for it, too.
@@ -938,7 +938,7 @@ async function jobs(page, [photos, video]) {
   await becomes(() => page.locator("aside.jobs").getByText("secret").count(), 0, "passwords are shown to nobody");
 
   // What cannot be read says why.
-  await page.setInputFiles("input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });
+  await page.setInputFiles("aside input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });
   await page.waitForSelector(".job.failed:has(strong:text-is('broken.mp4'))");
   await becomes(() => page.locator(".job.failed .job-state").first().innerText(), /broken\.mp4/);
   await becomes(() => page.locator(".notice.error:has-text('broken')").count(), 0, "it is said once");
@@ -962,8 +962,25 @@ async function jobs(page, [photos, video]) {
   const before = await page.locator(".job.done").count();
   await made.getByRole("button", { name: "Remove" }).click();
   await becomes(() => page.locator(".job.done").count(), before - 1, title);
-  await page.setInputFiles("input[type=file]", { name: "notes.txt", mimeType: "text/plain", buffer: Buffer.from("x") });
+  await page.setInputFiles("aside input[type=file]", { name: "notes.txt", mimeType: "text/plain", buffer: Buffer.from("x") });
   await page.waitForSelector(".notice.error:has-text('notes.txt')");
+
+  // Telemetry that comes later: what was found is deleted only after a question.
+  const telemetry = ["time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg",
+    ...Array.from({ length: 10 }, (_, time) => `${time},${52.4995 + 1e-4 * time},13.407,140,0,-80,0,60`)].join("\n");
+  const searchesAgain = async () => (await api(page, "/jobs")).jobs.filter((one) => one.kind === "index" && one.video_id === best.video_id);
+  const earlier = (await searchesAgain()).length;
+  const question = page.getByRole("alertdialog", { name: /^Search .* from the beginning with flight\.csv/ });
+  for (const answer of ["Cancel", "Search again"]) {
+    await page.getByLabel("Telemetry of the video").setInputFiles({ name: "flight.csv", mimeType: "text/csv", buffer: Buffer.from(telemetry) });
+    await question.waitFor();
+    if (answer === "Cancel") await checkAccessible(page, "a question");
+    await question.getByRole("button", { name: answer }).click();
+    await question.waitFor({ state: "detached" });
+    if (answer === "Cancel") assert.equal((await searchesAgain()).length, earlier);
+  }
+  await until(page, "/jobs", ({ jobs: now }) => now.filter((one) => one.kind === "index" && one.state === "done" && one.video_id === best.video_id).length > earlier);
+  await until(page, `/videos/${best.video_id}/camera`, ({ source }) => source !== null);
 }
 
 // Each person decides alone: what others decided, what one has not, and where they disagree. Ann has accepted the
@@ -1111,10 +1128,10 @@ async function accessible(page) {
 
   // Jobs and the dialog of a new model.
   await page.getByRole("button", { name: "Add" }).click();
-  await page.setInputFiles("input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });
+  await page.setInputFiles("aside input[type=file]", { name: "broken.mp4", mimeType: "video/mp4", buffer: Buffer.from("no video") });
   await page.waitForSelector(".job.failed");
   await checkAccessible(page, "the list of jobs, with an error");
-  await page.setInputFiles("input[type=file]", { name: "a.png", mimeType: "image/png", buffer: Buffer.from("no image") });
+  await page.setInputFiles("aside input[type=file]", { name: "a.png", mimeType: "image/png", buffer: Buffer.from("no image") });
   await page.waitForSelector("dialog.model[open]");
   await checkAccessible(page, "the dialog of a new model");
   await page.keyboard.press("Escape");

@@ -2,13 +2,14 @@
 import { computed, effect, signal } from "@preact/signals";
 
 import { ApiFailure, cancelJob, listJobs, postJob, removeJob, retryJob, uploadFile } from "./api/client";
-import type { FoundObject, Job, NewJob } from "./api/types";
+import type { FoundObject, Job, NewJob, Video } from "./api/types";
 import { onEvent } from "./events";
 import { forReaders } from "./logic/errors";
 import { describeFailed } from "./logic/job_words";
 import { type Plan, formatBehind, planFiles } from "./logic/uploads";
-import { baseName } from "./logic/format";
+import { baseName, plural } from "./logic/format";
 import { account } from "./session";
+import * as confirm from "./confirm";
 import * as load from "./load";
 import * as notices from "./notices";
 import * as state from "./state";
@@ -248,13 +249,29 @@ export async function searchAll() {
   }
 }
 
-/** The video of the index that a job has searched; null: it is not there any more, or has another name. */
+/** The video of the index that a job has searched; null: it is not there any more, has another name, or shares its name. */
 export function videoOf(job: Job) {
-  return state.videos.value.find((one) => one.id === job.video_id || (job.video_id === null && [one.name, baseName(one.name)].includes(job.title))) ?? null;
+  const videos = state.videos.value;
+  if (job.video_id !== null) return videos.find((one) => one.id === job.video_id) ?? null;
+  const named = videos.filter((one) => [one.name, baseName(one.name)].includes(job.title));
+  return named.length === 1 ? (named[0] ?? null) : null;
 }
 
-/** Deletes what was found in a video, and searches it from the beginning; with telemetry, if it is given. Reviews stay. */
-export async function searchFromBeginning(video: number, telemetry: File | null = null) {
+/**
+ * Asks whether to delete what was found in a video and to search it from the beginning; with telemetry, if it is given.
+ * Reviews stay.
+ */
+export function askToSearchAgain(video: Video, telemetry: File | null = null) {
+  const found = video.objects === 0 ? "" : `Its ${plural(video.objects, "object")} are found anew, which takes as long as the first search. `;
+  confirm.ask({
+    title: `Search ${baseName(video.name)} from the beginning${telemetry ? ` with ${telemetry.name}` : ""}?`,
+    text: `What was found in it is deleted first. ${found}Reviews stay.`,
+    label: "Search again",
+    run: () => void searchFromBeginning(video.id, telemetry),
+  });
+}
+
+async function searchFromBeginning(video: number, telemetry: File | null) {
   isOpen.value = true;
   try {
     const job: NewJob = { kind: "index", video_id: video, redo: true };

@@ -3,6 +3,7 @@ import type { components } from "./schema";
 import type { ApiErrorBody, CameraPath, Cluster, Counts, Evidence, Job, ModelViews, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
 import { withoutField } from "../logic/errors";
 import { readTrack } from "../logic/followed";
+import { KeepaliveBudget } from "../logic/keepalive";
 import { type SightingPages, inHalves } from "../logic/halves";
 
 const ROOT = "/api/v1";
@@ -131,9 +132,19 @@ export const listObjectSightings = async (object: number, from: number, to: numb
 export const getCameraPath = (video: number, signal: AbortSignal) =>
   request<CameraPath>(`/videos/${video}/camera`, { signal });
 
-export const putReview = (object: number, verdict: Verdict, note: string, reviewer: string) =>
-  // Sent also if the page is left meanwhile.
-  send<ReviewedObject>(`/objects/${object}/review`, "PUT", { verdict, note, reviewer }, { keepalive: true });
+const keepalive = new KeepaliveBudget();
+
+/** Of a few, sent also if the page is left meanwhile. */
+export async function putReview(object: number, verdict: Verdict, note: string, reviewer: string): Promise<ReviewedObject> {
+  const body = { verdict, note, reviewer };
+  const bytes = new TextEncoder().encode(JSON.stringify(body)).length;
+  const isKept = keepalive.take(bytes);
+  try {
+    return await send<ReviewedObject>(`/objects/${object}/review`, "PUT", body, { keepalive: isKept });
+  } finally {
+    if (isKept) keepalive.give(bytes);
+  }
+}
 
 /** Of all persons. */
 export const listDecisions = async (object: number, signal?: AbortSignal): Promise<Review[]> =>

@@ -11,6 +11,7 @@ import * as state from "../state";
 import * as turntable from "../turntable";
 import * as why from "../why";
 import * as workers from "../workers";
+import { ConfirmDialog } from "./confirm";
 import { Header } from "./header";
 import { Help } from "./help";
 import { Inspector } from "./inspector";
@@ -162,6 +163,7 @@ export function App() {
       <JobsPanel />
       <WorkersPanel />
       <ModelDialog />
+      <ConfirmDialog />
       <WhyDialog />
       <TurntableDialog />
       <DropTarget />

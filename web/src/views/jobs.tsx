@@ -70,7 +70,7 @@ function Found({ job }: { job: Job }) {
   if (needsNewSearch(job)) {
     return (
       <div class="job-files">
-        <button class="button" title="Deletes what was found in it, and searches all of it. Reviews stay" onClick={() => void jobs.searchFromBeginning(video.id)}>
+        <button class="button" title="Deletes what was found in it, and searches all of it. Reviews stay" onClick={() => jobs.askToSearchAgain(video)}>
           Search it from the beginning
         </button>
       </div>
@@ -284,13 +284,15 @@ function usePhotos(source: jobs.ModelSource | null) {
     const files = source && "files" in source ? source.files.filter((one) => kindOf(one.name) === "photo") : [];
     if (files.length === 0) return;
     let isOver = false;
-    void readPhotos(files).then((read) => {
+    const reading = readPhotos(files, () => isOver);
+    void reading.then((read) => {
       if (isOver) return;
       setPhotos(read.map((one) => one.photo));
       setPictures(read.map((one) => one.picture));
     });
     return () => {
       isOver = true;
+      void reading.then((read) => read.forEach(({ picture }) => picture?.close()));
     };
   }, [source]);
   const change = (at: number, next: Partial<BoxedPhoto>) => setPhotos((all) => all.map((one, i) => (i === at ? { ...one, ...next } : one)));

@@ -313,6 +313,8 @@ function Rows({ list }: { list: PagedList }) {
   useFirstMatch(list, virtualizer);
   const items = virtualizer.getVirtualItems();
   const [first, last] = [items[0]?.index ?? 0, items.at(-1)?.index ?? 0];
+  // Only rows near those that are seen are elements of the page; the filters may leave the selected one out.
+  const isDrawn = selected !== null && objects.objectOf(selected) !== undefined && items.some((one) => list.at(one.index) === selected);
   useEffect(() => {
     // Not the pages that a fast scroll only passes.
     const timer = setTimeout(() => objects.need(first, last, notices.notifyError), 60);
@@ -325,7 +327,7 @@ function Rows({ list }: { list: PagedList }) {
       role="listbox"
       tabIndex={0}
       aria-label="Objects"
-      aria-activedescendant={selected === null ? undefined : `object-${selected}`}
+      aria-activedescendant={isDrawn ? `object-${selected}` : undefined}
       onKeyDown={(event) => {
         if (event.key === "ArrowDown" || event.key === "ArrowUp") selection.step(event.key === "ArrowDown" ? 1 : -1);
         else if (event.key === "Home" || event.key === "End") selection.stepToEnd(event.key === "Home" ? "first" : "last");

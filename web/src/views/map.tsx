@@ -11,7 +11,7 @@ import atlasUrl from "world-atlas/countries-50m.json?url";
 
 import { tilesUrl } from "../api/client";
 import type { CameraPath, FoundObject, Project } from "../api/types";
-import { canAdd, searchFromBeginning } from "../jobs";
+import { askToSearchAgain, canAdd } from "../jobs";
 import { forReaders, messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
 import { baseName, formatMetres, formatPosition, formatTime } from "../logic/format";
@@ -370,8 +370,8 @@ function Seen() {
 /** Telemetry that was forgotten, or came later. */
 function AttachTelemetry() {
   const input = useRef<HTMLInputElement>(null);
-  const video = state.videoId.value;
-  if (!canAdd.value || video === null || state.video.value?.missing !== null) return null;
+  const video = state.video.value;
+  if (!canAdd.value || video === null || video.missing !== null) return null;
   return (
     <>
       <button class="button attach" title="The video is searched again with it; reviews stay" onClick={() => input.current?.click()}>
@@ -386,7 +386,7 @@ function AttachTelemetry() {
         aria-label="Telemetry of the video"
         onChange={(event) => {
           const file = event.currentTarget.files?.[0];
-          if (file) void searchFromBeginning(video, file);
+          if (file) askToSearchAgain(video, file);
           event.currentTarget.value = "";
         }}
       />

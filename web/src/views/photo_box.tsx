@@ -30,26 +30,48 @@ function hasTransparency(picture: ImageBitmap): boolean {
   return data.some((value, i) => i % 4 === 3 && value < 128);
 }
 
-/** Reads photos; what the browser cannot show stays without a size. */
-export async function readPhotos(files: readonly File[]): Promise<{ photo: BoxedPhoto; picture: ImageBitmap | null }[]> {
-  return Promise.all(
-    files.map(async (file) => {
-      const picture = await createImageBitmap(file).catch(() => null);
-      const size = picture && { width: picture.width, height: picture.height };
-      return { picture, photo: { size, hasOutline: picture !== null && hasTransparency(picture), box: null, isWhole: false } };
-    }),
-  );
+const shownSize = ({ width, height }: Size): Size => {
+  const scale = Math.min(AREA.width / width, AREA.height / height);
+  return { width: Math.max(1, Math.round(width * scale)), height: Math.max(1, Math.round(height * scale)) };
+};
+
+/** A photo in the size in which it is shown; what the browser cannot show stays without a size. */
+async function readPhoto(file: File): Promise<{ photo: BoxedPhoto; picture: ImageBitmap | null }> {
+  const full = await createImageBitmap(file).catch(() => null);
+  if (full === null) return { picture: null, photo: { size: null, hasOutline: false, box: null, isWhole: false } };
+  try {
+    const size = { width: full.width, height: full.height };
+    const { width, height } = shownSize(size);
+    const picture = await createImageBitmap(full, { resizeWidth: width, resizeHeight: height, resizeQuality: "medium" });
+    return { picture, photo: { size, hasOutline: hasTransparency(full), box: null, isWhole: false } };
+  } finally {
+    full.close();
+  }
 }
 
-function Photo({ name, picture, photo, change }: { name: string; picture: ImageBitmap; photo: BoxedPhoto; change: (next: Partial<BoxedPhoto>) => void }) {
+/** Reads photos one by one: of 200, only one is in memory in full. Their pictures are the caller's to close. */
+export async function readPhotos(files: readonly File[], isOver: () => boolean): Promise<{ photo: BoxedPhoto; picture: ImageBitmap | null }[]> {
+  const read = [];
+  for (const file of files) {
+    if (isOver()) break;
+    read.push(await readPhoto(file));
+  }
+  return read;
+}
+
+function Photo({ name, picture, size, photo, change }: {
+  name: string;
+  picture: ImageBitmap;
+  size: Size;
+  photo: BoxedPhoto;
+  change: (next: Partial<BoxedPhoto>) => void;
+}) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [drag, setDrag] = useState<readonly [number, number] | null>(null);
-  const size = { width: picture.width, height: picture.height };
-  const scale = Math.min(AREA.width / size.width, AREA.height / size.height);
-  const shown = { width: Math.max(1, Math.round(size.width * scale)), height: Math.max(1, Math.round(size.height * scale)) };
+  const shown = { width: picture.width, height: picture.height };
   useEffect(() => {
-    canvas.current?.getContext("2d")?.drawImage(picture, 0, 0, shown.width, shown.height);
-  }, [picture, shown.width, shown.height]);
+    canvas.current?.getContext("2d")?.drawImage(picture, 0, 0);
+  }, [picture]);
   /** On the page, the canvas may be smaller than its pixels. */
   const at = (event: PointerEvent): [number, number] => {
     const across = shown.width / Math.max(canvas.current?.clientWidth ?? 1, 1);
@@ -106,10 +128,10 @@ export function PhotoBoxes({ files, photos, pictures, change }: {
   const open = photos.filter((one) => !isMarked(one)).length;
   return (
     <div class="photo-boxes">
-      {picture ? (
+      {picture && photo.size ? (
         <>
           <p>{photo.hasOutline ? "Its transparent background marks the object." : "Draw a box around the object: what lies around it is not searched for."}</p>
-          <Photo key={at} name={name} picture={picture} photo={photo} change={(next) => change(at, next)} />
+          <Photo key={at} name={name} picture={picture} size={photo.size} photo={photo} change={(next) => change(at, next)} />
           {!photo.hasOutline && (
             <label class="check">
               <input
