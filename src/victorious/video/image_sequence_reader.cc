@@ -123,9 +123,15 @@ std::optional<Frame> ImageSequenceReader::ReadNext() {
   while (next_file_ < files_.size()) {
     const std::size_t file_index = next_file_++;
     if (next_index_ == 0) first_file_ = file_index;
-    auto image = ReadImageFile(files_[file_index]);
-    if (image) return Frame{.index = next_index_++, .time_s = TimeFromIndex(file_index), .image = *std::move(image)};
-    damage_.AddLine(image.error().message);
+    const auto bgr = ReadImageFile(files_[file_index]);
+    if (bgr) {
+      const bool is_bgr = options_.color == FrameColor::kBgr;
+      return Frame{.index = next_index_++,
+                   .time_s = TimeFromIndex(file_index),
+                   .image = is_bgr ? *bgr : GreyFromBgr(*bgr),
+                   .bgr = options_.color == FrameColor::kGreyAndBgr ? *bgr : cv::Mat()};
+    }
+    damage_.AddLine(bgr.error().message);
   }
   return std::nullopt;
 }
@@ -144,7 +150,7 @@ Expected<cv::Mat> ImageSequenceReader::ReadImageFile(const fs::path& file) {
                 fmt::format("{}: {} x {} pixels, the first image has {} x {}; skipped", file.string(), image.bgr.cols,
                             image.bgr.rows, info_.width, info_.height));
   }
-  return options_.color == FrameColor::kGrey ? GreyFromBgr(image.bgr) : image.bgr;
+  return image.bgr;
 }
 
 Expected<std::unique_ptr<VideoReader>> Open(const fs::path& source, Sequence sequence, std::vector<fs::path> files,

@@ -184,8 +184,9 @@ class MediaReader : public VideoReader {
   DataTrack data_;
   TimeBaseJoints joints_;
   std::optional<FrameConverter> converter_;
-  cv::Size stored_size_;  ///< size of the first frame, px
-  bool has_time_stamps_;  ///< the container has time stamps
+  std::optional<FrameConverter> color_converter_;  ///< of Frame::bgr
+  cv::Size stored_size_;                           ///< size of the first frame, px
+  bool has_time_stamps_;                           ///< the container has time stamps
   VideoInfo info_;
   std::optional<double> first_time_s_;  ///< time of the frame that Start() decoded, until it is delivered
   bool draining_ = false;               ///< true if no packets are left
@@ -209,7 +210,9 @@ Status MediaReader::Start() {
   const Orientation orientation = DisplayOrientation();
   stored_size_ = {frame_->width, frame_->height};
   const cv::Size size = SquareSize();
-  converter_.emplace(options_.color, orientation, size);
+  const bool is_both = options_.color == FrameColor::kGreyAndBgr;
+  converter_.emplace(is_both ? FrameColor::kGrey : options_.color, orientation, size);
+  if (is_both) color_converter_.emplace(FrameColor::kBgr, orientation, size);
   FillInfo(orientation, size);
   if (const double lead_s = UndecodableLead(); lead_s > 0) {
     damage_.AddNote(fmt::format("begins without a key frame: its first {:.2f} s cannot be shown", lead_s));
@@ -235,7 +238,12 @@ Expected<std::optional<Frame>> MediaReader::NextFrame() {
     if (next_index_ == 0 && image) {
       if (auto note = converter_->DescribeRange()) damage_.AddNote(*std::move(note));
     }
-    if (image) return Frame{.index = next_index_++, .time_s = time_s, .image = *std::move(image)};
+    Expected<cv::Mat> bgr;
+    if (image && color_converter_) bgr = color_converter_->Convert(*frame_);
+    if (!bgr) image = std::unexpected(bgr.error());
+    if (image) {
+      return Frame{.index = next_index_++, .time_s = time_s, .image = *std::move(image), .bgr = *std::move(bgr)};
+    }
     if (next_index_ == 0) return std::unexpected(std::move(image).error().WithContext(source_.name));
     damage_.Add(image.error().message, time_s);
   }

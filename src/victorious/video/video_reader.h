@@ -26,10 +26,14 @@
 
 namespace victorious {
 
-enum class FrameColor { kGrey, kBgr };
+enum class FrameColor {
+  kGrey,
+  kBgr,
+  kGreyAndBgr,  ///< grey in Frame::image, colour in Frame::bgr
+};
 
 struct VideoReaderOptions {
-  FrameColor color = FrameColor::kGrey;  ///< kGrey for the feature extraction, kBgr for display
+  FrameColor color = FrameColor::kGrey;  ///< kGrey for the feature extraction, kBgr for display, both for detectors
   bool data_packets = false;             ///< collect data packets for TakeDataPackets()
   int threads = 0;                       ///< decoder threads; 0: all cores
   double open_timeout_s = 10.0;          ///< live sources: maximum wait for the first packet, and between packets

@@ -130,6 +130,26 @@ TEST(VideoReader, OddSizes) {
   }
 }
 
+TEST(VideoReader, GivesGreyAndColourTogether) {
+  const ScratchFolder folder;
+  const cv::Mat image = NumberedImage(0x35, {192, 128});
+  WriteTestVideo(folder / "video.mkv", {.muxer = "matroska",
+                                        .encoder = "ffv1",
+                                        .pixel_format = "yuv420p",
+                                        .size = image.size(),
+                                        .pts = SteadyTimes(2, 40),
+                                        .images = {image, image}});
+  const auto both = ReadAll(folder / "video.mkv", {.color = FrameColor::kGreyAndBgr});
+  const auto grey = ReadAll(folder / "video.mkv");
+  const auto bgr = ReadAll(folder / "video.mkv", {.color = FrameColor::kBgr});
+  ASSERT_EQ(both.size(), 2U);
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    EXPECT_EQ(cv::norm(both[i].image, grey[i].image, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(both[i].bgr, bgr[i].image, cv::NORM_INF), 0);
+    EXPECT_TRUE(grey[i].bgr.empty());
+  }
+}
+
 TEST(VideoReader, GreyAgreesWithColourInEveryFormat) {
   const ScratchFolder folder;
   const struct {
