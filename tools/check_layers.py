@@ -59,6 +59,7 @@ THIRD_PARTY = (
     ThirdParty(re.compile(r"sqlite3(ext)?\.h$"), re.compile(r"store/sqlite/"), "SQLite stays inside store/sqlite/"),
     ThirdParty(re.compile(r"libpq-fe\.h$"), re.compile(r"store/postgres/"), "libpq stays inside store/postgres/"),
     ThirdParty(re.compile(r"libexif/"), re.compile(r"telemetry/photo(_test)?\.cc$"), "libexif stays inside telemetry/photo.cc"),
+    ThirdParty(re.compile(r"opencv2/dnn"), re.compile(r"network/network_runner\.cc$"), "OpenCV's dnn stays inside network/network_runner.cc"),
     ThirdParty(re.compile(r"hwy/"), re.compile(r"kernels/"), "Highway stays inside kernels/"),
     ThirdParty(re.compile(r"GeographicLib/"), re.compile(r"geometry/.*\.cc$"), "GeographicLib stays inside geometry/"),
     ThirdParty(re.compile(r"(gdal|ogr|cpl|osr)\w*\.h$"), re.compile(r"(terrain|store)/.*\.cc$"), "GDAL stays inside terrain/ and store/"),

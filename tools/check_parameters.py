@@ -35,6 +35,7 @@ OWNERS = {
     "detect": "detect",
     "shape": "pipeline",
     "categories": "recognize",
+    "detector": "network",
     "daylight": "calibrate",
     "telemetry": "telemetry",
     "follow": "pipeline",

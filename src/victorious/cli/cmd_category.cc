@@ -1,9 +1,12 @@
-// victorious category train | classify | refine
+// victorious category train | classify | refine; the others are in cmd_category_import.cc
+#include "victorious/cli/cmd_category.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -24,6 +27,7 @@
 #include "victorious/pipeline/review_marks.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/category_images.h"
+#include "victorious/recognize/category_source.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious::cli {
@@ -54,6 +58,16 @@ Status WarnWithoutBackground(const CategoryModel& model) {
       "other objects, listed as {}, to the training list",
       defaults.background);
   return {};
+}
+
+// Error: kUnsupported for an imported detector.
+Expected<CategoryModel> ReadTrainedModel(const std::string& file) {
+  VICTORIOUS_ASSIGN_OR_RETURN(CategorySourceModel model, ReadCategorySource(file));
+  if (auto* trained = std::get_if<CategoryModel>(&model)) return std::move(*trained);
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("{}: an imported detector: it is for `index`; only models of `category train` classify whole "
+                          "images and are refined",
+                          file));
 }
 
 // The images of the list, which the command reads.
@@ -142,7 +156,7 @@ Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel&
 }
 
 Status Classify(const CategoryArguments& arguments, const ArgumentParser& parser) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategoryModel(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadTrainedModel(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   const CategoryMethod method = FromText(kCategoryMethodTexts, arguments.method).value();  // checked by the parser
@@ -231,7 +245,7 @@ Status Refine(const CategoryArguments& arguments, const ArgumentParser& parser) 
   if (has_list == !arguments.db.empty() || (!has_list && !(arguments.images.empty() && arguments.list.empty()))) {
     return Fail(ErrorCode::kInvalidArgument, "give --images and --list, or --db: where the marks are");
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategoryModel(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadTrainedModel(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   if (featurizer.options().windows.enabled) {
     return Fail(
@@ -318,7 +332,16 @@ Action SetUpCategory(ArgumentParser& parser) {
   refine.Add("--out", arguments->out, "The new category model to write").Required().TypeName("FILE");
   refine.AddFlag("--json", arguments->json, "Print one JSON object: the model, the number of marks");
   for (ArgumentParser command : {train, classify, refine}) AddForce(command);
-  return [=] {
+  ArgumentParser import = parser.AddCommand("import", "Import a detection network: ONNX, or darknet's");
+  ArgumentParser show = parser.AddCommand("show", "Show a category model or a detector");
+  ArgumentParser list = parser.AddCommand("list", "List the category models and detectors of a folder");
+  const Action run_import = SetUpCategoryImport(import);
+  const Action run_show = SetUpCategoryShow(show);
+  const Action run_list = SetUpCategoryList(list);
+  return [=]() -> Status {
+    if (import.IsGiven()) return run_import();
+    if (show.IsGiven()) return run_show();
+    if (list.IsGiven()) return run_list();
     if (refine.IsGiven()) return Refine(*arguments, refine);
     return train.IsGiven() ? Train(*arguments, train) : Classify(*arguments, classify);
   };

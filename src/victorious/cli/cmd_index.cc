@@ -22,7 +22,6 @@
 #include "victorious/base/program_events.h"
 #include "victorious/base/text.h"
 #include "victorious/base/write_access.h"
-#include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cli/output_files.h"
@@ -35,6 +34,7 @@
 #include "victorious/pipeline/indexer.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/pipeline/video_telemetry.h"
+#include "victorious/recognize/category_source.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/postgres_segment_store.h"
 #include "victorious/video/stream_recorder.h"
@@ -173,7 +173,7 @@ Status CheckArguments(const IndexArguments& arguments) {
   if (arguments.models.empty() && arguments.categories.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 "nothing to search for: give --models (`victorious model add` makes one), --categories (`victorious "
-                "category train` makes one), or both");
+                "category train` or `category import` makes one), or both");
   }
   if (arguments.from_s && arguments.to_s && *arguments.from_s > *arguments.to_s) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--from {:g} is after --to {:g}: --to must be the later time",
@@ -360,9 +360,9 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   if (arguments.videos.size() > 1) {
     VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models, relit_folder.get()));
   }
-  std::optional<CategoryModel> categories;
+  std::optional<CategorySourceModel> categories;
   if (!arguments.categories.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategoryModel(arguments.categories));
+    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategorySource(arguments.categories));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
@@ -446,7 +446,9 @@ Action SetUpIndex(ArgumentParser& parser) {
   parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
   parser
       .Add("--categories", arguments->categories,
-           "A category model (`victorious category train`), whose categories are searched for as well")
+           "A category model (`victorious category train`) or a detector (`category import`), whose categories are "
+           "searched "
+           "for as well")
       .TypeName("FILE");
   AddDb(parser, arguments->db, "The index; created if it does not exist");
   parser

@@ -15,9 +15,9 @@
 
 #include "victorious/base/absolute_path.h"
 #include "victorious/base/log.h"
-#include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/recognize/category_source.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/base_map.h"
 #include "victorious/serve/http_server.h"
@@ -155,8 +155,8 @@ Status Run(const ServeArguments& arguments) {
     server_options.tile_origin = options.base_map.origin;
   }
   if (!arguments.categories.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const CategoryModel categories,
-                                ReadCategoryModel(arguments.categories));
+    VICTORIOUS_ASSIGN_OR_RETURN([[maybe_unused]] const CategorySourceModel categories,
+                                ReadCategorySource(arguments.categories));
     options.categories = AbsolutePath(arguments.categories);
   }
   std::error_code error;
@@ -210,7 +210,9 @@ Action SetUpServe(ArgumentParser& parser) {
       .TypeName("DIR");
   parser
       .Add("--categories", arguments->categories,
-           "Category model: videos that are added are searched for its categories, too, and reviews refine it")
+           "Category model or imported detector: videos that are added are searched for its categories, too, and "
+           "reviews "
+           "refine a model")
       .TypeName("FILE");
   parser
       .Add("--listen", arguments->listen,

@@ -22,7 +22,6 @@
 #include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/base/program_id.h"
-#include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/cluster/content_file.h"
@@ -32,6 +31,7 @@
 #include "victorious/pipeline/indexer.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/pipeline/video_telemetry.h"
+#include "victorious/recognize/category_source.h"
 #include "victorious/store/open_store.h"
 #include "victorious/telemetry/telemetry_file.h"
 #include "victorious/video/image_folder.h"
@@ -98,9 +98,9 @@ Expected<Indexer> MakeIndexer(const SubmitArguments& arguments) {
     VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const IndexOptions options, ReadIndexOptions(arguments.search, models));
-  std::optional<CategoryModel> categories;
+  std::optional<CategorySourceModel> categories;
   if (!arguments.categories.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategoryModel(arguments.categories));
+    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategorySource(arguments.categories));
   }
   return Indexer::Create(std::move(models), options, std::move(categories));
 }
@@ -416,7 +416,8 @@ Action SetUpSubmit(ArgumentParser& parser) {
            "which are indexed until `victorious cluster end`")
       .Required();
   parser.Add("--models", arguments->models, "Folder of models to search for").TypeName("DIR");
-  parser.Add("--categories", arguments->categories, "A category model, searched for as well").TypeName("FILE");
+  parser.Add("--categories", arguments->categories, "A category model or an imported detector, searched for as well")
+      .TypeName("FILE");
   parser.Add("--db", arguments->db, "The index: postgresql://USER@HOST/DATABASE").Required().TypeName("URL");
   AddSearchSettings(parser, arguments->search);
   parser

@@ -10,6 +10,8 @@
 #include "victorious/decoder/frame_source.h"
 #include "victorious/image/pixel_limit.h"
 #include "victorious/mesh/import_request.h"
+#include "victorious/network/network_request.h"
+#include "victorious/network/network_runner.h"
 #include "victorious/pipeline/camera_request.h"
 
 namespace victorious::cli {
@@ -26,8 +28,10 @@ int RunDecoder(int argc, char** argv) {
   cv::setNumThreads(1);                // the memory that is allowed is for the image, not for the stacks of threads
   LimitImagePixels(kMaxServedPixels);  // textures have a limit of their own
   FrameSource frames;
-  const std::array<IsolatedFunction, 2> functions = {
+  NetworkRunner network;
+  const std::array<IsolatedFunction, 3> functions = {
       {{kMeshImport, &ImportMeshRequest},
+       {kRunNetwork, [&](std::string_view request) { return network.Answer(request); }},
        {kPage, [&](std::string_view request) { return AnswerPage(frames, request); }}}};
   return RunIsolatedFunction(argc, argv, functions);
 }

@@ -21,6 +21,7 @@
 #include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/image/image_header.h"
+#include "victorious/network/detector_file.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/telemetry_file.h"
 
@@ -41,7 +42,7 @@ constexpr auto kKindTexts = std::to_array<EnumText<FileKind>>(
      {FileKind::kCameraTable, "a table of camera states (CSV)"},
      {FileKind::kTelemetryReport, "a telemetry report (JSON)"},
      {FileKind::kFeatures, "a list of features"},
-     {FileKind::kCategoryModel, "a category model"},
+     {FileKind::kCategoryModel, "a category model or a detector"},
      {FileKind::kSimulation, "in a folder of a simulation (with its truth.jsonl)"},
      {FileKind::kReport, "a report of an experiment"},
      {FileKind::kVideo, "a video that may be replaced, since it may be footage"}});
@@ -149,7 +150,7 @@ bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
     case FileKind::kFeatures:
       return IsFeatures(head);
     case FileKind::kCategoryModel:
-      return IsCategoryModelFile(std::as_bytes(std::span(head)));
+      return IsCategoryModelFile(std::as_bytes(std::span(head))) || IsDetectorFile(std::as_bytes(std::span(head)));
     case FileKind::kSimulation:
       return IsSimulationFolder(path.parent_path());
     case FileKind::kVideo:

@@ -25,7 +25,7 @@ enum class FileKind {
   kCameraTable,      ///< CSV with the columns time_s and latitude_deg
   kTelemetryReport,  ///< JSON of `telemetry --json`
   kFeatures,         ///< text of `features`: a first line "N 128"
-  kCategoryModel,    ///< a category model
+  kCategoryModel,    ///< a category model or a detector
   kSimulation,       ///< a file in a folder with a truth.jsonl of `simulate`
   kReport,           ///< JSON, CSV or SVG of `experiment`
   kVideo,            ///< a video: never recognised, since a drawn video cannot be told from footage

@@ -57,6 +57,7 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   recognize.ListFields(fields);
   fields.AddGroup("shape", shape);
   fields.AddGroup("categories", categories);
+  fields.AddGroup("detector", detector);
   fields.AddGroup("daylight", sun_direction);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("follow", follow);
@@ -69,15 +70,18 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
               .unit = "frames",
               .reason = "interval between full-frame searches; in between, objects are tracked and searched for in "
                         "their regions only; 0 chooses it by the frame rate and the motion of the image: 0.2 to 0.7 s "
-                        "for models, for a third of their views each time, every frame for categories"});
+                        "for models, for a third of their views each time, every frame for categories, "
+                        "`detector.interval_s` for those of an imported detector"});
 }
 
 SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info) {
   if (options.every > 0) return {options.every, options.every};
   if (!options.follow.enabled || info.of_images || !(info.frame_rate > 0)) return {};
   constexpr double kMaxFrames = 1e6;
-  const double frames = std::clamp(options.search_interval_s * info.frame_rate, 1.0, kMaxFrames);
-  return {.models = static_cast<int>(std::lround(frames)), .categories = 1};
+  const auto frames_of = [&](double interval_s) {
+    return static_cast<int>(std::lround(std::clamp(interval_s * info.frame_rate, 1.0, kMaxFrames)));
+  };
+  return {.models = frames_of(options.search_interval_s), .categories = frames_of(options.category_interval_s)};
 }
 
 int PartInterval(int interval) { return std::max(1, static_cast<int>(std::lround(kPartSpacing * interval))); }
@@ -85,8 +89,8 @@ int PartInterval(int interval) { return std::max(1, static_cast<int>(std::lround
 TrackletOptions MakeTrackletOptions(TrackletOptions tracklets, const SearchIntervals& intervals,
                                     const FollowOptions* follow, double frame_rate) {
   constexpr double kFrames = 2.5;
-  const double frames =
-      std::max(kFrames * intervals.models, follow == nullptr ? 0.0 : follow->track.missed_frames + 1.5);
+  const double frames = std::max(kFrames * std::max(intervals.models, intervals.categories),
+                                 follow == nullptr ? 0.0 : follow->track.missed_frames + 1.5);
   if (frame_rate > 0) tracklets.gap_s = std::max(tracklets.gap_s, frames / frame_rate);
   return tracklets;
 }

@@ -7,10 +7,11 @@
 #include "victorious/base/options.h"
 #include "victorious/calibrate/sun_direction.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/network/network_detector.h"
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/track_growth.h"
-#include "victorious/recognize/category_finder.h"
+#include "victorious/recognize/category_source.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
 #include "victorious/telemetry/telemetry.h"
@@ -57,6 +58,7 @@ struct IndexOptions {
   RecognizeOptions recognize;
   ShapeSearchOptions shape;
   CategoryFindOptions categories;
+  DetectorOptions detector;
   SunDirectionOptions sun_direction;
   TelemetryOptions telemetry;
   ObservationOptions observation;  ///< Not a user parameter
@@ -70,6 +72,9 @@ struct IndexOptions {
   /// Between full-frame searches for models where `every` is 0: less for a part of their views, and more where the
   /// image moves slowly (full_search_schedule.h). Not a user parameter.
   double search_interval_s = 0.3;
+  /// Between searches for categories where `every` is 0; 0: every frame. Not a user parameter: that of DetectorOptions,
+  /// if the categories are those of a detector.
+  double category_interval_s = 0;
 
   void ListFields(FieldList& fields);
 
@@ -89,7 +94,7 @@ struct SearchIntervals {
 };
 
 /// The intervals of a video: `every` for both, if it is set. Else the models, which are tracked between two searches,
-/// are searched for each `search_interval_s`, by the frame rate, and the categories, which are not, in each frame.
+/// are searched for each `search_interval_s`, by the frame rate, and the categories each `category_interval_s`.
 /// Images of a folder, which need not follow each other closely, and frames of an unknown rate are all searched, as are
 /// those of a search without tracking.
 [[nodiscard]] SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info);

@@ -18,6 +18,8 @@
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/backward_follower.h"
+#include "victorious/pipeline/category_follower.h"
+#include "victorious/pipeline/category_sightings.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/full_search_schedule.h"
 #include "victorious/pipeline/grow_results.h"
@@ -38,6 +40,7 @@ struct FrameWork {
   ViewPart views;                              // that are searched for
   bool by_shape = false;                       // search for models by their shape
   bool classify = false;                       // search for categories
+  bool is_slow = false;                        // a search that the pace counts
   bool keep = false;                           // keep its features
   bool already_stored = false;                 // results are stored already: only updates the trackers
   bool motion_only = false;                    // before the restart of tracking: only camera motion is needed
@@ -70,7 +73,7 @@ class FrameSelector {
         pass_(pass),
         next_frame_(pass.searches.front().next_frame) {
     follow_from_ = next_frame_;
-    if (IsTrackingEnabled(pass) && !pace.IsLimited()) {
+    if ((IsTrackingEnabled(pass) || FollowsCategories(pass)) && !pace.IsLimited()) {
       follow_from_ -= next_frame_ % pass.follow.restart_interval_frames;
     }
     first_frame_ = std::min(follow_from_, first_required_frame.value_or(follow_from_));
@@ -83,12 +86,16 @@ class FrameSelector {
     const std::int64_t index = frame.index;
     const bool is_first_wanted =
         (pass_.from_s && !std::exchange(has_started_, true)) || (pace_.IsLimited() && index == next_frame_);
-    const bool classify =
-        pass_.categories != nullptr && IsFullSearchFrame(index, pass_.intervals.categories, pass_.follow);
+    const bool is_detector = pass_.categories != nullptr && pass_.categories->IsDetector();
+    const bool may_be_classified =
+        pass_.categories != nullptr &&
+        (IsFullSearchFrame(index, pass_.intervals.categories, pass_.follow) || (is_detector && is_first_wanted));
+    const bool classify = may_be_classified && (!is_detector || is_first_wanted || pace_.HasTimeForAll());
     const bool may_be_searched = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.follow);
     // Selects by time, whatever the motion of the image.
     const bool keep = (may_be_searched || classify) && kept_frames_.IsSelected(frame.time_s);
-    if (index < first_frame_ || (!may_be_searched && !classify && !IsTrackingEnabled(pass_))) return std::nullopt;
+    if (index < first_frame_) return std::nullopt;
+    if (!may_be_searched && !classify && !IsTrackingEnabled(pass_) && !FollowsCategories(pass_)) return std::nullopt;
     FrameWork task;
     {
       const StageScope scope(Stage::kTracking);
@@ -104,13 +111,14 @@ class FrameSelector {
     task.now.frame = std::move(frame);
     task.already_stored = index < next_frame_;
     task.motion_only = index < follow_from_;
-    task.whole = whole && !task.motion_only;
+    task.whole = whole && !task.motion_only && !pass_.recognizer.models().empty();
     if (IsTrackingEnabled(pass_) && index % pass_.follow.restart_interval_frames == 0) shape_frames_.Restart();
     task.by_shape = task.whole && pass_.shapes != nullptr && shape_frames_.IsSelected(task.now.frame.time_s);
     task.has_time = pace_.HasTime();
-    if (task.whole) pace_.BeginFullSearch();
-    task.left_out = is_due && !whole && !task.already_stored;
-    task.classify = classify && !task.motion_only && !task.already_stored;
+    task.left_out = ((is_due && !whole) || (may_be_classified && !classify)) && !task.already_stored;
+    task.classify = classify && !task.motion_only && (!task.already_stored || FollowsCategories(pass_));
+    task.is_slow = task.whole || (task.classify && is_detector);
+    if (task.is_slow) pace_.BeginFullSearch();
     task.keep = keep && !task.already_stored;
     return task;
   }
@@ -167,18 +175,6 @@ SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const Featu
   return sighting;
 }
 
-SightingRecord ToSighting(const IndexPass& pass, const FrameWork& work, const FoundCategory& found) {
-  const CameraState known = work.camera.value_or(CameraState{});
-  const auto object_pose = EstimateBoxDirection(found.box, work.now.frame.image.size(), known, kCategoryCentreFraction);
-  return {.video = pass.video.id,
-          .model = *pass.category_ids[found.category],
-          .frame = work.now.frame.index,
-          .time_s = work.now.frame.time_s,
-          .box = found.box,
-          .score = found.probability,
-          .observation = object_pose ? MakeBearingObservation(*object_pose, known) : std::nullopt};
-}
-
 Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Frame& frame) {
   const StageScope scope(Stage::kFeatures);
   return extractor.Extract(frame.image);
@@ -188,9 +184,10 @@ Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Fr
 // without impulse noise. Parallel.
 Status Search(const IndexPass& pass, FrameWork& work) {
   if (work.classify) {
-    VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->Find(work.now.frame.image));
+    VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->FindIn(work.now.frame));
     std::erase_if(work.categories, [&](const FoundCategory& one) { return !pass.category_ids[one.category]; });
   }
+  work.now.frame.bgr.release();
   if (work.keep) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.kept, ExtractFeatures(pass.kept_extractor, work.now.frame));
   }
@@ -223,7 +220,9 @@ class ResultWriter {
         linker_(MakeTrackletOptions(pass.options.tracklets, pass.intervals,
                                     IsTrackingEnabled(pass) ? &pass.follow : nullptr, info.frame_rate),
                 pass.options.objects),
-        parts_(pass.searches, IsTrackingEnabled(pass) ? 1 : std::max(pass.intervals.models, pass.intervals.categories)),
+        parts_(pass.searches, IsTrackingEnabled(pass) || FollowsCategories(pass)
+                                  ? 1
+                                  : std::max(pass.intervals.models, pass.intervals.categories)),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {
@@ -433,6 +432,7 @@ class TrackingStage {
     {
       const StageScope scope(Stage::kTracking);
       if (!task.motion_only) VICTORIOUS_RETURN_IF_ERROR(Track(task));
+      if (!task.motion_only && FollowsCategories(pass_)) FollowCategoriesOf(task);
       task.features = {};
     }
     const std::size_t image_bytes = now.frame.image.total() * now.frame.image.elemSize();
@@ -469,6 +469,12 @@ class TrackingStage {
     return FollowBackward(pass_.recognizer, pass_.extractor, pass_.follow, now, task.features, before, pass_.shapes);
   }
 
+  void FollowCategoriesOf(FrameWork& task) {
+    const cv::Mat& image = task.now.frame.image;
+    if (task.classify) return category_follower_.Restart(image, task.categories);
+    task.categories = category_follower_.Follow(image, task.now_from_before);
+  }
+
   // Makes the sightings of the oldest held frame.
   Status PassOn() {
     FrameWork oldest = std::move(held_.front());
@@ -479,7 +485,7 @@ class TrackingStage {
         oldest.sightings.push_back(ToSighting(pass_, oldest.now.frame, one.features, oldest.camera, one));
       }
       for (const FoundCategory& found : oldest.categories) {
-        oldest.sightings.push_back(ToSighting(pass_, oldest, found));
+        oldest.sightings.push_back(CategorySighting(pass_, oldest.now.frame, oldest.camera, found));
       }
     }
     return writer_.Add(oldest);
@@ -489,16 +495,9 @@ class TrackingStage {
   bool is_live_;
   ResultWriter& writer_;
   std::optional<Follower> follower_;
+  CategoryFollower category_follower_;
   std::deque<FrameWork> held_;  // oldest first
 };
-
-std::string MissedBudgetText(std::chrono::duration<double> budget, std::chrono::duration<double> mean) {
-  constexpr double kMsPerS = 1e3;
-  return fmt::format(
-      "a frame took {:.3g} ms on average, more than the budget of {:.3g} ms: reading, the first frame's search and "
-      "tracking are never left out",
-      kMsPerS * mean.count(), kMsPerS * budget.count());
-}
 
 }  // namespace
 
@@ -510,6 +509,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
     pass.inform("a live source keeps its pace by itself: its budget is not used");
   }
   SearchPace pace(pass.frame_budget, reader.info().live);
+  TellOfDetector(pass, reader.info());
   FrameSelector selector(pass, reader.info(), pace, sink.FirstRequiredFrame());
   VICTORIOUS_ASSIGN_OR_RETURN(TrackingStage tracking, TrackingStage::Create(pass, reader.info().live, sink));
   FrameLoop loop(reader, cancel,
@@ -538,7 +538,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
       },
       {Parallel<FrameWork>([&](FrameWork& task) {
          Status searched = Search(pass, task);
-         if (task.whole) pace.EndFullSearch();
+         if (task.is_slow) pace.EndFullSearch();
          return searched;
        }),
        InOrder<FrameWork>([&](FrameWork& task) { return tracking.Add(task); })});

@@ -18,7 +18,7 @@
 #include "victorious/pipeline/frame_results.h"
 #include "victorious/pipeline/index_job.h"
 #include "victorious/pipeline/index_options.h"
-#include "victorious/recognize/category_finder.h"
+#include "victorious/recognize/category_source.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/recognize/shape_search.h"
 #include "victorious/store/index_store.h"
@@ -41,8 +41,8 @@ struct IndexPass {
   /// One entry per model of the recogniser, in its order, then one per category; all with the same next_frame.
   std::span<const SearchRecord> searches;
   const Recognizer& recognizer;
-  const CategoryFinder* categories = nullptr;  ///< null: no categories are searched for
-  /// Database id of each category of the finder; std::nullopt for those that this pass does not search for.
+  const CategorySource* categories = nullptr;  ///< null: no categories are searched for
+  /// Database id of each category of the source; std::nullopt for those that this pass does not search for.
   std::span<const std::optional<std::int64_t>> category_ids = {};
   const ShapeSearch* shapes = nullptr;  ///< null: models are not searched for by their shape
   const FeatureExtractor& extractor;
@@ -66,9 +66,16 @@ struct IndexPass {
   const SegmentOutput* segment = nullptr;
 };
 
-/// True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
+/// True if objects of models are tracked between full-frame searches.
 [[nodiscard]] inline bool IsTrackingEnabled(const IndexPass& pass) {
   return pass.follow.enabled && !pass.recognizer.models().empty();
+}
+
+/// True if what a detector finds is tracked between the frames that it searches. Categories of other sources are
+/// searched for in full frames only.
+[[nodiscard]] inline bool FollowsCategories(const IndexPass& pass) {
+  return pass.follow.enabled && pass.categories != nullptr && pass.categories->IsDetector() &&
+         pass.intervals.categories > 1;
 }
 
 /// True if the frame lies beyond the interval of time to search, or the segment.

@@ -228,7 +228,8 @@ std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& j
 
 Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
                  std::unique_ptr<const FeatureExtractor> extractor,
-                 std::unique_ptr<const FeatureExtractor> kept_extractor, std::optional<CategoryFinder> categories)
+                 std::unique_ptr<const FeatureExtractor> kept_extractor,
+                 std::shared_ptr<const CategorySource> categories)
     : models_(std::make_shared<const std::vector<ObjectModel>>(std::move(models))),
       options_(options),
       extractor_(std::move(extractor)),
@@ -242,18 +243,20 @@ Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
 }
 
 Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options,
-                                  std::optional<CategoryModel> categories, const WarningSink& warn) {
+                                  std::optional<CategorySourceModel> categories, const WarningSink& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   IndexOptions used = options;
   VICTORIOUS_RETURN_IF_ERROR(AdoptEngineOfModels(models, used.features, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(used.features));
   VICTORIOUS_ASSIGN_OR_RETURN(auto kept_extractor, MakeFeatureExtractor(MakeKeptFeatureOptions(used.features)));
   VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
-  std::optional<CategoryFinder> finder;
+  std::shared_ptr<const CategorySource> source;
   if (categories) {
-    VICTORIOUS_ASSIGN_OR_RETURN(finder, CategoryFinder::Create(*std::move(categories), options.categories));
+    VICTORIOUS_ASSIGN_OR_RETURN(source,
+                                MakeCategorySource(*std::move(categories), options.categories, options.detector));
+    if (source->IsDetector()) used.category_interval_s = options.detector.interval_s;
   }
-  Indexer indexer(std::move(models), used, std::move(extractor), std::move(kept_extractor), std::move(finder));
+  Indexer indexer(std::move(models), used, std::move(extractor), std::move(kept_extractor), std::move(source));
   if (ground) indexer.options_.objects.ground_id = IdentifyGround(options.ground);
   indexer.options_.objects.ground = std::move(ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.targets_, indexer.targets_));
@@ -338,7 +341,9 @@ Status Indexer::CorrectTelemetryOf(const IndexJob& job, const CancelToken& cance
 }
 
 VideoReaderOptions Indexer::MakeReaderOptions(const IndexJob& job) const {
-  return {.data_packets = true,  // a live source sends them once
+  const bool needs_color = categories_ && categories_->IsDetector();
+  return {.color = needs_color ? FrameColor::kGreyAndBgr : FrameColor::kGrey,
+          .data_packets = true,  // a live source sends them once
           .threads = job.threads,
           .folder_frame_rate = options_.video.folder_frame_rate};
 }
@@ -461,7 +466,7 @@ IndexPass Indexer::MakePass(const PlannedPass& plan, const Recognizer& recognize
   return {.video = video.record,
           .searches = plan.searches,
           .recognizer = recognizer,
-          .categories = with_categories ? &*categories_ : nullptr,
+          .categories = with_categories ? categories_.get() : nullptr,
           .category_ids = category_ids,
           .extractor = *extractor_,
           .kept_extractor = *kept_extractor_,

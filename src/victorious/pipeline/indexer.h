@@ -18,7 +18,7 @@
 #include "victorious/pipeline/index_job.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/index_pass.h"
-#include "victorious/recognize/category_finder.h"
+#include "victorious/recognize/category_source.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/segment_store.h"
@@ -42,9 +42,9 @@ class Indexer {
   /// @param warn        receives warnings about the given ground, and if the models are of another feature engine than
   ///                    options.features: the models' engine is used
   /// Errors: kInvalidArgument for parameters out of range, models of different feature engines, or a model and a
-  /// category with the same name; those of CategoryFinder and of MakeGround.
+  /// category with the same name; those of MakeCategorySource and of MakeGround.
   [[nodiscard]] static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options,
-                                                std::optional<CategoryModel> categories = {},
+                                                std::optional<CategorySourceModel> categories = {},
                                                 const WarningSink& warn = {});
 
   /// Whether Index deletes the results that the store has of the targets in a video, and searches it again.
@@ -164,14 +164,14 @@ class Indexer {
 
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
           std::unique_ptr<const FeatureExtractor> extractor, std::unique_ptr<const FeatureExtractor> kept_extractor,
-          std::optional<CategoryFinder> categories);
+          std::shared_ptr<const CategorySource> categories);
 
   std::shared_ptr<const std::vector<ObjectModel>> models_;  // shared with the recognisers of all of them
   IndexOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::unique_ptr<const FeatureExtractor> kept_extractor_;  // of the features kept for search by example image
-  std::optional<CategoryFinder> categories_;
-  std::vector<ModelRecord> targets_;  // models, then categories, as stored
+  std::shared_ptr<const CategorySource> categories_;        // null: none
+  std::vector<ModelRecord> targets_;                        // models, then categories, as stored
 };
 
 }  // namespace victorious

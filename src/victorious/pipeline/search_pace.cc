@@ -2,7 +2,18 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace victorious {
+
+std::string MissedBudgetText(std::chrono::duration<double> budget, std::chrono::duration<double> mean) {
+  constexpr double kMsPerS = 1e3;
+  return fmt::format(
+      "a frame took {:.3g} ms on average, more than the budget of {:.3g} ms: reading, the first frame's search and "
+      "tracking are never left out",
+      kMsPerS * mean.count(), kMsPerS * budget.count());
+}
+
 namespace {
 
 // A search of a live source's frame takes some tenths of a second, and the results of the frames after it wait for it:

@@ -7,8 +7,12 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 
 namespace victorious {
+
+/// Says that a pass could not keep its budget of time a frame.
+[[nodiscard]] std::string MissedBudgetText(std::chrono::duration<double> budget, std::chrono::duration<double> mean);
 
 /// Decides whether a frame can be searched in time. Not thread-safe, but for EndFullSearch.
 class SearchPace {

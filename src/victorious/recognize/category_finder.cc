@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <ranges>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,30 +12,6 @@
 #include "victorious/category/windows.h"
 
 namespace victorious {
-
-void CategoryFindOptions::ListFields(FieldList& fields) {
-  fields.Add("min_probability", min_probability,
-             {.min = 0,
-              .max = 1,
-              .reason = "minimum calibrated probability of a category sighting; the default is even odds"});
-  fields.Add("background", background,
-             {.reason = "background categories, by full names separated by commas: the classifier uses them, and they "
-                        "are not reported"});
-}
-
-namespace {
-
-bool IsListed(std::string_view list, std::string_view name) {
-  for (const auto part : std::views::split(list, ',')) {
-    std::string_view listed(part.begin(), part.end());
-    listed.remove_prefix(std::min(listed.find_first_not_of(' '), listed.size()));
-    listed = listed.substr(0, listed.find_last_not_of(' ') + 1);
-    if (listed == name) return true;
-  }
-  return false;
-}
-
-}  // namespace
 
 Expected<CategoryFinder> CategoryFinder::Create(CategoryModel model, const CategoryFindOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
@@ -55,7 +30,7 @@ CategoryFinder::CategoryFinder(CategoryModel model, CategoryFeaturizer featurize
       content_id_(fmt::format("{:016x}", Checksum(EncodeCategoryModel(*model_)))) {
   for (std::size_t n = 0; n < model_->nodes.size(); ++n) {
     const CategoryNode& node = model_->nodes[n];
-    if (!node.can_be_label || IsListed(options.background, node.name) ||
+    if (!node.can_be_label || options.IsBackground(node.name) ||
         (model_->windows && node.name == model_->windows->background_category))
       continue;
     names_.push_back(node.name);

@@ -12,42 +12,31 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/error.h"
-#include "victorious/base/options.h"
 #include "victorious/category/category_model.h"
-#include "victorious/geometry/box.h"
 #include "victorious/recognize/category_images.h"
+#include "victorious/recognize/category_source.h"
 
 namespace victorious {
 
-struct CategoryFindOptions {
-  double min_probability = 0.5;
-  std::string background = "background";
-
-  void ListFields(FieldList& fields);
-};
-
-struct FoundCategory {
-  std::size_t category = 0;  ///< index into CategoryFinder::names()
-  Box box;                   ///< bounding box of the supporting phrases, px, inside the frame
-  double probability = 0;    ///< calibrated
-};
-
 /// Finds the categories of one model. Thread-safe.
-class CategoryFinder {
+class CategoryFinder : public CategorySource {
  public:
   /// Errors: kInvalidArgument for options out of range and if all categories are background; kDataLoss for a model
   /// whose feature options cannot be read.
   [[nodiscard]] static Expected<CategoryFinder> Create(CategoryModel model, const CategoryFindOptions& options);
 
   /// The labels of the training images without the background categories.
-  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] const std::vector<std::string>& names() const override { return names_; }
   /// Checksum of the model; identifies its results.
-  [[nodiscard]] const std::string& content_id() const { return content_id_; }
+  [[nodiscard]] const std::string& content_id() const override { return content_id_; }
 
   /// @param grey  CV_8UC1
   /// @return whole frame: by rising category index; windows: by falling probability
   /// Cost: that of `category classify`, plus a few ms per category found.
   [[nodiscard]] Expected<std::vector<FoundCategory>> Find(const cv::Mat& grey) const;
+  [[nodiscard]] Expected<std::vector<FoundCategory>> FindIn(const Frame& frame) const override {
+    return Find(frame.image);
+  }
 
  private:
   [[nodiscard]] std::vector<FoundCategory> FindInWindows(const cv::Mat& grey) const;

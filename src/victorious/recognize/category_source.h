@@ -1,0 +1,74 @@
+// What finds objects of categories in frames: a model that was trained here (category_finder.h), or a detection network
+// that was imported (detector_source.h). Both make sightings alike.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <opencv2/core/types.hpp>
+
+#include "victorious/base/error.h"
+#include "victorious/base/options.h"
+#include "victorious/category/category_model.h"
+#include "victorious/geometry/box.h"
+#include "victorious/network/network_detector.h"
+#include "victorious/types/frame.h"
+
+namespace victorious {
+
+struct CategoryFindOptions {
+  double min_probability = 0.5;
+  std::string background = "background";
+
+  void ListFields(FieldList& fields);
+
+  /// True if the category is one of `background`.
+  [[nodiscard]] bool IsBackground(std::string_view name) const;
+};
+
+struct FoundCategory {
+  std::size_t category = 0;  ///< index into CategorySource::names()
+  Box box;                   ///< px, inside the frame
+  double probability = 0;    ///< calibrated; of a detector its own score
+  bool is_tracked = false;   ///< from an earlier frame to this one
+};
+
+/// Thread-safe.
+class CategorySource {
+ public:
+  CategorySource() = default;
+  CategorySource(const CategorySource&) = default;
+  CategorySource(CategorySource&&) = default;
+  CategorySource& operator=(const CategorySource&) = default;
+  CategorySource& operator=(CategorySource&&) = default;
+  virtual ~CategorySource() = default;
+
+  /// The categories that are reported.
+  [[nodiscard]] virtual const std::vector<std::string>& names() const = 0;
+  /// Identifies the results of the source.
+  [[nodiscard]] virtual const std::string& content_id() const = 0;
+
+  /// True for a detector: it needs Frame::bgr, searches some of the frames, and what it finds is tracked in between.
+  [[nodiscard]] virtual bool IsDetector() const { return false; }
+  /// What a search of a frame of this size takes, for a person; empty: nothing to say.
+  [[nodiscard]] virtual std::string DescribeSearch([[maybe_unused]] cv::Size frame) const { return {}; }
+
+  [[nodiscard]] virtual Expected<std::vector<FoundCategory>> FindIn(const Frame& frame) const = 0;
+};
+
+/// The content of a file of categories, of either kind.
+using CategorySourceModel = std::variant<CategoryModel, DetectorModel>;
+
+/// Reads a category model or an imported detector. Errors: those of ReadCategoryModel and ReadDetector.
+[[nodiscard]] Expected<CategorySourceModel> ReadCategorySource(const std::filesystem::path& path);
+
+/// Errors: those of CategoryFinder::Create and DetectorSource::Create.
+[[nodiscard]] Expected<std::shared_ptr<const CategorySource>> MakeCategorySource(CategorySourceModel model,
+                                                                                 const CategoryFindOptions& options,
+                                                                                 const DetectorOptions& detector);
+
+}  // namespace victorious

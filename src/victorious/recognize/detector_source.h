@@ -1,0 +1,36 @@
+// A detection network that was imported (network/) as a source of categories: its classes.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/network/network_detector.h"
+#include "victorious/recognize/category_source.h"
+
+namespace victorious {
+
+class DetectorSource : public CategorySource {
+ public:
+  /// Errors: those of NetworkDetector::Create; kInvalidArgument if all classes are background.
+  [[nodiscard]] static Expected<DetectorSource> Create(DetectorModel model, const CategoryFindOptions& options,
+                                                       const DetectorOptions& detector);
+
+  [[nodiscard]] const std::vector<std::string>& names() const override { return names_; }
+  [[nodiscard]] const std::string& content_id() const override { return content_id_; }
+  [[nodiscard]] bool IsDetector() const override { return true; }
+  [[nodiscard]] std::string DescribeSearch(cv::Size frame) const override;
+  [[nodiscard]] Expected<std::vector<FoundCategory>> FindIn(const Frame& frame) const override;
+
+ private:
+  explicit DetectorSource(NetworkDetector detector) : detector_(std::move(detector)) {}
+
+  NetworkDetector detector_;
+  std::vector<std::string> names_;
+  std::vector<std::optional<std::size_t>> category_of_class_;  ///< index into names_; std::nullopt: background
+  std::string content_id_;
+};
+
+}  // namespace victorious
