@@ -143,9 +143,7 @@ Expected<Caller> AccessControl::Identify(const HttpRequest& request, int port) {
                                  : FindCookie(request.cookie, CookieName(port));
   if (!IsSecret(secret) || (is_token && !request.authorization.starts_with(kBearer))) return Caller{};
   const std::scoped_lock lock(reader_mutex_);
-  // A clock that is set back brings no credential back that has expired.
-  latest_us_ = std::max(latest_us_, NowUtcMicroseconds());
-  VICTORIOUS_ASSIGN_OR_RETURN(auto proved, reader_->Prove(DigestSecret(secret), latest_us_));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto proved, reader_->Prove(DigestSecret(secret), UtcMicroseconds()));
   const CredentialKind kind = is_token ? CredentialKind::kToken : CredentialKind::kSession;
   if (!proved || proved->credential.kind != kind) return Caller{};
   return Caller{.proved = std::move(proved), .is_open = false};
@@ -236,7 +234,7 @@ ApiExpected<HttpResponse> AccessControl::LogIn(const HttpRequest& request, int p
       VICTORIOUS_RETURN_IF_ERROR(writer_->AddCredential({.account = account.id,
                                                          .kind = CredentialKind::kSession,
                                                          .digest = DigestSecret(secret),
-                                                         .now_us = NowUtcMicroseconds(),
+                                                         .now_us = UtcMicroseconds(),
                                                          .lifetime_us = kLifetimeS * 1'000'000,
                                                          .proved_hash = checked->hash}));
       return MakeRecord(account.name, "log_in", "account " + account.name,

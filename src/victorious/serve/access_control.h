@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "victorious/base/utc.h"
 #include "victorious/serve/api_error.h"
 #include "victorious/serve/http_message.h"
 #include "victorious/serve/log_in_limiter.h"
@@ -48,7 +49,7 @@ class AccessControl {
 
   /// @param index      by the name that OpenStore takes
   /// @param can_write  it can be written
-  /// @param clock      by which failed log-ins are limited; thread-safe
+  /// @param clock      by which failed log-ins are limited and credentials end; thread-safe
   /// Errors: kInvalidArgument for an address that is not a loopback address without accounts; kPermissionDenied for
   /// accounts in an index that cannot be written; those of OpenAccountStore.
   [[nodiscard]] static Expected<std::unique_ptr<AccessControl>> Open(const std::string& index, bool can_write,
@@ -73,7 +74,11 @@ class AccessControl {
  private:
   AccessControl(std::unique_ptr<AccountStore> reader, std::unique_ptr<AccountStore> writer,
                 const ServerIdentity& server, Clock clock)
-      : reader_(std::move(reader)), writer_(std::move(writer)), server_(server), clock_(std::move(clock)) {}
+      : reader_(std::move(reader)),
+        writer_(std::move(writer)),
+        server_(server),
+        clock_(std::move(clock)),
+        started_us_(clock_()) {}
 
   /// An account, and the hash that its password was compared with.
   struct CheckedAccount {
@@ -83,6 +88,9 @@ class AccessControl {
 
   /// True from the first account on: removing the last one opens nothing.
   [[nodiscard]] Expected<bool> NeedsAccount();
+  /// UTC at the start, and what has passed since by the clock that nobody sets: a system clock that is set ahead ends no
+  /// session, and one that is set back revives none.
+  [[nodiscard]] std::int64_t UtcMicroseconds() const { return started_utc_us_ + clock_() - started_us_; }
   [[nodiscard]] Expected<Caller> Identify(const HttpRequest& request, int port);
   /// The account of a name and password; std::nullopt: wrong.
   [[nodiscard]] Expected<std::optional<CheckedAccount>> CheckPasswordOf(const std::string& name,
@@ -93,11 +101,12 @@ class AccessControl {
 
   std::mutex reader_mutex_;
   std::unique_ptr<AccountStore> reader_;  ///< of its own: no request waits while another process writes
-  std::int64_t latest_us_ = 0;            ///< that the clock has shown, UTC
   std::mutex writer_mutex_;
   std::unique_ptr<AccountStore> writer_;  ///< null: the index cannot be written
   ServerIdentity server_;
   Clock clock_;
+  std::int64_t started_us_;  ///< by the clock
+  std::int64_t started_utc_us_ = NowUtcMicroseconds();
   std::atomic<bool> needs_account_ = false;
   LogInLimiter limiter_;
   std::atomic<int> log_ins_ = 0;  ///< that hash a password or wait to do so

@@ -296,6 +296,23 @@ TEST_F(AccessTest, LogInsThatFailAreLimited) {
   EXPECT_EQ(log_in("admin", kPassword).status, 200);
 }
 
+TEST_F(AccessTest, SessionsEndByAClockThatNobodySets) {
+  AddAccounts();  // with sessions of an hour
+  std::int64_t now_us = 7;
+  const auto access = AccessControl::Open(index_, /*can_write=*/true, {}, [&] { return now_us; }).value();
+  HttpRequest request{.method = HttpMethod::kGet, .target = "/api/v1/project"};
+  request.cookie = "victorious_8080=" + SecretOf("viewer");
+  EXPECT_TRUE(access->Admit(request, Role::kViewer, kPort));
+  now_us += 2 * kHour;
+  EXPECT_FALSE(access->Admit(request, Role::kViewer, kPort));
+  const auto logged_in =
+      access->LogIn({.client = "127.0.0.1", .body = json({{"name", "viewer"}, {"password", kPassword}}).dump()}, kPort);
+  ASSERT_TRUE(logged_in);
+  const std::string cookie(HeaderOf(*logged_in, "Set-Cookie"));
+  request.cookie = cookie.substr(0, cookie.find(';'));
+  EXPECT_TRUE(access->Admit(request, Role::kViewer, kPort));
+}
+
 TEST_F(AccessTest, NobodyLogsInToAnIndexThatCannotBeWritten) {
   const auto access = AccessControl::Open(index_, /*can_write=*/false, {}).value();
   AddAccounts();  // by another process
