@@ -198,6 +198,13 @@ ordered_json StreamsToJson(const VideoInfo& info) {
   return streams;
 }
 
+std::vector<std::string> DamageOf(const VideoReader& reader) {
+  std::vector<std::string> damage = reader.warnings();
+  std::erase_if(
+      damage, [&](const std::string& line) { return std::ranges::find(reader.notes(), line) != reader.notes().end(); });
+  return damage;
+}
+
 Expected<Report> DescribeVideo(const std::string& source) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
   const VideoInfo info = reader->info();
@@ -215,7 +222,9 @@ Expected<Report> DescribeVideo(const std::string& source) {
                                  probe.last_time_s));
   for (const StreamInfo& stream : info.streams)
     text += fmt::format("  stream {}   {} ({})\n", stream.index, ToText(kStreamTypeTexts, stream.type), stream.codec);
-  for (const std::string& warning : reader->warnings()) text += fmt::format("  damage     {}\n", warning);
+  const std::vector<std::string> damage = DamageOf(*reader);
+  for (const std::string& line : reader->notes()) text += fmt::format("  note       {}\n", line);
+  for (const std::string& line : damage) text += fmt::format("  damage     {}\n", line);
   text += "Finding objects: possible.\n";
   Report place = DescribeTelemetrySource(source, probe);
   if (Interrupt().IsCancelled()) return Fail(ErrorCode::kCancelled, fmt::format("{}: interrupted", source));
@@ -233,7 +242,8 @@ Expected<Report> DescribeVideo(const std::string& source) {
                  {"read_to_end", probe.at_end},
                  {"last_time_s", probe.last_time_s},
                  {"streams", StreamsToJson(info)},
-                 {"damage", reader->warnings()},
+                 {"notes", reader->notes()},
+                 {"damage", damage},
                  {"telemetry", std::move(place.json)}}};
 }
 

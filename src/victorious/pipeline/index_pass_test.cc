@@ -56,6 +56,7 @@ class FakeReader final : public VideoReader {
   bool SeekTo(double /*time_s*/) override { return false; }
   void SkipToEnd() override { next_ = kFrames; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const override { return is_note ? warnings_ : none_; }
 
   void AddStream(StreamType type) { info_.streams.push_back({.index = 1, .type = type, .codec = {}}); }
 
@@ -63,6 +64,7 @@ class FakeReader final : public VideoReader {
   static constexpr double kInterruption_s = 5;
   std::int64_t interrupted_at = kFrames;  // from this frame on, frames are later
   std::int64_t broken_at = -1;
+  bool is_note = false;                                            // the warning is no damage
   std::function<cv::Mat(std::int64_t)> image_of;                   // grey image; default: a uniform one
   std::function<std::vector<DataPacket>(std::int64_t)> packet_of;  // data packets that arrive with a frame
 
@@ -72,6 +74,7 @@ class FakeReader final : public VideoReader {
   std::function<void(std::int64_t)> before_frame_;
   std::int64_t next_ = 0;
   std::vector<std::string> warnings_ = {"at 0.10 s: something damaged"};
+  std::vector<std::string> none_;
 };
 
 // One pass over a fake video, into its own index.
@@ -169,6 +172,15 @@ TEST_F(IndexPassTest, PartsThatWereSearchedAreStored) {
   EXPECT_NEAR(parts[1].to_s, 7, 1e-9);
   EXPECT_EQ(parts[2].from_frame, 20);
   EXPECT_EQ(parts[2].to_frame, kFrames);
+}
+
+TEST_F(IndexPassTest, ANoteOfTheReaderIsNoDamage) {
+  FakeReader reader(/*live=*/false, [](std::int64_t /*frame*/) {});
+  reader.interrupted_at = 20;
+  reader.is_note = true;
+  ASSERT_TRUE(Run(reader));
+  EXPECT_EQ(
+      std::ranges::count(store_->SearchParts(search_->video).value(), SearchPartKind::kDamaged, &SearchPart::kind), 0);
 }
 
 TEST_F(IndexPassTest, TimesOfARecordingAreCovered) {

@@ -45,7 +45,7 @@ Expected<std::vector<Frame>> ReverseFrameReader::ReadInterval(
   VICTORIOUS_ASSIGN_OR_RETURN(const auto entered, OpenRereadable(video_));
   if (entered->SeekTo(times_s_[static_cast<std::size_t>(first)])) {
     VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Frame> frames, ReadOn(*entered, first, end, is_wanted));
-    if (std::ssize(frames) == count && entered->warnings().empty()) return frames;
+    if (std::ssize(frames) == count && !entered->has_damage()) return frames;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto whole, OpenRereadable(video_));
   return ReadOn(*whole, first, end, is_wanted);

@@ -14,7 +14,7 @@ DamageFinder::DamageFinder(const VideoReader& reader) : reader_(reader) {
 void DamageFinder::Enter(const Frame& frame) {
   const double before_s = std::exchange(last_time_s_, frame.time_s);
   last_frame_ = frame.index;
-  const bool is_known = reader_.info().live || !reader_.warnings().empty();
+  const bool is_known = reader_.info().live || reader_.has_damage();
   if (is_known && frame.time_s - before_s > min_pause_s_) {
     found_ = {.from_s = found_ ? found_->from_s : before_s, .to_s = frame.time_s};
   }
@@ -22,7 +22,7 @@ void DamageFinder::Enter(const Frame& frame) {
 
 std::optional<DamagedTime> DamageFinder::Finish() const {
   const VideoInfo& info = reader_.info();
-  if (!info.duration_s || info.is_duration_estimated || reader_.warnings().empty()) return std::nullopt;
+  if (!info.duration_s || info.is_duration_estimated || !reader_.has_damage()) return std::nullopt;
   if (*info.duration_s - last_time_s_ <= min_pause_s_) return std::nullopt;
   return DamagedTime{.from_s = last_time_s_, .to_s = *info.duration_s};
 }

@@ -27,7 +27,7 @@ class SegmentReader final : public VideoReader {
 
   /// False if a frame was not the one of the list, or damaged: the decoded video is another than the list says, and
   /// numbers of frames are those of the whole video only if it is read as a whole. NextFrame has ended there.
-  [[nodiscard]] bool IsExact() const { return is_exact_ && reader_->warnings().empty(); }
+  [[nodiscard]] bool IsExact() const { return is_exact_ && !reader_->has_damage(); }
 
   [[nodiscard]] const VideoInfo& info() const override { return info_; }
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel,
@@ -39,6 +39,7 @@ class SegmentReader final : public VideoReader {
   bool SeekTo(double /*time_s*/) override { return false; }
   void SkipToEnd() override { next_ = frames_.to; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return reader_->warnings(); }
+  [[nodiscard]] const std::vector<std::string>& notes() const override { return reader_->notes(); }
 
  private:
   SegmentReader(std::unique_ptr<VideoReader> reader, std::span<const double> times_s, FrameInterval frames);

@@ -22,8 +22,8 @@ void DamageLog::Add(std::string_view what, double time_s) {
 void DamageLog::AddLine(std::string line) { lines_.push_back(std::move(line)); }
 
 void DamageLog::AddNote(std::string line) {
+  notes_.push_back(line);
   AddLine(std::move(line));
-  ++notes_;
 }
 
 }  // namespace victorious

@@ -18,12 +18,15 @@ class DamageLog {
   /// Appends a line as it is.
   void AddLine(std::string line);
 
-  /// Appends a line that is no damage.
+  /// Appends a line that is no damage, to notes() too.
   void AddNote(std::string line);
 
   [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
 
-  [[nodiscard]] bool has_damage() const { return lines_.size() > notes_; }
+  /// Those of lines() that are no damage.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+
+  [[nodiscard]] bool has_damage() const { return lines_.size() > notes_.size(); }
 
  private:
   struct Kind {
@@ -35,7 +38,7 @@ class DamageLog {
 
   std::vector<Kind> kinds_;
   std::vector<std::string> lines_;
-  std::size_t notes_ = 0;  ///< lines that are no damage
+  std::vector<std::string> notes_;
 };
 
 }  // namespace victorious

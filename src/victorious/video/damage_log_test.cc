@@ -18,5 +18,16 @@ TEST(DamageLog, HasOneLinePerKind) {
   EXPECT_EQ(log.lines()[2], "the end");
 }
 
+TEST(DamageLog, NotesAreNoDamage) {
+  DamageLog log;
+  log.AddNote("dark");
+  EXPECT_FALSE(log.has_damage());
+  EXPECT_EQ(log.notes(), log.lines());
+  log.Add("a bad packet", 1.2);
+  EXPECT_TRUE(log.has_damage());
+  EXPECT_EQ(log.notes().size(), 1U);
+  EXPECT_EQ(log.lines().size(), 2U);
+}
+
 }  // namespace
 }  // namespace victorious

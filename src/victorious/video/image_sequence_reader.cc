@@ -71,6 +71,7 @@ class ImageSequenceReader : public VideoReader {
     next_file_ = files_.size();
   }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
+  [[nodiscard]] const std::vector<std::string>& notes() const override { return damage_.notes(); }
 
  private:
   std::optional<Frame> ReadNext();

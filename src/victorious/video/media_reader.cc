@@ -137,6 +137,7 @@ class MediaReader : public VideoReader {
   void SkipToEnd() override;
   [[nodiscard]] std::optional<std::int64_t> ArrivalUtc(double time_s) const override;
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
+  [[nodiscard]] const std::vector<std::string>& notes() const override { return damage_.notes(); }
 
  private:
   bool DecodeNext();

@@ -263,6 +263,7 @@ TEST(VideoDamage, AStreamThatBeginsBetweenKeyFramesIsNotDamaged) {
   reader->SkipToEnd();
   EXPECT_THAT(reader->warnings(),
               ::testing::ElementsAre(HasSubstr("begins without a key frame: its first 0.28 s cannot be shown")));
+  EXPECT_FALSE(reader->has_damage());
   const Outcome outcome = ReadDamaged(folder / "tap.ts");
   EXPECT_EQ(outcome.frames, 12U);
   EXPECT_THAT(outcome.warnings, ::testing::ElementsAre(HasSubstr("begins without a key frame")));

@@ -121,8 +121,16 @@ class VideoReader {
   [[nodiscard]] virtual std::optional<std::int64_t> ArrivalUtc(double /*time_s*/) const { return std::nullopt; }
 
   /// Returns the damage found so far, one line per kind with time and count: "decoding stopped at 3.20 s of 10.00 s:
-  /// …". Repetitions rewrite the line of their kind, so read the lines at the end.
+  /// …", and the notes. Repetitions rewrite the line of their kind, so read the lines at the end.
   [[nodiscard]] virtual const std::vector<std::string>& warnings() const = 0;
+
+  /// Those of warnings() that are no damage: a stream that begins without a key frame, a stretched range of grey.
+  [[nodiscard]] virtual const std::vector<std::string>& notes() const {
+    static const std::vector<std::string> none;
+    return none;
+  }
+
+  [[nodiscard]] bool has_damage() const { return warnings().size() > notes().size(); }
 };
 
 }  // namespace victorious
