@@ -740,6 +740,160 @@ async function images(page) {
   await waitForFrame(page, 1);
 }
 
+/** Where the frame lies on the stage: px of the page per px of the frame, and the page's place of its corner. */
+async function placeOfFrame(page) {
+  const { x, y } = await page.locator(".stage > canvas").boundingBox();
+  const [left, top, scale] = (await page.locator(".stage > canvas").getAttribute("data-place")).split(" ").map(Number);
+  return { scale, x: x + left, y: y + top };
+}
+
+/** How far what the stage shows of some pixels of a frame is from the frame itself, of 255; each pixel is drawn as a square. */
+async function differenceFromFrame(page, video, frame, pixels, place) {
+  const { x, y } = await page.locator(".stage > canvas").boundingBox();
+  const stage = { left: place.x - x, top: place.y - y, scale: place.scale };
+  return page.evaluate(async ([url, pixels, stage]) => {
+    const bitmap = await createImageBitmap(await (await fetch(url)).blob());
+    const copy = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+    copy.drawImage(bitmap, 0, 0);
+    const shown = document.querySelector(".stage > canvas").getContext("2d");
+    const differences = pixels.map(([x, y]) => {
+      const [a] = copy.getImageData(x, y, 1, 1).data;
+      const [b] = shown.getImageData(Math.round(stage.left + (x + 0.5) * stage.scale - 0.5), Math.round(stage.top + (y + 0.5) * stage.scale - 0.5), 1, 1).data;
+      return Math.abs(a - b);
+    });
+    return differences.reduce((sum, one) => sum + one, 0) / pixels.length;
+  }, [`/api/v1/videos/${video}/frames/${frame}`, pixels, stage]);
+}
+
+/** Zoom, pan, brightness, magnifier and full screen; boxes, clicks and drawn boxes follow. */
+async function zoomed(page) {
+  await open(page, "/");
+  const { objects } = await api(page, "/objects");
+  const { best, key } = await api(page, `/objects/${objects[0].id}`);
+  await open(page, `/?object=${key}&video=${best.video_id}&t=${best.time_s}`);
+  await waitForFrame(page, best.frame);
+  const video = await api(page, `/videos/${best.video_id}`);
+  const stage = await page.locator(".stage > canvas").boundingBox();
+  const whole = await placeOfFrame(page);
+  assert.ok(Math.abs(whole.scale - Math.min(stage.width / video.width_px, stage.height / video.height_px)) < 1e-2);
+  const [left, top, width, height] = best.box;
+  const centre = [left + width / 2, top + height / 2];
+  const at = ({ x, y, scale }, [right, down]) => [x + right * scale, y + down * scale];
+  // A pointer is at a whole pixel of the page. A frame that is narrower than its place stays in the middle of it.
+  const point = [stage.x + stage.width / 2, stage.y + stage.height / 2 - 20].map(Math.round);
+  const middle = [(point[0] - whole.x) / whole.scale, (point[1] - whole.y) / whole.scale];
+  const around = ([x, y], radius) => Array.from({ length: 400 }, (_, i) => [Math.round(x + (((i % 20) - 9.5) / 10) * radius), Math.round(y + ((Math.floor(i / 20) - 9.5) / 10) * radius)]);
+
+  // By the wheel, at the pointer: what lies below it stays there.
+  await page.mouse.move(...point);
+  for (let i = 0; i < 8; i++) await page.mouse.wheel(0, -200);
+  await page.waitForFunction((scale) => Number(document.querySelector(".stage > canvas").dataset.place.split(" ")[2]) > 8 * scale, whole.scale);
+  const near = await placeOfFrame(page);
+  for (const axis of [0, 1]) assert.ok(Math.abs(at(near, middle)[axis] - point[axis]) < 20, `what lies below the pointer stays there: ${at(near, middle)}, ${point}`);
+  await page.keyboard.down("o");
+  await page.waitForTimeout(100);
+  const enlarged = await differenceFromFrame(page, best.video_id, best.frame, around(middle, 3), near);
+  assert.ok(enlarged < 12, `pixels differ by ${enlarged} when they are enlarged`);
+  await page.keyboard.up("o");
+
+  // A drag moves the frame, and is no click: nothing plays, the selection stays.
+  await page.mouse.down();
+  await page.mouse.move(point[0] + 60, point[1] + 25, { steps: 5 });
+  await page.mouse.up();
+  await becomes(async () => Math.round((await placeOfFrame(page)).x - near.x), 60);
+  assert.equal(Math.round((await placeOfFrame(page)).y - near.y), 25);
+  assert.deepEqual([await page.evaluate(() => document.querySelector("video").paused), await selectedId(page)], [true, objects[0].id]);
+
+  // The part that is shown is moved by keys, on the small picture of all of it; Home ends it.
+  const overview = page.getByRole("application", { name: /The part of the frame/ });
+  await overview.focus();
+  const before = await placeOfFrame(page);
+  await page.keyboard.press("ArrowLeft");
+  await becomes(async () => (await placeOfFrame(page)).x > before.x + 20, true);
+  assert.equal(await shownFrame(page), best.frame, "the arrow does not step");
+  await checkAccessible(page, "zoomed in");
+  await page.keyboard.press("Home");
+  await overview.waitFor({ state: "detached" });
+  assert.deepEqual(await placeOfFrame(page), whole);
+
+  // A pixel of the video is one of the screen; a video that is smaller than its place is enlarged.
+  await page.keyboard.press("1");
+  const native = whole.scale < 1 ? 1 : 2 * whole.scale;
+  await becomes(async () => Math.abs((await placeOfFrame(page)).scale - native) < 1e-3, true);
+
+  // Close up of the selection; a click beside it plays, one on it selects it; a box is in pixels of the video.
+  await page.keyboard.press("Shift+Z");
+  await becomes(async () => (await placeOfFrame(page)).scale !== native, true);
+  const close = await placeOfFrame(page);
+  for (const axis of [0, 1]) assert.ok(Math.abs(at(close, centre)[axis] - (axis ? stage.y + stage.height / 2 : stage.x + stage.width / 2)) < stage.width / 3);
+  await page.mouse.click(...at(close, centre));
+  await becomes(() => selectedId(page), objects[0].id);
+  assert.ok(await page.evaluate(() => document.querySelector("video").paused));
+  await page.keyboard.press("b");
+  await page.mouse.move(...at(close, [left, top]));
+  await page.mouse.down();
+  await page.mouse.move(...at(close, [left + width, top + height]), { steps: 4 });
+  await page.mouse.up();
+  await page.waitForSelector("dialog.model[open]");
+  await page.fill("#model-name", "close");
+  const [asked] = await Promise.all([page.waitForRequest((one) => one.method() === "POST" && one.url().endsWith("/jobs")), page.getByRole("button", { name: "Make the model" }).click()]);
+  const { box } = asked.postDataJSON();
+  best.box.forEach((side, i) => assert.ok(Math.abs(side - box[i]) <= 1.5, `box ${box} instead of ${best.box}`));
+  await page.getByRole("button", { name: "Close" }).click();
+
+  // The magnifier enlarges what lies below the pointer; the rest stays.
+  await page.keyboard.press("0");
+  await page.keyboard.press("z");
+  await page.keyboard.down("o");
+  await page.mouse.move(...at(whole, centre));
+  await page.waitForTimeout(100);
+  const factor = Math.max(2.5, 2 / whole.scale);
+  const [x, y] = at(whole, centre);
+  const lens = { scale: whole.scale * factor, x: x - (x - whole.x) * factor, y: y - (y - whole.y) * factor };
+  const magnified = await differenceFromFrame(page, best.video_id, best.frame, around(centre, 14), lens);
+  assert.ok(magnified < 15, `pixels below the magnifier differ by ${magnified}`);
+  await page.keyboard.up("o");
+  await page.keyboard.press("z");
+
+  // Brightness changes the frame that is shown, not the names over it.
+  const mean = () => page.evaluate(() => {
+    const canvas = document.querySelector(".stage > canvas");
+    const { data } = canvas.getContext("2d").getImageData(canvas.width / 4, canvas.height / 4, canvas.width / 2, canvas.height / 2);
+    return data.reduce((sum, value, i) => (i % 4 === 3 ? sum : sum + value), 0) / ((data.length * 3) / 4);
+  });
+  const asFilmed = await mean();
+  await page.getByRole("button", { name: "Brightness and contrast" }).click();
+  await page.locator("#brightness").fill("0.5");
+  await becomes(async () => Math.abs((await mean()) - 0.5 * asFilmed) < 0.12 * asFilmed, true, "half as bright");
+  await checkAccessible(page, "brightness and contrast");
+  await page.getByRole("button", { name: "As filmed" }).click();
+  await becomes(async () => Math.abs((await mean()) - asFilmed) < 1, true);
+  await page.locator("#contrast").press("Escape");
+  await page.locator("#contrast").waitFor({ state: "detached" });
+
+  // The video alone; decisions by key go on.
+  await page.evaluate(() => document.activeElement?.blur());
+  await page.keyboard.press("f");
+  await page.locator(".list").waitFor({ state: "hidden" });
+  assert.ok((await page.locator(".stage").boundingBox()).width > 1200);
+  await page.keyboard.press("a");
+  await until(page, `/objects/${objects[0].id}`, ({ review }) => review?.verdict === "accepted");
+  await page.keyboard.press("f");
+  await page.locator(".list").waitFor();
+
+  // However many lanes the time line has, and whatever is selected, the video keeps its size.
+  const sizes = [stage.height];
+  for (const lanes of [objects.length, 0]) {
+    if (lanes === 0) {
+      await intercept(page, (url) => url.pathname.endsWith("/objects") && url.searchParams.has("video"), (route) => route.fulfill({ json: { objects: [], total: 0 } }));
+    }
+    await open(page, "/?t=0&video=1");
+    await becomes(() => page.locator(".timeline .lane").count().then((count) => (lanes === 0 ? count <= 1 : count >= lanes)), true);
+    sizes.push((await page.locator(".stage").boundingBox()).height);
+  }
+  assert.deepEqual(sizes, [sizes[0], sizes[0], sizes[0]]);
+}
+
 /** Draws a box around a sighting, in its frame. */
 async function boxInFrame(page, sighting) {
   const video = await api(page, `/videos/${sighting.video_id}`);
@@ -1498,7 +1652,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, link, frames, coverage, copies, images, many, thresholds, tiles, turning, accessible, live, jobs, steps, workers, accounts, videos, narrow, tabs, notes }[scenario](page, inputs);
+  await { triage, link, frames, coverage, copies, images, many, thresholds, tiles, turning, accessible, live, zoomed, jobs, steps, workers, accounts, videos, narrow, tabs, notes }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

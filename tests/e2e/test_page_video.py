@@ -34,6 +34,12 @@ class PageTest(page.PageTest):
             with self.subTest(name):
                 self.drive("copies", self.index_numbers(name), "--models", program.models())
 
+    def test_zoom(self):
+        """Zoom and pan, native pixels, brightness, magnifier, full screen; what is drawn and clicked follows."""
+        models = self.scratch / "models"
+        shutil.copytree(program.models(), models)
+        self.drive("zoomed", self.index(program.flight() / "flight.mp4"), "--models", models)
+
     def test_shows_a_format_that_the_browser_cannot_play(self):
         video = self.scratch / "frames"
         video.mkdir()

@@ -11,6 +11,7 @@ import * as state from "../state";
 import * as turntable from "../turntable";
 import * as why from "../why";
 import * as workers from "../workers";
+import * as zoom from "../zoom";
 import { ConfirmDialog } from "./confirm";
 import { Header } from "./header";
 import { Help } from "./help";
@@ -22,7 +23,8 @@ import { MapPane } from "./map";
 import { toggleDrawing } from "./map_area";
 import { Notices } from "./notices";
 import { TurntableDialog } from "./turntable";
-import { VideoPane, toggleBoxing, togglePlay } from "./video";
+import { toggleBoxing, togglePlay, zoomToSelected } from "./stage";
+import { VideoPane } from "./video";
 import { WhyDialog } from "./why";
 import { WorkersPanel } from "./workers";
 
@@ -76,6 +78,21 @@ function run(action: Action, shift: boolean) {
       return selection.stepFrame(shift ? 10 : 1);
     case "box":
       return toggleBoxing();
+    case "zoomIn":
+      return void zoom.zoomIn();
+    case "zoomOut":
+      return void zoom.zoomOut();
+    case "whole":
+      return void zoom.showWhole();
+    case "native":
+      return zoom.showNative();
+    case "closeUp":
+      return zoomToSelected();
+    case "lens":
+      zoom.hasLens.value = !zoom.hasLens.value;
+      return;
+    case "full":
+      return zoom.setFull(!zoom.isFull.value);
     case "hide":
       state.isOverlayHidden.value = true;
       return;
@@ -87,6 +104,7 @@ function run(action: Action, shift: boolean) {
       state.isHelpOpen.value = true;
       return;
     case "close":
+      if (!state.isBoxing.value && !state.isDrawingArea.value) zoom.setFull(false);
       state.isBoxing.value = false;
       state.isDrawingArea.value = false;
       jobs.isOpen.value = false;
@@ -150,7 +168,7 @@ export function App() {
         </div>
       )}
       {isOpen && (
-        <div class={state.isDrawingArea.value ? "page drawing" : "page"}>
+        <div class={`page ${state.isDrawingArea.value ? "drawing" : ""} ${zoom.isFull.value ? "full" : ""}`}>
           <Header />
           <main>
             <ObjectList />
