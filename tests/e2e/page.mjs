@@ -208,6 +208,9 @@ async function checkEvidence(page, object) {
   assert.deepEqual(numbers.map((one) => Number(one.replaceAll(",", ""))), evidence.stages.map((one) => one.matches));
   const inliers = evidence.stages.at(-1).matches;
   assert.ok(inliers >= 5 && evidence.pose, "the pose is found again");
+  // How the matches cover the object, in words and on the view.
+  await becomes(() => page.locator("dialog.why .cover-text").innerText(), /^The matches span \d+ % of the object\.$/);
+  await becomes(() => page.locator(".evidence polygon.cover").count(), 1);
   // The last stage is shown at first: what survived. The arrow keys go through the others.
   await becomes(() => page.locator(".evidence .match.inlier").count(), inliers);
   await becomes(() => page.locator(".evidence .match:not(.inlier)").count(), 0);
@@ -224,6 +227,16 @@ async function checkEvidence(page, object) {
     const address = await image.getAttribute("href");
     assert.equal((await page.request.get(address)).status(), 200, address);
   }
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("dialog.why[open]", { state: "detached" });
+  // Matches of one small patch speak against it.
+  const [corner] = evidence.view.outline;
+  const patch = evidence.matches.map((one, i) => ({ ...one, template: [corner[0] + (i % 3), corner[1] + (i % 2)] }));
+  await intercept(page, "**/evidence*", (route) => route.fulfill({ json: { ...evidence, matches: patch } }));
+  await page.getByRole("button", { name: "why", exact: true }).click();
+  await page.locator("dialog.why .cover-text.doubt", { hasText: `All ${inliers} matches lie in one small patch` }).waitFor();
+  await checkAccessible(page, "a doubt");
+  await page.unroute("**/evidence*");
   await page.keyboard.press("Escape");
   await page.waitForSelector("dialog.why[open]", { state: "detached" });
   // An error says what is missing.
@@ -497,6 +510,30 @@ async function triage(page) {
   await checkLostServer(page, second);
 }
 
+/** Distances and areas are measured by positions and by clicks, which do nothing else meanwhile. */
+async function checkMeasuring(page, map) {
+  const [frame, selected] = [await shownFrame(page), await page.locator(SELECTED).count()];
+  await page.evaluate(() => document.activeElement?.blur());
+  await page.keyboard.press("r");
+  const measured = page.locator(".measured");
+  await page.fill("#measure-positions", "52.5,13.4 52.501,13.4");
+  await page.keyboard.press("Enter");
+  await becomes(() => measured.innerText(), /^111 m\s+last 111 m, 0°$/);
+  await page.fill("#measure-positions", "52.501,13.402");
+  await page.keyboard.press("Enter");
+  // A right angle of 111.2 m and 135.4 m: half of their product.
+  await becomes(() => measured.innerText(), /^247 m\s+last 135 m, 90°\s+area 7,5\d\d m², around it 422 m$/);
+  await checkAccessible(page, "measuring");
+  await page.getByRole("button", { name: "New" }).click();
+  for (const part of [0.4, 0.6]) await page.mouse.click(map.x + part * map.width, map.y + map.height / 2);
+  await becomes(() => measured.innerText(), /^[\d.,]+ k?m\s+last [\d.,]+ k?m, 90°$/);
+  await page.keyboard.press("Backspace");
+  await becomes(() => measured.innerText(), /^Click from place to place/);
+  assert.deepEqual([await shownFrame(page), await page.locator(SELECTED).count()], [frame, selected]);
+  await page.keyboard.press("Escape");
+  await measured.waitFor({ state: "detached" });
+}
+
 /** Three videos: what was seen where and when, by which of them. The second looks at other ground, the third has no telemetry. */
 async function videos(page) {
   await open(page, "/?video=1&t=0");
@@ -531,6 +568,8 @@ async function videos(page) {
   assert.deepEqual(own, shownIn.map((id) => [nameOf(id), ...timesIn(id)]));
   const { features } = JSON.parse(await saved("Map (GeoJSON)"));
   assert.deepEqual(features.find(({ id }) => id === twice.id).properties.videos, shownIn.map(nameOf));
+  const kml = await saved("Map (KML)");
+  assert.deepEqual([...kml.matchAll(/<Placemark id="object-(\d+)">/g)].map(([, id]) => Number(id)), features.map(({ id }) => id));
   await open(page, "/?video=1&t=0");
   // The middle of the map shows the camera's path; its ground says when, and a click goes there.
   await page.waitForSelector(".map .canvas[data-ready=true]");
@@ -538,6 +577,7 @@ async function videos(page) {
   await page.waitForTimeout(500);
   const map = await page.locator(".map .on-map").boundingBox();
   const seen = page.locator(".map .seen");
+  await checkMeasuring(page, map);
   const hover = async (x, y) => {
     await page.mouse.move(x, y);
     await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
@@ -1328,6 +1368,8 @@ async function narrow(page) {
   await becomes(() => page.locator(".chips").isVisible(), false);
   await page.getByRole("button", { name: "Filters" }).click();
   await page.getByRole("button", { name: "to review" }).click();
+  const [rows, below] = [await box(".rows"), await box(".inspector")];
+  assert.ok(rows.height >= 160 && rows.y + 160 <= below.y, `the open filters leave the list ${rows.height} at ${rows.y}`);
   await becomes(() => page.locator(".inspector").evaluate((one) => one.scrollHeight <= one.clientHeight), true, "all facts are shown");
   await checkAccessible(page, "a tablet, with filters");
 }

@@ -1,5 +1,6 @@
 // Saves the list as a file.
 import { momentsToCsv, toCsv, toGeoJson } from "./logic/export";
+import { toKml } from "./logic/kml";
 import { messageOf } from "./logic/errors";
 import { plural } from "./logic/format";
 import { notify } from "./notices";
@@ -14,6 +15,7 @@ const FILES = {
     type: "application/geo+json",
     make: (...args: Parameters<typeof toGeoJson>) => JSON.stringify(toGeoJson(...args)),
   },
+  kml: { name: "objects.kml", type: "application/vnd.google-earth.kml+xml", make: toKml },
 };
 
 /** Saves the objects that match the filters as a file, in the order of the list. */

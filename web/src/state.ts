@@ -36,6 +36,8 @@ export const isOverlayHidden = signal(false);
 export const isBoxing = signal(false);
 /** An area of the map is being drawn. */
 export const isDrawingArea = signal(false);
+/** A click on the map measures to there. */
+export const isMeasuring = signal(false);
 /** The reader has decided about the selected object, and nothing is left to decide. */
 export const isQueueDone = signal(false);
 export const isHelpOpen = signal(false);

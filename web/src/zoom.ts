@@ -1,5 +1,5 @@
-// How the frame is looked at: zoomed in to a part of it, enlarged under the pointer, brighter or with more contrast, alone
-// on the screen. What is drawn over the frame follows; nothing of it changes what is stored.
+// How the frame is looked at: zoomed in to a part of it, enlarged under the pointer, brighter or with more contrast,
+// alone on the screen. What is drawn over the frame follows; nothing of it changes what is stored.
 import { computed, effect, signal } from "@preact/signals";
 
 import { type Size, STEP, type Zoom, lensAt, panBy, place, zoomBy, zoomTo } from "./logic/zoom";

@@ -56,7 +56,7 @@ export const formatArea = (area: Area): string =>
   area.map(([longitude, latitude]) => `${Number(latitude.toFixed(6))},${Number(longitude.toFixed(6))}`).join(",");
 
 /** All positions of a text; null: it has something else, too. */
-function readCorners(text: string): Position[] | null {
+export function readCorners(text: string): Position[] | null {
   const corners: Position[] = [];
   for (let rest = text.trim(); rest !== ""; ) {
     const found = readPosition(rest);

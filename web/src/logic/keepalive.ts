@@ -1,4 +1,5 @@
-// Requests that a browser finishes after its page is left: only few and small ones, of all that are on their way together.
+// Requests that a browser finishes after its page is left: only few and small ones, of all that are on their way
+// together.
 
 /** Bytes; browsers take 64 KiB of bodies in all, headers aside. */
 const MAX_BYTES = 32 * 1024;

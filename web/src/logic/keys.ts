@@ -36,6 +36,7 @@ export const BINDINGS = {
   full: { keys: ["f"], label: "F", what: "The video alone, in full screen", group: "Video" },
   hide: { keys: ["o"], label: "O held", what: "Hide boxes and names", group: "Video" },
   area: { keys: ["d"], label: "D", what: "Draw an area on the map, to filter by it", group: "Page" },
+  measure: { keys: ["r"], label: "R", what: "Measure distances and areas on the map", group: "Page" },
   search: { keys: ["/"], label: "/", what: "Search and filter", group: "Page" },
   help: { keys: ["?"], label: "?", what: "Show these keys", group: "Page" },
   close: { keys: ["Escape"], label: "Esc", what: "Close, or leave a field", group: "Page" },

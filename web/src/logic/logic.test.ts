@@ -4,6 +4,7 @@ import type { CameraPath, FoundObject, Place, Review } from "../api/types";
 import { rectangle } from "./area";
 import { withDecision } from "./decisions";
 import { momentsToCsv, toCsv, toGeoJson } from "./export";
+import { toKml } from "./kml";
 import { NO_FILTERS, filterParams, isChosen, isFiltered, makeMatcher, metresBetween, nextReview, parseQuery } from "./filters";
 import { baseName, explainScore, formatAngle, formatExpected, formatMetres, formatPosition, formatScore, formatSpan, formatTime } from "./format";
 import { FrameTable } from "./frame_table";
@@ -451,6 +452,18 @@ describe("saved lists", () => {
 
   it("keep a negative number a number", () => {
     expect(toCsv([found(1, { place: place(-33.9, 18.4) })], videos)).toContain(",-33.9,18.4,");
+  });
+
+  it("are placemarks, with a date only where it is known of all moments", () => {
+    const [dated] = moments;
+    const kml = toKml([placed, found(8), found(9, { moments, place: place(52.5, 13.25) })], videos);
+    expect(kml.match(/<Placemark id="object-\d+">/g)).toEqual(['<Placemark id="object-7">', '<Placemark id="object-9">']);
+    expect(kml).toContain("<Point><coordinates>13.250000000,52.500000000</coordinates></Point>");
+    expect(toKml([found(9, { moments, place: place(52.5, 13.25) })], videos)).not.toContain("<TimeSpan>");
+    expect(toKml([found(9, { moments: dated ? [dated] : [], place: place(52.5, 13.25) })], videos)).toContain(
+      "<TimeSpan><begin>2023-11-14T22:13:23.000Z</begin><end>2023-11-14T22:13:25.100Z</end></TimeSpan>",
+    );
+    expect(toKml([found(1, { model: 'a<b&"c"', place: place(1, 2) })], videos)).toContain("<name>a&lt;b&amp;&quot;c&quot; 1</name>");
   });
 
   it("are points, longitude first, without objects of unknown place", () => {

@@ -21,6 +21,7 @@ import { ObjectList } from "./list";
 import { LogIn } from "./log_in";
 import { MapPane } from "./map";
 import { toggleDrawing } from "./map_area";
+import { toggleMeasuring } from "./map_measure";
 import { Notices } from "./notices";
 import { TurntableDialog } from "./turntable";
 import { toggleBoxing, togglePlay, zoomToSelected } from "./stage";
@@ -98,13 +99,16 @@ function run(action: Action, shift: boolean) {
       return;
     case "area":
       return toggleDrawing();
+    case "measure":
+      return toggleMeasuring();
     case "search":
       return focus("search");
     case "help":
       state.isHelpOpen.value = true;
       return;
     case "close":
-      if (!state.isBoxing.value && !state.isDrawingArea.value) zoom.setFull(false);
+      if (!state.isBoxing.value && !state.isDrawingArea.value && !state.isMeasuring.value) zoom.setFull(false);
+      state.isMeasuring.value = false;
       state.isBoxing.value = false;
       state.isDrawingArea.value = false;
       jobs.isOpen.value = false;

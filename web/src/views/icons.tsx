@@ -21,6 +21,7 @@ const PATHS = {
   light: "M8 2a6 6 0 1 0 0 12A6 6 0 0 0 8 2zM8 2v12M8 5h3.8M8 8h6M8 11h3.8",
   fit: "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4",
   area: "M3 4.5 12 2.5 13.5 11 5 13.5z",
+  measure: "M2 10.5 10.5 2 14 5.5 5.5 14zM5 7.5l1.5 1.5M7.5 5 9 6.5M10 2.5l1.5 1.5",
   copy: "M5.5 5.5V2.5h8v8h-3M2.5 5.5h8v8h-8z",
 } as const;
 

@@ -397,6 +397,7 @@ function Save() {
         { label: "Table (CSV)", choose: () => void save.saveList("csv") },
         { label: "Moments by video (CSV)", choose: () => void save.saveList("moments") },
         { label: "Map (GeoJSON)", choose: () => void save.saveList("geojson") },
+        { label: "Map (KML)", choose: () => void save.saveList("kml") },
       ]}
     />
   );

@@ -28,6 +28,7 @@ import { type BaseMap, loadBaseMap } from "./base_map";
 import { Icon } from "./icons";
 import { AreaPanel, connectArea, toggleDrawing } from "./map_area";
 import { type LineMoment, lineAt, nowFeatures, trackFeatures } from "./map_lines";
+import { MeasurePanel, connectMeasure, toggleMeasuring } from "./map_measure";
 import { EMPTY, OBJECT_LAYERS, addImages, collection, countImage, feature, makeStyle, nameImage, polygon } from "./map_style";
 
 const isDraped = signal(true);
@@ -235,15 +236,15 @@ function connect(map: MapLibre): (() => void)[] {
       if (map.isMoving()) return;
       const { x, y } = event.point;
       const isOver = map.queryRenderedFeatures(event.point, { layers: OBJECT_LAYERS }).length > 0;
-      const moment = isOver || state.isDrawingArea.value ? null : lineAt(map, x, y);
+      const moment = isOver || state.isDrawingArea.value || state.isMeasuring.value ? null : lineAt(map, x, y);
       hover.value = moment && { ...moment, x, y };
-      map.getCanvas().style.cursor = isOver || moment ? "pointer" : "crosshair";
+      map.getCanvas().style.cursor = !state.isMeasuring.value && (isOver || moment) ? "pointer" : "crosshair";
     });
   });
   map.on("mouseout", () => (pointer.value = hover.value = null));
   // Before the click below: the click that ends an area selects nothing.
   let isForArea = false;
-  map.on("mousedown", () => (isForArea = state.isDrawingArea.value));
+  map.on("mousedown", () => (isForArea = state.isDrawingArea.value || state.isMeasuring.value));
   map.on("click", (event) => {
     if (isForArea) return;
     const { x, y } = event.point;
@@ -265,6 +266,7 @@ function connect(map: MapLibre): (() => void)[] {
 
   return [
     ...connectArea(map, setData),
+    ...connectMeasure(map, setData),
     effect(() => {
       const lines = trackFeatures();
       setData("tracks", lines.length > 0 ? collection(lines) : EMPTY);
@@ -430,6 +432,15 @@ export function MapPane() {
           <button class="button" aria-pressed={state.isDrawingArea.value} title="Draw an area to filter by it (D)" onClick={toggleDrawing}>
             <Icon name="area" /> Area
           </button>
+          <button
+            class="button icon"
+            aria-pressed={state.isMeasuring.value}
+            title="Measure distances and areas (R)"
+            aria-label="Measure"
+            onClick={toggleMeasuring}
+          >
+            <Icon name="measure" />
+          </button>
         </div>
         {baseMap.value && baseMap.value.attribution !== "" && <div class="attribution">{baseMap.value.attribution}</div>}
         {hover.value && (
@@ -462,6 +473,7 @@ export function MapPane() {
         <Nowhere />
       </div>
       <AreaPanel />
+      <MeasurePanel />
     </section>
   );
 }

@@ -78,7 +78,7 @@ export function connectArea(map: MapLibre, setData: (source: string, data: Featu
       window.removeEventListener("mouseup", release);
     },
     effect(() => {
-      if (state.isDrawingArea.value) map.doubleClickZoom.disable();
+      if (state.isDrawingArea.value || state.isMeasuring.value) map.doubleClickZoom.disable();
       else map.doubleClickZoom.enable();
       draft.value = [];
       pressed = null;

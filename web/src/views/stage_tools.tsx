@@ -1,5 +1,5 @@
-// Over the frame: how far it is zoomed in, its brightness and contrast, the magnifier, full screen; where the part lies that
-// is shown.
+// Over the frame: how far it is zoomed in, its brightness and contrast, the magnifier, full screen; where the part lies
+// that is shown.
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 

@@ -4,13 +4,22 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { frameUrl, fullViewUrl } from "../api/client";
 import type { Evidence } from "../api/types";
 import { STAGES, SHEET, layOut, placeOn, sizeOf, verdictOf } from "../logic/evidence";
+import { type MatchCover, describeCover, matchCover } from "../logic/match_cover";
 import * as state from "../state";
 import * as why from "../why";
 import { Icon } from "./icons";
 
 const pointsOf = (corners: readonly (readonly number[])[]) => corners.map((one) => one.join(",")).join(" ");
 
-function Sheet({ evidence, stage, isWhole, hasLines }: { evidence: Evidence; stage: number; isWhole: boolean; hasLines: boolean }) {
+interface SheetProps {
+  evidence: Evidence;
+  cover: MatchCover | null;
+  stage: number;
+  isWhole: boolean;
+  hasLines: boolean;
+}
+
+function Sheet({ evidence, cover, stage, isWhole, hasLines }: SheetProps) {
   const { sighting } = evidence;
   const video = state.videos.value.find((one) => one.id === sighting.video_id);
   const [width, height] = [video?.width_px ?? 0, video?.height_px ?? 0];
@@ -33,6 +42,11 @@ function Sheet({ evidence, stage, isWhole, hasLines }: { evidence: Evidence; sta
         <svg x={frame.left} y={frame.top} {...sizeOf(frame)} viewBox={region.join(" ")} preserveAspectRatio="none">
           <image href={frameUrl(sighting.video_id, sighting.frame)} width={width} height={height} preserveAspectRatio="none" />
         </svg>
+        {cover && cover.hull.length > 2 && (
+          <polygon class="cover" points={pointsOf(cover.hull.map((corner) => placeOn(view, corner)))}>
+            <title>{describeCover(cover)}</title>
+          </polygon>
+        )}
         <polygon class="outline under" points={pointsOf(outline)} clip-path="url(#evidence-frame)" />
         <polygon class="outline" points={pointsOf(outline)} clip-path="url(#evidence-frame)" />
         {lines.map(({ from, to, isInlier }, i) => (
@@ -71,11 +85,14 @@ function Body({ evidence }: { evidence: Evidence }) {
   const [isWhole, setIsWhole] = useState(false);
   const [hasLines, setHasLines] = useState(true);
   const { view } = evidence;
+  const agreeing = evidence.matches.filter((one) => one.stages === evidence.stages.length);
+  const cover = evidence.pose ? matchCover(agreeing.map((one) => one.template), view.outline) : null;
   return (
     <>
       <p class="verdict-text">{verdictOf(evidence)}</p>
+      {cover && <p class={cover.isOnePatch ? "cover-text doubt" : "cover-text muted"}>{describeCover(cover)}</p>}
       <Stages evidence={evidence} stage={stage} choose={setStage} />
-      <Sheet evidence={evidence} stage={stage} isWhole={isWhole} hasLines={hasLines} />
+      <Sheet evidence={evidence} cover={cover} stage={stage} isWhole={isWhole} hasLines={hasLines} />
       <div class="below">
         <span class="muted">
           {view.azimuth_deg === null || view.off_nadir_deg === null
