@@ -26,6 +26,7 @@
 #include "victorious/model/cad_model.h"
 #include "victorious/model/template_features.h"
 #include "victorious/model/view_appearance.h"
+#include "victorious/model/view_contours.h"
 #include "victorious/model/view_surface.h"
 #include "victorious/render/relight.h"
 
@@ -78,6 +79,7 @@ class RelitViews : public RelitTemplateSource {
              std::unique_ptr<const StoredRelitTemplates> stored)
       : name_(model.name),
         centre_m_(model.box_m.value_or(Eigen::AlignedBox3d(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero())).center()),
+        diagonal_m_(model.box_m ? model.box_m->sizes().norm() : 0),
         views_(RenderedViewsOf(model)),
         storage_(model.storage),
         options_(options),
@@ -125,6 +127,11 @@ class RelitViews : public RelitTemplateSource {
     made.pixels_per_m = kShrink * camera.pinhole.fx / centre.z();
     made.surface.spacing_m = kShrink / made.pixels_per_m;
     return made;
+  }
+
+  Expected<std::vector<ContourPoint>> GetContours(std::size_t view) const override {
+    VICTORIOUS_ASSIGN_OR_RETURN(const SurfacePart part, DecodeSurfacePart(views_[view].surface, NameOf(view)));
+    return ReadContours(part.surface.depth_map, centre_m_, diagonal_m_);
   }
 
   [[nodiscard]] std::optional<std::vector<std::byte>> FindKept(const std::string& name) const override {
@@ -237,6 +244,7 @@ class RelitViews : public RelitTemplateSource {
 
   std::string name_;
   Eigen::Vector3d centre_m_;  // of the bounding box, model frame
+  double diagonal_m_;         // of the bounding box; 0: unknown
   std::vector<UnlitView> views_;
   std::shared_ptr<const void> storage_;  // of the surfaces
   CadModelOptions options_;

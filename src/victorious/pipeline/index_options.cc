@@ -36,7 +36,8 @@ void ShapeSearchOptions::ListFields(FieldList& fields) {
       "enabled", enabled,
       {.reason = "CAD models are also searched for by the shape of their edges, where telemetry and the motion of "
                  "the image give the height above the ground, or objects of three models or more agree on their "
-                 "size: objects of one colour, small or repainted"});
+                 "size: objects of one colour, small or repainted; of one or two models also large objects in any "
+                 "pose"});
   fields.Add("interval_s", interval_s,
              {.min = 0,
               .max = 1000,

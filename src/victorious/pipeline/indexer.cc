@@ -548,9 +548,7 @@ Expected<std::unique_ptr<const ShapeSearch>> Indexer::MakeShapeSearch(const Reco
   const bool has_camera = (cameras.ground_height() || options_.objects.ground) && HasAttitudes(cameras.trajectory());
   const auto can_be_drawn =
       std::ranges::count_if(recognizer.relit_templates(), [](const auto& surfaces) { return surfaces != nullptr; });
-  if (!options_.shape.enabled || info.live || can_be_drawn < (has_camera ? 1 : kModelsOfCommonView)) {
-    return nullptr;
-  }
+  if (!options_.shape.enabled || info.live || can_be_drawn == 0) return nullptr;
   const StageScope scope(Stage::kShape);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::vector<cv::Mat> frames,
@@ -559,6 +557,11 @@ Expected<std::unique_ptr<const ShapeSearch>> Indexer::MakeShapeSearch(const Reco
   if (frames.empty()) return nullptr;
   auto shapes = std::make_unique<ShapeSearch>(recognizer.models(), recognizer.relit_templates(), BackgroundOf(frames));
   if (has_camera) return shapes;
+  if (can_be_drawn < kModelsOfCommonView) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool is_found, shapes->SearchByContours(frames, cancel));
+    if (!is_found) return nullptr;
+    return shapes;
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<CommonView> view, EstimateCommonView(*shapes, frames, cancel));
   if (!view) return nullptr;
   if (job.inform) {

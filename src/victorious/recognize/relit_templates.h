@@ -87,6 +87,13 @@ class RelitTemplateSource {
   /// Errors: kDataLoss for a damaged rendering in the model.
   [[nodiscard]] virtual Expected<RenderedSurface> GetSurface(std::size_t view) const = 0;
 
+  /// The edges that a view shows, from its rendering: some hundred points, evenly spaced. Deterministic. Without any
+  /// for a source without renderings.
+  /// Errors: kDataLoss for a damaged rendering in the model.
+  [[nodiscard]] virtual Expected<std::vector<ContourPoint>> GetContours(std::size_t /*view*/) const {
+    return std::vector<ContourPoint>{};
+  }
+
   /// Bytes that Keep() kept of this model for this build of the program, now or in an earlier search. std::nullopt if
   /// they are not there, as of a source without a folder on disk.
   /// @param name  of a file

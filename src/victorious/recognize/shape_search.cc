@@ -112,19 +112,24 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const cv::Mat& grey, c
     if (!one) return std::unexpected(std::move(one).error());
     if (*one) all.push_back(**one);
   }
+  std::vector<ShapeMatch> kept = KeepApart(std::move(all));
+  for (ShapeMatch& match : kept) match.neg_log10_nfa = NegLog10Nfa(match) - decades_of_views;
+  std::erase_if(kept, [&](const ShapeMatch& match) { return match.neg_log10_nfa < min_neg_log10_nfa; });
+  return kept;
+}
+
+// By falling response; of several matches in one place the first one.
+std::vector<ShapeMatch> ShapeSearch::KeepApart(std::vector<ShapeMatch> all) const {
   std::ranges::stable_sort(all, std::greater{}, &ShapeMatch::response);
   std::vector<ShapeMatch> kept;
-  for (ShapeMatch& match : all) {
+  for (const ShapeMatch& match : all) {
     const double size_px = templates_->diagonal_m(match.model_index) * match.pixels_per_m;
     const bool is_explained = std::ranges::any_of(kept, [&](const ShapeMatch& better) {
       const double other_px = templates_->diagonal_m(better.model_index) * better.pixels_per_m;
       return (better.centre_px - match.centre_px).norm() < kSuppression * std::min(size_px, other_px);
     });
-    if (is_explained) continue;
-    match.neg_log10_nfa = NegLog10Nfa(match) - decades_of_views;
-    kept.push_back(match);
+    if (!is_explained) kept.push_back(match);
   }
-  std::erase_if(kept, [&](const ShapeMatch& match) { return match.neg_log10_nfa < min_neg_log10_nfa; });
   return kept;
 }
 
@@ -132,7 +137,7 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::Find(const cv::Mat& grey, const F
                                                     double min_neg_log10_nfa) const {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1);
   const FrameConditions* conditions = CameraOf(given);
-  if (conditions == nullptr) return std::vector<ShapeMatch>{};
+  if (conditions == nullptr) return FindContours(grey, min_neg_log10_nfa);
   const std::vector<FrameTile> tiles = DivideFrame(*conditions->vertical, grey.size());
   std::vector<Expected<std::vector<Place>>> found(models_.size() * tiles.size());
   ParallelFor(found.size(), [&](std::size_t i) {
@@ -169,6 +174,47 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey
     found[i] = SearchFor(m).FindAssumedPlaces(prepared[size], whole, view);
   });
   return RefineBest(grey, {}, found, views, std::log10(static_cast<double>(views)), min_neg_log10_nfa);
+}
+
+ShapeMatch ShapeMatchOf(const ContourMatch& match, std::size_t model_index, const cv::Size& frame) {
+  const ContourPose& pose = match.pose;
+  const Vector3d& centre = pose.centre_in_camera_m;
+  // Seen along the line of sight, as in the middle of a frame.
+  const Eigen::Matrix3d turned =
+      Eigen::Quaterniond::FromTwoVectors(centre, Vector3d::UnitZ()).toRotationMatrix() * pose.camera_from_model;
+  ShapeMatch found{.model_index = model_index, .to_camera = DirectionFromVector(-turned.row(2).transpose())};
+  const Eigen::Matrix3d roll = turned * CameraFromModel(found.to_camera).toRotationMatrix().transpose();
+  found.centre_px = pose.focal_px * centre.head<2>() / centre.z() + Vector2d(frame.width / 2.0, frame.height / 2.0);
+  found.pixels_per_m = pose.focal_px / centre.z();
+  found.lean_rad = std::atan2(roll(1, 0), roll(0, 0));
+  found.response = match.evidence.decades;
+  found.neg_log10_nfa = match.neg_log10_nfa;
+  return found;
+}
+
+std::vector<ShapeMatch> ShapeSearch::FindContours(const cv::Mat& grey, double min_neg_log10_nfa) const {
+  std::vector<ShapeMatch> all;
+  for (const auto& [number, contours] : contours_) {
+    const std::optional<ContourMatch> match = FindByContours(contours, grey);
+    if (match && match->neg_log10_nfa >= min_neg_log10_nfa) all.push_back(ShapeMatchOf(*match, number, grey.size()));
+  }
+  return KeepApart(std::move(all));
+}
+
+Expected<bool> ShapeSearch::SearchByContours(std::span<const cv::Mat> frames, const CancelToken& cancel) {
+  contours_.clear();
+  const std::size_t needed = std::min(kContourFrames, frames.size());
+  for (std::size_t m = 0; m < models_.size(); ++m) {
+    if (templates_->surfaces(m) == nullptr) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(ContourModel contours, ReadContourModel(models_[m], *templates_->surfaces(m)));
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < frames.size() && found < needed && found + frames.size() - i >= needed; ++i) {
+      if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "cancelled");
+      found += FindByContours(contours, frames[i]) ? 1 : 0;
+    }
+    if (needed > 0 && found >= needed) contours_.emplace_back(m, std::move(contours));
+  }
+  return !contours_.empty();
 }
 
 Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, const FrameConditions& given,

@@ -17,13 +17,16 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/geometry/view_direction.h"
+#include "victorious/recognize/contour_search.h"
 #include "victorious/recognize/relit_templates.h"
 #include "victorious/shape/surface_template.h"
 #include "victorious/types/detection.h"
@@ -65,7 +68,13 @@ struct ShapeMatch {
 class ModelShapeSearch;
 struct Place;
 
-/// Thread-safe but for AssumeCamera. Deterministic.
+/// A match by contours as one by shape.
+[[nodiscard]] ShapeMatch ShapeMatchOf(const ContourMatch& match, std::size_t model_index, const cv::Size& frame);
+
+/// Frames of a video in which a model must be found by its contours before it is searched for so; of fewer frames, all.
+inline constexpr std::size_t kContourFrames = 3;
+
+/// Thread-safe but for AssumeCamera and SearchByContours. Deterministic.
 class ShapeSearch {
  public:
   /// Models without stored renderings or a bounding box are not searched for.
@@ -78,8 +87,8 @@ class ShapeSearch {
   ShapeSearch(const ShapeSearch&) = delete;
   ShapeSearch& operator=(const ShapeSearch&) = delete;
 
-  /// The matches in a frame, by falling response. Empty without the vertical or the height above the ground, unless
-  /// they are assumed.
+  /// The matches in a frame, by falling response. Without the vertical or the height above the ground, unless they are
+  /// assumed, those by contours (SearchByContours).
   /// @param grey               CV_8UC1, without impulse noise
   /// @param min_neg_log10_nfa  decades
   /// Errors: those of RelitTemplateSource.
@@ -94,6 +103,13 @@ class ShapeSearch {
 
   /// The camera of the frames that come without the vertical or the height above the ground.
   void AssumeCamera(const FrameConditions& conditions) { assumed_ = conditions; }
+
+  /// From now on, frames of an unknown camera are searched by contours for the models that are found so in several of
+  /// these frames (contour_search.h).
+  /// @param frames  spread over the video
+  /// @return true if there is such a model
+  /// Errors: those of RelitTemplateSource; kCancelled.
+  [[nodiscard]] Expected<bool> SearchByContours(std::span<const cv::Mat> frames, const CancelToken& cancel);
 
   /// A detection by shape found again in another frame, near where it is expected and from about the same side.
   /// std::nullopt if it is not there. A place and a heading are tested, not all of a frame: as much as
@@ -114,6 +130,8 @@ class ShapeSearch {
 
  private:
   [[nodiscard]] const FrameConditions* CameraOf(const FrameConditions& conditions) const;
+  [[nodiscard]] std::vector<ShapeMatch> KeepApart(std::vector<ShapeMatch> all) const;
+  [[nodiscard]] std::vector<ShapeMatch> FindContours(const cv::Mat& grey, double min_neg_log10_nfa) const;
   [[nodiscard]] ModelShapeSearch SearchFor(std::size_t model) const;
   [[nodiscard]] Expected<std::vector<ShapeMatch>> RefineBest(const cv::Mat& grey, const FrameConditions& conditions,
                                                              std::vector<Expected<std::vector<Place>>>& found,
@@ -123,6 +141,7 @@ class ShapeSearch {
   std::span<const ObjectModel> models_;
   std::unique_ptr<Templates> templates_;
   std::optional<FrameConditions> assumed_;
+  std::vector<std::pair<std::size_t, ContourModel>> contours_;  // by the number of the model
 };
 
 /// Cells of a frame at the scales that the background of a search is taken from.

@@ -1,5 +1,5 @@
-// A point of an object's surface, from a rendering with depth (render/relight.h); the shape search draws its templates
-// of such points (shape/surface_template.h).
+// Points of an object's surface, from a rendering with depth (render/relight.h): the shape search draws its templates of
+// such points (shape/surface_template.h), and the search by contours fits the edges (recognize/contour_pose.h).
 #pragma once
 
 #include <vector>
@@ -18,6 +18,13 @@ struct SurfacePoint {
 struct VisibleSurface {
   std::vector<SurfacePoint> points;
   double spacing_m = 0;  ///< between neighbouring points, across the direction
+};
+
+/// A point of an edge as seen from one direction: of the outline, of a step in depth, or of a crease. Positions are
+/// relative to the centre of the object's bounding box, model axes.
+struct ContourPoint {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d beside_m = Eigen::Vector3d::Zero();  ///< another point of the tangent
 };
 
 }  // namespace victorious
