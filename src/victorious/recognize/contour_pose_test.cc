@@ -9,6 +9,7 @@
 
 #include "victorious/geometry/view_direction.h"
 #include "victorious/recognize/contour_search.h"
+#include "victorious/recognize/contour_track.h"
 #include "victorious/recognize/shape_search.h"
 
 namespace victorious {
@@ -124,6 +125,18 @@ TEST(ContourSearch, FindsABoxInAnUnknownPose) {
   const double common = (match->evidence.box & box).area();
   EXPECT_GT(common / (match->evidence.box.area() + box.area() - common), 0.8);
   EXPECT_GT(match->neg_log10_nfa, 0);
+}
+
+TEST(ContourSearch, FindsAKnownPoseAgain) {
+  const ContourModel model = MakeBox(kBox_m);
+  const cv::Mat grey = Draw(model, TruePose(model), true);
+  ContourPose start = TruePose(model);
+  start.centre_in_camera_m += Vector3d(0.04, 0.04, 0.1);
+  const std::optional<ContourMatch> match = FindContoursNear(model, grey, start);
+  ASSERT_TRUE(match);
+  EXPECT_NEAR(match->evidence.box.x, EvidenceOf(model, ContourImage(grey), TruePose(model)).box.x, 5);
+  start.centre_in_camera_m.x() -= 1.5;  // beside it
+  EXPECT_FALSE(FindContoursNear(model, grey, start));
 }
 
 TEST(ContourSearch, FindsNothingOfABoxOfAnotherShape) {

@@ -19,6 +19,7 @@
 #include "victorious/base/random.h"
 #include "victorious/base/stage_time.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/recognize/contour_track.h"
 
 namespace victorious {
 namespace {
@@ -373,29 +374,60 @@ Expected<ContourModel> ReadContourModel(const ObjectModel& model, const RelitTem
   return contours;
 }
 
-std::optional<ContourMatch> FindByContours(const ContourModel& model, const cv::Mat& grey) {
+double AssumedFocalPx(const cv::Size& size) { return kFocal * std::max(size.width, size.height); }
+
+namespace {
+
+// An image at the size at which it is searched.
+struct SearchedImage {
+  double shrink = 1;
+  cv::Mat grey;
+};
+
+SearchedImage ShrinkToSearch(const cv::Mat& grey) {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1);
-  if (model.views.empty()) return std::nullopt;
-  const double shrink = std::min(1.0, kMaxImage_px / static_cast<double>(std::max(grey.rows, grey.cols)));
-  cv::Mat searched = grey;
-  if (shrink < 1) cv::resize(grey, searched, {}, shrink, shrink, cv::INTER_AREA);
-  const ContourImage image(searched);
-  const double focal_px = kFocal * std::max(searched.rows, searched.cols);
-  const std::vector<std::size_t> views = ThinViews(model);
-  std::vector<ContourPose> poses;
-  for (double size_px = kSmallest_px; size_px < kLargest * std::min(searched.rows, searched.cols);
-       size_px *= kThirdOfOctave) {
-    const std::vector<ContourPose> of_size = FindHypotheses(model, image, views, size_px, focal_px);
-    poses.insert(poses.end(), of_size.begin(), of_size.end());
+  SearchedImage searched{std::min(1.0, kMaxImage_px / static_cast<double>(std::max(grey.rows, grey.cols))), grey};
+  if (searched.shrink < 1) {
+    cv::resize(grey, searched.grey, {}, searched.shrink, searched.shrink, cv::INTER_AREA);
   }
-  if (poses.empty()) return std::nullopt;
-  ContourMatch best = BestOf(model, image, poses, focal_px);
+  return searched;
+}
+
+// A match in the pixels of the image before it was shrunk. std::nullopt if it is not significant.
+std::optional<ContourMatch> Significant(ContourMatch best, double shrink) {
   best.neg_log10_nfa = (best.evidence.decades - kContourDecadesOfOneFalseAlarm) / kContourDecadesPerNfa;
   if (best.evidence.mean < kMinContourMean || best.neg_log10_nfa <= 0) return std::nullopt;
   best.pose.focal_px /= shrink;
   cv::Rect2d& box = best.evidence.box;
   box = {box.x / shrink, box.y / shrink, box.width / shrink, box.height / shrink};
   return best;
+}
+
+}  // namespace
+
+std::optional<ContourMatch> FindByContours(const ContourModel& model, const cv::Mat& grey) {
+  if (model.views.empty()) return std::nullopt;
+  const SearchedImage searched = ShrinkToSearch(grey);
+  const ContourImage image(searched.grey);
+  const double focal_px = AssumedFocalPx(searched.grey.size());
+  const std::vector<std::size_t> views = ThinViews(model);
+  std::vector<ContourPose> poses;
+  const double largest_px = kLargest * std::min(searched.grey.rows, searched.grey.cols);
+  for (double size_px = kSmallest_px; size_px < largest_px; size_px *= kThirdOfOctave) {
+    const std::vector<ContourPose> of_size = FindHypotheses(model, image, views, size_px, focal_px);
+    poses.insert(poses.end(), of_size.begin(), of_size.end());
+  }
+  if (poses.empty()) return std::nullopt;
+  return Significant(BestOf(model, image, poses, focal_px), searched.shrink);
+}
+
+std::optional<ContourMatch> FindContoursNear(const ContourModel& model, const cv::Mat& grey, ContourPose start) {
+  if (model.views.empty()) return std::nullopt;
+  const SearchedImage searched = ShrinkToSearch(grey);
+  const ContourImage image(searched.grey);
+  start.focal_px *= searched.shrink;
+  const ContourMatch first = Refined(model, image, start, {.reach = 0.04});
+  return Significant(BestNear(model, image, first, AssumedFocalPx(searched.grey.size())), searched.shrink);
 }
 
 }  // namespace victorious

@@ -16,6 +16,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/geometry/similarity.h"
+#include "victorious/recognize/contour_track.h"
 #include "victorious/recognize/model_shape_search.h"
 #include "victorious/recognize/shape_templates.h"
 
@@ -217,13 +218,38 @@ Expected<bool> ShapeSearch::SearchByContours(std::span<const cv::Mat> frames, co
   return !contours_.empty();
 }
 
+namespace {
+
+// The pose of a detection, moved in the frame; to some per cent, because the focal length is assumed.
+ContourPose PoseOf(const Detection& detection, const ObjectModel& model, const RenderedSurface& rendered,
+                   const Vector2d& shift_px, const cv::Size& frame) {
+  const Similarity2& map = detection.fit.scene_from_template;
+  const Vector2d at_px = map.Apply(rendered.centre_px) + shift_px - Vector2d(frame.width / 2.0, frame.height / 2.0);
+  const double focal_px = AssumedFocalPx(frame);
+  const Vector3d ray(at_px.x() / focal_px, at_px.y() / focal_px, 1);
+  const double distance_m = focal_px / (map.scale * rendered.pixels_per_m);
+  const Eigen::Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ray).toRotationMatrix() *
+                               Eigen::AngleAxisd(map.rotation_rad, Vector3d::UnitZ()).toRotationMatrix();
+  return {turn * CameraFromModel(*model.views[detection.view].angles).toRotationMatrix(), distance_m * ray, focal_px};
+}
+
+}  // namespace
+
 Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, const FrameConditions& given,
                                                            const Detection& last, const Vector2d& shift_px,
                                                            double min_neg_log10_nfa) const {
   const std::size_t m = last.model_index;
   const FrameConditions* conditions = CameraOf(given);
-  if (conditions == nullptr || templates_->surfaces(m) == nullptr) return std::optional<ShapeMatch>();
+  if (templates_->surfaces(m) == nullptr) return std::optional<ShapeMatch>();
   VICTORIOUS_ASSIGN_OR_RETURN(const RenderedSurface rendered, templates_->surfaces(m)->GetSurface(last.view));
+  if (conditions == nullptr) {
+    const auto contours = std::ranges::find(contours_, m, &std::pair<std::size_t, ContourModel>::first);
+    if (contours == contours_.end()) return std::optional<ShapeMatch>();
+    const ContourPose start = PoseOf(last, models_[m], rendered, shift_px, grey.size());
+    const std::optional<ContourMatch> again = FindContoursNear(contours->second, grey, start);
+    if (!again || again->neg_log10_nfa < min_neg_log10_nfa) return std::optional<ShapeMatch>();
+    return ShapeMatchOf(*again, m, grey.size());
+  }
   const double azimuth_deg = DegreesFromRadians(models_[m].views[last.view].angles->azimuth_rad);
   const Place place{
       .model = m,
