@@ -26,6 +26,7 @@ END_TO_END = Path("tests/e2e")
 # subfolders count, too.
 OWNERS = {
     "video": "video",
+    "resolution": "pipeline",
     "features": "features",
     "method": "recognize",
     "search": "recognize",

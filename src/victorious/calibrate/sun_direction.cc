@@ -109,8 +109,9 @@ Expected<std::optional<SunDirectionEstimate>> EstimateSunFromFrame(const SunDire
   const StageScope scope(Stage::kSun);
   const std::optional<CameraState> camera = input.cameras.At(frame.time_s);
   if (!camera || !camera->attitude || !camera->hfov_rad) return std::nullopt;
-  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, input.extractor.Extract(frame.image));
-  const FrameConditions conditions = MakeFrameConditions(camera, frame.image.size(), {});
+  const cv::Mat image = input.searched_image ? input.searched_image(frame) : frame.image;
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, input.extractor.Extract(image));
+  const FrameConditions conditions = MakeFrameConditions(camera, image.size(), {});
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<SunEstimate> found,
                               input.recognizer.EstimateSun(features, *conditions.vertical));
   if (!found) return std::nullopt;

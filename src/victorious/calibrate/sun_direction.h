@@ -2,9 +2,10 @@
 // ephemeris if telemetry has a clock, else by a consensus of sampled frames on which relit templates match best.
 #pragma once
 
+#include <functional>
 #include <optional>
 
-#include <opencv2/core/types.hpp>
+#include <opencv2/core/mat.hpp>
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
@@ -14,6 +15,7 @@
 #include "victorious/geometry/sun.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/camera_track.h"
+#include "victorious/types/frame.h"
 #include "victorious/types/frame_conditions.h"
 #include "victorious/video/video_reader.h"
 
@@ -48,6 +50,8 @@ struct SunDirectionInput {
   const SunDirectionOptions& options;
   int threads = 0;               ///< 0: one per processor
   bool only_if_certain = false;  ///< three estimates must agree, with their evidence; two at the end do not suffice
+  /// The image of a frame that is searched, of any size (pipeline/search_scale.h); empty: that of the frame.
+  std::function<cv::Mat(const Frame& frame)> searched_image = {};
 };
 
 /// The sun's direction (azimuth from north). Taken from the ephemeris if telemetry has a clock. Otherwise frames are

@@ -20,6 +20,7 @@
 #include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/base/program_events.h"
+#include "victorious/base/stage_time.h"
 #include "victorious/base/text.h"
 #include "victorious/base/write_access.h"
 #include "victorious/cli/arguments.h"
@@ -228,6 +229,14 @@ void LogReport(const std::string& video, const IndexReport& report) {
           report.has_telemetry ? "" : "; there is no telemetry, so that nothing gets a place");
 }
 
+// Processor time of each stage since MeasureStages, s.
+nlohmann::ordered_json StagesToJson() {
+  const std::array<double, kStageCount> times_s = StageTimes();
+  nlohmann::ordered_json stages;
+  for (const auto& [stage, name] : kStageTexts) stages[std::string(name)] = times_s[static_cast<std::size_t>(stage)];
+  return stages;
+}
+
 nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& report) {
   nlohmann::ordered_json sun;
   if (report.sun) {
@@ -241,7 +250,8 @@ nlohmann::ordered_json ToJson(const std::string& video, const IndexReport& repor
           {"frames_left_out", report.frames_left_out},
           {"sightings", report.sightings},
           {"stopped_live", report.stopped_live},
-          {"sun", std::move(sun)}};
+          {"sun", std::move(sun)},
+          {"stages_s", StagesToJson()}};
 }
 
 // Two whole numbers of at least 0, "1:2".
@@ -407,6 +417,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
                        .relit_templates = relit_templates,
                        .relit_folder = relit_folder.get(),
                        .device = device};
+    if (arguments.json) MeasureStages(true);
     const Expected<SegmentedReport> report = IndexVideo(indexer, job, work, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
       LogInfo("{}; the video is left to it", OneLine(report.error().message));
@@ -515,7 +526,8 @@ Action SetUpIndex(ArgumentParser& parser) {
   AddGround(parser, arguments->ground);
   parser.AddFlag("--redo", arguments->redo,
                  "Delete the results of these models and categories in these videos, and search again");
-  parser.AddFlag("--json", arguments->json, "Print one JSON object per video: frames searched, sightings, sun");
+  parser.AddFlag("--json", arguments->json,
+                 "Print one JSON object per video: frames searched, sightings, sun, processor time of each stage");
   parser.Add("--threads", arguments->threads, "Number of threads; 0: one per processor").Range(0, 1024).TypeName("N");
   parser
       .Add("--draw", arguments->draw,

@@ -32,9 +32,9 @@ void EncodeGradientsTarget(const float* sums, std::size_t stride, const float* e
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kMostLanes = 16;
-static_assert(2 * kMostLanes + kTriangleReach < kGradientPadding);
-using DF = hn::CappedTag<float, kMostLanes>;
+constexpr std::size_t kMaxLanes = 16;
+static_assert(2 * kMaxLanes + kTriangleReach < kGradientPadding);
+using DF = hn::CappedTag<float, kMaxLanes>;
 using VF = hn::Vec<DF>;
 
 // atan(t) for 0 <= t <= 1 in orientations, 8 / pi; odd powers; the largest error is 2e-6.
@@ -136,7 +136,7 @@ void EncodeGradientsTarget(const float* sums, std::size_t stride, const float* e
     high = hn::Or(high, hn::ShiftLeft<8>(code(5, c, norm)));
     high = hn::Or(high, hn::ShiftLeft<16>(code(6, c, norm)));
     high = hn::Or(high, hn::ShiftLeft<24>(code(7, c, norm)));
-    HWY_ALIGN std::int32_t both[2 * kMostLanes];
+    HWY_ALIGN std::int32_t both[2 * kMaxLanes];
     hn::StoreInterleaved2(low, high, d32, both);
     std::uint8_t* const to = out + kGradientBins * c;
     const auto* const bytes = reinterpret_cast<const std::uint8_t*>(both);

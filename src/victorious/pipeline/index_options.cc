@@ -31,6 +31,15 @@ void VideoOptions::ListFields(FieldList& fields) {
               .reason = "frame rate of a folder of images, which have no time stamps"});
 }
 
+void ResolutionOptions::ListFields(FieldList& fields) {
+  fields.Add("object_px", object_px,
+             {.min = 0,
+              .max = 10'000,
+              .unit = "px",
+              .reason = "diagonal that the smallest CAD model keeps where frames are shrunk before they are searched; "
+                        "telemetry and the height above the ground give its size; 0 searches frames as filmed"});
+}
+
 void ShapeSearchOptions::ListFields(FieldList& fields) {
   fields.Add(
       "enabled", enabled,
@@ -54,6 +63,7 @@ void IndexOptions::ListFields(FieldList& fields) {
 
 void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("video", video);
+  fields.AddGroup("resolution", resolution);
   fields.AddGroup("features", features);
   recognize.ListFields(fields);
   fields.AddGroup("shape", shape);

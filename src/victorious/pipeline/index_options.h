@@ -52,8 +52,16 @@ struct ShapeSearchOptions {
   void ListFields(FieldList& fields);
 };
 
+/// How far frames are shrunk before they are searched (search_scale.h).
+struct ResolutionOptions {
+  double object_px = 110;  ///< that the diagonal of the smallest CAD model keeps; 0: frames are searched as filmed
+
+  void ListFields(FieldList& fields);
+};
+
 struct IndexOptions {
   VideoOptions video;
+  ResolutionOptions resolution;
   FeatureOptions features = LowContrastFeatureOptions();
   RecognizeOptions recognize;
   ShapeSearchOptions shape;

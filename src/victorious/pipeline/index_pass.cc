@@ -13,7 +13,6 @@
 #include "victorious/associate/tracklet_linker.h"
 #include "victorious/base/count_text.h"
 #include "victorious/base/stage_time.h"
-#include "victorious/calibrate/sun_direction.h"
 #include "victorious/image/impulse_noise.h"
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
@@ -21,128 +20,22 @@
 #include "victorious/pipeline/category_follower.h"
 #include "victorious/pipeline/category_sightings.h"
 #include "victorious/pipeline/follower.h"
-#include "victorious/pipeline/full_search_schedule.h"
+#include "victorious/pipeline/frame_selector.h"
 #include "victorious/pipeline/grow_results.h"
-#include "victorious/pipeline/interval_selector.h"
 #include "victorious/pipeline/search_pace.h"
 #include "victorious/pipeline/search_part_writer.h"
 #include "victorious/pipeline/shape_detections.h"
-#include "victorious/track/camera_motion.h"
 #include "victorious/video/frame_loop.h"
 
 namespace victorious {
 namespace {
 
-// A frame on its way through the stages.
-struct FrameWork {
-  FollowedFrame now;
-  bool whole = true;                           // full-frame search for models
-  ViewPart views;                              // that are searched for
-  bool by_shape = false;                       // search for models by their shape
-  bool classify = false;                       // search for categories
-  bool is_slow = false;                        // a search that the pace counts
-  bool keep = false;                           // keep its features
-  bool already_stored = false;                 // results are stored already: only updates the trackers
-  bool motion_only = false;                    // before the restart of tracking: only camera motion is needed
-  bool has_time = true;                        // within the pace of the pass
-  bool left_out = false;                       // no full-frame search, to keep the pace, although one was due
-  std::optional<DamagedTime> damaged;          // the time before the frame
-  std::optional<Similarity2> now_from_before;  // camera motion from the previous frame
-  std::optional<CameraState> camera;
-  FeatureSet features;
-  FeatureSet kept;  // set with `keep`
-  std::vector<Detection> detections;
-  std::vector<FoundCategory> categories;
-  std::vector<SightingRecord> sightings;
-};
-
 std::unexpected<Error> Stopped(const std::string& video, std::int64_t frame) {
   return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped at frame {}; run again to resume", video, frame));
 }
 
-// Selects the frames to search or track. Called in frame order.
-class FrameSelector {
- public:
-  /// @param first_required_frame  first frame whose camera motion is needed, if before those to search
-  FrameSelector(const IndexPass& pass, const VideoInfo& info, SearchPace& pace,
-                std::optional<std::int64_t> first_required_frame)
-      : kept_frames_(pass.options.keep.interval_s),
-        shape_frames_(ShapeSearchInterval(pass.options.shape, pass.follow, info.frame_rate)),
-        schedule_(pass.intervals.models, pass.follow, SelectsByMotion(pass, info)),
-        pace_(pace),
-        pass_(pass),
-        next_frame_(pass.searches.front().next_frame) {
-    follow_from_ = next_frame_;
-    if ((IsTrackingEnabled(pass) || FollowsCategories(pass)) && !pace.IsLimited()) {
-      follow_from_ -= next_frame_ % pass.follow.restart_interval_frames;
-    }
-    first_frame_ = std::min(follow_from_, first_required_frame.value_or(follow_from_));
-  }
-
-  /// @param behind_s  FrameLoop::ReadBehind
-  std::optional<FrameWork> Select(Frame frame, std::optional<double> behind_s) {
-    pace_.Enter(behind_s);
-    if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
-    const std::int64_t index = frame.index;
-    const bool is_first_wanted =
-        (pass_.from_s && !std::exchange(has_started_, true)) || (pace_.IsLimited() && index == next_frame_);
-    const bool is_detector = pass_.categories != nullptr && pass_.categories->IsDetector();
-    const bool may_be_classified =
-        pass_.categories != nullptr &&
-        (IsFullSearchFrame(index, pass_.intervals.categories, pass_.follow) || (is_detector && is_first_wanted));
-    const bool classify = may_be_classified && (!is_detector || is_first_wanted || pace_.HasTimeForAll());
-    const bool may_be_searched = is_first_wanted || IsFullSearchFrame(index, pass_.intervals.models, pass_.follow);
-    // Selects by time, whatever the motion of the image.
-    const bool keep = (may_be_searched || classify) && kept_frames_.IsSelected(frame.time_s);
-    if (index < first_frame_) return std::nullopt;
-    if (!may_be_searched && !classify && !IsTrackingEnabled(pass_) && !FollowsCategories(pass_)) return std::nullopt;
-    FrameWork task;
-    {
-      const StageScope scope(Stage::kTracking);
-      task.now_from_before = motion_.Step(frame.image);
-    }
-    const bool is_due = schedule_.Enter(frame, task.now_from_before) || is_first_wanted;
-    const bool whole = is_due && (is_first_wanted || pace_.HasTimeForAll());
-    if (whole) task.views = schedule_.SetSearched(frame, index == 0 || is_first_wanted);
-    task.camera = pass_.cameras.At(frame.time_s);
-    task.now.conditions = MakeFrameConditions(pass_.cameras.ForSearch(frame.time_s), frame.image.size(), pass_.sun);
-    task.now.conditions.height_above_ground_m =
-        pass_.cameras.HeightAboveGround(task.camera, pass_.options.objects.ground.get());
-    task.now.frame = std::move(frame);
-    task.already_stored = index < next_frame_;
-    task.motion_only = index < follow_from_;
-    task.whole = whole && !task.motion_only && !pass_.recognizer.models().empty();
-    if (IsTrackingEnabled(pass_) && index % pass_.follow.restart_interval_frames == 0) shape_frames_.Restart();
-    task.by_shape = task.whole && pass_.shapes != nullptr && shape_frames_.IsSelected(task.now.frame.time_s);
-    task.has_time = pace_.HasTime();
-    task.left_out = ((is_due && !whole) || (may_be_classified && !classify)) && !task.already_stored;
-    task.classify = classify && !task.motion_only && (!task.already_stored || FollowsCategories(pass_));
-    task.is_slow = task.whole || (task.classify && is_detector);
-    if (task.is_slow) pace_.BeginFullSearch();
-    task.keep = keep && !task.already_stored;
-    return task;
-  }
-
- private:
-  // True if the interval of searches is not given, and the frames follow each other closely.
-  static bool SelectsByMotion(const IndexPass& pass, const VideoInfo& info) {
-    return pass.options.every == 0 && IsTrackingEnabled(pass) && !info.of_images && info.frame_rate > 0;
-  }
-
-  IntervalSelector kept_frames_;
-  IntervalSelector shape_frames_;
-  ImageMotionEstimator motion_;
-  FullSearchSchedule schedule_;
-  SearchPace& pace_;
-  const IndexPass& pass_;
-  std::int64_t next_frame_;
-  std::int64_t follow_from_;
-  std::int64_t first_frame_;
-  bool has_started_ = false;  // a frame from pass_.from_s on has come
-};
-
-SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const FeatureSet& features,
-                          const std::optional<CameraState>& camera, const ObservedObject& seen) {
+SightingRecord ToSighting(const IndexPass& pass, const FrameWork& work, const ObservedObject& seen) {
+  const Frame& frame = work.now.frame;
   const Detection& detection = seen.detection;
   const bool by_shape = detection.cue == DetectionCue::kShape;
   const ObjectModel& model = pass.recognizer.models()[detection.model_index];
@@ -150,8 +43,8 @@ SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const Featu
                           .model = pass.searches[detection.model_index].model,
                           .frame = frame.index,
                           .time_s = frame.time_s,
-                          .box = detection.box,
-                          .outline = detection.outline,
+                          .box = work.sizes.ToFilmed(detection.box),
+                          .outline = work.sizes.ToFilmed(detection.outline),
                           .score = detection.score,
                           .source = seen.tracked() ? SightingSource::kTracked : SightingSource::kRecognised,
                           .matches = by_shape ? 0 : static_cast<int>(detection.fit.inliers.size()),
@@ -159,8 +52,9 @@ SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const Featu
                           .view = model.views[detection.view].angles,
                           .in_plane_rad = detection.fit.scene_from_template.rotation_rad,
                           .track = seen.track};
-  const CameraState known = camera.value_or(CameraState{});
-  auto object_pose = EstimateObjectPose(detection, model, features, known, pass.options.observation, UpInCamera(known));
+  const CameraState known = work.camera.value_or(CameraState{});
+  auto object_pose =
+      EstimateObjectPose(detection, model, seen.features, known, pass.options.observation, UpInCamera(known));
   if (!object_pose) return sighting;
   if (by_shape) SetShapeErrors(*object_pose, pass.options.shape);
   AddTrackingDrift(*object_pose, seen.followed_frames, pass.options.observation);
@@ -193,10 +87,15 @@ Status Search(const IndexPass& pass, FrameWork& work) {
   }
   const bool is_followed = IsTrackingEnabled(pass) && !work.motion_only;
   if (pass.recognizer.models().empty() || !(work.whole || is_followed)) return {};
+  cv::Mat& image = work.now.frame.image;
+  {
+    const StageScope scope(Stage::kFeatures);
+    if (work.sizes.searched != work.sizes.filmed) image = RemoveImpulses(image, pass.options.features.impulse_fraction);
+    image = ShrinkTo(work.sizes.searched, image);
+  }
   if (work.whole) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
   }
-  cv::Mat& image = work.now.frame.image;
   {
     const StageScope scope(Stage::kFeatures);
     image = RemoveImpulses(image, pass.options.features.impulse_fraction);  // extractors do it, of the frame as filmed
@@ -482,7 +381,7 @@ class TrackingStage {
     {
       const StageScope scope(Stage::kTracking);
       for (const ObservedObject& one : oldest.now.objects) {
-        oldest.sightings.push_back(ToSighting(pass_, oldest.now.frame, one.features, oldest.camera, one));
+        oldest.sightings.push_back(ToSighting(pass_, oldest, one));
       }
       for (const FoundCategory& found : oldest.categories) {
         oldest.sightings.push_back(CategorySighting(pass_, oldest.now.frame, oldest.camera, found));

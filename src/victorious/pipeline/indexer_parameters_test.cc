@@ -1,10 +1,16 @@
+#include <algorithm>
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "testing/drawn_flight.h"
+#include "victorious/base/file.h"
+#include "victorious/base/options.h"
 #include "victorious/pipeline/indexer_test.h"
 
 namespace victorious {
@@ -12,6 +18,7 @@ namespace {
 
 using testing::Contents;
 using testing::DrawnFlight;
+using testing::FlightOptions;
 using testing::ObjectsOf;
 using testing::ShortFlight;
 using testing::SightingsOf;
@@ -83,6 +90,49 @@ TEST(IndexerParameters, RedoSearchesAgainWithOtherParameters) {
     return true;
   }));
   EXPECT_EQ(kept, flight.flight().options().frames / 2);
+}
+
+// From 100 m above the ground, straight down.
+constexpr std::string_view kTelemetry =
+    "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
+    "0,48,11,600,0,-90,0,40\n5,48,11,600,0,-90,0,40\n";
+
+TEST(IndexerParameters, LargeFramesAreSearchedShrunkAndFoundInPixelsOfTheFrame) {
+  FlightOptions large = ShortFlight(12);
+  large.width *= 2;
+  large.height *= 2;
+  large.object_scale *= 2;
+  const DrawnFlight flight(large);
+  const std::string telemetry = (flight / "t.csv").string();
+  ASSERT_TRUE(WriteFileAtomically(telemetry, kTelemetry));
+  std::vector<ObjectModel> models = flight.Models();
+  for (ObjectModel& model : models) {
+    model.box_m = Eigen::AlignedBox3d(Eigen::Vector3d::Zero(), Eigen::Vector3d(6, 8, 0));  // 10 m across
+  }
+  RunSetup run{.telemetry = telemetry};
+  run.options.ground.height_m = 500;
+  run.options.keep.interval_s = -1;
+
+  run.options.resolution.object_px = 0;
+  const auto filmed = flight.Store("filmed.db");
+  Index(flight.video(), models, *filmed, run);
+  const std::vector<SightingRecord> expected = SightingsOf(*filmed);
+  ASSERT_GT(expected.size(), 12U);
+
+  // 10 m are 65 px at the farthest ground, in the corners.
+  ASSERT_TRUE(SetFromJsonText(R"({"resolution.object_px": 40})", CollectFields(run.options)));
+  const auto shrunk = flight.Store("shrunk.db");
+  Index(flight.video(), models, *shrunk, run);
+  const std::vector<SightingRecord> found = SightingsOf(*shrunk);
+  EXPECT_GT(found.size(), expected.size() * 8 / 10);
+  int same = 0;
+  for (const SightingRecord& one : found) {
+    same += std::ranges::any_of(expected, [&](const SightingRecord& other) {
+      return other.frame == one.frame && other.model == one.model && IntersectionOverUnion(other.box, one.box) > 0.8 &&
+             IntersectionOverUnion(BoundingBox(other.outline), BoundingBox(one.outline)) > 0.8 && other.box != one.box;
+    });
+  }
+  EXPECT_GT(same, static_cast<int>(found.size()) * 9 / 10);
 }
 
 }  // namespace

@@ -43,6 +43,9 @@ struct Indexer::PlannedCut {
 // @param job    its interval of time belongs to what was searched
 std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job);
 
+// True if the camera's attitude is known at some time. @param trajectory  null: there is no telemetry
+[[nodiscard]] bool HasAttitudes(const CameraTrajectory* trajectory);
+
 // The reader's content id; shows a progress bar for large files.
 [[nodiscard]] Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& video,
                                                 const CancelToken& cancel);

@@ -1,5 +1,5 @@
 // recognize/, the search for one CAD model in any pose, by its outline and creases, where nothing is known of the
-// camera: an object of one colour in a photograph or in a video without telemetry (docs/adr/0041).
+// camera: an object of one colour in a photograph or in a video without telemetry (docs/adr/0042).
 //
 // Method: coarse templates of 64 px, of directions 10 degrees apart, three rolls and all sizes, count the edge pixels
 // of the right orientation (as LINE-2D, Hinterstoisser et al., PAMI 2012) against what the surroundings make likely.
@@ -23,7 +23,7 @@
 namespace victorious {
 
 /// What a right pose has: a mean evidence of each point of its contours, and evidence of all. Wrong poses of a box
-/// reach 0.53 and 75 in other videos, right ones 0.83 and 170 (docs/adr/0041).
+/// reach 0.53 and 75 in other videos, right ones 0.83 and 170 (docs/adr/0042).
 inline constexpr double kMinContourMean = 0.65;
 inline constexpr double kContourDecadesOfOneFalseAlarm = 85;
 /// Edges of one scene are not independent: decades of evidence for one of -log10 NFA.

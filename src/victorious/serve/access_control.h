@@ -88,8 +88,8 @@ class AccessControl {
 
   /// True from the first account on: removing the last one opens nothing.
   [[nodiscard]] Expected<bool> NeedsAccount();
-  /// UTC at the start, and what has passed since by the clock that nobody sets: a system clock that is set ahead ends no
-  /// session, and one that is set back revives none.
+  /// UTC at the start, and what has passed since by the clock that nobody sets: a system clock that is set ahead ends
+  /// no session, and one that is set back revives none.
   [[nodiscard]] std::int64_t UtcMicroseconds() const { return started_utc_us_ + clock_() - started_us_; }
   [[nodiscard]] Expected<Caller> Identify(const HttpRequest& request, int port);
   /// The account of a name and password; std::nullopt: wrong.

@@ -1,0 +1,76 @@
+// pipeline/, which frames of a pass are searched, for what, and in which size.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "victorious/geometry/similarity.h"
+#include "victorious/pipeline/backward_follower.h"
+#include "victorious/pipeline/full_search_schedule.h"
+#include "victorious/pipeline/index_pass.h"
+#include "victorious/pipeline/interval_selector.h"
+#include "victorious/pipeline/search_pace.h"
+#include "victorious/pipeline/search_part_writer.h"
+#include "victorious/pipeline/search_scale.h"
+#include "victorious/recognize/category_finder.h"
+#include "victorious/recognize/view_part.h"
+#include "victorious/store/index_store.h"
+#include "victorious/track/camera_motion.h"
+#include "victorious/types/camera_state.h"
+#include "victorious/types/detection.h"
+#include "victorious/types/feature_set.h"
+#include "victorious/types/frame.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+
+/// A frame on its way through the stages.
+struct FrameWork {
+  FollowedFrame now;  ///< from Search on with the image that is searched
+  FrameSizes sizes;
+  bool whole = true;                           ///< full-frame search for models
+  ViewPart views;                              ///< that are searched for
+  bool by_shape = false;                       ///< search for models by their shape
+  bool classify = false;                       ///< search for categories
+  bool is_slow = false;                        ///< a search that the pace counts
+  bool keep = false;                           ///< keep its features
+  bool already_stored = false;                 ///< results are stored already: only updates the trackers
+  bool motion_only = false;                    ///< before the restart of tracking: only camera motion is needed
+  bool has_time = true;                        ///< within the pace of the pass
+  bool left_out = false;                       ///< no full-frame search, to keep the pace, although one was due
+  std::optional<DamagedTime> damaged;          ///< the time before the frame
+  std::optional<Similarity2> now_from_before;  ///< camera motion from the previous frame
+  std::optional<CameraState> camera;
+  FeatureSet features;
+  FeatureSet kept;  ///< set with `keep`
+  std::vector<Detection> detections;
+  std::vector<FoundCategory> categories;
+  std::vector<SightingRecord> sightings;
+};
+
+/// Selects the frames to search or track. Call in frame order. Not thread-safe.
+class FrameSelector {
+ public:
+  /// @param first_required_frame  first frame whose camera motion is needed, if before those to search
+  FrameSelector(const IndexPass& pass, const VideoInfo& info, SearchPace& pace,
+                std::optional<std::int64_t> first_required_frame);
+
+  /// Returns what is to be done with a frame, std::nullopt: nothing. @param behind_s  FrameLoop::ReadBehind
+  [[nodiscard]] std::optional<FrameWork> Select(Frame frame, std::optional<double> behind_s);
+
+ private:
+  IntervalSelector kept_frames_;
+  IntervalSelector shape_frames_;
+  ImageMotionEstimator motion_;
+  FullSearchSchedule schedule_;
+  SearchScale scale_;
+  SearchPace& pace_;
+  const IndexPass& pass_;
+  std::int64_t next_frame_;
+  std::int64_t follow_from_;
+  std::int64_t first_frame_;
+  bool has_started_ = false;  // a frame from pass_.from_s on has come
+};
+
+}  // namespace victorious
