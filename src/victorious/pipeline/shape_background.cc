@@ -1,11 +1,13 @@
 #include "victorious/pipeline/shape_background.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <utility>
 
 #include "victorious/image/impulse_noise.h"
+#include "victorious/pipeline/search_scale.h"
 #include "victorious/recognize/shape_search.h"
 #include "victorious/video/video_reader.h"
 
@@ -46,13 +48,22 @@ std::vector<GradientCells> BackgroundOf(std::span<const cv::Mat> frames) {
 
 Expected<std::optional<CommonView>> EstimateCommonView(const ShapeSearch& shapes, std::span<const cv::Mat> frames,
                                                        const CancelToken& cancel) {
+  const cv::Size filmed = frames.front().size();
+  const double factor = std::min(1.0, static_cast<double>(kViewSide_px) / std::max(filmed.width, filmed.height));
+  const cv::Size searched(static_cast<int>(std::lround(factor * filmed.width)),
+                          static_cast<int>(std::lround(factor * filmed.height)));
   std::vector<ShapeMatch> all;
   for (const cv::Mat& frame : frames) {
     if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "cancelled");
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ShapeMatch> matches, shapes.FindInAnyView(frame, 0));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ShapeMatch> matches,
+                                shapes.FindInAnyView(ShrinkTo(searched, frame), 0));
     all.insert(all.end(), matches.begin(), matches.end());
   }
-  return FindCommonView(all, frames.front().size());
+  std::optional<CommonView> view = FindCommonView(all, searched);
+  if (!view) return view;
+  view->pixels_per_m /= factor;
+  view->focal_px /= factor;
+  return view;
 }
 
 }  // namespace victorious

@@ -18,7 +18,8 @@
 namespace victorious {
 
 inline constexpr int kBackgroundFrames = 4;
-inline constexpr int kViewFrames = 8;  ///< for FindCommonView
+inline constexpr int kViewFrames = 8;     ///< for FindCommonView
+inline constexpr int kViewSide_px = 800;  ///< of larger frames for it: every size and angle is tried in each
 
 /// Frames evenly spread over a video, grey, without impulse noise. The same for each part of a video that is searched
 /// apart. Fewer, or none, where frames cannot be read: the search of the same video reports why.
@@ -33,7 +34,7 @@ inline constexpr int kViewFrames = 8;  ///< for FindCommonView
 /// Cells of all frames, at several scales.
 [[nodiscard]] std::vector<GradientCells> BackgroundOf(std::span<const cv::Mat> frames);
 
-/// As FindCommonView. Errors: those of ShapeSearch::FindInAnyView; kCancelled.
+/// As FindCommonView, for frames of this size. Errors: those of ShapeSearch::FindInAnyView; kCancelled.
 [[nodiscard]] Expected<std::optional<CommonView>> EstimateCommonView(const ShapeSearch& shapes,
                                                                      std::span<const cv::Mat> frames,
                                                                      const CancelToken& cancel);
