@@ -458,8 +458,7 @@ Action SetUpIndex(ArgumentParser& parser) {
   parser
       .Add("--categories", arguments->categories,
            "A category model (`victorious category train`) or a detector (`category import`), whose categories are "
-           "searched "
-           "for as well")
+           "searched for as well")
       .TypeName("FILE");
   AddDb(parser, arguments->db, "The index; created if it does not exist");
   parser

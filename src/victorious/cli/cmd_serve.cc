@@ -211,8 +211,7 @@ Action SetUpServe(ArgumentParser& parser) {
   parser
       .Add("--categories", arguments->categories,
            "Category model or imported detector: videos that are added are searched for its categories, too, and "
-           "reviews "
-           "refine a model")
+           "reviews refine a model")
       .TypeName("FILE");
   parser
       .Add("--listen", arguments->listen,

@@ -1,4 +1,4 @@
-// Private to pipeline/: what a source of categories finds, as sightings, and what a user is told of it.
+// Private to pipeline/: what a source of categories finds, as sightings, and what `index` says of the search.
 #pragma once
 
 #include <optional>

@@ -38,6 +38,15 @@ FrameSelector::FrameSelector(const IndexPass& pass, const VideoInfo& info, Searc
   first_frame_ = std::min(follow_from_, first_required_frame.value_or(follow_from_));
 }
 
+FrameSizes FrameSelector::SizesOf(const Frame& frame) {
+  const std::int64_t interval = frame.index / pass_.follow.restart_interval_frames;
+  if (!sizes_ || interval != sizes_interval_ || sizes_->filmed != frame.image.size()) {
+    sizes_ = scale_.SizesAt(frame.index, frame.image.size());
+    sizes_interval_ = interval;
+  }
+  return *sizes_;
+}
+
 std::optional<FrameWork> FrameSelector::Select(Frame frame, std::optional<double> behind_s) {
   pace_.Enter(behind_s);
   if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
@@ -63,7 +72,7 @@ std::optional<FrameWork> FrameSelector::Select(Frame frame, std::optional<double
   const bool whole = is_due && (is_first_wanted || pace_.HasTimeForAll());
   if (whole) task.views = schedule_.SetSearched(frame, index == 0 || is_first_wanted);
   task.camera = pass_.cameras.At(frame.time_s);
-  task.sizes = scale_.SizesAt(index, frame.image.size());
+  task.sizes = SizesOf(frame);
   task.now.conditions = MakeFrameConditions(pass_.cameras.ForSearch(frame.time_s), task.sizes.searched, pass_.sun);
   task.now.conditions.height_above_ground_m =
       pass_.cameras.HeightAboveGround(task.camera, pass_.options.objects.ground.get());

@@ -60,11 +60,15 @@ class FrameSelector {
   [[nodiscard]] std::optional<FrameWork> Select(Frame frame, std::optional<double> behind_s);
 
  private:
+  [[nodiscard]] FrameSizes SizesOf(const Frame& frame);
+
   IntervalSelector kept_frames_;
   IntervalSelector shape_frames_;
   ImageMotionEstimator motion_;
   FullSearchSchedule schedule_;
   SearchScale scale_;
+  std::optional<FrameSizes> sizes_;  // of the frames of one interval between restarts of tracks
+  std::int64_t sizes_interval_ = 0;
   SearchPace& pace_;
   const IndexPass& pass_;
   std::int64_t next_frame_;

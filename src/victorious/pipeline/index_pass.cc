@@ -88,17 +88,18 @@ Status Search(const IndexPass& pass, FrameWork& work) {
   const bool is_followed = IsTrackingEnabled(pass) && !work.motion_only;
   if (pass.recognizer.models().empty() || !(work.whole || is_followed)) return {};
   cv::Mat& image = work.now.frame.image;
-  {
+  const double impulse_fraction = pass.options.features.impulse_fraction;
+  const bool is_shrunk = work.sizes.searched != work.sizes.filmed;
+  if (is_shrunk) {
     const StageScope scope(Stage::kFeatures);
-    if (work.sizes.searched != work.sizes.filmed) image = RemoveImpulses(image, pass.options.features.impulse_fraction);
-    image = ShrinkTo(work.sizes.searched, image);
+    image = ShrinkTo(work.sizes.searched, RemoveImpulses(image, impulse_fraction));
   }
   if (work.whole) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.features, ExtractFeatures(pass.extractor, work.now.frame));
   }
-  {
+  if (!is_shrunk) {
     const StageScope scope(Stage::kFeatures);
-    image = RemoveImpulses(image, pass.options.features.impulse_fraction);  // extractors do it, of the frame as filmed
+    image = RemoveImpulses(image, impulse_fraction);  // extractors do it, of the frame as filmed
   }
   if (!work.whole) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(work.detections,
