@@ -104,8 +104,7 @@ ProcessLimits ParseLimits(std::string_view message) {
   limits.memory_bytes = reader.Get<std::uint64_t>();
   limits.processor_s = reader.Get<std::uint64_t>();
   for (auto left = reader.GetCount(sizeof(std::uint64_t)); left > 0; --left) {
-    const std::vector<char> path = reader.GetItems<char>();
-    limits.readable.emplace_back(std::string(path.begin(), path.end()));
+    limits.readable.emplace_back(reader.GetText());
   }
   return limits;
 }

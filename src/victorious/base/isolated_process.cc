@@ -115,11 +115,10 @@ void IsolatedProcess::Confine(IsolationLimits limits) {
   writer.Put(std::uint64_t{limits_.processor_s});
   writer.Put(std::uint64_t{limits_.readable.size()});
   for (const std::filesystem::path& path : limits_.readable) {
-    writer.PutItems(std::span<const char>(path.native()));
+    writer.PutText(path.native());
   }
-  const std::vector<std::byte> bytes = writer.Take();
-  const std::string message = HeaderBytes(IsolatedMessage::kLimits, bytes.size()) +
-                              std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string limits_text = writer.TakeText();
+  const std::string message = HeaderBytes(IsolatedMessage::kLimits, limits_text.size()) + limits_text;
   constexpr std::chrono::seconds kPatience{60};
   // What fails here fails again when the process is asked.
   [[maybe_unused]] const Status sent = Send(message, {}, Clock::now() + kPatience);

@@ -15,6 +15,8 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -48,7 +50,15 @@ class ByteWriter {
     Append(std::as_bytes(items));
   }
 
+  /// The number of bytes, then the bytes.
+  void PutText(std::string_view text) { PutItems(std::span<const char>(text)); }
+
   [[nodiscard]] std::vector<std::byte> Take() { return std::move(bytes_); }
+  /// The same as Take, as a text: a request to another process.
+  [[nodiscard]] std::string TakeText() {
+    const std::vector<std::byte> bytes = Take();
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
 
  private:
   void Append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
@@ -103,6 +113,13 @@ class ByteReader {
     std::vector<T> items(GetCount(sizeof(T)));
     Copy(std::as_writable_bytes(std::span(items)));
     return items;
+  }
+
+  /// What PutText wrote.
+  std::string GetText() {
+    std::string text(GetCount(1), '\0');
+    Copy(std::as_writable_bytes(std::span(text)));
+    return text;
   }
 
   /// True if all bytes were read, and no more, without a fault.

@@ -2,6 +2,9 @@
 
 #include <array>
 #include <limits>
+#include <span>
+#include <string>
+#include <string_view>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -55,6 +58,20 @@ TEST(PackedBytes, FaultsAreRemembered) {
   ByteReader enumerator(two);
   EXPECT_EQ(enumerator.GetEnum(Colour::kGreen), Colour::kRed);
   EXPECT_TRUE(enumerator.HasFailed());
+}
+
+TEST(PackedBytes, TextsAreReadAsWritten) {
+  ByteWriter writer;
+  writer.PutText("");
+  writer.PutText(std::string_view("a\0b", 3));
+  const std::string packed = writer.TakeText();
+  EXPECT_EQ(packed.size(), 2 * sizeof(std::uint64_t) + 3);
+  ByteReader reader(std::as_bytes(std::span(packed)));
+  EXPECT_EQ(reader.GetText(), "");
+  EXPECT_EQ(reader.GetText(), std::string("a\0b", 3));
+  EXPECT_TRUE(reader.IsAtEnd());
+  EXPECT_EQ(reader.GetText(), "");
+  EXPECT_TRUE(reader.HasFailed());
 }
 
 // A damaged number of items must not allocate.

@@ -12,10 +12,6 @@
 namespace victorious {
 namespace {
 
-std::string Text(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 std::unexpected<Error> FailUnreadable() {
   return Fail(ErrorCode::kDataLoss, "damaged: its decoder gave an answer without a meaning");
 }
@@ -30,7 +26,7 @@ struct GreyHead {
 std::string PackFrameRequest(const FrameRequest& request) {
   ByteWriter writer;
   writer.Put(request.task);
-  writer.PutItems(std::span<const char>(request.video));
+  writer.PutText(request.video);
   writer.Put(request.time_s);
   if (writer.PutHas(request.box)) {
     for (const double value : {request.box->x, request.box->y, request.box->width, request.box->height}) {
@@ -39,15 +35,14 @@ std::string PackFrameRequest(const FrameRequest& request) {
   }
   writer.Put(request.width_px);
   writer.PutOptional(request.frames);
-  return Text(writer.Take());
+  return writer.TakeText();
 }
 
 FrameRequest UnpackFrameRequest(std::string_view bytes) {
   ByteReader reader(std::as_bytes(std::span(bytes)));
   FrameRequest request;
   request.task = reader.GetEnum(FrameTask::kGrey);
-  const std::vector<char> video = reader.GetItems<char>();
-  request.video.assign(video.begin(), video.end());
+  request.video = reader.GetText();
   request.time_s = reader.Get<double>();
   if (reader.Get<bool>()) {
     Box& box = request.box.emplace();
@@ -62,7 +57,7 @@ FrameRequest UnpackFrameRequest(std::string_view bytes) {
 std::string PackTimes(const std::vector<double>& times_s) {
   ByteWriter writer;
   writer.PutItems(std::span<const double>(times_s));
-  return Text(writer.Take());
+  return writer.TakeText();
 }
 
 Expected<std::vector<double>> UnpackTimes(std::string_view bytes) {

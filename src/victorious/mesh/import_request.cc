@@ -94,13 +94,6 @@ Expected<LoadedMesh> ImportIntoModelFrame(const CadFolder& folder, CadFormat for
   return std::move(imported.loaded);
 }
 
-void PutText(ByteWriter& writer, const std::string& text) { writer.PutItems(std::span<const char>(text)); }
-
-std::string GetText(ByteReader& reader) {
-  const std::vector<char> text = reader.GetItems<char>();
-  return {text.begin(), text.end()};
-}
-
 std::optional<Axis> GetAxis(ByteReader& reader) {
   return reader.Get<bool>() ? std::optional(reader.GetEnum(Axis::kMinusZ)) : std::nullopt;
 }
@@ -119,9 +112,9 @@ std::string PackImportRequest(const ImportRequest& request, std::span<const std:
   writer.PutOptional(request.options.up);
   writer.PutOptional(request.options.front);
   writer.PutOptional(request.options.length_m);
-  PutText(writer, request.name);
+  writer.PutText(request.name);
   writer.Put(request.folder.has_value());
-  PutText(writer, request.folder.value_or("").string());
+  writer.PutText(request.folder.value_or("").string());
   const std::vector<std::byte> head = writer.Take();
   const std::uint64_t head_bytes = head.size();
   std::string packed;
@@ -142,9 +135,9 @@ Expected<std::string> ImportMeshRequest(std::string_view packed) {
   request.options.up = GetAxis(reader);
   request.options.front = GetAxis(reader);
   request.options.length_m = reader.GetOptional<double>();
-  request.name = GetText(reader);
+  request.name = reader.GetText();
   const bool has_folder = reader.Get<bool>();
-  fs::path folder = GetText(reader);
+  fs::path folder = reader.GetText();
   if (has_folder) request.folder = std::move(folder);
   VICTORIOUS_CHECK(reader.IsAtEnd());
   try {

@@ -103,11 +103,6 @@ std::string Describe(const DetectorModel& model) {
                                  {"settings", ToJson(fields.fields())}});
 }
 
-std::string GetLetters(ByteReader& reader) {
-  const std::vector<char> letters = reader.GetItems<char>();
-  return {letters.begin(), letters.end()};
-}
-
 }  // namespace
 
 Expected<std::vector<std::string>> ParseClassList(std::string_view text, const std::string& name_for_errors) {
@@ -131,9 +126,9 @@ bool IsDetectorFile(std::span<const std::byte> bytes) {
 
 std::vector<std::byte> EncodeDetector(const DetectorModel& model) {
   ByteWriter writer;
-  writer.PutItems(std::span<const char>(Describe(model)));
-  writer.PutItems(std::span<const char>(model.files.network));
-  writer.PutItems(std::span<const char>(model.files.weights));
+  writer.PutText(Describe(model));
+  writer.PutText(model.files.network);
+  writer.PutText(model.files.weights);
   const std::vector<std::byte> payload = writer.Take();
   const DetectorHeader header{.payload_size = payload.size(), .payload_checksum = Checksum(payload)};
   const auto head = std::as_bytes(std::span(&header, 1));
@@ -170,10 +165,10 @@ Expected<DetectorModel> ParseDetector(std::span<const std::byte> bytes, const st
     return std::unexpected(Damaged(name_for_errors, "its checksum is wrong"));
   }
   ByteReader reader(payload);
-  std::optional<DetectorModel> model = ParseDescription(GetLetters(reader));
+  std::optional<DetectorModel> model = ParseDescription(reader.GetText());
   if (!model) return std::unexpected(Damaged(name_for_errors, "its description cannot be read"));
-  model->files.network = GetLetters(reader);
-  model->files.weights = GetLetters(reader);
+  model->files.network = reader.GetText();
+  model->files.weights = reader.GetText();
   if (!reader.IsAtEnd()) return std::unexpected(Damaged(name_for_errors, "its network cannot be read"));
   return *std::move(model);
 }

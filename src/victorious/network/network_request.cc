@@ -9,17 +9,7 @@
 namespace victorious {
 namespace {
 
-std::string TakeText(ByteWriter& writer) {
-  const std::vector<std::byte> bytes = writer.Take();
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 std::span<const std::byte> BytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
-
-std::string ReadText(ByteReader& reader) {
-  const std::vector<char> text = reader.GetItems<char>();
-  return {text.begin(), text.end()};
-}
 
 Error NoAnswer() { return {ErrorCode::kDataLoss, "the network's process gave an answer without a meaning"}; }
 
@@ -27,16 +17,16 @@ Error NoAnswer() { return {ErrorCode::kDataLoss, "the network's process gave an 
 
 std::string PackNetworkFiles(const NetworkFiles& files) {
   ByteWriter writer;
-  writer.PutItems(std::span<const char>(files.network));
-  writer.PutItems(std::span<const char>(files.weights));
-  return TakeText(writer);
+  writer.PutText(files.network);
+  writer.PutText(files.weights);
+  return writer.TakeText();
 }
 
 NetworkFiles UnpackNetworkFiles(std::string_view bytes) {
   ByteReader reader(BytesOf(bytes));
   NetworkFiles files;
-  files.network = ReadText(reader);
-  files.weights = ReadText(reader);
+  files.network = reader.GetText();
+  files.weights = reader.GetText();
   return files;
 }
 
@@ -51,7 +41,7 @@ std::string PackRun(const NetworkRun& run) {
   }
   const cv::Mat pixels = run.input.isContinuous() ? run.input : run.input.clone();
   writer.PutItems(std::span<const std::uint8_t>(pixels.data, pixels.total() * pixels.elemSize()));
-  return TakeText(writer);
+  return writer.TakeText();
 }
 
 NetworkRun UnpackRun(std::string_view bytes) {
@@ -79,7 +69,7 @@ std::string PackTensors(const std::vector<NetworkTensor>& tensors) {
     writer.PutItems(std::span<const int>(tensor.shape));
     writer.PutItems(std::span<const float>(tensor.values));
   }
-  return TakeText(writer);
+  return writer.TakeText();
 }
 
 Expected<std::vector<NetworkTensor>> UnpackTensors(std::string_view bytes) {

@@ -15,17 +15,6 @@
 namespace victorious {
 namespace {
 
-void PutText(ByteWriter& writer, const std::string& text) { writer.PutItems(std::span<const char>(text)); }
-
-std::string GetText(ByteReader& reader) {
-  const std::vector<char> text = reader.GetItems<char>();
-  return {text.begin(), text.end()};
-}
-
-std::string AsText(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 bool IsSound(const std::vector<CameraState>& states) {
   const auto is_number = [](const CameraState& state) {
     return std::isfinite(state.time_s) && std::isfinite(state.place.latitude_rad) &&
@@ -46,29 +35,29 @@ std::vector<std::filesystem::path> FilesOfCameraRequest(const CameraRequest& req
 
 std::string PackCameraRequest(const CameraRequest& request) {
   ByteWriter writer;
-  PutText(writer, request.video);
+  writer.PutText(request.video);
   writer.PutOptional(request.duration_s);
   writer.Put(std::int64_t{request.width});
   writer.Put(std::int64_t{request.height});
   writer.Put(request.file.has_value());
-  PutText(writer, request.file.value_or(""));
-  PutText(writer, OptionsToJsonText(request.options));
-  PutText(writer, request.consequence);
-  return AsText(writer.Take());
+  writer.PutText(request.file.value_or(""));
+  writer.PutText(OptionsToJsonText(request.options));
+  writer.PutText(request.consequence);
+  return writer.TakeText();
 }
 
 Expected<std::string> AnswerCameraRequest(std::string_view packed) {
   ByteReader reader(std::as_bytes(std::span(packed)));
   CameraRequest request;
-  request.video = GetText(reader);
+  request.video = reader.GetText();
   request.duration_s = reader.GetOptional<double>();
   request.width = static_cast<int>(reader.Get<std::int64_t>());
   request.height = static_cast<int>(reader.Get<std::int64_t>());
   const bool has_file = reader.Get<bool>();
-  std::string file = GetText(reader);
+  std::string file = reader.GetText();
   if (has_file) request.file = std::move(file);
-  const std::string options = GetText(reader);
-  request.consequence = GetText(reader);
+  const std::string options = reader.GetText();
+  request.consequence = reader.GetText();
   VICTORIOUS_CHECK(reader.IsAtEnd());
   VICTORIOUS_RETURN_IF_ERROR(SetFromJsonText(options, CollectFields(request.options)));
 
@@ -83,15 +72,15 @@ Expected<std::string> AnswerCameraRequest(std::string_view packed) {
                          [&](const std::string& warning) { warnings.push_back(warning); }));
   ByteWriter writer;
   writer.Put(std::uint64_t{warnings.size()});
-  for (const std::string& warning : warnings) PutText(writer, warning);
+  for (const std::string& warning : warnings) writer.PutText(warning);
   cameras.Pack(writer);
-  return AsText(writer.Take());
+  return writer.TakeText();
 }
 
 Expected<CameraStates> UnpackCameraAnswer(std::string_view answer, const WarningSink& warn) {
   ByteReader reader(std::as_bytes(std::span(answer)));
   for (std::size_t left = reader.GetCount(sizeof(std::uint64_t)); left > 0; --left) {
-    const std::string warning = GetText(reader);
+    const std::string warning = reader.GetText();
     if (warn) warn(OneLine(warning));
   }
   CameraStates cameras = CameraStates::Unpack(reader);
