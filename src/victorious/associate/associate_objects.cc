@@ -16,6 +16,7 @@
 #include "victorious/associate/flight_evidence.h"
 #include "victorious/associate/flight_fusion.h"
 #include "victorious/associate/flight_registration.h"
+#include "victorious/associate/length_error.h"
 #include "victorious/associate/merge_flights.h"
 #include "victorious/associate/neighbours.h"
 #include "victorious/associate/object_hypothesis.h"
@@ -195,7 +196,7 @@ void Score(const ObjectHypothesis& hypothesis, const ObjectOptions& options, Jud
   if (hypothesis.tracklets[0]->is_category) return;  // its score is the classifier's
   ObjectRecord& object = judged.object;
   ObjectEvidence evidence = CollectEvidence(hypothesis, object, judged.tests, options);
-  if (!object.place_rejected.empty()) evidence.place_weight = judged.weight;
+  if (!object.place_rejected.empty() || evidence.length_factor != 1) evidence.place_weight = judged.weight;
   object.object_score = ScoreObject(evidence);
   object.against = SpeaksAgainst(evidence);
   object.evidence_json = ToJsonText(evidence);
@@ -208,6 +209,13 @@ bool IsAgreement(const ObjectHypothesis& hypothesis, const ObjectOptions& option
   return estimate.place && estimate.size_ratio && !estimate.HasPath() &&
          std::abs(std::log(*estimate.size_ratio)) <= kAgreeingSize &&
          estimate.inlier_fraction >= options.min_inlier_fraction;
+}
+
+// By which the model's length was found wrong in one of its flights; 1: it is right.
+double LengthFactor(const ObjectHypothesis& hypothesis) {
+  const auto wrong =
+      std::ranges::find_if(hypothesis.tracklets, [](const auto* tracklet) { return tracklet->length_factor != 1; });
+  return wrong == hypothesis.tracklets.end() ? 1 : (*wrong)->length_factor;
 }
 
 // By its own evidence.
@@ -223,6 +231,8 @@ Judged MakeObject(const ObjectHypothesis& hypothesis, double tests, const Object
       FindContradiction(hypothesis.estimate, CountObservations(hypothesis), options);
   if (contradiction) {
     judged.Contradict(*std::move(contradiction));
+  } else if (LengthFactor(hypothesis) != 1) {
+    judged.finding = PlaceFinding::kImpossible;
   } else if (IsAgreement(hypothesis, options)) {
     judged.finding = PlaceFinding::kAgrees;
   }
@@ -275,12 +285,15 @@ void WeighPlaces(std::span<const ObjectHypothesis> hypotheses, const ObjectOptio
   }
 }
 
-// Rejects a find that its contradicted place leaves too weak.
+// Rejects a find that its contradicted place, or length, leaves too weak.
 void RejectWeak(const ObjectHypothesis& hypothesis, const ObjectOptions& options, Judged& judged) {
   ObjectRecord& object = judged.object;
-  if (object.place_rejected.empty() || !object.rejected.empty() || hypothesis.tracklets[0]->is_category) return;
+  const double factor = LengthFactor(hypothesis);
+  const bool is_contradicted = !object.place_rejected.empty() || factor != 1;
+  if (!is_contradicted || !object.rejected.empty() || hypothesis.tracklets[0]->is_category) return;
   if (!IsInsignificant(hypothesis, false, judged.tests, options, judged.weight)) return;
-  object.rejected = fmt::format("weak, and {}", object.place_rejected);
+  object.rejected =
+      fmt::format("weak, and {}", object.place_rejected.empty() ? DescribeLengthFactor(factor) : object.place_rejected);
   if (judged.confirming_objects > 0)
     object.rejected +=
         fmt::format(", with telemetry that {} of other models {}", CountText(judged.confirming_objects, "object"),

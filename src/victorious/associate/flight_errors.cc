@@ -1,9 +1,11 @@
 #include "victorious/associate/flight_errors.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "victorious/base/count_text.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -35,6 +37,22 @@ std::string DescribeRange(const RangeFactor& range) {
       range.objects, percent, range.factor > 1 ? "farther" : "nearer", percent, range.factor > 1 ? "wide" : "narrow");
 }
 
+std::string DescribeLength(const LengthError& length, const std::map<std::int64_t, std::string>& models) {
+  const auto name = models.find(length.model);
+  return fmt::format(
+      "{}: {} would move with the camera, and {} if the model is {:.2f} times too {}: places are corrected by it; is "
+      "the file in another unit? give --length",
+      name == models.end() ? "a model" : name->second, CountText(length.objects, "track"),
+      length.objects == 1 ? "stands still" : "stand still", std::max(length.factor, 1 / length.factor),
+      length.factor < 1 ? "long" : "short");
+}
+
+void CorrectRanges(const FlightErrors& errors, std::span<ObservedTracklet> tracklets) {
+  CorrectLengths(errors.lengths, tracklets);
+  if (!errors.range) return;
+  for (ObservedTracklet& tracklet : tracklets) ScaleRanges(errors.range->factor, tracklet);
+}
+
 }  // namespace
 
 FlightEstimate CorrectFlight(std::span<ObservedTracklet> tracklets, const ObjectOptions& options) {
@@ -45,25 +63,28 @@ FlightEstimate CorrectFlight(std::span<ObservedTracklet> tracklets, const Object
   if (estimate.errors.focal) CorrectFocalLength(*estimate.errors.focal, tracklets);
   estimate.comparisons = CompareRanges(tracklets, options);
   estimate.errors.range = EstimateRangeFactor(tracklets, estimate.comparisons);
-  if (estimate.errors.range) ScaleRanges(*estimate.errors.range, tracklets);
+  estimate.errors.lengths = FindLengthErrors(tracklets, estimate.comparisons, options);
+  CorrectRanges(estimate.errors, tracklets);
   estimate.errors.telemetry = EstimateTelemetryErrors(tracklets, options);
   if (estimate.errors.telemetry) SetTelemetryErrors(*estimate.errors.telemetry, options, tracklets);
-  if (estimate.errors.range || estimate.errors.telemetry) estimate.comparisons.clear();
+  const bool are_lines_changed = estimate.errors.range || !estimate.errors.lengths.empty() || estimate.errors.telemetry;
+  if (are_lines_changed) estimate.comparisons.clear();
   return estimate;
 }
 
 void Correct(const FlightErrors& errors, const ObjectOptions& options, std::span<ObservedTracklet> tracklets) {
   if (errors.heading) TurnBack(*errors.heading, tracklets);
   if (errors.focal) CorrectFocalLength(*errors.focal, tracklets);
-  if (errors.range) ScaleRanges(*errors.range, tracklets);
+  CorrectRanges(errors, tracklets);
   if (errors.telemetry) SetTelemetryErrors(*errors.telemetry, options, tracklets);
 }
 
-std::vector<std::string> Describe(const FlightErrors& errors) {
+std::vector<std::string> Describe(const FlightErrors& errors, const std::map<std::int64_t, std::string>& models) {
   std::vector<std::string> lines;
   if (errors.heading) lines.push_back(DescribeHeading(*errors.heading));
   if (errors.focal && std::abs(errors.focal->log_factor) >= kMinSaid) lines.push_back(DescribeFocal(*errors.focal));
   if (errors.range) lines.push_back(DescribeRange(*errors.range));
+  for (const LengthError& length : errors.lengths) lines.push_back(DescribeLength(length, models));
   return lines;
 }
 

@@ -1,8 +1,11 @@
 // The errors of flights that their own sightings contradict: yaw (heading_error.h), focal length (focal_error.h), then
-// ranges (range_factor.h); and the sizes of those that are left (telemetry_errors.h).
+// ranges (range_factor.h) and the lengths of models (length_error.h); and the sizes of those that are left
+// (telemetry_errors.h).
 // They are properties of a video's tracklets alone.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +13,7 @@
 
 #include "victorious/associate/focal_error.h"
 #include "victorious/associate/heading_error.h"
+#include "victorious/associate/length_error.h"
 #include "victorious/associate/object_options.h"
 #include "victorious/associate/observed_tracklet.h"
 #include "victorious/associate/range_factor.h"
@@ -21,6 +25,7 @@ struct FlightErrors {
   std::optional<HeadingError> heading;
   std::optional<FocalError> focal;
   std::optional<RangeFactor> range;
+  std::vector<LengthError> lengths;  ///< by model
   std::optional<TelemetryErrors> telemetry;
 };
 
@@ -38,6 +43,8 @@ struct FlightEstimate {
 void Correct(const FlightErrors& errors, const ObjectOptions& options, std::span<ObservedTracklet> tracklets);
 
 /// What the errors of one video mean, one line each.
-[[nodiscard]] std::vector<std::string> Describe(const FlightErrors& errors);
+/// @param models  names, by id
+[[nodiscard]] std::vector<std::string> Describe(const FlightErrors& errors,
+                                                const std::map<std::int64_t, std::string>& models);
 
 }  // namespace victorious

@@ -69,13 +69,17 @@ TEST(CorrectFlight, LeavesTheFlightThatIsRight) {
 }
 
 TEST(FlightErrors, AreSaidInNumbers) {
-  const std::vector<std::string> lines = Describe(
-      {.heading = HeadingError{RadiansFromDegrees(-4.96), 3}, .range = RangeFactor{.factor = 1.2, .objects = 2}});
-  ASSERT_EQ(lines.size(), 2U);
+  const std::vector<std::string> lines = Describe({.heading = HeadingError{RadiansFromDegrees(-4.96), 3},
+                                                   .range = RangeFactor{.factor = 1.2, .objects = 2},
+                                                   .lengths = {{.model = 7, .factor = 0.5, .objects = 2}}},
+                                                  {{7, "jeep"}});
+  ASSERT_EQ(lines.size(), 3U);
   EXPECT_TRUE(lines[0].starts_with("the lines of sight in 3 tracks")) << lines[0];
   EXPECT_TRUE(lines[0].contains("5.0 degrees too small")) << lines[0];
   EXPECT_TRUE(lines[1].contains("20 % too wide")) << lines[1];
-  EXPECT_TRUE(Describe({}).empty());
+  EXPECT_TRUE(lines[2].starts_with("jeep: 2 tracks would move")) << lines[2];
+  EXPECT_TRUE(lines[2].contains("2.00 times too long")) << lines[2];
+  EXPECT_TRUE(Describe({}, {}).empty());
 }
 
 }  // namespace

@@ -53,11 +53,19 @@ std::string TextOf(const std::optional<TelemetryErrors>& errors) {
   return text;
 }
 
+std::string TextOf(const std::vector<LengthError>& lengths) {
+  std::string text;
+  for (const LengthError& length : lengths)
+    text += fmt::format(" {} {}", length.model, std::bit_cast<std::uint64_t>(length.factor));
+  return text;
+}
+
 std::string TextOf(const FlightErrors& errors) {
-  return fmt::format("{} {} {} {} {}", errors.heading ? std::bit_cast<std::uint64_t>(errors.heading->error_rad) : 0,
+  return fmt::format("{} {} {} {} {}{}", errors.heading ? std::bit_cast<std::uint64_t>(errors.heading->error_rad) : 0,
                      errors.focal ? std::bit_cast<std::uint64_t>(errors.focal->log_factor) : 0,
                      errors.focal ? std::bit_cast<std::uint64_t>(errors.focal->sigma_ratio) : 0,
-                     errors.range ? std::bit_cast<std::uint64_t>(errors.range->factor) : 0, TextOf(errors.telemetry));
+                     errors.range ? std::bit_cast<std::uint64_t>(errors.range->factor) : 0, TextOf(errors.telemetry),
+                     TextOf(errors.lengths));
 }
 
 ObjectPlace WithoutPath(ObjectPlace place) {
@@ -237,6 +245,7 @@ Status KeptFits::AddFlight(std::span<ObservedTracklet> tracklets) {
   const std::string errors_text = TextOf(flight->errors);
   for (std::size_t i = 0; i < tracklets.size(); ++i) {
     ObservedTracklet& tracklet = tracklets[i];
+    tracklet.length_factor = LengthFactorOf(flight->errors.lengths, tracklet.record.model);
     Known& known = known_.at(tracklet.record.id);
     known.key = ChecksumOf(context + texts[i] + errors_text);
     Entry& entry = EntryOf({tracklet.record.id, known.key});

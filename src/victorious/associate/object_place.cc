@@ -179,8 +179,9 @@ std::optional<SizeRatio> CompareWithRanges(std::vector<LineOfSight> lines, Locat
   const TangentPlane plane(place.point);
   const Eigen::Vector3d to_camera = plane.EnuFromGeodetic(lines.back().camera);
   const Eigen::Vector3d along = to_camera.normalized();
-  return SizeRatio{Median(std::move(factors)),
-                   std::sqrt(along.dot(place.covariance_enu_m2 * along)) / to_camera.norm()};
+  return SizeRatio{.ratio = Median(std::move(factors)),
+                   .sigma = std::sqrt(along.dot(place.covariance_enu_m2 * along)) / to_camera.norm(),
+                   .stands = !place.IsMoving()};
 }
 
 // Number of inliers whose headings agree: with the common heading for a static object and for one on a path, whose

@@ -42,7 +42,8 @@ struct ObjectPlace {
 /// Ratio of the distance by intersection to the range by apparent size, as ObjectPlace::size_ratio.
 struct SizeRatio {
   double ratio = 1;
-  double sigma = 0;  ///< relative standard deviation of the distance by intersection
+  double sigma = 0;     ///< relative standard deviation of the distance by intersection
+  bool stands = false;  ///< the lines meet in one point; else in one that moves
 };
 
 /// Estimates place and heading. Telemetry's own standard deviations, where given, replace those of the parameters.

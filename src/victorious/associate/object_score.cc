@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/associate/length_error.h"
 #include "victorious/associate/object_rejection.h"
 #include "victorious/base/count_text.h"
 #include "victorious/base/json.h"
@@ -63,6 +64,7 @@ ObjectEvidence CollectEvidence(const ObjectHypothesis& hypothesis, const ObjectR
     evidence.view_steps += summary.view_steps;
     evidence.view_jumps += summary.view_jumps;
     view_sum += summary.view_sum;
+    if (tracklet->length_factor != 1) evidence.length_factor = tracklet->length_factor;
     views += summary.views;
   }
   if (evidence.recognitions > 0) evidence.typical_log_odds = log_odds / static_cast<double>(evidence.recognitions);
@@ -107,6 +109,7 @@ std::vector<std::string> SpeaksAgainst(const ObjectEvidence& evidence) {
   } else if (SizeError(evidence) > kUsualSize) {
     against.push_back(fmt::format("size {:.0f} % off", 100 * std::abs(*evidence.size_ratio - 1)));
   }
+  if (evidence.length_factor != 1) against.push_back(DescribeLengthFactor(evidence.length_factor));
   if (evidence.missing_lines > 0)
     against.push_back(fmt::format("{} of {} lines of sight {} its place", evidence.missing_lines, evidence.lines,
                                   evidence.missing_lines == 1 ? "misses" : "miss"));
@@ -134,6 +137,7 @@ std::string ToJsonText(const ObjectEvidence& evidence) {
       {"missing_lines", evidence.missing_lines},
       {"place_rejected", !evidence.place_rejected.empty()},
       {"place_weight", evidence.place_weight},
+      {"length_factor", evidence.length_factor},
       {"headings", evidence.headings},
       {"contradicting_headings", evidence.contradicting_headings},
       {"view_steps", evidence.view_steps},

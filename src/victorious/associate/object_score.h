@@ -40,7 +40,9 @@ struct ObjectEvidence {
   /// std::nullopt: fewer than two views.
   std::optional<double> view_spread_rad;
   std::string place_rejected;  ///< ObjectRecord::place_rejected
-  /// Of a rejected place: what it says of the object, by all objects of its flight (flight_evidence.h).
+  /// By which the model's length was found wrong, true over given (length_error.h); 1: it is right.
+  double length_factor = 1;
+  /// Of a rejected place, or of a wrong length: what it says of the object, by all objects of its flight (flight_evidence.h).
   double place_weight = 0;
 };
 

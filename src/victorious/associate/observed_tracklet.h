@@ -48,6 +48,7 @@ struct ObservedTracklet {
   bool is_of_photos = false;  ///< its times are invented: no motion follows from them
   /// Its telemetry is that of a receiver that filters its rows, or may be: these say nothing of what is common to them.
   bool has_filtered_telemetry = true;
+  double length_factor = 1;  ///< by which its model's length was found wrong (length_error.h): true over given
   std::optional<std::int64_t> start_utc_us;  ///< VideoRecord::start_utc_us of its video
 
   // The content. Of a tracklet with kept fits it is read only if another fit needs it (kept_fits.h).

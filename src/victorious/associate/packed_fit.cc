@@ -25,6 +25,7 @@ constexpr double kMinPositive = std::numeric_limits<double>::min();
 
 // The smallest packed items, bytes.
 constexpr std::size_t kFrameBytes = 1;
+constexpr std::size_t kLengthErrorBytes = sizeof(std::int64_t) + sizeof(double) + sizeof(int);
 constexpr std::size_t kOverlapBytes = 3 * sizeof(std::int64_t);
 constexpr std::size_t kGeolocationBytes = (6 + 9) * sizeof(double) + 2;  // without a velocity
 
@@ -280,6 +281,12 @@ std::vector<std::byte> Pack(const FlightFits& fits) {
     writer.Put(fits.errors.range->factor);
     writer.Put(fits.errors.range->objects);
   }
+  writer.PutCount(fits.errors.lengths.size());
+  for (const LengthError& length : fits.errors.lengths) {
+    writer.Put(length.model);
+    writer.Put(length.factor);
+    writer.Put(length.objects);
+  }
   if (writer.PutHas(fits.errors.telemetry)) {
     const TelemetryErrors& errors = *fits.errors.telemetry;
     for (const ErrorScale& scale : {errors.position, errors.attitude}) {
@@ -319,6 +326,12 @@ std::optional<FlightFits> UnpackFlightFits(std::span<const std::byte> bytes) {
     RangeFactor& factor = fits.errors.range.emplace();
     factor.factor = reader.GetNumber(1 / kMaxRangeFactor, kMaxRangeFactor);
     factor.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
+  }
+  fits.errors.lengths.resize(reader.GetSize(kLengthErrorBytes));
+  for (LengthError& length : fits.errors.lengths) {
+    length.model = reader.GetWhole<std::int64_t>(0, std::numeric_limits<std::int64_t>::max());
+    length.factor = reader.GetNumber(1 / kMaxLengthFactor, kMaxLengthFactor);
+    length.objects = reader.GetWhole<int>(1, std::numeric_limits<int>::max());
   }
   if (reader.GetHas()) {
     TelemetryErrors& errors = fits.errors.telemetry.emplace();

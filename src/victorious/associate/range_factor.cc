@@ -41,12 +41,10 @@ std::optional<RangeFactor> EstimateRangeFactor(std::span<const ObservedTracklet>
   return RangeFactor{.factor = std::exp(agreed->error), .objects = agreed->objects};
 }
 
-void ScaleRanges(const RangeFactor& factor, std::span<ObservedTracklet> tracklets) {
-  for (ObservedTracklet& tracklet : tracklets) {
-    for (BearingObservation& observation : tracklet.observations) {
-      if (observation.line.range_m) *observation.line.range_m *= factor.factor;
-      if (observation.line.sigma_range_m) *observation.line.sigma_range_m *= factor.factor;
-    }
+void ScaleRanges(double factor, ObservedTracklet& tracklet) {
+  for (BearingObservation& observation : tracklet.observations) {
+    if (observation.line.range_m) *observation.line.range_m *= factor;
+    if (observation.line.sigma_range_m) *observation.line.sigma_range_m *= factor;
   }
 }
 

@@ -34,7 +34,7 @@ using RangeComparison = std::optional<std::optional<SizeRatio>>;
 [[nodiscard]] std::optional<RangeFactor> EstimateRangeFactor(std::span<const ObservedTracklet> tracklets,
                                                              std::span<const RangeComparison> comparisons);
 
-/// Multiplies the ranges of the tracklets by the factor.
-void ScaleRanges(const RangeFactor& factor, std::span<ObservedTracklet> tracklets);
+/// Multiplies the ranges of a tracklet by a factor.
+void ScaleRanges(double factor, ObservedTracklet& tracklet);
 
 }  // namespace victorious

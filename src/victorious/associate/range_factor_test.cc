@@ -57,7 +57,7 @@ TEST(RangeFactor, IsThatOnWhichDifferentObjectsAgree) {
     ASSERT_TRUE(factor) << given;
     EXPECT_NEAR(factor->factor, 1 / given, 0.02);
     EXPECT_EQ(factor->objects, 3);
-    ScaleRanges(*factor, tracklets);
+    for (ObservedTracklet& tracklet : tracklets) ScaleRanges(factor->factor, tracklet);
     EXPECT_FALSE(FactorOf(tracklets)) << "corrected";
     for (const ObjectRecord& object : AssociateTracklets(tracklets, {}, {})) {
       ASSERT_TRUE(object.place);

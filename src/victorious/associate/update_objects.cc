@@ -144,12 +144,14 @@ Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& sto
     for (const ObservedTracklet& tracklet : of_one) tracklets.push_back(&tracklet);
   }
   std::ranges::sort(tracklets, {}, [](const ObservedTracklet* tracklet) { return tracklet->record.id; });
+  std::map<std::int64_t, std::string> names;
+  for (const ModelRecord& model : models) names[model.id] = model.name;
   for (const VideoRecord& video : videos) {
     const auto found = fits->errors().find(video.id);
     if (found == fits->errors().end()) continue;
     const bool has_lines = std::ranges::any_of(
         flights[video.id], [](const ObservedTracklet& tracklet) { return tracklet.summary.observations > 0; });
-    FlightNotes notes{.warnings = Describe(found->second), .telemetry_errors = {}};
+    FlightNotes notes{.warnings = Describe(found->second, names), .telemetry_errors = {}};
     if (has_lines) notes.telemetry_errors = DescribeErrors(found->second.telemetry, options);
     tell(video, notes);
   }

@@ -15,10 +15,10 @@
 namespace victorious {
 namespace {
 
-constexpr double kMinDown = 0.34;     // cosine of the off-nadir angle: views of models end at 70 degrees
-constexpr double kMaxFactor = 0.85;   // saves too little above
-constexpr double kMinFactor = 0.125;  // keeps a wrong height from blinding the search
-constexpr int kSamples = 3;           // of the cameras between two restarts of tracks
+constexpr double kMinDown = 0.34;    // cosine of the off-nadir angle: views of models end at 70 degrees
+constexpr double kMaxFactor = 0.85;  // saves too little above
+constexpr int kMinSide_px = 640;     // of the longer side: keeps a wrong height or length from blinding the search
+constexpr int kSamples = 3;          // of the cameras between two restarts of tracks
 constexpr int kSamplesOfVideo = 64;
 constexpr int kMinDivisor = 8;
 
@@ -110,8 +110,10 @@ FrameSizes SearchScale::SizesAt(std::int64_t frame, const cv::Size& filmed) cons
     if (!factor) continue;
     largest = std::max(largest.value_or(0), *factor);
   }
-  if (!largest || *largest > kMaxFactor) return as_filmed;
-  return {filmed_, Shrunk(filmed_, std::max(*largest, kMinFactor))};
+  if (!largest) return as_filmed;
+  const double min_factor = static_cast<double>(kMinSide_px) / std::max(filmed_.width, filmed_.height);
+  const double factor = std::max(*largest, min_factor);
+  return factor > kMaxFactor ? as_filmed : FrameSizes{filmed_, Shrunk(filmed_, factor)};
 }
 
 cv::Mat SearchScale::ShrinkNear(double time_s, const cv::Mat& grey) const {

@@ -101,6 +101,21 @@ TEST_F(SearchScaleTest, LargeFramesOfOneFlightAreSearchedInOneSize) {
   EXPECT_EQ(width(640, 480), 640);  // the truck has 75 px there
 }
 
+// As of a CAD file in feet.
+TEST_F(SearchScaleTest, ALengthThatIsWrongDoesNotBlindTheSearch) {
+  Eigen::AlignedBox3d& box = *models_[0].box_m;
+  box = Eigen::AlignedBox3d(40 * box.min(), 40 * box.max());
+  const CameraStates cameras = Cameras();
+  const auto searched = [&](int width, int height) {
+    const SearchScale scale(
+        {.models = models_, .cameras = cameras, .object_px = kObject_px, .restart_interval_frames = kInterval},
+        Info(width, height));
+    return scale.SizesAt(0, {width, height}).searched;
+  };
+  EXPECT_EQ(searched(1920, 1080), cv::Size(640, 360));
+  EXPECT_EQ(searched(640, 480), cv::Size(640, 480));
+}
+
 TEST_F(SearchScaleTest, IsDecidedWhereTracksRestart) {
   const CameraStates cameras = Cameras(5);  // within the third interval of 60 frames
   const SearchScale scale(
