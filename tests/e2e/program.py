@@ -25,14 +25,16 @@ os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="victorious-e2e-cache-")
 atexit.register(shutil.rmtree, os.environ["XDG_CACHE_HOME"], ignore_errors=True)
 
 
-def path_from_environment(name: str) -> Path:
-    if name not in os.environ:
-        sys.exit(f"{name} is not set: run this by ctest, or set it to the built program")
-    return Path(os.environ[name]).resolve()
+def built(name: str, variable: str) -> Path:
+    """The program that the variable names (ctest sets it), else that of the release build."""
+    path = Path(os.environ.get(variable, REPOSITORY / "build" / name)).resolve()
+    if not path.exists():
+        sys.exit(f"{path} is not there: build it (make build), or set {variable} to the built program")
+    return path
 
 
-PROGRAM = path_from_environment("VICTORIOUS_PROGRAM")
-DRAW_FLIGHT = path_from_environment("VICTORIOUS_DRAW_FLIGHT")
+PROGRAM = built("victorious", "VICTORIOUS_PROGRAM")
+DRAW_FLIGHT = built("draw_flight", "VICTORIOUS_DRAW_FLIGHT")
 # Where ctest's e2e/inputs (make_inputs.py) keeps what most of these files read; without it each file makes its own.
 INPUTS = Path(os.environ["VICTORIOUS_E2E_INPUTS"]) if "VICTORIOUS_E2E_INPUTS" in os.environ else None
 
