@@ -2,7 +2,7 @@
 """Measures how objects that drive are found, placed and followed, in simulated flights.
 
 Usage: driving.py [SCENE...] --models DIR [--program build/victorious] [--noisy] [--seed 1] [--position-m 0.5]
-                  [--attitude-deg 0.1] [--keep DIR]
+                  [--attitude-deg 0.1] [--keep DIR] [--json]
 
 SCENE is a file of scenes/; without one those in which objects drive. DIR contains models of their objects, made by
 `model add`. Each flight is simulated and indexed by default, with exact telemetry, or with --noisy with the errors of
@@ -20,6 +20,7 @@ import argparse
 import json
 import math
 import random
+import sys
 import tempfile
 from pathlib import Path
 
@@ -53,7 +54,7 @@ def motion_errors(program: Program, db: Path, movie: Movie) -> tuple[float, floa
     return speed, course
 
 
-def measure(program: Program, scene: Path, folder: Path, arguments, draws: random.Random) -> str:
+def measure(program: Program, scene: Path, folder: Path, arguments, draws: random.Random) -> dict:
     if not (folder / "video.mp4").exists():
         program("simulate", scene, "--out", folder)
     telemetry = folder / "telemetry.csv"
@@ -68,12 +69,23 @@ def measure(program: Program, scene: Path, folder: Path, arguments, draws: rando
     score = json.loads(program("evaluate", "--db", db, "--truth", movie.truth, "--json"))
     speed, course = motion_errors(program, db, movie)
     inside = round((score["inside_ce90"] or 0) * score["located"])
+    return score | {"inside": inside, "speed_m_s": speed, "course_deg": course}
+
+
+def line_of(name: str, score: dict) -> str:
     return (
-        f"{scene.stem:<16} {score['found']:3} of {score['findable']:2} {score['false_objects']:6} "
+        f"{name:<16} {score['found']:3} of {score['findable']:2} {score['false_objects']:6} "
         f"{score['ids_per_object']:6.2f}   {score['density_p25']:.2f} / {score['density_p50']:.2f} / "
-        f"{score['density_p75']:.2f}   {score['cep50_m']:.2f} / {score['cep90_m']:.2f}  {inside:3} of {score['located']:2}"
-        f"   {speed:5.2f} {course:6.1f}"
+        f"{score['density_p75']:.2f}   {score['cep50_m']:.2f} / {score['cep90_m']:.2f}  {score['inside']:3} of {score['located']:2}"
+        f"   {score['speed_m_s']:5.2f} {score['course_deg']:6.1f}"
     )
+
+
+def summary(scores: list[dict]) -> dict:
+    """Sums of the counts, and the largest errors."""
+    summed = {key: sum(score[key] for score in scores) for key in ("found", "findable", "false_objects", "inside", "located")}
+    largest = ("cep50_m", "cep90_m", "speed_m_s", "course_deg", "ids_per_object")
+    return summed | {key: max(score[key] or 0 for score in scores) for key in largest}
 
 
 def main() -> None:
@@ -85,17 +97,23 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--position-m", type=float, default=0.5)
     parser.add_argument("--attitude-deg", type=float, default=0.1)
+    parser.add_argument("--json", action="store_true", help="print an object: what the rows show, by flight")
     parser.add_argument("--keep", type=Path, help="flights and indexes stay here; what is there is not flown again")
     arguments = parser.parse_args()
     program = Program(arguments.program)
     draws = random.Random(arguments.seed)
     scenes = arguments.scenes or [Path("scenes") / f"{name}.json" for name in SCENES]
-    print("flight            found      false    ids   density                CEP 50 / 90  in CE90    speed course")
+    shown = sys.stderr if arguments.json else sys.stdout
+    print("flight            found      false    ids   density                CEP 50 / 90  in CE90    speed course", file=shown)
+    scores = {}
     with tempfile.TemporaryDirectory() as scratch:
         for scene in scenes:
             folder = (arguments.keep or Path(scratch)) / scene.stem
             folder.mkdir(parents=True, exist_ok=True)
-            print(measure(program, scene, folder, arguments, draws), flush=True)
+            scores[scene.stem] = measure(program, scene, folder, arguments, draws)
+            print(line_of(scene.stem, scores[scene.stem]), file=shown, flush=True)
+    if arguments.json:
+        print(json.dumps(scores | {"all": summary(list(scores.values()))}))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 """Measures the rate of false positives in videos without the objects.
 
 Usage: false_objects.py [VIDEO...] --models DIR [--program build/victorious] [--flights 10] [--first 1] [--frames 60]
-                        [--fps 1] [--params FILE] [--work build/false_objects]
+                        [--fps 1] [--params FILE] [--work build/false_objects] [--json]
 
 All CAD models of DIR (*.glb) are searched for together in videos that do not contain them: FLIGHTS simulated flights of
 FRAMES frames at FPS frames/s over towns without them, from number FIRST on, and each VIDEO. The flight number seeds the town and its parked
@@ -11,7 +11,8 @@ vehicles of assets/models parked in the towns are of other makes than those of D
 and models that exist in WORK are reused; delete WORK after a change.
 
 Prints one row per video: frames, duration in seconds, sightings, objects, and frames/s of `victorious index`. Then, per
-kind of video and in total: false objects, false objects per hour, and the 95 % upper limit of the Poisson rate.
+kind of video and in total: false objects, false objects per hour, and the 95 % upper limit of the Poisson rate; with
+--json these as an object instead.
 """
 
 import argparse
@@ -39,6 +40,13 @@ class Tally:
     def add(self, other: "Tally"):
         for name in vars(self):
             setattr(self, name, getattr(self, name) + getattr(other, name))
+
+    def hourly(self) -> float:
+        return self.objects / self.seconds * 3600
+
+    def below(self) -> float:
+        """95 % upper limit of the objects an hour."""
+        return upper_limit(self.objects) / self.seconds * 3600
 
 
 def upper_limit(count: int, confidence: float = 0.95) -> float:
@@ -120,6 +128,7 @@ def main():
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--fps", type=float, default=1)
     parser.add_argument("--params", type=Path)
+    parser.add_argument("--json", action="store_true")
     parser.add_argument("--work", type=Path, default=REPOSITORY / "build/false_objects")
     arguments = parser.parse_args()
     program, work = Program(str(arguments.program)), arguments.work
@@ -129,10 +138,11 @@ def main():
         if not (library / f"{file.stem}.vmodel").exists():
             print(f"adding {file.stem}", file=sys.stderr, flush=True)
             program("model", "add", file.stem, file, "--models", library)
-    print(f"{len(list(library.glob('*.vmodel')))} models")
+    print(f"{len(list(library.glob('*.vmodel')))} models", file=sys.stderr)
 
+    shown = sys.stderr if arguments.json else sys.stdout
     of_kind = {"empty town": Tally(), "video": Tally(), "together": Tally()}
-    print(f"{'':<40}{'frames':>8}{'seconds':>9}{'sightings':>11}{'objects':>9}{'frames/s':>10}")
+    print(f"{'':<40}{'frames':>8}{'seconds':>9}{'sightings':>11}{'objects':>9}{'frames/s':>10}", file=shown)
     towns = [flight(program, n, work, arguments.frames, arguments.fps) for n in range(arguments.first, arguments.first + arguments.flights)]
     for kind, videos in (("empty town", towns), ("video", arguments.videos)):
         for video in videos:
@@ -141,12 +151,14 @@ def main():
             of_kind[kind].add(tally)
             of_kind["together"].add(tally)
             print(f"{name:<40}{tally.frames:>8}{tally.seconds:>9.0f}{tally.sightings:>11}{tally.objects:>9}"
-                  f"{tally.frames / took:>10.2f}", flush=True)  # fmt: skip
+                  f"{tally.frames / took:>10.2f}", file=shown, flush=True)  # fmt: skip
     for kind, tally in of_kind.items():
         if tally.seconds:
-            hours = tally.seconds / 3600
             print(f"{kind}: {tally.objects} false objects in {tally.frames} frames, {tally.seconds:.0f} s: "
-                  f"{tally.objects / hours:.1f} an hour, below {upper_limit(tally.objects) / hours:.1f} with 95 %")  # fmt: skip
+                  f"{tally.hourly():.1f} an hour, below {tally.below():.1f} with 95 %", file=shown)  # fmt: skip
+    if arguments.json:
+        print(json.dumps({kind.replace(" ", "_"): vars(tally) | {"hourly": tally.hourly(), "below": tally.below()}
+                          for kind, tally in of_kind.items() if tally.seconds}))  # fmt: skip
 
 
 if __name__ == "__main__":

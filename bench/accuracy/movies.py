@@ -34,6 +34,14 @@ class Movie:
                 self.rows_of[row["object"]].append(row)
                 self.rows_in[row["frame"]].append(row)
 
+    @staticmethod
+    def findable_of(truth: Path) -> dict[str, int]:
+        """The number of clear rows of each findable object of a truth file."""
+        clear = Counter()
+        for row in map(json.loads, truth.read_text().splitlines()):
+            clear[row["object"]] += is_clear(row)
+        return {name: count for name, count in clear.items() if count >= MIN_ROWS}
+
     def models(self) -> list[str]:
         return sorted({rows[0]["model"] for rows in self.rows_of.values()})
 

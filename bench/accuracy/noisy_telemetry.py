@@ -2,7 +2,7 @@
 """Measures how often the truth lies in the confidence ellipsoids of places, in simulated flights with noisy telemetry.
 
 Usage: noisy_telemetry.py --models DIR [--program build/victorious] [--scenes scenes] [--flights 10] [--seed 1]
-                          [--frames 60] [--every 5] [--position-m 2] [--attitude-deg 0.5] [--tell] [--keep DIR]
+                          [--frames 60] [--every 5] [--position-m 2] [--attitude-deg 0.5] [--tell] [--keep DIR] [--json]
 
 DIR contains models of the scenes' objects, made by `model add`. Flight k uses the k-th scene (cyclically) with its own
 seeds: another town, objects rotated and moved by up to 1.5 m, another azimuth and range of the camera. Errors are added
@@ -10,7 +10,7 @@ to its telemetry: white noise of --position-m per axis of the position and --att
 each row, plus a common error of the flight with the same sigmas. The common error dominates, and ten flights are few,
 so each of its six components is drawn once from each tenth of the normal distribution (a Latin hypercube). The flight
 is indexed and evaluated with this telemetry; with --tell, the telemetry contains the sigmas. Prints one row per flight,
-and the total.
+and the total; with --json the total as an object instead.
 """
 
 import argparse
@@ -19,6 +19,7 @@ import json
 import math
 import random
 import statistics
+import sys
 import tempfile
 from pathlib import Path
 
@@ -111,6 +112,17 @@ def line_of(name: str, scores: list[dict]) -> str:
     )
 
 
+def sums(scores: list[dict]) -> dict:
+    def inside(key: str) -> int:
+        return sum(round((score[key] or 0) * score["located"]) for score in scores)
+
+    objects = [one for score in scores for one in score["per_object"].values()]
+    return {key: sum(score[key] for score in scores) for key in ("found", "findable", "false_objects", "located")} | {
+        "inside_90_ellipsoid": inside("inside_90_ellipsoid"), "inside_ce90": inside("inside_ce90"),
+        "errors_m": [one["error_m"] for one in objects if one["error_m"] is not None],
+    }  # fmt: skip
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--models", type=Path, required=True)
@@ -123,10 +135,12 @@ def main() -> None:
     parser.add_argument("--position-m", type=float, default=2)
     parser.add_argument("--attitude-deg", type=float, default=0.5)
     parser.add_argument("--tell", action="store_true")
+    parser.add_argument("--json", action="store_true")
     parser.add_argument("--keep", type=Path, help="flights and indexes stay here; what is there is not flown again")
     arguments = parser.parse_args()
     program = Program(arguments.program)
-    print(f"{'flight':<20} found      false   error m: median, largest   in the ellipsoid, in CE90")
+    shown = sys.stderr if arguments.json else sys.stdout
+    print(f"{'flight':<20} found      false   error m: median, largest   in the ellipsoid, in CE90", file=shown)
     scores = []
     shared = latin_normals(arguments.flights, random.Random(arguments.seed))
     with tempfile.TemporaryDirectory() as scratch:
@@ -153,8 +167,10 @@ def main() -> None:
                     "--every", arguments.every)
             scored = program("evaluate", "--db", database, "--truth", folder / "truth.jsonl", "--json")
             scores.append(json.loads(scored))
-            print(line_of(folder.name, scores[-1:]), flush=True)
-    print(line_of("all", scores))
+            print(line_of(folder.name, scores[-1:]), file=shown, flush=True)
+    print(line_of("all", scores), file=shown)
+    if arguments.json:
+        print(json.dumps(sums(scores)))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 """Measures what two drones over one town at the same time know together, compared with each alone.
 
 Usage: two_drones.py --models DIR [--program build/victorious] [--scenes scenes] [--flights 6] [--seed 1] [--frames 60]
-                     [--every 5] [--position-m 2] [--attitude-deg 0.5] [--keep DIR]
+                     [--every 5] [--position-m 2] [--attitude-deg 0.5] [--keep DIR] [--json]
 
 DIR contains models of the scenes' objects, made by `model add`. Flight k uses the k-th of five scenes (cyclically), in
 four of which objects drive: the first drone flies as the scene says, the second sees the same objects at the same times
@@ -10,6 +10,7 @@ from another side (70 to 110 degrees), from 0.9 to 1.15 of the range. Each has t
 those of noisy_telemetry.py. Each video is indexed alone, and both in one index. Prints one row per flight, and the
 total: the objects that both drones find alone, those of them that have one identity in the common index, and the root mean square error of their places by each
 drone alone and by both; `ratio` is that of both over that of the better drone.
+With --json the total as an object, with the ratio of each flight.
 """
 
 import argparse
@@ -18,6 +19,7 @@ import datetime
 import json
 import math
 import random
+import sys
 import tempfile
 from pathlib import Path
 
@@ -99,6 +101,12 @@ def rms(errors: list[float]) -> float:
     return math.sqrt(sum(error**2 for error in errors) / len(errors)) if errors else math.nan
 
 
+def to_better(errors: list[tuple[float, float, float]]) -> float:
+    """The error of both drones together over that of the better one of this flight."""
+    first, second, both = (rms(list(column)) for column in zip(*errors))
+    return both / min(first, second)
+
+
 def line_of(name: str, seen: int, one_identity: int, errors: list[tuple[float, float, float]]) -> str:
     first, second, both = (rms(list(column)) for column in zip(*errors)) if errors else (math.nan,) * 3
     return (f"{name:<20} {seen:9} {one_identity:12}   {first:7.2f} {second:7.2f} {both:7.2f}"
@@ -116,13 +124,15 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=5)
     parser.add_argument("--position-m", type=float, default=2)
     parser.add_argument("--attitude-deg", type=float, default=0.5)
+    parser.add_argument("--json", action="store_true")
     parser.add_argument("--keep", type=Path, help="flights and indexes stay here; what is there is not flown again")
     arguments = parser.parse_args()
     program = Program(arguments.program)
     draws = random.Random(arguments.seed)
     common = [latin_normals(arguments.flights, draws) for _ in range(2)]
-    print(f"{'flight':<20} seen by 2 one identity   rms m: A       B    both   ratio")
-    total_seen, total_one, total_errors = 0, 0, []
+    shown = sys.stderr if arguments.json else sys.stdout
+    print(f"{'flight':<20} seen by 2 one identity   rms m: A       B    both   ratio", file=shown)
+    total_seen, total_one, total_errors, ratios = 0, 0, [], []
     with tempfile.TemporaryDirectory() as scratch:
         for k in range(arguments.flights):
             name = SCENES[k % len(SCENES)]
@@ -154,11 +164,16 @@ def main() -> None:
             one_identity = sum(len(indexes["both"][one]) == 1 for one in seen)
             errors = [tuple(best_error_m(indexes[label][one]) for label in ("a", "b", "both")) for one in seen]
             errors = [one for one in errors if not any(map(math.isnan, one))]
-            print(line_of(folder.name, len(seen), one_identity, errors), flush=True)
+            print(line_of(folder.name, len(seen), one_identity, errors), file=shown, flush=True)
+            ratios += [to_better(errors)] if errors else []
             total_seen += len(seen)
             total_one += one_identity
             total_errors += errors
-    print(line_of("all", total_seen, total_one, total_errors))
+    print(line_of("all", total_seen, total_one, total_errors), file=shown)
+    if arguments.json:
+        print(json.dumps({"seen": total_seen, "one_identity": total_one, "ratios": ratios,
+                          "mean_ratio": sum(ratios) / max(1, len(ratios)), "largest_ratio": max(ratios, default=0),
+                          "worse": sum(ratio > 1 for ratio in ratios), "flights": len(ratios)}))  # fmt: skip
 
 
 if __name__ == "__main__":
