@@ -1,6 +1,6 @@
 # A thin door to tools/install_packages.sh, CMake and the program. CMake holds the build; nothing is compiled here.
 
-.PHONY: build victorious web install package test quick demo demo-cluster serve bench check format tidy fuzz asan clean
+.PHONY: build victorious web install package test results quick demo demo-cluster serve bench check format tidy fuzz asan clean
 
 # Ninja's progress: files done of all, seconds since the start.
 NINJA_STATUS ?= [%f/%t %es] $(empty)
@@ -64,6 +64,13 @@ demo-cluster: victorious | demo/index.db
 # Serves the page on the demo's index, and opens it in a browser where there is one. PORT=9000: at another port.
 serve: victorious | demo/index.db demo/flight/video.telemetry.csv
 	./tools/serve.sh build/victorious --db demo/index.db --models demo/models $(if $(PORT),--listen 127.0.0.1:$(PORT))
+
+# Measures the figures of docs/results.md that are stale, cheapest first. ROWS='boxes* roc' selects, LIMIT=600: seconds in all.
+RESULT_TARGETS = victorious victorious-bench victorious-experiment accuracy_tests geolocate_tests navigate_tests box-peers
+results:
+	$(call configure,release,--test)
+	cmake --build --preset release --target $(RESULT_TARGETS)
+	./tools/results.py $(ROWS) $(if $(LIMIT),--limit $(LIMIT))
 
 bench: build
 	build/victorious bench

@@ -9,6 +9,7 @@ shorten the flights.
 """
 
 import argparse
+import datetime
 import json
 import shutil
 import subprocess
@@ -277,6 +278,12 @@ def read_reports(arguments: argparse.Namespace, sections: list[Section]) -> dict
     return reports
 
 
+def measured_at() -> str:
+    """A line with the commit at hand and the date."""
+    commit = subprocess.run(["git", "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True).stdout.strip()
+    return f"Measured with commit {commit or 'unknown'}, {datetime.date.today().isoformat()}.\n"
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("chapter", choices=list(CHAPTERS))
@@ -293,7 +300,7 @@ def main() -> int:
     reports = read_reports(arguments, chapter.sections)
 
     more = f" --frames {arguments.frames}" if arguments.frames else ""
-    page = chapter.head.replace("{more}", more) + "\n## Summary\n\n" + chapter.targets(reports)
+    page = chapter.head.replace("{more}", more) + measured_at() + "\n## Summary\n\n" + chapter.targets(reports)
     for name, heading, words, drawn in chapter.sections:
         report = reports[name]
         page += f"\n## {heading}\n\n`victorious experiment {name}`: {report['title']}.\n"
