@@ -40,6 +40,8 @@ END
   printf 'The table has what `navigate` has alone, or with another default. It also takes these parameters and groups of `index`: %s.\n\n' "$(shared_groups)"
   "$program" params navigate | sed -n 1,2p
   "$program" params navigate | grep -vxF -f <("$program" params index)
+  printf '\n## Of `export --format coverage`\n\n'
+  "$program" params coverage
   printf '\n## Of `category train`\n\n'
   "$program" params category
 }

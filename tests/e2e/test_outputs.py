@@ -65,6 +65,7 @@ class OutputsTest(program.ProgramTest):
         yield ("model", "show", "crate", "--models", MODELS), "--views", []
         for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg"):
             yield (*export, form), "--out", [self.db]
+        yield (*export, "coverage", "--models", MODELS), "--out", [self.db]
         yield ("sheet", "--db", self.db), "--out", [self.db]
         yield track, "--out", [self.video, self.other, self.telemetry]
         yield (*track, "--out", self.scratch / "boxes.jsonl"), "--draw", [self.video, self.other, self.telemetry]
@@ -153,6 +154,19 @@ class OutputsTest(program.ProgramTest):
             self.assertEqual(said, {"file": str(out), "format": form, **counts, "placed_objects": said["placed_objects"]})
             self.assertLessEqual(said["placed_objects"], counts["objects"])
         self.refuses(2, "--out", "export", "--db", self.db, "--format", "objects", "--json")
+
+    def test_coverage_says_what_it_lacks(self):
+        coverage = ("export", "--db", self.db, "--format", "coverage")
+        self.refuses(2, "--models DIR", *coverage)
+        self.refuses(2, ["crate", "no size"], *coverage, "--models", MODELS)
+        sized = self.scratch / "sized"
+        for name in ("crate", "truck"):
+            self.succeeds("model", "add", name, self.photo, "--models", sized, "--length", "1.5")
+        out = self.scratch / "coverage.tif"
+        self.refuses(2, ["coverage needs telemetry"], *coverage, "--models", sized, "--out", out)
+        self.assertFalse(out.exists())
+        self.refuses(2, "--format coverage", "export", "--db", self.db, "--format", "geojson", "--models", MODELS)
+        self.refuses(2, "--clip", "export", "--db", self.db, "--format", "geojson", "--telemetry", self.telemetry)
 
     def test_export_does_not_hold_the_archive_in_memory(self):
         """The peak memory does not grow with the sightings; the file does, by far more than that."""

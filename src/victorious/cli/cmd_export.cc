@@ -1,4 +1,6 @@
-// victorious export --db DB --format FORMAT [--json]
+// victorious export --db DB --format FORMAT [--json]; cmd_export_coverage.cc has the format coverage
+#include "victorious/cli/cmd_export.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <memory>
@@ -28,6 +30,7 @@ namespace victorious::cli {
 namespace {
 
 constexpr std::string_view kVideoFormat = "video";
+constexpr std::string_view kCoverageFormat = "coverage";
 
 struct ClipArguments {
   std::optional<double> margin_s;
@@ -141,6 +144,7 @@ Action SetUpExport(ArgumentParser& parser) {
     std::string out;
     FilterArguments filter;
     ClipArguments clip;
+    CoverageArguments coverage;
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
@@ -148,23 +152,26 @@ Action SetUpExport(ArgumentParser& parser) {
   parser
       .Add("--format", arguments->format,
            "One of " + ExportFormatNames() +
-               " (docs/formats/export.md), or video: a copy of the video with the sightings drawn into it")
+               " (docs/formats/export.md), or video: a copy of the video with the sightings drawn into it, or "
+               "coverage: how "
+               "well the ground was searched")
       .Required()
       .TypeName("FORMAT");
   parser.Add("--out", arguments->out, "Output file (default: standard output, for gpkg unless it is a terminal)")
       .TypeName("FILE");
   arguments->filter.AddTo(parser);
-  Argument clip =
-      parser
-          .Add("--clip", arguments->clip.margin_s,
-               "With --format video: only the part with the sightings, so many seconds before and after, with "
-               "tracks, and its telemetry in a table beside it")
-          .Range(0.0, 3600.0)
-          .TypeName("SECONDS");
-  parser.Add("--telemetry", arguments->clip.telemetry, "With --clip: telemetry of the video (default: as for index)")
-      .Needs(clip)
+  parser
+      .Add("--clip", arguments->clip.margin_s,
+           "With --format video: only the part with the sightings, so many seconds before and after, with tracks, and "
+           "its telemetry in a table beside it")
+      .Range(0.0, 3600.0)
+      .TypeName("SECONDS");
+  parser
+      .Add("--telemetry", arguments->clip.telemetry,
+           "With --clip or --format coverage: telemetry of the video (default: as for index)")
       .TypeName("FILE");
   AddFilesBelow(parser, arguments->clip.files_below);
+  AddCoverage(parser, arguments->coverage);
   parser.AddFlag(
       "--json", arguments->json,
       "With --out: print one JSON object: the file, its numbers of objects, of those with a place, of sightings");
@@ -172,6 +179,21 @@ Action SetUpExport(ArgumentParser& parser) {
   return [=]() -> Status {
     if (arguments->json && IsStandardOutput(arguments->out)) {
       return Fail(ErrorCode::kInvalidArgument, "--json: says what was written to a file: give --out FILE");
+    }
+    const bool is_coverage = arguments->format == kCoverageFormat;
+    if (!arguments->clip.telemetry.empty() && !arguments->clip.margin_s && !is_coverage) {
+      return Fail(ErrorCode::kInvalidArgument, "--telemetry: is for --clip or --format coverage");
+    }
+    if (!is_coverage) VICTORIOUS_RETURN_IF_ERROR(CheckNoCoverage(arguments->coverage));
+    if (is_coverage) {
+      return ExportCoverage({.db = arguments->db,
+                             .out = arguments->out,
+                             .filter = arguments->filter,
+                             .coverage = arguments->coverage,
+                             .telemetry = arguments->clip.telemetry,
+                             .files_below = arguments->clip.files_below,
+                             .json = arguments->json},
+                            parser);
     }
     if (arguments->format == kVideoFormat) {
       VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
@@ -185,7 +207,8 @@ Action SetUpExport(ArgumentParser& parser) {
     }
     const Expected<ExportFormat> parsed = ParseExportFormat(arguments->format);
     if (!parsed) {
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}, {}", parsed.error().message, kVideoFormat));
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}, {}, {}", parsed.error().message, kVideoFormat, kCoverageFormat));
     }
     const ExportFormat format = *parsed;
     const FormatTraits traits = TraitsOf(format);

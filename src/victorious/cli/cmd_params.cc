@@ -15,6 +15,7 @@
 #include "victorious/geolocate/locate_options.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/photo_model.h"
+#include "victorious/pipeline/coverage_job.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/navigate_job.h"
 #include "victorious/pipeline/track_job.h"
@@ -46,6 +47,7 @@ constexpr std::array kLists = {
     ParameterList{"locate", "", &Defaults<LocateOptions>},
     ParameterList{"track", "", &Defaults<TrackBoxesOptions>},
     ParameterList{"navigate", "", &Defaults<NavigateVideoOptions>},
+    ParameterList{"coverage", "of export", &Defaults<CoverageOptions>},
     ParameterList{"category", "", &Defaults<CategoryTrainOptions>},
 };
 

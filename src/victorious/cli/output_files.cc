@@ -39,6 +39,7 @@ constexpr auto kKindTexts = std::to_array<EnumText<FileKind>>(
      {FileKind::kGeoJson, "a GeoJSON FeatureCollection"},
      {FileKind::kKml, "a KML file"},
      {FileKind::kGeoPackage, "a GeoPackage"},
+     {FileKind::kGeoTiff, "a GeoTIFF of a coverage"},
      {FileKind::kCameraTable, "a table of camera states (CSV)"},
      {FileKind::kTelemetryReport, "a telemetry report (JSON)"},
      {FileKind::kFeatures, "a list of features"},
@@ -143,6 +144,8 @@ bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
       return head.contains("<kml");
     case FileKind::kGeoPackage:
       return IsGeoPackage(head);
+    case FileKind::kGeoTiff:
+      return head.starts_with(std::string_view("II*\0", 4)) && head.contains("victorious coverage");
     case FileKind::kCameraTable:
       return FirstLine(head).contains("time_s") && FirstLine(head).contains("latitude_deg");
     case FileKind::kTelemetryReport:

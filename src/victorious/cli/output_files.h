@@ -22,6 +22,7 @@ enum class FileKind {
   kGeoJson,          ///< a FeatureCollection
   kKml,              ///< KML
   kGeoPackage,       ///< SQLite with the application id of GeoPackage
+  kGeoTiff,          ///< GeoTIFF of `export --format coverage`
   kCameraTable,      ///< CSV with the columns time_s and latitude_deg
   kTelemetryReport,  ///< JSON of `telemetry --json`
   kFeatures,         ///< text of `features`: a first line "N 128"
