@@ -135,6 +135,7 @@ std::vector<std::string> FuzzSeeds() {
       "GET\n/api/v1/videos/1/frames/0\nbytes=5-\n\n\n",
       "GET\n/api/v1/videos/1/times\n\n\n\n",
       "GET\n/api/v1/videos/1/camera\n\n\n\n",
+      "GET\n/api/v1/models/1/coverage?video=1\n\n\n\n",
       "GET\n/api/v1/models/1/views\n\n\n\n",
       "GET\n/api/v1/models/1/views/0\n\n\n\n",
       "GET\n/api/v1/base_map\nbytes=0-99\n\n\n",

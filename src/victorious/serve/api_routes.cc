@@ -77,6 +77,8 @@ std::vector<ApiRoute> MakeRoutes(RouteParts& parts) {
       {HttpMethod::kGet, "/api/v1/events", Role::kViewer, Of(parts.jobs, &JobRoutes::Events)},
       {HttpMethod::kGet, "/api/v1/thresholds", Role::kViewer, Of(parts.thresholds, &ThresholdRoutes::List)},
       {HttpMethod::kPut, "/api/v1/models/{id}/threshold", Role::kAnalyst, Of(parts.thresholds, &ThresholdRoutes::Put)},
+      {HttpMethod::kGet, "/api/v1/models/{id}/coverage", Role::kViewer, Of(parts.evidence, &EvidenceRoutes::Coverage),
+       kHasQuery, kIsSlow},
       {HttpMethod::kGet, "/api/v1/models/{id}/views", Role::kViewer, Of(parts.evidence, &EvidenceRoutes::Views)},
       {HttpMethod::kGet, "/api/v1/models/{id}/views/{view}", Role::kViewer,
        Of(parts.evidence, &EvidenceRoutes::ViewImage), kHasQuery},

@@ -490,6 +490,13 @@ TEST_F(ApiTest, CameraPathComesFromTelemetry) {
   EXPECT_THAT(camera["points"][0]["footprint"], SizeIs(4));
 }
 
+TEST_F(ApiTest, CoverageNeedsAModelAndAVideo) {
+  EXPECT_EQ(Get("/api/v1/models/1/coverage", 400)["field"], "video");
+  Get("/api/v1/models/99/coverage?video=1", 404);
+  Get("/api/v1/models/1/coverage?video=99", 404);
+  EXPECT_THAT(Get("/api/v1/models/1/coverage?video=1", 404)["message"].get<std::string>(), HasSubstr("--models"));
+}
+
 // A file that is given belongs to the video that the index had, not to those that are added later.
 TEST_F(ApiTest, GivenTelemetryIsThatOfOneVideo) {
   testing::WriteBytes(folder_ / "table.csv",

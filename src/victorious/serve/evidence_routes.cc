@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -11,23 +12,27 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
+#include "victorious/base/median.h"
 #include "victorious/base/options.h"
 #include "victorious/decoder/crop.h"
 #include "victorious/image/image_file.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/view_surface.h"
+#include "victorious/pipeline/coverage_job.h"
 #include "victorious/pipeline/sighting_evidence.h"
 #include "victorious/serve/api_json.h"
 #include "victorious/serve/api_response.h"
 #include "victorious/serve/index_lookup.h"
 #include "victorious/serve/static_files.h"
+#include "victorious/store/export_coverage.h"
 
 namespace victorious {
 namespace {
 
-constexpr std::size_t kMaxCameras = 4;    // trajectories of some megabytes
-constexpr std::size_t kMaxEvidence = 64;  // bodies of at most 150 kB
-constexpr std::size_t kMaxModels = 8;     // mapped files of 9 to 32 MB: a turning model asks for hundreds of views
+constexpr std::size_t kMaxCameras = 4;     // trajectories of some megabytes
+constexpr std::size_t kMaxEvidence = 64;   // bodies of at most 150 kB
+constexpr std::size_t kMaxCoverages = 16;  // bodies of at most some megabytes
+constexpr std::size_t kMaxModels = 8;      // mapped files of 9 to 32 MB: a turning model asks for hundreds of views
 
 // How long a request waits for those before it. Each waits on one of the few threads that answer all requests.
 constexpr std::chrono::seconds kMaxWait{2};
@@ -63,6 +68,7 @@ EvidenceRoutes::EvidenceRoutes(IndexView& index, VideoFiles& videos, std::filesy
       models_folder_(std::move(models)),
       cameras_(kMaxCameras),
       bodies_(kMaxEvidence),
+      coverages_(kMaxCoverages),
       models_(kMaxModels) {}
 
 ApiExpected<std::shared_ptr<const ObjectModel>> EvidenceRoutes::LoadModel(const ModelRecord& record) {
@@ -195,6 +201,77 @@ ApiExpected<HttpResponse> EvidenceRoutes::Get(const ApiCall& call) {
                                       object.object.id, search->options_json);
   VICTORIOUS_ASSIGN_OR_RETURN(const auto body, GetUnlessCancelled(bodies_, key, call.cancel, [&] {
                                 return Make(sighting, *video, search->options_json, *model, call.cancel);
+                              }));
+  return TaggedResponse(call.request, "application/json", *body, 0);
+}
+
+Expected<std::string> EvidenceRoutes::MakeCoverage(const VideoRecord& video, std::int64_t model_id,
+                                                   const ObjectModel& model, double ground_m,
+                                                   const CancelToken& cancel) {
+  constexpr double kMaxLooks = 3000;  // of a long video
+  constexpr double kMaxCells = 40'000;
+  const CoverageOptions options;
+  const std::optional<SearchedModel> sized = SizeOf(model);
+  if (!sized) return Fail(ErrorCode::kNotFound, fmt::format("{} has no size in metres", model.name));
+  std::vector<SearchPart> parts;
+  std::optional<SearchRecord> search;
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(parts, reader->sightings->SearchParts(video.id));
+    VICTORIOUS_ASSIGN_OR_RETURN(search, reader->sightings->FindSearch(video.id, model_id));
+  }
+  TelemetryOptions telemetry;
+  if (const auto searched = TelemetryOptionsOf(search ? search->options_json : "{}")) telemetry = *searched;
+  if (!telemetry.geoid_grid.empty()) VICTORIOUS_RETURN_IF_ERROR(videos_.roots().files().Check(telemetry.geoid_grid));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::filesystem::path path, videos_.Find(video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CameraStates cameras,
+                              videos_.Cameras(video, path, telemetry, [](const std::string& /*warning*/) {}, cancel));
+  const double interval_s = std::max(options.look_interval_s, video.duration_s.value_or(0) / kMaxLooks);
+  const std::vector<GroundLook> looks = SearchedLooks(video, parts, std::span(&model_id, 1), cameras,
+                                                      std::make_shared<const FlatGround>(ground_m), interval_s);
+  const auto coverage =
+      CoverGround(looks, {*sized}, options.detection, {.cell_m = {}, .max_cells = kMaxCells, .centre = {}});
+  if (!coverage) {
+    return Fail(ErrorCode::kNotFound,
+                "the searched ground is not known: it needs telemetry with positions, attitudes and fields of view");
+  }
+  std::ostringstream body;
+  VICTORIOUS_RETURN_IF_ERROR(WriteCoverageGeoJson(*coverage, options.min_probability, body));
+  return body.str();
+}
+
+ApiExpected<HttpResponse> EvidenceRoutes::Coverage(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t number, ParseId(call.parameters[0], "model"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto of_video, call.query.Integer("video", 0, INT64_MAX));
+  VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
+  if (!of_video) return FailField("video", "video: give the id of one");
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
+  const ModelRecord* record = lists->Model(number);
+  const VideoRecord* video = lists->Video(*of_video);
+  if (record == nullptr) return NotFound(fmt::format("model {} is not in the index", number));
+  if (video == nullptr) return NotFound(fmt::format("video {} is not in the index", *of_video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto model, LoadModel(*record));
+  VICTORIOUS_RETURN_IF_ERROR(videos_.Find(*video));
+  std::vector<double> heights_m;
+  std::string searched;  // what was searched changes with the index
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
+    VICTORIOUS_ASSIGN_OR_RETURN(heights_m, reader->objects->PlaceHeights(video->id));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchPart> parts, reader->sightings->SearchParts(video->id));
+    for (const SearchPart& part : parts) {
+      if (part.model == number) searched += fmt::format(" {} {}", part.from_frame, part.to_frame);
+    }
+  }
+  if (heights_m.empty()) {
+    return NotFound(
+        "no object of the video with a place gives the height of its ground: `victorious export --format coverage` "
+        "estimates it");
+  }
+  const double ground_m = Median(heights_m);
+  const std::string key =
+      fmt::format("{} {} {} {} {}{}", video->content_id, video->telemetry, video->id, model->id, ground_m, searched);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto body, GetUnlessCancelled(coverages_, key, call.cancel, [&] {
+                                return MakeCoverage(*video, number, *model, ground_m, call.cancel);
                               }));
   return TaggedResponse(call.request, "application/json", *body, 0);
 }

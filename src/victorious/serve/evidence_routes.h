@@ -1,4 +1,5 @@
-// The route of evidence: why a sighting was reported; and the images of a model's views. Thread-safe.
+// The routes of evidence: why a sighting was reported, and how well the ground was searched for what was not found; and
+// the images of a model's views. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +24,7 @@ class EvidenceRoutes {
   EvidenceRoutes(IndexView& index, VideoFiles& videos, std::filesystem::path models);
 
   ApiExpected<HttpResponse> Get(const ApiCall& call);
+  ApiExpected<HttpResponse> Coverage(const ApiCall& call);
   ApiExpected<HttpResponse> Views(const ApiCall& call);
   ApiExpected<HttpResponse> ViewImage(const ApiCall& call);
 
@@ -38,12 +40,18 @@ class EvidenceRoutes {
                                            const std::string& options_json, const ObjectModel& model,
                                            const CancelToken& cancel);
 
+  /// The body of an answer. Errors: kNotFound if the camera or the ground is not known.
+  [[nodiscard]] Expected<std::string> MakeCoverage(const VideoRecord& video, std::int64_t model_id,
+                                                   const ObjectModel& model, double ground_m,
+                                                   const CancelToken& cancel);
+
   IndexView& index_;
   VideoFiles& videos_;
   std::filesystem::path models_folder_;
-  OnceCache<CameraStates> cameras_;  ///< by the video's content and the telemetry's options
-  OnceCache<std::string> bodies_;    ///< of answers
-  OnceCache<ObjectModel> models_;    ///< by name and state of the file; the files are mapped
+  OnceCache<CameraStates> cameras_;   ///< by the video's content and the telemetry's options
+  OnceCache<std::string> bodies_;     ///< of answers
+  OnceCache<std::string> coverages_;  ///< of answers
+  OnceCache<ObjectModel> models_;     ///< by name and state of the file; the files are mapped
   std::counting_semaphore<> slots_{1};
 };
 

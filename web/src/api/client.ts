@@ -1,6 +1,6 @@
 // The API of `victorious serve` as functions. A failed call throws ApiFailure, whose message is fit to be shown.
 import type { components } from "./schema";
-import type { ApiErrorBody, CameraPath, Cluster, Counts, Evidence, Job, ModelViews, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
+import type { ApiErrorBody, CameraPath, Cluster, Counts, Coverage, Evidence, Job, ModelViews, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
 import { withoutField } from "../logic/errors";
 import { readTrack } from "../logic/followed";
 import { KeepaliveBudget } from "../logic/keepalive";
@@ -163,6 +163,9 @@ export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/
 export const getEvidence = (object: number, at: { video: number; frame: number } | null, signal: AbortSignal) =>
   request<Evidence>(`/objects/${object}/evidence${at === null ? "" : `?video=${at.video}&frame=${at.frame}`}`, { signal });
 
+/** How well the ground of a video was searched for a model. */
+export const getCoverage = (model: number, video: number, signal: AbortSignal) =>
+  request<Coverage>(`/models/${model}/coverage?video=${video}`, { signal });
 export const getModelViews = (model: number, signal: AbortSignal) => request<ModelViews>(`/models/${model}/views`, { signal });
 /** All pixels that the model has of a view. */
 export const fullViewUrl = (model: number, view: number) => `${viewUrl(model, view)}?size=full`;

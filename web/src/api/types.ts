@@ -20,6 +20,7 @@ export type Counts = Schemas["ObjectCounts"];
 export type ModelViews = Schemas["ModelViews"];
 export type ThresholdList = Schemas["ThresholdList"];
 export type ThresholdOfModel = Schemas["ThresholdOfModel"];
+export type Coverage = Schemas["Coverage"];
 export type CameraPath = Schemas["CameraPath"];
 export type CameraPoint = Schemas["CameraPoint"];
 export type Place = Schemas["Place"];

@@ -22,6 +22,7 @@ import { lastReview, objectOf, videoObjects } from "../objects";
 import { seenAt, showPlace } from "../places";
 import { frameCanvas, pictureVersion } from "../player";
 import * as notices from "../notices";
+import * as searched from "../searched";
 import * as selection from "../selection";
 import * as state from "../state";
 import { type BaseMap, loadBaseMap } from "./base_map";
@@ -304,6 +305,10 @@ function connect(map: MapLibre): (() => void)[] {
       setData("path", line.length > 1 ? collection([feature({ type: "LineString", coordinates: line })]) : EMPTY);
     }),
     effect(() => {
+      const shown = searched.coverage.value;
+      setData("searched", shown?.state === "ready" ? (shown.value as unknown as FeatureCollection) : EMPTY);
+    }),
+    effect(() => {
       const [path, video] = [state.cameraPath.value, state.videoId.value];
       if (!path || video === fittedVideo || videoObjects.value?.video !== video) return;
       const bounds = untracked(() => boundsOf(path));
@@ -369,6 +374,21 @@ function Seen() {
   );
 }
 
+/** What part of the ground was searched well for the model that is chosen. */
+function SearchedGround() {
+  if (!searched.isShown.value) return null;
+  const shown = searched.coverage.value;
+  if (shown === null) return <div class="readout">filter by one model, or select an object, to see how well the ground was searched for it</div>;
+  if (shown.state === "loading") return <div class="readout">searched ground …</div>;
+  if (shown.state === "failed") return <div class="readout">searched ground: {forReaders(shown.message)}</div>;
+  const { min_probability: least, models } = shown.value.coverage;
+  return (
+    <div class="readout">
+      {models.map((one) => `${one.model}: ${Math.round(100 * one.searched_fraction)} % of the ground searched with ${least} or more`).join("; ")}
+    </div>
+  );
+}
+
 /** Telemetry that was forgotten, or came later. */
 function AttachTelemetry() {
   const input = useRef<HTMLInputElement>(null);
@@ -425,6 +445,7 @@ export function MapPane() {
         <div class="canvas" ref={container} data-ready={isReady.value} />
         <div class="tools" role="group" aria-label="Map">
           {toggle("Frame", "Lay the frame on the ground that it shows", isDraped)}
+          {toggle("Searched", "How probably an object of the chosen model would have been found there; lines around what is to be searched again", searched.isShown)}
           {toggle("Follow", "Keep the camera in the middle", isFollowing)}
           <button class="button" title="Show the whole flight" onClick={() => fitRequest.value++}>
             <Icon name="fit" /> All
@@ -460,6 +481,7 @@ export function MapPane() {
             </div>
           )}
           <Seen />
+          <SearchedGround />
           <div class="readout">
             {at ? formatPosition(at[1], at[0], state.coordinateStyle.value) : "North up"}
             {spacing.value !== null && ` · grid ${formatMetres(spacing.value).replace(/\.0 m$/, " m")}`}

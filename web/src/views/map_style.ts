@@ -43,6 +43,7 @@ export function makeStyle(tiles: string, base: BaseMap | null): StyleSpecificati
       land: geojson(),
       grid: geojson(),
       coverage: geojson(),
+      searched: geojson(),
       footprint: geojson(),
       path: geojson(),
       tracks: geojson(),
@@ -64,6 +65,20 @@ export function makeStyle(tiles: string, base: BaseMap | null): StyleSpecificati
         type: "fill",
         source: "coverage",
         paint: { "fill-color": token("--accent"), "fill-opacity": 0.012, "fill-antialias": false },
+      },
+      {
+        id: "searched",
+        type: "fill",
+        source: "searched",
+        filter: ["==", ["get", "kind"], "probability"],
+        paint: { "fill-color": token("--accent"), "fill-opacity": ["*", 0.6, ["get", "min_probability"]], "fill-antialias": false },
+      },
+      {
+        id: "searched-gaps",
+        type: "line",
+        source: "searched",
+        filter: ["==", ["get", "kind"], "gap"],
+        paint: { "line-color": token("--warning"), "line-width": 1.5 },
       },
       {
         id: "path",
