@@ -165,6 +165,18 @@ std::expected<Caller, HttpResponse> AccessControl::Admit(const HttpRequest& requ
                                 ToText(caller->proved->account.role), ToText(*least))));
 }
 
+Status AccessControl::CheckStore() {
+  const std::scoped_lock lock(reader_mutex_);
+  const auto asked = reader_->HasAccounts();
+  if (!asked) return std::unexpected(asked.error());
+  return {};
+}
+
+Expected<std::int64_t> AccessControl::CountSessions() {
+  const std::scoped_lock lock(reader_mutex_);
+  return reader_->CountSessions(UtcMicroseconds());
+}
+
 ApiExpected<HttpResponse> AccessControl::Session(const Caller& caller) {
   return SessionResponse(caller.proved ? std::optional(caller.proved->account) : std::nullopt, !caller.is_open);
 }

@@ -67,6 +67,11 @@ class AccessControl {
   [[nodiscard]] ApiExpected<HttpResponse> LogIn(const HttpRequest& request, int port);
   [[nodiscard]] ApiExpected<HttpResponse> LogOut(const Caller& caller, int port);
 
+  /// Asks the store something small. Errors: those of reading.
+  [[nodiscard]] Status CheckStore();
+  /// Sessions that have not ended.
+  [[nodiscard]] Expected<std::int64_t> CountSessions();
+
   /// Writes to the log what changes nothing in the index, if that can be written.
   [[nodiscard]] Status Log(const Caller& caller, std::string_view action, std::string subject, std::string detail);
   [[nodiscard]] Expected<std::vector<AuditRecord>> Audit(std::int64_t limit, std::optional<std::int64_t> before);

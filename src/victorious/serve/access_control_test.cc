@@ -16,6 +16,7 @@
 #include "victorious/base/utc.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/secret.h"
+#include "victorious/store/sqlite/connection.h"
 
 namespace victorious {
 namespace {
@@ -181,6 +182,50 @@ TEST_F(AccessTest, RequestsWithoutARouteAreRefused) {
   EXPECT_EQ(refused.status, 405);
   EXPECT_EQ(HeaderOf(refused, "Allow"), "GET, HEAD, POST");
   EXPECT_EQ(SendAs("admin", {.method = HttpMethod::kOther, .target = "/api/v1/project"}).status, 405);
+}
+
+TEST_F(AccessTest, HealthIsForEverybodyAndSaysNothingElse) {
+  AddAccounts();
+  Open();
+  const HttpResponse well = Send({.target = "/healthz"});
+  EXPECT_EQ(well.status, 200);
+  EXPECT_EQ(well.body, "ok\n");
+  const auto connection = sqlite::Connection::Open(index_, sqlite::Access::kWrite).value();
+  ASSERT_TRUE(connection->Execute("ALTER TABLE accounts RENAME TO gone"));
+  const HttpResponse ill = Send({.target = "/healthz"});
+  EXPECT_EQ(ill.status, 503);
+  EXPECT_EQ(ill.body, "not ok\n");
+  EXPECT_EQ(SendAs("admin", {.target = "/healthz"}).body, "not ok\n");
+}
+
+TEST_F(AccessTest, MetricsAreForAdministratorsAndNameRoutesNotRequests) {
+  AddAccounts();
+  Open();
+  EXPECT_EQ(Send({.target = "/metrics"}).status, 401);
+  EXPECT_EQ(SendAs("viewer", {.target = "/metrics"}).status, 403);
+  EXPECT_EQ(SendAs("viewer", {.target = "/api/v1/objects/987654"}).status, 404);
+  EXPECT_EQ(SendAs("viewer", {.target = "/api/v1/objects/987653"}).status, 404);
+  // A slow answer that nobody has made yet.
+  HttpRequest frame{.target = "/api/v1/videos/1/frames/0", .host = "127.0.0.1:8080"};
+  frame.cookie = "victorious_8080=" + SecretOf("viewer");
+  HttpResponse slow = api_->Begin(frame, kPort);
+  ASSERT_TRUE(slow.slow);
+  const HttpResponse answer = SendAs("admin", {.target = "/metrics"});
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.content_type, StartsWith("text/plain; version=0.0.4"));
+  for (const char* const line :
+       {"victorious_http_requests_total{route=\"/api/v1/objects/{id}\",method=\"GET\",status=\"404\"} 2\n",
+        "victorious_http_requests_total{route=\"refused\",method=\"GET\",status=\"403\"} 1\n",
+        "victorious_http_request_duration_seconds_bucket{group=\"quick\",le=\"+Inf\"} 2\n",
+        "victorious_http_request_duration_seconds_count{group=\"refused\"} 2\n",
+        "victorious_decodings{state=\"waiting\"} 1\n", "victorious_jobs{state=\"queued\"} 0\n",
+        "victorious_sessions 3\n"}) {
+    EXPECT_THAT(answer.body, HasSubstr(line));
+  }
+  EXPECT_THAT(answer.body, Not(HasSubstr("98765")));
+  EXPECT_THAT(answer.body, Not(HasSubstr("none.mp4")));
+  slow.slow.reset();
+  EXPECT_THAT(SendAs("admin", {.target = "/metrics"}).body, HasSubstr("victorious_decodings{state=\"waiting\"} 0\n"));
 }
 
 TEST_F(AccessTest, WithoutAccountsThisMachineIsOpen) {

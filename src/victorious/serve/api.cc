@@ -1,5 +1,6 @@
 #include "victorious/serve/api.h"
 
+#include <chrono>
 #include <new>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "victorious/serve/api_response.h"
 #include "victorious/serve/api_routes.h"
 #include "victorious/serve/request_guard.h"
+#include "victorious/serve/server_metrics.h"
 #include "victorious/serve/static_files.h"
 #include "victorious/store/open_store.h"
 #include "victorious/video/trusted_certificates.h"
@@ -51,7 +53,12 @@ FileRoots RootsOf(const ApiOptions& options) {
   return FileRoots(roots, secrets);
 }
 
-bool IsOfApi(std::span<const std::string> segments) { return !segments.empty() && segments.front() == "api"; }
+bool IsOfApi(std::span<const std::string> segments) {
+  return !segments.empty() && (segments.front() == "api" ||
+                               (segments.size() == 1 && (segments[0] == "healthz" || segments[0] == "metrics")));
+}
+
+using Clock = std::chrono::steady_clock;
 
 // The telemetry of the only video. Error: kInvalidArgument if the index has another number of videos.
 Expected<std::optional<GivenTelemetryFile>> GivenTelemetry(const ApiOptions& options, IndexView& index) {
@@ -90,6 +97,7 @@ struct Api::Parts {
   CopyFolder copies;
   UploadFolder uploads;
   StaticFiles page;
+  const std::shared_ptr<ServerMetrics> metrics = std::make_shared<ServerMetrics>();
   std::unique_ptr<LiveService> live;  ///< its threads use the index and the copies
   std::unique_ptr<RouteParts> routes;
   RouteTable table{{}};
@@ -115,7 +123,8 @@ void Api::Parts::MakeTable(std::unique_ptr<ThresholdStore> thresholds) {
                                                        .live = *live,
                                                        .videos = videos,
                                                        .copies = copies,
-                                                       .uploads = uploads},
+                                                       .uploads = uploads,
+                                                       .metrics = metrics},
                                         std::move(thresholds));
   table = RouteTable(MakeRoutes(*routes));
 }
@@ -145,26 +154,48 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
 std::span<const ApiRoute> Api::routes() const { return parts_->table.routes(); }
 
 HttpResponse Api::Handle(const HttpRequest& request, int port) {
+  const auto begun = Clock::now();
   auto admitted = Admit(request, port);
-  if (!admitted) return std::move(admitted).error();
-  return Answer(request, *admitted, port, cancel_);
+  if (!admitted) return Refused(request, std::move(admitted).error(), begun);
+  return Answer(request, *admitted, port, cancel_, begun);
 }
 
 HttpResponse Api::Begin(const HttpRequest& request, int port) {
+  const auto begun = Clock::now();
   auto admitted = Admit(request, port);
-  if (!admitted) return std::move(admitted).error();
+  if (!admitted) return Refused(request, std::move(admitted).error(), begun);
   const ApiRoute* route = admitted->match.route;
-  if (route == nullptr || !route->is_slow) return Answer(request, *admitted, port, cancel_);
+  if (route == nullptr || !route->is_slow) return Answer(request, *admitted, port, cancel_, begun);
   const std::string client = request.client + " " + admitted->caller.name();
   HttpResponse response;
   response.slow = std::make_shared<SlowResponse>(SlowResponse{
-      .client = client, .make = [this, request, admitted = *std::move(admitted), port](const CancelToken& left) {
-        return Answer(request, admitted, port, left);
+      .client = client,
+      .make = [this, request, admitted = *std::move(admitted), port, begun,
+               decoding = std::make_shared<ServerMetrics::Decoding>(parts_->metrics)](const CancelToken& left) {
+        decoding->Start();
+        return Answer(request, admitted, port, left, begun);
       }});
   return response;
 }
 
-HttpResponse Api::Answer(const HttpRequest& request, const Admitted& admitted, int port, const CancelToken& cancel) {
+HttpResponse Api::Refused(const HttpRequest& request, HttpResponse refusal, Clock::time_point begun) {
+  parts_->metrics->Count(ServerMetrics::Group::kRefused, request.method, "refused", refusal.status,
+                         Clock::now() - begun);
+  return refusal;
+}
+
+HttpResponse Api::Answer(const HttpRequest& request, const Admitted& admitted, int port, const CancelToken& cancel,
+                         Clock::time_point begun) {
+  HttpResponse response = Make(request, admitted, port, cancel);
+  const ApiRoute* route = admitted.match.route;
+  using Group = ServerMetrics::Group;
+  const Group group = route == nullptr ? Group::kPageFile : route->is_slow ? Group::kSlow : Group::kQuick;
+  parts_->metrics->Count(group, request.method, route == nullptr ? "page" : route->path, response.status,
+                         Clock::now() - begun);
+  return response;
+}
+
+HttpResponse Api::Make(const HttpRequest& request, const Admitted& admitted, int port, const CancelToken& cancel) {
   try {
     auto answer = AskHandler(request, admitted, port, cancel);
     HttpResponse response = answer ? *std::move(answer) : ErrorResponse(answer.error());
@@ -197,6 +228,7 @@ std::expected<Api::Admitted, HttpResponse> Api::Admit(const HttpRequest& request
     if (!methods.empty()) return std::unexpected(MethodNotAllowed(methods));
     return std::unexpected(ErrorResponse(NotFound("there is no such address; api/openapi.json lists them").error()));
   }
+  if (match->route->is_probe) return Admitted{.target = *std::move(target), .match = *std::move(match), .caller = {}};
   auto caller = parts_->access->Admit(request, match->route->least, port);
   if (!caller) return std::unexpected(std::move(caller).error());
   return Admitted{.target = *std::move(target), .match = *std::move(match), .caller = *std::move(caller)};

@@ -2,6 +2,7 @@
 // has the one table of them. No network here: http_server.h calls Begin from several threads.
 #pragma once
 
+#include <chrono>
 #include <expected>
 #include <memory>
 #include <span>
@@ -48,8 +49,14 @@ class Api {
   };
   /// Refuses what comes from elsewhere, what has no route, and whom its role does not admit.
   [[nodiscard]] std::expected<Admitted, HttpResponse> Admit(const HttpRequest& request, int port);
+  /// A refusal, counted.
+  [[nodiscard]] HttpResponse Refused(const HttpRequest& request, HttpResponse refusal,
+                                     std::chrono::steady_clock::time_point begun);
+  /// What Make makes, counted.
   [[nodiscard]] HttpResponse Answer(const HttpRequest& request, const Admitted& admitted, int port,
-                                    const CancelToken& cancel);
+                                    const CancelToken& cancel, std::chrono::steady_clock::time_point begun);
+  [[nodiscard]] HttpResponse Make(const HttpRequest& request, const Admitted& admitted, int port,
+                                  const CancelToken& cancel);
   ApiExpected<HttpResponse> AskHandler(const HttpRequest& request, const Admitted& admitted, int port,
                                        const CancelToken& cancel);
 

@@ -8,6 +8,7 @@ namespace {
 constexpr bool kHasQuery = true;
 constexpr bool kIsSlow = true;
 constexpr bool kIsUpload = true;
+constexpr bool kIsProbe = true;
 
 template <typename Part>
 ApiHandler Of(Part& part, ApiExpected<HttpResponse> (Part::*handler)(const ApiCall& call)) {
@@ -31,6 +32,7 @@ RouteParts::RouteParts(const SharedByRoutes& shared, std::unique_ptr<ThresholdSt
             .copies = shared.copies,
             .uploads = shared.uploads}),
       cluster(shared.options.index),
+      operation(shared.access, shared.live, cluster, shared.metrics),
       thresholds(shared.index, std::move(store)) {}
 
 // The first that fits is taken: a name stands before a {…} in its place.
@@ -82,6 +84,9 @@ std::vector<ApiRoute> MakeRoutes(RouteParts& parts) {
       {HttpMethod::kGet, "/api/v1/models/{id}/views", Role::kViewer, Of(parts.evidence, &EvidenceRoutes::Views)},
       {HttpMethod::kGet, "/api/v1/models/{id}/views/{view}", Role::kViewer,
        Of(parts.evidence, &EvidenceRoutes::ViewImage), kHasQuery},
+      {HttpMethod::kGet, "/healthz", std::nullopt, Of(parts.operation, &OperationRoutes::Health), !kHasQuery, !kIsSlow,
+       !kIsUpload, kIsProbe},
+      {HttpMethod::kGet, "/metrics", Role::kAdmin, Of(parts.operation, &OperationRoutes::Metrics)},
       {HttpMethod::kGet, "/api/v1/audit", Role::kAdmin, Of(parts.session, &SessionRoutes::Audit), kHasQuery},
   };
 }

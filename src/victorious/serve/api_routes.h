@@ -9,6 +9,7 @@
 #include "victorious/serve/job_inputs.h"
 #include "victorious/serve/job_routes.h"
 #include "victorious/serve/object_routes.h"
+#include "victorious/serve/operation_routes.h"
 #include "victorious/serve/project_routes.h"
 #include "victorious/serve/route_table.h"
 #include "victorious/serve/session_routes.h"
@@ -26,6 +27,7 @@ struct SharedByRoutes {
   VideoFiles& videos;
   CopyFolder& copies;
   UploadFolder& uploads;
+  std::shared_ptr<const ServerMetrics> metrics;
 };
 
 /// What answers the routes. Each part has only what it needs.
@@ -43,6 +45,7 @@ struct RouteParts {
   EvidenceRoutes evidence;
   JobRoutes jobs;
   ClusterRoutes cluster;
+  OperationRoutes operation;
   ThresholdRoutes thresholds;
 };
 

@@ -90,15 +90,25 @@ Json ClusterToJson(const ClusterStatus& status, bool is_shared) {
 
 }  // namespace
 
+Expected<ClusterStatus> ClusterRoutes::Read() {
+  if (!cluster_) {
+    VICTORIOUS_ASSIGN_OR_RETURN(cluster_, ClusterReader::Open(index_));
+  }
+  return cluster_->Read();
+}
+
+Expected<std::optional<ClusterStatus>> ClusterRoutes::Status() {
+  if (!IsDatabaseUrl(index_)) return std::nullopt;
+  const std::scoped_lock lock(mutex_);
+  return Read();
+}
+
 ApiExpected<HttpResponse> ClusterRoutes::List(const ApiCall& /*call*/) {
   if (!IsDatabaseUrl(index_)) return JsonResponse(ClusterToJson({}, /*is_shared=*/false));
   constexpr std::chrono::seconds kMaxAge{1};
   const std::scoped_lock lock(mutex_);
   if (body_.empty() || std::chrono::steady_clock::now() - read_ >= kMaxAge) {
-    if (!cluster_) {
-      VICTORIOUS_ASSIGN_OR_RETURN(cluster_, ClusterReader::Open(index_));
-    }
-    VICTORIOUS_ASSIGN_OR_RETURN(const ClusterStatus status, cluster_->Read());
+    VICTORIOUS_ASSIGN_OR_RETURN(const ClusterStatus status, Read());
     body_ = DumpJson(ClusterToJson(status, /*is_shared=*/true)) + "\n";
     read_ = std::chrono::steady_clock::now();
   }

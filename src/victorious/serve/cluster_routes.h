@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -19,7 +20,12 @@ class ClusterRoutes {
 
   ApiExpected<HttpResponse> List(const ApiCall& call);
 
+  /// What they do; std::nullopt: the index is a file, which has none. Errors: those of ClusterReader.
+  [[nodiscard]] Expected<std::optional<ClusterStatus>> Status();
+
  private:
+  [[nodiscard]] Expected<ClusterStatus> Read();  ///< needs the mutex
+
   std::string index_;
   std::mutex mutex_;
   std::unique_ptr<ClusterReader> cluster_;  ///< opened by the first request for it

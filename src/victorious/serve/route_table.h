@@ -37,6 +37,7 @@ struct ApiRoute {
   bool has_query = false;  ///< the handler reads parameters of the query, and refuses others
   bool is_slow = false;    ///< it reads a video: waits for its turn (SlowResponse)
   bool is_upload = false;  ///< the body goes to a file (UploadPlan)
+  bool is_probe = false;   ///< nobody is asked who he is, so that it is answered without the store, too
 };
 
 class RouteTable {

@@ -118,6 +118,8 @@ class AccountStore {
                                                                      std::int64_t now_us) = 0;
   /// Deletes the credentials that have expired.
   [[nodiscard]] virtual Status RemoveExpired(std::int64_t now_us) = 0;
+  /// Sessions of all accounts that have not expired.
+  [[nodiscard]] virtual Expected<std::int64_t> CountSessions(std::int64_t now_us) = 0;
   /// Ends a credential. Error: kNotFound.
   [[nodiscard]] virtual Status RemoveCredential(std::int64_t account, std::int64_t credential) = 0;
   /// The tokens of an account, oldest first.

@@ -146,6 +146,11 @@ class SqlAccountStore final : public AccountStore {
     return {};
   }
 
+  Expected<std::int64_t> CountSessions(std::int64_t now_us) override {
+    return database_->ReadInteger("SELECT count(*) FROM credentials WHERE kind = 'session' AND expires_utc_us > ?",
+                                  ValueList(now_us));
+  }
+
   Status RemoveCredential(std::int64_t account, std::int64_t credential) override {
     VICTORIOUS_ASSIGN_OR_RETURN(
         const std::int64_t removed,
