@@ -22,6 +22,7 @@ struct Command {
   bool has_addresses = false;               ///< gets the flag --ca: it opens live sources or other addresses
 };
 
+Action SetUpBackup(ArgumentParser& parser);
 Action SetUpCategory(ArgumentParser& parser);
 Action SetUpCluster(ArgumentParser& parser);
 Action SetUpCopy(ArgumentParser& parser);

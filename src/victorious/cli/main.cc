@@ -49,6 +49,7 @@ constexpr std::array kCommands = {
     Command{"serve", "Find", "Show the results in the browser: ranked list, video and map", &SetUpServe, !kHasThreads,
             nullptr, kHasAddresses},
     Command{"user", "Find", "Say who may use `serve`: accounts, roles, tokens, log", &SetUpUser},
+    Command{"backup", "Find", "Copy an index while it is read and written", &SetUpBackup},
     Command{"sheet", "Find", "Draw the objects found on a contact sheet", &SetUpSheet},
     Command{"locate", "Find", "Locate the intersection of lines of sight, with covariance", &SetUpLocate},
     Command{"navigate", "Find", "Estimate the camera pose from landmarks of known place", &SetUpNavigate, kHasThreads,

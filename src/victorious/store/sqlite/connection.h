@@ -52,6 +52,8 @@ class Connection {
   /// True if the last call failed because another process holds the lock.
   [[nodiscard]] bool IsBusy() const;
   [[nodiscard]] const std::string& name() const { return name_; }
+  /// For what SQLite does with two connections (backup.h).
+  [[nodiscard]] sqlite3* handle() const { return handle_; }
 
   /// Converts a SQLite result code to an Error with the file's name.
   [[nodiscard]] Error ErrorFromCode(int code) const;
