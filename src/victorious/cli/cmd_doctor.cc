@@ -28,6 +28,7 @@
 #include "victorious/pipeline/clock_offset.h"
 #include "victorious/pipeline/photo_telemetry.h"
 #include "victorious/pipeline/video_telemetry.h"
+#include "victorious/serve/access_log.h"
 #include "victorious/store/model_file.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/video_coverage.h"
@@ -335,6 +336,28 @@ Expected<Report> CheckIndex(const std::string& db) {
                 {{"file", path}, {"kind", "index"}, {"faults", ordered_json::array()}}};
 }
 
+// The first bytes of a file, by which its kind is known; fewer if it is shorter.
+std::string FirstBytes(const std::string& path) {
+  std::string head(16, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head;
+}
+
+// Verifies each entry of a server's log of reads.
+Expected<Report> CheckAccessLog(const std::string& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const AccessLogSummary summary, VerifyAccessLog(path));
+  return Report{fmt::format("{}\n  a log of reads without changes: {}, the last hash {}\n{}", path,
+                            CountText(summary.entries, "read"), summary.last_hash,
+                            summary.is_cut_off ? "  the last line is being written, or was cut off\n" : ""),
+                {{"file", path},
+                 {"kind", "access_log"},
+                 {"entries", summary.entries},
+                 {"last_hash", summary.last_hash},
+                 {"is_cut_off", summary.is_cut_off}}};
+}
+
 // Determines the kind by the file's first bytes, not by its name.
 Expected<Report> Describe(const std::string& path) {
   if (IsDatabaseUrl(path)) return DescribeIndex(path);
@@ -366,12 +389,14 @@ Action SetUpDoctor(ArgumentParser& parser) {
              "A video, a folder of frames, an image, telemetry, a model (.vmodel) or an index (.db, or "
              "postgresql://USER@HOST/DATABASE); without it, "
              "this machine is described");
-  parser.AddFlag("--check", arguments->check, "Read all of an index and report damage");
+  parser.AddFlag("--check", arguments->check, "Read all of an index, or of a server's log of reads, and report damage");
   parser.AddFlag("--json", arguments->json, "Print one JSON object");
   return [=]() -> Status {
     if (arguments->check) {
       if (arguments->file.empty()) return Fail(ErrorCode::kInvalidArgument, "--check: give the index to check");
-      VICTORIOUS_ASSIGN_OR_RETURN(const Report report, CheckIndex(arguments->file));
+      const bool is_log = !IsDatabaseUrl(arguments->file) && IsAccessLog(FirstBytes(arguments->file));
+      VICTORIOUS_ASSIGN_OR_RETURN(const Report report,
+                                  is_log ? CheckAccessLog(arguments->file) : CheckIndex(arguments->file));
       return Print(report, arguments->json);
     }
     if (arguments->file.empty()) return Print(DescribeMachine(), arguments->json);

@@ -41,6 +41,7 @@ struct ServeArguments {
   std::vector<std::string> videos;
   std::string tls_certificate;
   std::string tls_key;
+  std::string access_log;
   double max_upload_gb = 50;
   int max_uploads = 2000;
   int max_jobs = 500;
@@ -142,6 +143,7 @@ Status Run(const ServeArguments& arguments) {
   options.copies = arguments.copies.empty() ? beside + ".copies" : arguments.copies;
   VICTORIOUS_RETURN_IF_ERROR(CheckFolders(arguments.videos));
   options.videos.assign(arguments.videos.begin(), arguments.videos.end());
+  options.access_log = arguments.access_log;
   options.secrets = {arguments.tls_key, arguments.tls_certificate};
   options.max_upload_bytes = static_cast<std::uint64_t>(arguments.max_upload_gb * 1e9);
   options.max_uploads = static_cast<std::size_t>(arguments.max_uploads);
@@ -287,6 +289,11 @@ Action SetUpServe(ArgumentParser& parser) {
            "Whose map it is, shown on it (default: as the file says; of a server its host)")
       .Needs(tiles)
       .TypeName("TEXT");
+  parser
+      .Add("--access-log", arguments->access_log,
+           "File to which each read of objects, videos, frames and other results is added before it is answered, with "
+           "account, address and time; `doctor --check` verifies it (default: none)")
+      .TypeName("FILE");
   parser.Add("--web", arguments->web, "The built page (default: as built or installed)").TypeName("DIR");
   return [=] { return Run(*arguments); };
 }

@@ -14,6 +14,7 @@
 #include "testing/data.h"
 #include "victorious/base/folder.h"
 #include "victorious/base/utc.h"
+#include "victorious/serve/access_log.h"
 #include "victorious/serve/api.h"
 #include "victorious/serve/secret.h"
 #include "victorious/store/sqlite/connection.h"
@@ -226,6 +227,27 @@ TEST_F(AccessTest, MetricsAreForAdministratorsAndNameRoutesNotRequests) {
   EXPECT_THAT(answer.body, Not(HasSubstr("none.mp4")));
   slow.slow.reset();
   EXPECT_THAT(SendAs("admin", {.target = "/metrics"}).body, HasSubstr("victorious_decodings{state=\"waiting\"} 0\n"));
+}
+
+TEST_F(AccessTest, ReadsAreInTheLogWithTheirAccount) {
+  AddAccounts();
+  const std::filesystem::path log = folder_ / "access.jsonl";
+  Open({}, [&](ApiOptions& options) { options.access_log = log; });
+  EXPECT_EQ(SendAs("viewer", {.target = "/api/v1/objects?limit=5"}).status, 200);
+  EXPECT_EQ(SendAs("viewer", {.target = "/api/v1/objects/987654"}).status, 404);
+  EXPECT_EQ(SendAs("viewer", {.target = "/api/v1/jobs"}).status, 200);
+  EXPECT_EQ(Send({.target = "/api/v1/objects"}).status, 401);
+  EXPECT_EQ(SendAs("admin", {.target = "/api/v1/videos/1"}).status, 200);
+  std::ifstream file(log);
+  std::vector<json> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(json::parse(line));
+  ASSERT_THAT(lines, SizeIs(3)) << "the head, and what was shown";
+  EXPECT_EQ(lines[1]["actor"], "viewer");
+  EXPECT_EQ(lines[1]["target"], "/api/v1/objects?limit=5");
+  EXPECT_EQ(lines[1]["client"], "127.0.0.1");
+  EXPECT_EQ(lines[2]["actor"], "admin");
+  EXPECT_EQ(lines[2]["target"], "/api/v1/videos/1");
+  EXPECT_EQ(VerifyAccessLog(log)->entries, 2);
 }
 
 TEST_F(AccessTest, WithoutAccountsThisMachineIsOpen) {

@@ -1,5 +1,7 @@
 #include "victorious/serve/api.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <new>
 #include <optional>
@@ -11,8 +13,11 @@
 
 #include "victorious/base/isolated_process.h"
 #include "victorious/base/log.h"
+#include "victorious/base/one_line.h"
+#include "victorious/base/utc.h"
 #include "victorious/model/model_library.h"
 #include "victorious/serve/access_control.h"
+#include "victorious/serve/access_log.h"
 #include "victorious/serve/api_response.h"
 #include "victorious/serve/api_routes.h"
 #include "victorious/serve/request_guard.h"
@@ -38,6 +43,7 @@ bool IsRead(const HttpRequest& request) {
 FileRoots RootsOf(const ApiOptions& options) {
   std::vector<std::filesystem::path> roots = options.videos;
   std::vector<std::filesystem::path> secrets = options.secrets;
+  if (!options.access_log.empty()) secrets.push_back(options.access_log);
   roots.push_back(options.uploads);
   roots.push_back(options.copies);
   if (options.telemetry) roots.emplace_back(*options.telemetry);
@@ -60,6 +66,16 @@ bool IsOfApi(std::span<const std::string> segments) {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::array<std::string_view, 6> kLoggedPaths = {"/api/v1/videos", "/api/v1/objects",         "/api/v1/tiles",
+                                                          "/api/v1/models", "/api/v1/jobs/{id}/files", "/api/v1/audit"};
+
+// Whether who asks for it reads what was found or filmed. Streams of events, the queue and the server's own state are
+// asked for by the page itself, again and again.
+bool IsLogged(const ApiRoute* route) {
+  if (route == nullptr || route->method != HttpMethod::kGet) return false;
+  return std::ranges::any_of(kLoggedPaths, [&](std::string_view path) { return route->path.starts_with(path); });
+}
+
 // The telemetry of the only video. Error: kInvalidArgument if the index has another number of videos.
 Expected<std::optional<GivenTelemetryFile>> GivenTelemetry(const ApiOptions& options, IndexView& index) {
   if (!options.telemetry) return std::nullopt;
@@ -75,8 +91,9 @@ Expected<std::optional<GivenTelemetryFile>> GivenTelemetry(const ApiOptions& opt
 
 struct Api::Parts {
   Parts(ApiOptions given, std::unique_ptr<IndexView> view, std::unique_ptr<AccessControl> control,
-        std::optional<GivenTelemetryFile> telemetry)
+        std::optional<GivenTelemetryFile> telemetry, std::unique_ptr<AccessLog> log)
       : options(std::move(given)),
+        access_log(std::move(log)),
         index(std::move(view)),
         access(std::move(control)),
         roots(RootsOf(options), IsDatabaseUrl(options.index) ? "" : options.index, std::move(telemetry)),
@@ -90,6 +107,7 @@ struct Api::Parts {
   void MakeTable(std::unique_ptr<ThresholdStore> thresholds);
 
   const ApiOptions options;
+  const std::unique_ptr<AccessLog> access_log;  ///< null: none
   const std::unique_ptr<IndexView> index;
   const std::unique_ptr<AccessControl> access;
   const VideoRoots roots;
@@ -143,7 +161,12 @@ Expected<std::unique_ptr<Api>> Api::Open(ApiOptions options, const CancelToken& 
   VICTORIOUS_ASSIGN_OR_RETURN(auto access, AccessControl::Open(options.index, index->can_review(), options.server));
   VICTORIOUS_ASSIGN_OR_RETURN(
       auto thresholds, OpenThresholdStore(options.index, index->can_review() ? StoreMode::kCreate : StoreMode::kRead));
-  auto parts = std::make_unique<Parts>(std::move(options), std::move(index), std::move(access), std::move(telemetry));
+  std::unique_ptr<AccessLog> log;
+  if (!options.access_log.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(log, AccessLog::Open(options.access_log));
+  }
+  auto parts = std::make_unique<Parts>(std::move(options), std::move(index), std::move(access), std::move(telemetry),
+                                       std::move(log));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, parts->index->Lists());
   if (const std::string outside = parts->roots.DescribeOutside(lists->videos); !outside.empty()) LogWarning(outside);
   VICTORIOUS_ASSIGN_OR_RETURN(parts->live, LiveService::Start(*parts->index, parts->copies, parts->Folders()));
@@ -187,12 +210,26 @@ HttpResponse Api::Refused(const HttpRequest& request, HttpResponse refusal, Cloc
 HttpResponse Api::Answer(const HttpRequest& request, const Admitted& admitted, int port, const CancelToken& cancel,
                          Clock::time_point begun) {
   HttpResponse response = Make(request, admitted, port, cancel);
+  response = Logged(request, admitted, std::move(response));
   const ApiRoute* route = admitted.match.route;
   using Group = ServerMetrics::Group;
   const Group group = route == nullptr ? Group::kPageFile : route->is_slow ? Group::kSlow : Group::kQuick;
   parts_->metrics->Count(group, request.method, route == nullptr ? "page" : route->path, response.status,
                          Clock::now() - begun);
   return response;
+}
+
+HttpResponse Api::Logged(const HttpRequest& request, const Admitted& admitted, HttpResponse response) {
+  if (!parts_->access_log || !IsLogged(admitted.match.route) || response.status >= 400) return response;
+  const Status logged = parts_->access_log->Append({.time_utc_us = NowUtcMicroseconds(),
+                                                    .actor = admitted.caller.name(),
+                                                    .client = request.client,
+                                                    .target = request.target,
+                                                    .status = response.status});
+  if (logged) return response;
+  LogError("the log of reads: " + OneLine(logged.error().message));
+  return ErrorResponse(503, Name(ErrorCode::kUnavailable),
+                       "the server cannot write its log of reads, without which it shows nothing");
 }
 
 HttpResponse Api::Make(const HttpRequest& request, const Admitted& admitted, int port, const CancelToken& cancel) {

@@ -55,6 +55,8 @@ class Api {
   /// What Make makes, counted.
   [[nodiscard]] HttpResponse Answer(const HttpRequest& request, const Admitted& admitted, int port,
                                     const CancelToken& cancel, std::chrono::steady_clock::time_point begun);
+  /// The response, once it is in the log of reads; if it cannot be written there, status 503.
+  [[nodiscard]] HttpResponse Logged(const HttpRequest& request, const Admitted& admitted, HttpResponse response);
   [[nodiscard]] HttpResponse Make(const HttpRequest& request, const Admitted& admitted, int port,
                                   const CancelToken& cancel);
   ApiExpected<HttpResponse> AskHandler(const HttpRequest& request, const Admitted& admitted, int port,

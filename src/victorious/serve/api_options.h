@@ -34,6 +34,7 @@ struct ApiOptions {
   /// and the current one.
   std::vector<std::filesystem::path> videos = {};
   std::vector<std::filesystem::path> secrets = {};  ///< files that are never opened for the index: a private key
+  std::filesystem::path access_log = {};            ///< of who reads what (access_log.h); empty: none
   std::optional<SampleFiles> sample = {};           ///< std::nullopt: none
   std::uint64_t max_copies_bytes = CopyFolder::Limits().max_bytes;
   /// Uploads that no job and no video has, and jobs that are open; one account may have a fifth of each.
