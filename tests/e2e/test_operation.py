@@ -1,14 +1,16 @@
-"""`serve` in operation: health, numbers, the log of reads, a backup while it runs."""
+"""`serve` in operation: health, numbers, the log of reads, a backup while it runs, and no folder of the server for viewers."""
 
 import contextlib
 import http.client
 import json
 import shutil
 import sqlite3
+import time
 import urllib.parse
 
 import program
 
+API = json.loads((program.REPOSITORY / "api" / "openapi.json").read_text())
 PASSWORD = "correct horse battery"
 
 
@@ -78,6 +80,60 @@ class OperationTest(program.ProgramTest):
             self.assertEqual(json.loads(body)["review"]["verdict"], "accepted", "the later review is not")
         self.refuses(2, "exists already", "backup", "--db", self.db, "--to", copy)
         self.refuses(2, "pg_dump", "backup", "--db", "postgresql://me:secret@127.0.0.1:1/videos", "--to", copy)
+
+    def walk(self, server):
+        """What a viewer gets of every route that is read, as (target, status, body)."""
+        _, body = self.ask(server, "/api/v1/objects", "viewer")
+        found = json.loads(body)["objects"][0]
+        numbers = {"videos": found["moments"][0]["video_id"], "objects": found["id"], "models": found["model_id"]}
+        jobs = [job["id"] for job in json.loads(self.ask(server, "/api/v1/jobs", "viewer")[1])["jobs"]]
+        for path, item in API["paths"].items():
+            if "get" not in item:
+                continue
+            kind = (path.split("/") + [""] * 2)[3]
+            for number in (jobs or [1]) if kind == "jobs" else [numbers.get(kind, 1)]:
+                target = path.replace("{id}", str(number)).replace("{view}", "0").replace("{frame}", "3")
+                target = target.replace("{z}/{x}/{y}", "0/0/0")
+                for name in ("clip", "copy", "x"):
+                    status, body = self.ask(server, target.replace("{name}", name), "viewer")
+                    yield target, status, body
+                    if "{name}" not in target:
+                        break
+
+    def check_walk(self, server):
+        seen = 0
+        for target, status, body in self.walk(server):
+            seen += 1
+            for folder in (self.scratch, program.REPOSITORY, "/home/", "/tmp/", "/root/", "/work/"):
+                self.assertNotIn(str(folder).encode(), body, f"{target}: {status}: {body[:300]}")
+        self.assertGreater(seen, 20)
+
+    def test_viewers_learn_no_folder(self):
+        with program.Server(self.db, "--models", self.library) as server:
+            job = json.dumps({"kind": "copy", "video_id": 1})
+            self.assertEqual(self.ask(server, "/api/v1/jobs", "analyst", "POST", job)[0], 200)
+            self.check_walk(server)
+            # What cannot be read, is damaged, or lies elsewhere.
+            self.video.write_bytes(b"\x00" * 5000)
+            self.ask(server, "/api/v1/jobs", "analyst", "POST", job)
+            self.check_walk(server)
+            self.video.unlink()
+            shutil.rmtree(self.library)
+            self.check_walk(server)
+            for name in ("/root/secret/flight.mp4", "/etc/passwd", f"{self.scratch}/../flight.mp4"):
+                with contextlib.closing(sqlite3.connect(self.db)) as db, db:
+                    db.execute("UPDATE videos SET name = ?, telemetry = ?", (name, "/root/secret/t.csv"))
+                self.check_walk(server)
+                for _ in range(100):  # until the server has read the list again
+                    _, body = self.ask(server, "/api/v1/videos", "admin")
+                    if name.encode() in body:
+                        break
+                    time.sleep(0.1)
+                self.assertIn(name.encode(), body, "an administrator learns which file it is")
+                self.check_walk(server)
+            self.db.rename(self.scratch / "gone.db")
+            for target in ("/api/v1/project", "/api/v1/objects", "/api/v1/videos"):
+                self.assertNotIn(str(self.scratch).encode(), self.ask(server, target, "viewer")[1])
 
 
 if __name__ == "__main__":

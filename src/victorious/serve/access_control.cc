@@ -9,6 +9,7 @@
 
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
+#include "victorious/base/without_folders.h"
 #include "victorious/serve/api_response.h"
 #include "victorious/serve/secret.h"
 #include "victorious/store/open_store.h"
@@ -152,7 +153,10 @@ Expected<Caller> AccessControl::Identify(const HttpRequest& request, int port) {
 std::expected<Caller, HttpResponse> AccessControl::Admit(const HttpRequest& request, std::optional<Role> least,
                                                          int port) {
   auto caller = Identify(request, port);
-  if (!caller) return std::unexpected(ErrorResponse(ApiError(caller.error())));
+  if (!caller) {  // it is not known who asks
+    caller.error().message = WithoutFolders(caller.error().message);
+    return std::unexpected(ErrorResponse(ApiError(caller.error())));
+  }
   if (caller->May(least)) return *std::move(caller);
   if (!caller->proved) {
     return std::unexpected(Unauthenticated(request.authorization.empty()

@@ -15,6 +15,7 @@
 #include "victorious/base/log.h"
 #include "victorious/base/one_line.h"
 #include "victorious/base/utc.h"
+#include "victorious/base/without_folders.h"
 #include "victorious/model/model_library.h"
 #include "victorious/serve/access_control.h"
 #include "victorious/serve/access_log.h"
@@ -74,6 +75,13 @@ constexpr std::array<std::string_view, 6> kLoggedPaths = {"/api/v1/videos", "/ap
 bool IsLogged(const ApiRoute* route) {
   if (route == nullptr || route->method != HttpMethod::kGet) return false;
   return std::ranges::any_of(kLoggedPaths, [&](std::string_view path) { return route->path.starts_with(path); });
+}
+
+// Whether the JSON of a route names files. Where users' notes are, they stay as they are.
+bool NamesFiles(const ApiRoute* route) {
+  constexpr std::array<std::string_view, 4> kPaths = {"/api/v1/videos", "/api/v1/videos/{id}",
+                                                      "/api/v1/videos/{id}/camera", "/api/v1/cluster"};
+  return route != nullptr && std::ranges::find(kPaths, route->path) != kPaths.end();
 }
 
 // The telemetry of the only video. Error: kInvalidArgument if the index has another number of videos.
@@ -235,7 +243,10 @@ HttpResponse Api::Logged(const HttpRequest& request, const Admitted& admitted, H
 HttpResponse Api::Make(const HttpRequest& request, const Admitted& admitted, int port, const CancelToken& cancel) {
   try {
     auto answer = AskHandler(request, admitted, port, cancel);
+    const bool hides_folders = !admitted.caller.May(Role::kAdmin);
+    if (!answer && hides_folders) answer.error().error.message = WithoutFolders(answer.error().error.message);
     HttpResponse response = answer ? *std::move(answer) : ErrorResponse(answer.error());
+    if (hides_folders && NamesFiles(admitted.match.route)) response.body = WithoutFolders(response.body);
     // Age says what it says in caches (RFC 9111): for so long, nobody looked whether the answer holds.
     const auto age = parts_->index->ListsAge();
     if (admitted.match.route != nullptr && age.count() > 0) {

@@ -13,6 +13,7 @@
 #include "victorious/base/json.h"
 #include "victorious/base/utc.h"
 #include "victorious/base/version.h"
+#include "victorious/base/without_folders.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/drawn_video.h"
 #include "victorious/serve/job_runner.h"
@@ -329,6 +330,15 @@ std::string JobTitle(const JobRecord& job) {
 
 constexpr const char* kHiddenReason = "the source cannot be read: an administrator sees why";
 
+namespace {
+
+std::string ShownMessage(const std::string& message, SourceReasons reasons) {
+  std::string shown = WithoutCredentials(message);
+  return reasons == SourceReasons::kHidden ? WithoutFolders(shown) : shown;
+}
+
+}  // namespace
+
 Json JobToJson(const JobRecord& job, std::int64_t now_us, SourceReasons reasons) {
   const JobProgress& progress = job.progress;
   // By the rate since this attempt began; the first seconds say little.
@@ -348,7 +358,7 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us, SourceReasons reasons)
           {"done", progress.done},
           {"total", OrNull(progress.total)},
           {"unit", progress.unit},
-          {"message", is_hidden ? kHiddenReason : WithoutCredentials(progress.message)},
+          {"message", is_hidden ? kHiddenReason : ShownMessage(progress.message, reasons)},
           {"left_s", std::move(left)},
           {"behind_s", job.state == WorkState::kRunning ? OrNull(progress.behind_s, &TimeJson) : Json()},
           {"cancel_asked", job.cancel_asked},
