@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import unittest
 import urllib.request
@@ -74,6 +75,19 @@ class PostgresTest(program.ProgramTest):
         again = self.succeeds("index", flight / "flight.mkv", "--models", program.models(), "--db", self.url)
         self.same("export", "--format", "sightings")
         self.assertEqual(again.status, 0, "nothing is left to do")
+
+        # As docs/cluster.md copies a database and restores it: pg_dump reads one moment of it.
+        if shutil.which("pg_dump") is None:
+            return
+        found = self.same("export", "--format", "objects")
+        dump = self.scratch / "videos.dump"
+        subprocess.run(["pg_dump", "--format", "custom", "--schema", "victorious", "--dbname", self.url, "--file", dump], check=True)
+        subprocess.run(["psql", "--quiet", "--dbname", self.url, "--command", "DROP SCHEMA victorious CASCADE"], check=True,
+                       stderr=subprocess.DEVNULL)  # fmt: skip
+        self.refuses(2, "no index in this database", "search", "--db", self.url)
+        subprocess.run(["pg_restore", "--dbname", self.url, "--no-owner", dump], check=True)
+        self.assertEqual(self.same("export", "--format", "objects"), found)
+        self.assertIn("an index without damage", self.succeeds("doctor", "--check", self.url).out)
 
 
 # Tries each kind of access to each table, as the role of the connection: "table SELECT", "table UPDATE column".
