@@ -35,7 +35,7 @@ install: build
 # A Debian package of the program, build/victorious_VERSION_ARCHITECTURE.deb.
 package: build
 	cmake --build --preset release --target victorious_pages
-	cpack --config build/CPackConfig.cmake -G DEB -B build
+	umask 022 && cpack --config build/CPackConfig.cmake -G DEB -B build
 
 test:
 	$(call say,serve_tests,make test: about 40 minutes on two cores)

@@ -51,4 +51,6 @@ set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl-mesa0, libgl1-mesa-dri")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "proj-data")
 # They show the manual page and load the completion.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "bash-completion, man-db")
+set(CPACK_PROJECT_CONFIG_FILE "${PROJECT_SOURCE_DIR}/cmake/package_time.cmake")
+set(CPACK_VICTORIOUS_SOURCE "${PROJECT_SOURCE_DIR}")
 include(CPack)
