@@ -181,7 +181,8 @@ void ExpectPlaced(const ObjectRecord& object) {
 // From a straight flight, an object five times too large for where its lines meet is one that drives along, five times
 // nearer. The object beside it shows that nothing drives at that height.
 const SimulatedTracklet kParked{.id = 1};
-const SimulatedTracklet kTooLarge{.id = 2, .model = 2, .place_enu = {4, 6, 1}, .too_large = 5};
+const SimulatedTracklet kTooLarge{
+    .id = 2, .model = 2, .place_enu = {4, 6, 1}, .heading_rad = RadiansFromDegrees(90), .too_large = 5};
 
 TEST(AssociateTracklets, SizeOfADrivingObjectIsRejectedOnlyByItsHeight) {
   ExpectPlaceRejected(ObjectsFrom({kParked, kTooLarge})[1], "5.0 times too large");
@@ -189,6 +190,16 @@ TEST(AssociateTracklets, SizeOfADrivingObjectIsRejectedOnlyByItsHeight) {
   const ObjectRecord alone = ObjectsFrom({kTooLarge})[0];
   ExpectPlaced(alone);
   EXPECT_NEAR(alone.place->velocity_enu->norm(), 0.8 * 12, 0.3) << "as fast as the camera, but for a fifth";
+}
+
+TEST(AssociateTracklets, NothingMovesAcrossItsHeading) {
+  SimulatedTracklet across = kTooLarge;
+  across.heading_rad = RadiansFromDegrees(10);
+  ExpectPlaceRejected(ObjectsFrom({across})[0], "10 m/s, 80 degrees off its heading");
+  across.heading_rad = RadiansFromDegrees(115);
+  ExpectPlaced(ObjectsFrom({across})[0]);
+  across.heading_rad = RadiansFromDegrees(275);
+  ExpectPlaced(ObjectsFrom({across})[0]);
 }
 
 // The camera turns about the object: its lines meet at one place only, and the size contradicts it.

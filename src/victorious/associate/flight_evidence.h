@@ -26,7 +26,7 @@ namespace victorious {
 enum class PlaceFinding {
   kNothing,         ///< no place, or nothing that could contradict it
   kAgrees,          ///< it stands, its lines of sight intersect, and its size fits their distance
-  kImpossible,      ///< its size contradicts the distance, or it lies below the ground
+  kImpossible,      ///< its size contradicts the distance, it lies below the ground, or it moves across its heading
   kAbove,           ///< it is high above the other objects, by its size
   kNoIntersection,  ///< its lines of sight do not intersect
 };

@@ -71,7 +71,8 @@ TEST(LengthError, IsThatOfAnObjectThatWouldMoveAcrossItsHeading) {
     EXPECT_EQ(errors[0].objects, 1);
 
     const std::vector<ObjectRecord> driving = AssociateTracklets(tracklets, {}, {});
-    ASSERT_TRUE(driving[0].place && driving[0].place->IsMoving()) << "as given";
+    ASSERT_FALSE(driving[0].place) << "as given";
+    EXPECT_TRUE(driving[0].place_rejected.contains("off its heading")) << driving[0].place_rejected;
     CorrectLengths(errors, tracklets);
     const std::vector<ObjectRecord> standing = AssociateTracklets(tracklets, {}, {});
     ASSERT_TRUE(standing[0].place) << given;

@@ -9,6 +9,8 @@
 #include "victorious/associate/place_grid.h"
 #include "victorious/associate/same_space.h"
 #include "victorious/base/median.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/types/ground_motion.h"
 
 namespace victorious {
 namespace {
@@ -131,6 +133,22 @@ std::string SizeReason(double size_ratio) {
                         : fmt::format("{:.1f} times too small for its distance", 1 / size_ratio);
 }
 
+// What drives, sails or flies moves along its heading, or backwards. A helicopter may slip sideways, not for long.
+std::optional<std::string> AcrossReason(const ObjectPlace& estimate) {
+  constexpr double kMaxSlip_rad = RadiansFromDegrees(30);
+  constexpr double kSigmas = 2;
+  constexpr std::int64_t kMinHeadings = 3;
+  if (!estimate.HasPath() || !estimate.place || !estimate.heading_rad || estimate.headings < kMinHeadings)
+    return std::nullopt;
+  const std::optional<GroundMotion> motion = ComputeGroundMotion(*estimate.place);
+  if (!motion) return std::nullopt;
+  const double off_rad = std::abs(WrapAngle(motion->course_rad - *estimate.heading_rad));
+  const double slip_rad = std::min(off_rad, kPi - off_rad);
+  if (slip_rad <= kMaxSlip_rad + kSigmas * motion->sigma_course_rad) return std::nullopt;
+  return fmt::format("it would move at {:.0f} m/s, {:.0f} degrees off its heading", motion->speed_m_s,
+                     DegreesFromRadians(slip_rad));
+}
+
 }  // namespace
 
 void HeightStatistics::Add(const ObjectHypothesis& hypothesis, double altitude_m) {
@@ -157,6 +175,8 @@ std::optional<PlaceContradiction> FindContradiction(const ObjectPlace& estimate,
   // An object that drives is placed by its size: the distance of its lines, as if it stood still, contradicts nothing.
   if (!estimate.HasPath() && IsSizeContradicted(estimate, options))
     return PlaceContradiction{PlaceFinding::kImpossible, SizeReason(*estimate.size_ratio)};
+  if (std::optional<std::string> reason = AcrossReason(estimate))
+    return PlaceContradiction{PlaceFinding::kImpossible, *std::move(reason)};
   if (observations >= kMinObservations && estimate.inlier_fraction < options.min_inlier_fraction)
     return PlaceContradiction{PlaceFinding::kNoIntersection, "its lines of sight do not intersect"};
   return std::nullopt;

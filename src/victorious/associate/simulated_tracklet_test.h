@@ -32,7 +32,7 @@ struct SimulatedTracklet {
   std::optional<double> first_score;  // score of the first frame, if different
   bool is_category = false;           // then there is no range
   double noise_rad = 1e-4;
-  double heading_rad = 1.0;
+  std::optional<double> heading_rad;  // std::nullopt: its course if it moves, else 1
   double heading_noise_rad = 0.05;
   std::optional<Eigen::Vector3d> body_m;  // length, width, height of a CAD model; then its sightings have boxes
   double too_large = 1;                   // ratio by which the ranges are wrong
@@ -66,6 +66,9 @@ inline Box BoxOfBody(const Eigen::Vector3d& camera, const Eigen::Vector3d& centr
 inline ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
   Random random(static_cast<std::uint64_t>(seen.id));
   const TangentPlane plane(kOrigin);
+  const bool moves = seen.velocity_enu.norm() > 0;
+  const double heading_rad =
+      seen.heading_rad.value_or(moves ? std::atan2(seen.velocity_enu.x(), seen.velocity_enu.y()) : 1.0);
   ObservedTracklet tracklet{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
   tracklet.is_category = seen.is_category;
   tracklet.is_cad_model = seen.body_m.has_value();
@@ -79,7 +82,7 @@ inline ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
     const Eigen::Vector3d place = seen.place_enu + time_s * seen.velocity_enu;
     const Eigen::Vector3d line = place - camera;
     tracklet.frames.push_back(frame);
-    if (seen.body_m) tracklet.boxes.push_back(BoxOfBody(camera, place, *seen.body_m, seen.heading_rad));
+    if (seen.body_m) tracklet.boxes.push_back(BoxOfBody(camera, place, *seen.body_m, heading_rad));
     tracklet.scores.push_back(frame == seen.first_frame ? seen.first_score.value_or(seen.score) : seen.score);
     BearingObservation observation;
     observation.line = {.time_s = time_s,
@@ -94,7 +97,7 @@ inline ObservedTracklet SimulateTracklet(const SimulatedTracklet& seen) {
       observation.line.sigma_rad = seen.noise_rad;
     }
     observation.heading_rad =
-        WrapAngle(seen.heading_rad + seen.heading_noise_rad * random.Normal() + (frame % 4 == 0 ? kPi : 0));
+        WrapAngle(heading_rad + seen.heading_noise_rad * random.Normal() + (frame % 4 == 0 ? kPi : 0));
     tracklet.observations.push_back(observation);
     tracklet.observation_frames.push_back(frame);
   }

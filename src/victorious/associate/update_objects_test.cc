@@ -360,9 +360,11 @@ TEST(PackedFit, IsReadAsItWasWritten) {
     EXPECT_FALSE(UnpackHypothesisFits(std::span(bytes).first(size))) << size;
   const std::vector<Geolocation> path = {place, place};
   EXPECT_EQ(UnpackPath(Pack(path))->size(), 2U);
-  const FlightFits flight{.errors = {.heading = HeadingError{0.1, 3}, .range = {}}, .overlaps = {{1, 2, 30}}};
+  const FlightFits flight{.errors = {.heading = HeadingError{0.1, 3}, .range = {}, .lengths = {{7, 0.5, 2}}},
+                          .overlaps = {{1, 2, 30}}};
   EXPECT_EQ(UnpackFlightFits(Pack(flight))->overlaps.front().frames, 30);
   EXPECT_EQ(UnpackFlightFits(Pack(flight))->errors.heading->objects, 3);
+  EXPECT_EQ(UnpackFlightFits(Pack(flight))->errors.lengths.at(0).factor, 0.5);
 }
 
 // What a damaged or hostile index may hold: the bytes of fits that no run makes.

@@ -8,6 +8,7 @@
 
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/types/ground_motion.h"
 
 namespace victorious {
 Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalogue& catalogue,
@@ -37,21 +38,6 @@ std::optional<double> ComputeSpeed(const ObjectRecord& object) {
   return object.place->velocity_enu->norm();
 }
 
-std::optional<GroundMotion> ComputeGroundMotion(const ObjectRecord& object) {
-  if (!object.place || !object.place->IsMoving() || !object.place->velocity_covariance_enu) return std::nullopt;
-  const Eigen::Vector2d velocity = object.place->velocity_enu->head<2>();
-  const double speed_m_s = velocity.norm();
-  if (!(speed_m_s > 0)) return std::nullopt;
-  const Eigen::Matrix2d covariance = object.place->velocity_covariance_enu->topLeftCorner<2, 2>();
-  const Eigen::Vector2d along = velocity / speed_m_s;
-  const Eigen::Vector2d across(along.y(), -along.x());
-  const double course_rad = std::atan2(velocity.x(), velocity.y());
-  return GroundMotion{.speed_m_s = speed_m_s,
-                      .sigma_speed_m_s = std::sqrt(along.dot(covariance * along)),
-                      .course_rad = course_rad < 0 ? course_rad + 2 * kPi : course_rad,
-                      .sigma_course_rad = std::min(kPi, std::sqrt(across.dot(covariance * across)) / speed_m_s)};
-}
-
 Json ObjectJson(const ListedObject& listed) {
   const ObjectRecord& object = listed.object;
   Json json = {{"object_id", object.id},
@@ -75,7 +61,7 @@ Json ObjectJson(const ListedObject& listed) {
                {"sigma_speed_m_s", nullptr},
                {"course_deg", nullptr},
                {"sigma_course_deg", nullptr}};
-  if (const std::optional<GroundMotion> motion = ComputeGroundMotion(object)) {
+  if (const auto motion = object.place ? ComputeGroundMotion(*object.place) : std::nullopt) {
     json["sigma_speed_m_s"] = MetresJson(motion->sigma_speed_m_s);
     json["course_deg"] = DegreesJson(motion->course_rad);
     json["sigma_course_deg"] = DegreesJson(motion->sigma_course_rad);

@@ -31,17 +31,6 @@ struct ListedObject {
 /// One row of the format `objects` (docs/formats/export.md).
 Json ObjectJson(const ListedObject& listed);
 
-/// The direction of motion over the ground, with standard deviations to first order.
-struct GroundMotion {
-  double speed_m_s = 0;
-  double sigma_speed_m_s = 0;
-  double course_rad = 0;  ///< clockwise from north, [0, 2 pi)
-  double sigma_course_rad = 0;
-};
-
-/// Motion over the ground; std::nullopt if the object does not move, or its motion is unknown.
-std::optional<GroundMotion> ComputeGroundMotion(const ObjectRecord& object);
-
 /// Speed in three dimensions, m/s; std::nullopt if the motion is unknown.
 std::optional<double> ComputeSpeed(const ObjectRecord& object);
 
