@@ -53,7 +53,7 @@ def line(run: Run, name: str, what: str, target: str, figure: Figure, stale: boo
 def section(root: Path, topic: Topic, runs: list[Run], figures: dict[str, Figure], marks: bool) -> str:
     text = f"\n## {topic.heading}\n\n"
     if topic.details:
-        text += f"Conditions and further figures: [results/{topic.details}](results/{topic.details}).\n\n"
+        text += f"Conditions, truth and limits: [results/{topic.details}](results/{topic.details}).\n\n"
     text += "| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS) + "\n"
     for run in runs:
         for row in run.rows:
