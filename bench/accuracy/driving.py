@@ -43,10 +43,12 @@ def true_motion(rows: list[dict], time_s: float) -> tuple[float, float]:
 
 
 def motion_errors(program: Program, db: Path, movie: Movie) -> tuple[float, float]:
-    """The largest errors of speed and course."""
+    """The largest errors of speed and course, of the objects with a place."""
     speed, course = 0.0, 0.0
     for name, objects in found(program, db, {str(movie.video): movie}).items():
         for one in objects:
+            if one["place_time_s"] is None:
+                continue
             true_speed, true_course = true_motion(movie.rows_of[name], one["place_time_s"])
             speed = max(speed, abs((one["speed_m_s"] or 0) - true_speed))
             if true_speed > MIN_SPEED_M_S and one["course_deg"] is not None:

@@ -1,4 +1,5 @@
-// Models whose length is wrong, as of CAD files in feet or inches: their ranges by apparent size are wrong by one factor.
+// Models whose length is wrong, as of CAD files in feet or inches: their ranges by apparent size are wrong by one
+// factor.
 //
 // The place of an object at P, seen from C(t) with ranges that are k times too large, is
 //

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 
-struct Sight {
+struct SeenVehicle {
   std::int64_t model = 1;
   Vector3d place = {0, 0, 1};
   double length_factor = 1;  // given length over true
@@ -28,26 +28,26 @@ struct Sight {
 };
 
 // Seen for 4 s from a camera that flies east at 10 m/s, 100 m above the origin.
-ObservedTracklet Seen(std::int64_t id, const Sight& sight) {
+ObservedTracklet Seen(std::int64_t id, const SeenVehicle& seen) {
   Random random(static_cast<std::uint64_t>(id));
   const TangentPlane plane(kOrigin);
   ObservedTracklet tracklet{
-      .record = {.id = id, .object = id, .video = 1, .model = sight.model}, .is_category = false, .is_cad_model = true};
+      .record = {.id = id, .object = id, .video = 1, .model = seen.model}, .is_category = false, .is_cad_model = true};
   Vector3d camera(-20, -75, 100);
   for (int frame = 0; frame < 40; ++frame) {
     const double time_s = 0.1 * frame;
-    const double turned_rad = sight.turn_rad_s * time_s;
+    const double turned_rad = seen.turn_rad_s * time_s;
     camera += Vector3d(std::cos(turned_rad), std::sin(turned_rad), 0);
-    const Vector3d line = sight.place + time_s * sight.velocity - camera;
+    const Vector3d line = seen.place + time_s * seen.velocity - camera;
     BearingObservation observation;
     observation.line = {.time_s = time_s,
                         .camera = plane.GeodeticFromEnu(camera),
                         .azimuth_rad = std::atan2(line.x(), line.y()) + 1e-4 * random.Normal(),
                         .elevation_rad = std::asin(line.z() / line.norm()) + 1e-4 * random.Normal(),
-                        .range_m = line.norm() * sight.length_factor * (1 + 0.01 * random.Normal()),
+                        .range_m = line.norm() * seen.length_factor * (1 + 0.01 * random.Normal()),
                         .sigma_rad = 1e-4,
                         .sigma_range_m = 2};
-    observation.heading_rad = RadiansFromDegrees(sight.heading_deg + 2 * random.Normal());
+    observation.heading_rad = RadiansFromDegrees(seen.heading_deg + 2 * random.Normal());
     tracklet.frames.push_back(frame);
     tracklet.scores.push_back(0.99);
     tracklet.observations.push_back(observation);
@@ -96,10 +96,10 @@ TEST(LengthError, OfAnObjectAlongTheFlightIsDecidedByItsHeight) {
 }
 
 TEST(LengthError, DrivingObjectsHaveNone) {
-  const Sight oncoming{.heading_deg = 270, .velocity = {-10, 0, 0}};
+  const SeenVehicle oncoming{.heading_deg = 270, .velocity = {-10, 0, 0}};
   EXPECT_TRUE(ErrorsOf({Seen(1, oncoming)}).empty()) << "along the flight";
   EXPECT_TRUE(ErrorsOf({Seen(1, {.heading_deg = 180, .velocity = {0, -10, 0}})}).empty()) << "across it";
-  Sight sideways = oncoming;  // as a helicopter may
+  SeenVehicle sideways = oncoming;  // as a helicopter may
   sideways.heading_deg = 0;
   EXPECT_TRUE(ErrorsOf({Seen(1, sideways), Seen(2, {.model = 2, .place = {9, 8, 2}})}).empty());
 }

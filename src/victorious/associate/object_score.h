@@ -42,7 +42,8 @@ struct ObjectEvidence {
   std::string place_rejected;  ///< ObjectRecord::place_rejected
   /// By which the model's length was found wrong, true over given (length_error.h); 1: it is right.
   double length_factor = 1;
-  /// Of a rejected place, or of a wrong length: what it says of the object, by all objects of its flight (flight_evidence.h).
+  /// Of a rejected place, or of a wrong length: what it says of the object, by all objects of its flight
+  /// (flight_evidence.h).
   double place_weight = 0;
 };
 
