@@ -31,6 +31,7 @@
 #include "victorious/serve/access_log.h"
 #include "victorious/store/model_file.h"
 #include "victorious/store/open_store.h"
+#include "victorious/store/sqlite/page_checksums.h"
 #include "victorious/store/video_coverage.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/telemetry/telemetry_file.h"
@@ -320,6 +321,16 @@ Expected<Report> DescribeTelemetryFile(const std::string& path) {
                 {{"file", path}, {"kind", "telemetry"}, {"says", statements}}};
 }
 
+// Pages of which a flipped bit may remain unseen; empty if there are none. A database server has checksums of its own.
+Expected<std::string> PagesWithoutChecksum(const std::string& db) {
+  if (IsDatabaseUrl(db)) return std::string();
+  VICTORIOUS_ASSIGN_OR_RETURN(const sqlite::PageCheck check, sqlite::CheckPages(db));
+  if (!check.is_summed) return std::string("without checksums of its pages: made by an earlier version");
+  if (check.without_checksum == 0) return std::string();
+  return fmt::format("{} of {} without a checksum: never used, or written by another program", check.without_checksum,
+                     CountText(check.pages, "page"));
+}
+
 // Reads the whole index. Damage is an error: its first fault, and how many there are.
 Expected<Report> CheckIndex(const std::string& db) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenStore(db, StoreMode::kRead));
@@ -332,8 +343,11 @@ Expected<Report> CheckIndex(const std::string& db) {
                     faults.size() > 1 ? fmt::format(", and {} more", CountText(faults.size() - 1, "fault")) : "",
                     IsDatabaseUrl(db) ? "database" : "file"));
   }
-  return Report{fmt::format("{}\n  an index without damage\n", path),
-                {{"file", path}, {"kind", "index"}, {"faults", ordered_json::array()}}};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string without, PagesWithoutChecksum(db));
+  ordered_json notes = ordered_json::array();
+  if (!without.empty()) notes.push_back(without);
+  return Report{fmt::format("{}\n  an index without damage{}\n", path, without.empty() ? "" : "\n  " + without),
+                {{"file", path}, {"kind", "index"}, {"faults", ordered_json::array()}, {"notes", std::move(notes)}}};
 }
 
 // The first bytes of a file, by which its kind is known; fewer if it is shorter.

@@ -12,6 +12,7 @@
 #include "victorious/base/file_descriptor.h"
 #include "victorious/store/sqlite/connection.h"
 #include "victorious/store/sqlite/open_database.h"
+#include "victorious/store/sqlite/page_checksums.h"
 
 namespace victorious::sqlite {
 namespace {
@@ -30,6 +31,7 @@ Status CopyPages(Connection& from, Connection& to) {
 
 Status WriteCopy(Connection& from, const fs::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto copy, Connection::Open(path, Access::kWrite));
+  ReserveChecksumsAs(from.handle(), copy->handle());
   VICTORIOUS_RETURN_IF_ERROR(CopyPages(from, *copy));
   // One file, without a log beside it.
   VICTORIOUS_RETURN_IF_ERROR(copy->QueryText("PRAGMA journal_mode = DELETE"));

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "victorious/store/sqlite/page_checksums.h"
 #include "victorious/store/sqlite/place_functions.h"
 
 namespace victorious::sqlite {
@@ -65,11 +66,12 @@ Expected<std::unique_ptr<Connection>> Connection::Open(const std::filesystem::pa
   if (error || path.empty()) return Fail(ErrorCode::kInvalidArgument, "an index needs the name of a file");
   const std::string target = access == Access::kImmutable ? ImmutableUri(absolute) : absolute;
   sqlite3* handle = nullptr;
-  const int code = sqlite3_open_v2(target.c_str(), &handle, OpenFlags(access), nullptr);
+  const int code = sqlite3_open_v2(target.c_str(), &handle, OpenFlags(access), ChecksumLayer());
   std::unique_ptr<Connection> connection(new Connection(path.string(), handle));
   if (code != SQLITE_OK) return std::unexpected(connection->ErrorFromCode(code));
   sqlite3_busy_timeout(handle, static_cast<int>(std::chrono::milliseconds(kBusyTimeout).count()));
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  if (access == Access::kCreate) ReserveChecksums(handle);
   if (!AddPlaceFunctions(handle)) return std::unexpected(connection->ErrorFromCode(SQLITE_NOMEM));
   VICTORIOUS_RETURN_IF_ERROR(connection->Execute(kSettings));
   return connection;

@@ -7,6 +7,7 @@
 #include "victorious/store/sql/filter_conditions.h"
 #include "victorious/store/sql/records.h"
 #include "victorious/store/sqlite/open_database.h"
+#include "victorious/store/sqlite/page_checksums.h"
 
 namespace victorious::sqlite {
 namespace {
@@ -543,6 +544,13 @@ Expected<std::vector<std::string>> SqliteStore::FindFaults() {
   if (!objects) faults.push_back(objects.error().message);
   add(VisitSightings({.include_rejected = true}, [](SightingRecord&&) { return true; }));
   add(VisitKeptFrames({}, [](KeptFrame&&) { return true; }));
+  // Last: what was found above says more.
+  PageCheck sums;
+  if (!CheckPages(connection_->handle(), sums)) faults.push_back(connection_->name() + ": its pages cannot be read");
+  for (const std::int64_t page : sums.damaged) {
+    if (faults.size() >= kMaxFaults) break;
+    faults.push_back(fmt::format("page {} does not match its checksum: damaged, or changed by another program", page));
+  }
   return faults;
 }
 
