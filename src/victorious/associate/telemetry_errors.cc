@@ -156,22 +156,48 @@ double OffsetOf(const ComparedObject& object, const ComparedLine& line) {
   return line.direction.cross(object.place - line.camera).norm();
 }
 
-// Removes objects that move: whose velocity differs from that of the others. A wrong yaw makes all seem to move alike.
-void RemoveMoving(std::vector<ComparedObject>& objects) {
+// m/s, while the object that is seen for the longest time is.
+double SpeedOfCamera(std::span<const ComparedObject> objects) {
+  double longest_s = 0;
+  double speed_m_s = 0;
+  for (const ComparedObject& object : objects) {
+    const double time_s = object.lines.back().time_s - object.lines.front().time_s;
+    if (time_s <= longest_s) continue;
+    longest_s = time_s;
+    speed_m_s = (object.lines.back().camera - object.lines.front().camera).norm() / time_s;
+  }
+  return speed_m_s;
+}
+
+bool MovesWith(const ComparedObject& object, const Vector3d& velocity) {
+  constexpr double kMinSpeed_m_s = 0.5;
+  constexpr double kSpeedSigmas = 4;
+  return (object.velocity - velocity).norm() <= std::max(kMinSpeed_m_s, kSpeedSigmas * object.velocity_sigma_m_s);
+}
+
+// The velocity with which all standing objects seem to move: a wrong yaw turns it out of the camera's. It is none if an
+// object stands that does not move so, or if it is too large for such an error: then the others drive alike.
+Vector3d CommonVelocity(std::span<const ComparedObject> objects) {
+  constexpr std::size_t kMinOfCommon = 3;
+  constexpr double kMaxOfCamera = 0.2;
+  if (objects.size() < kMinOfCommon) return Vector3d::Zero();
   std::vector<double> east;
   std::vector<double> north;
-  std::erase_if(objects, [](ComparedObject& object) { return !FitComparedPlace(object, true); });
   for (const ComparedObject& object : objects) {
     east.push_back(object.velocity.x());
     north.push_back(object.velocity.y());
   }
-  constexpr std::size_t kMinOfCommon = 3;
-  const Vector3d common = objects.size() < kMinOfCommon ? Vector3d::Zero() : Vector3d(Median(east), Median(north), 0);
-  constexpr double kMinSpeed_m_s = 0.5;
-  constexpr double kSpeedSigmas = 4;
-  std::erase_if(objects, [&](const ComparedObject& object) {
-    return (object.velocity - common).norm() > std::max(kMinSpeed_m_s, kSpeedSigmas * object.velocity_sigma_m_s);
+  const Vector3d common(Median(std::move(east)), Median(std::move(north)), 0);
+  const bool stands = std::ranges::any_of(objects, [&](const ComparedObject& object) {
+    return MovesWith(object, Vector3d::Zero()) && !MovesWith(object, common);
   });
+  return stands || common.norm() > kMaxOfCamera * SpeedOfCamera(objects) ? Vector3d::Zero() : common;
+}
+
+void RemoveMoving(std::vector<ComparedObject>& objects) {
+  std::erase_if(objects, [](ComparedObject& object) { return !FitComparedPlace(object, true); });
+  const Vector3d common = CommonVelocity(objects);
+  std::erase_if(objects, [&](const ComparedObject& object) { return !MovesWith(object, common); });
 }
 
 // Fits the places; removes outliers, and objects whose lines meet far worse than those of the others.

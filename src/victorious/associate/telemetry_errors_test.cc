@@ -26,7 +26,8 @@ struct NoisyFlight {
   double position = 1;
   double attitude = 1;
   int frames = 40;
-  Vector3d velocity_enu{0, 0, 0};  // of the last object
+  Vector3d velocity_enu{0, 0, 0};  // of the last objects
+  std::size_t driving = 1;         // their number
 };
 
 const std::vector<Vector3d> kPlaces = {{0, 0, 1}, {12, -8, 1}, {-15, 6, 1}, {4, 14, 1}};
@@ -51,7 +52,7 @@ std::vector<ObservedTracklet> Simulate(const NoisyFlight& flight) {
         SimulateTracklet({.id = id + 100 * static_cast<std::int64_t>(flight.seed),
                           .model = id,
                           .place_enu = kPlaces[i],
-                          .velocity_enu = i + 1 == kPlaces.size() ? flight.velocity_enu : Vector3d::Zero(),
+                          .velocity_enu = i + flight.driving >= kPlaces.size() ? flight.velocity_enu : Vector3d::Zero(),
                           .frames = flight.frames,
                           .noise_rad = 2e-4,
                           .camera_from_m = -60,
@@ -113,6 +114,22 @@ TEST(TelemetryErrors, AnObjectThatDrivesIsNoError) {
   ASSERT_TRUE(errors);
   EXPECT_LT(errors->position.ratio, 0.3);
   EXPECT_EQ(errors->objects, 3);
+}
+
+// As on a road: what is usual is the velocity of the traffic, not that of the ground.
+TEST(TelemetryErrors, ObjectsThatDriveAlikeAreNoError) {
+  for (const std::size_t driving : {std::size_t{3}, kPlaces.size()}) {
+    const NoisyFlight flight{.position = 0, .attitude = 0, .velocity_enu = {4, 5, 0}, .driving = driving};
+    const auto errors = EstimateTelemetryErrors(Simulate(flight), {});
+    if (driving == kPlaces.size()) {
+      EXPECT_FALSE(errors) << "nothing stands";
+      continue;
+    }
+    ASSERT_TRUE(errors);
+    EXPECT_EQ(errors->objects, 1);
+    EXPECT_LT(errors->position.ratio, 0.1);
+    EXPECT_LT(errors->attitude.ratio, 0.1);
+  }
 }
 
 TEST(TelemetryErrors, AreSupposedWhereTheFlightSaysNothing) {

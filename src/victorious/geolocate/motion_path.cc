@@ -21,6 +21,9 @@ constexpr std::size_t kMaxLines = 1000;  // of longer tracks every n-th line is 
 constexpr double kMinTravel_m = 1;
 constexpr double kMinTravelFraction = 0.015;
 constexpr double kSpeedSigma_m_s = 20;
+// A vehicle's own noise, however exact the camera: its pose changes from view to view, its way is not quite smooth. A
+// fit that trusts its lines more takes that for manoeuvres, or for outliers.
+constexpr double kMinPosition_m = 0.1;
 // Vehicles climb by a few per cent of their speed; where that does not fit, the object flies.
 constexpr double kClimbSigma_m_s = 0.5;
 constexpr double kRoadDensity = 0.01;
@@ -172,7 +175,9 @@ std::vector<std::size_t> SelectLines(std::size_t count) {
 
 }  // namespace
 
-std::optional<MotionPath> EstimatePath(std::span<const LineOfSight> lines, const LocateOptions& options) {
+std::optional<MotionPath> EstimatePath(std::span<const LineOfSight> lines, const LocateOptions& given) {
+  LocateOptions options = given;
+  options.line.position_m = std::max(options.line.position_m, kMinPosition_m);
   if (lines.size() < kMinLines) return std::nullopt;
   if (!std::ranges::all_of(lines, [](const LineOfSight& line) { return line.range_m.has_value(); })) {
     return std::nullopt;

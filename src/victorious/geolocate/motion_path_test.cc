@@ -167,6 +167,20 @@ TEST(MotionPath, FollowsDrivingObjectsWithExactTelemetry) {
   EXPECT_EQ(checked, 36);
 }
 
+// Its pose, and so its centre, changes with the view although the camera's places are exact.
+TEST(MotionPath, AVehicleHasNoiseOfItsOwn) {
+  LocateOptions exact = Options();
+  exact.line.position_m = 0.01;
+  for (const Drive drive : kDrives) {
+    const Case drawn{.drive = drive, .flight_errors = 0};
+    std::vector<LineOfSight> lines = DrawLines(drawn);
+    for (LineOfSight& line : lines) line.azimuth_rad += 0.15 / *line.range_m * std::sin(4 * line.time_s);
+    const auto path = EstimatePath(lines, exact);
+    ASSERT_TRUE(path && path->is_moving) << Name(drawn);
+    EXPECT_LT(ErrorOf(path->places.back(), drawn).head<2>().norm(), 1.5) << Name(drawn);
+  }
+}
+
 // The truth of the place at every end of a flight, and of the speed, lies within the errors that are reported.
 TEST(MotionPath, ErrorsAreWithinTheirSigmas) {
   int cases = 0;
