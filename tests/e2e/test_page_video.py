@@ -8,7 +8,7 @@ import subprocess
 import page
 import program
 
-DRAW_NUMBERS = program.path_from_environment("VICTORIOUS_DRAW_NUMBERS")
+DRAW_NUMBERS = program.built("draw_numbers", "VICTORIOUS_DRAW_NUMBERS")
 
 
 class PageTest(page.PageTest):

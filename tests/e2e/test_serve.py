@@ -501,7 +501,7 @@ class ServeTest(ServerCase):
     def test_copies_for_browsers(self):
         """A video in MPEG-TS: the copy is made once, however many ask for it, and is found again after a restart."""
         video = self.scratch / "flight.ts"
-        subprocess.run([program.path_from_environment("VICTORIOUS_DRAW_NUMBERS"), video], check=True)
+        subprocess.run([program.built("draw_numbers", "VICTORIOUS_DRAW_NUMBERS"), video], check=True)
         db = self.scratch / "copies.db"
         self.succeeds("index", video, "--models", program.models(), "--db", db)
         with program.Server(db, "--models", program.models()) as server:

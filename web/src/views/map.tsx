@@ -445,7 +445,6 @@ export function MapPane() {
         <div class="canvas" ref={container} data-ready={isReady.value} />
         <div class="tools" role="group" aria-label="Map">
           {toggle("Frame", "Lay the frame on the ground that it shows", isDraped)}
-          {toggle("Searched", "How probably an object of the chosen model would have been found there; lines around what is to be searched again", searched.isShown)}
           {toggle("Follow", "Keep the camera in the middle", isFollowing)}
           <button class="button" title="Show the whole flight" onClick={() => fitRequest.value++}>
             <Icon name="fit" /> All
@@ -461,6 +460,15 @@ export function MapPane() {
             onClick={toggleMeasuring}
           >
             <Icon name="measure" />
+          </button>
+          <button
+            class="button icon"
+            aria-pressed={searched.isShown.value}
+            title="How probably an object of the chosen model would have been found there; lines around what is to be searched again"
+            aria-label="Searched ground"
+            onClick={() => (searched.isShown.value = !searched.isShown.value)}
+          >
+            <Icon name="coverage" />
           </button>
         </div>
         {baseMap.value && baseMap.value.attribution !== "" && <div class="attribution">{baseMap.value.attribution}</div>}
