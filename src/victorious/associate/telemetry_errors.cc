@@ -176,7 +176,7 @@ bool MovesWith(const ComparedObject& object, const Vector3d& velocity) {
 }
 
 // The velocity with which all standing objects seem to move: a wrong yaw turns it out of the camera's. It is none if an
-// object stands that does not move so, or if it is too large for such an error: then the others drive alike.
+// object stands that does not move so, or if it is too large for such an error: then the others drive along one road.
 Vector3d CommonVelocity(std::span<const ComparedObject> objects) {
   constexpr std::size_t kMinOfCommon = 3;
   constexpr double kMaxOfCamera = 0.2;

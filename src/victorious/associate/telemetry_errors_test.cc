@@ -117,7 +117,7 @@ TEST(TelemetryErrors, AnObjectThatDrivesIsNoError) {
 }
 
 // As on a road: what is usual is the velocity of the traffic, not that of the ground.
-TEST(TelemetryErrors, ObjectsThatDriveAlikeAreNoError) {
+TEST(TelemetryErrors, TrafficAlongOneRoadIsNoError) {
   for (const std::size_t driving : {std::size_t{3}, kPlaces.size()}) {
     const NoisyFlight flight{.position = 0, .attitude = 0, .velocity_enu = {4, 5, 0}, .driving = driving};
     const auto errors = EstimateTelemetryErrors(Simulate(flight), {});
