@@ -99,9 +99,9 @@ constexpr std::string_view kTelemetry =
 
 TEST(IndexerParameters, LargeFramesAreSearchedShrunkAndFoundInPixelsOfTheFrame) {
   FlightOptions large = ShortFlight(12);
-  large.width *= 2;
-  large.height *= 2;
-  large.object_scale *= 2;
+  large.width *= 3;
+  large.height *= 3;
+  large.object_scale *= 3;
   const DrawnFlight flight(large);
   const std::string telemetry = (flight / "t.csv").string();
   ASSERT_TRUE(WriteFileAtomically(telemetry, kTelemetry));
@@ -119,7 +119,7 @@ TEST(IndexerParameters, LargeFramesAreSearchedShrunkAndFoundInPixelsOfTheFrame) 
   const std::vector<SightingRecord> expected = SightingsOf(*filmed);
   ASSERT_GT(expected.size(), 12U);
 
-  // 10 m are 65 px at the farthest ground, in the corners.
+  // 10 m are some 100 px at the farthest ground, in the corners; 640 px of a side remain.
   ASSERT_TRUE(SetFromJsonText(R"({"resolution.object_px": 40})", CollectFields(run.options)));
   const auto shrunk = flight.Store("shrunk.db");
   Index(flight.video(), models, *shrunk, run);
