@@ -11,6 +11,7 @@
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/geodesy.h"
+#include "victorious/types/line_direction.h"
 
 namespace victorious {
 namespace {
@@ -52,10 +53,7 @@ bool CannotDrive(const ObservedTracklet& tracklet) {
 
 // The end of a line of sight whose range is multiplied by `factor`.
 GeodeticPoint EndOf(const LineOfSight& line, double factor) {
-  const double cos_elevation = std::cos(line.elevation_rad);
-  const Eigen::Vector3d along(std::sin(line.azimuth_rad) * cos_elevation, std::cos(line.azimuth_rad) * cos_elevation,
-                              std::sin(line.elevation_rad));
-  return TangentPlane(line.camera).GeodeticFromEnu(factor * *line.range_m * along);
+  return TangentPlane(line.camera).GeodeticFromEnu(factor * *line.range_m * DirectionOf(line));
 }
 
 // The height of a tracklet whose ranges are multiplied by `factor`, m; above the ground if that is given.

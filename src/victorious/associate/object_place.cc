@@ -12,6 +12,7 @@
 #include "victorious/geolocate/error_ellipse.h"
 #include "victorious/geolocate/flight_shift.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/types/line_direction.h"
 
 namespace victorious {
 namespace {
@@ -308,9 +309,7 @@ double MahalanobisDistance(const BearingObservation& observation, const Geolocat
                            const LocateOptions& errors, double common_fraction) {
   const LineOfSight& line = observation.line;
   const Eigen::Vector3d to = TangentPlane(line.camera).EnuFromGeodetic(place.point);
-  const double cos_elevation = std::cos(line.elevation_rad);
-  const Eigen::Vector3d along(std::sin(line.azimuth_rad) * cos_elevation, std::cos(line.azimuth_rad) * cos_elevation,
-                              std::sin(line.elevation_rad));
+  const Eigen::Vector3d along = DirectionOf(line);
   if (to.dot(along) <= 0) return std::numeric_limits<double>::infinity();
   const CommonErrorOptions& common = errors.common;
   const double own_rad = line.sigma_rad.value_or(RadiansFromDegrees(errors.line.angle_deg));

@@ -7,6 +7,7 @@
 
 #include "victorious/associate/object_options.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/types/line_direction.h"
 
 namespace victorious {
 namespace {
@@ -22,12 +23,6 @@ constexpr double kMinSideAngle_rad = RadiansFromDegrees(45);
 // Of the smaller box. The boxes of two vehicles in a row, seen from the side, overlap by less: 0.05 for two lorries a
 // metre apart at kMinSideAngle_rad.
 constexpr double kMinBoxOverlap = 0.2;
-
-// Unit length: east, north, up.
-Eigen::Vector3d DirectionOf(const LineOfSight& line) {
-  const double level = std::cos(line.elevation_rad);
-  return {level * std::sin(line.azimuth_rad), level * std::cos(line.azimuth_rad), std::sin(line.elevation_rad)};
-}
 
 double OverlapOfSmaller(const Box& a, const Box& b) {
   const double smaller = std::min(a.Area(), b.Area());

@@ -17,6 +17,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/focal_prior.h"
 #include "victorious/telemetry/telemetry.h"
+#include "victorious/types/line_direction.h"
 
 namespace victorious {
 namespace {
@@ -74,15 +75,12 @@ ComparedObject MakeComparedObject(const ObservedTracklet& tracklet, const Tangen
     if (observation.recognition_id != 0 && observation.recognition_id == recognition) continue;
     recognition = observation.recognition_id;
     const LineOfSight& line = observation.line;
-    const double level = std::cos(line.elevation_rad);
-    const Vector3d local(level * std::sin(line.azimuth_rad), level * std::cos(line.azimuth_rad),
-                         std::sin(line.elevation_rad));
     const Vector3d camera = plane.EnuFromGeodetic(line.camera);
     object.lines.push_back(
         {.frame = static_cast<int>(i < tracklet.observation_frames.size() ? tracklet.observation_frames[i] : -1),
          .time_s = line.time_s,
          .camera = camera,
-         .direction = plane.LocalEnuFromEnu(camera).conjugate() * local,
+         .direction = plane.LocalEnuFromEnu(camera).conjugate() * DirectionOf(line),
          .sigma_rad = std::max(kMinSigma_rad, line.sigma_rad.value_or(RadiansFromDegrees(0.5))),
          .range_m = line.range_m.value_or(0),
          .clock_m = Vector3d::Zero(),

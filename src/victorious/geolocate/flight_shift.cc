@@ -7,6 +7,7 @@
 
 #include "victorious/geolocate/error_ellipse.h"
 #include "victorious/geometry/geodesy.h"
+#include "victorious/types/line_direction.h"
 
 namespace victorious {
 namespace {
@@ -18,11 +19,6 @@ constexpr double kAlongLineWeight = 0.01;  // relative to that across the line
 constexpr double kGroundWeight = 100;      // of the ground, relative to that of all lines
 constexpr double kPathWindow_s = 2;
 constexpr double kMinDistance_m = 1;
-
-Vector3d DirectionOf(const LineOfSight& line) {
-  const double level = std::cos(line.elevation_rad);
-  return {level * std::sin(line.azimuth_rad), level * std::cos(line.azimuth_rad), std::sin(line.elevation_rad)};
-}
 
 // The change of the line's direction by changes of its angles.
 Vector3d Turn(const LineOfSight& line, double azimuth_rad, double elevation_rad) {
