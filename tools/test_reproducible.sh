@@ -9,7 +9,7 @@ if [[ $# -ne 1 || ! -e "$1/CPackConfig.cmake" ]]; then
   exit 2
 fi
 build=$(realpath -- "$1")
-dir=$(mktemp -d /tmp/victorious-packages-XXXXXX)
+dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 
 umask 022

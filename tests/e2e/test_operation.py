@@ -104,7 +104,7 @@ class OperationTest(program.ProgramTest):
         seen = 0
         for target, status, body in self.walk(server):
             seen += 1
-            for folder in (self.scratch, program.REPOSITORY, "/home/", "/tmp/", "/root/", "/work/"):
+            for folder in (self.scratch, program.REPOSITORY, "/home/", "/tmp/", "/root/", "/srv/"):
                 self.assertNotIn(str(folder).encode(), body, f"{target}: {status}: {body[:300]}")
         self.assertGreater(seen, 20)
 
@@ -120,9 +120,9 @@ class OperationTest(program.ProgramTest):
             self.video.unlink()
             shutil.rmtree(self.library)
             self.check_walk(server)
-            for name in ("/root/secret/flight.mp4", "/etc/passwd", f"{self.scratch}/../flight.mp4"):
+            for name in ("/srv/secret/flight.mp4", "/etc/passwd", f"{self.scratch}/../flight.mp4"):
                 with contextlib.closing(sqlite3.connect(self.db)) as db, db:
-                    db.execute("UPDATE videos SET name = ?, telemetry = ?", (name, "/root/secret/t.csv"))
+                    db.execute("UPDATE videos SET name = ?, telemetry = ?", (name, "/srv/secret/t.csv"))
                 self.check_walk(server)
                 for _ in range(100):  # until the server has read the list again
                     _, body = self.ask(server, "/api/v1/videos", "admin")
