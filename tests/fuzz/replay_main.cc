@@ -13,6 +13,9 @@
 #include <span>
 #include <string_view>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/random.h"
 
@@ -31,11 +34,22 @@ void Save(const fs::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-// The program is about to end, so functions that are not async-signal-safe do no further harm.
-void SaveInputAndEnd(int signal) {
-  Save(failure_path, current_input);
-  std::fprintf(stderr, "signal %d; the input is in %s\n", signal, failure_path.c_str());
-  std::_Exit(1);
+// Functions that are async-signal-safe only: the heap may be what is broken, and its lock held.
+void SaveInputAndEnd(int /*signal*/) {
+  const auto write_all = [](int file, std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = write(file, bytes.data(), bytes.size());
+      if (written <= 0) return;
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+  };
+  constexpr int kPermissions = 0644;
+  const int file = open(failure_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, kPermissions);
+  if (file >= 0) write_all(file, current_input);
+  write_all(STDERR_FILENO, "ended by a signal; the input is in ");
+  write_all(STDERR_FILENO, failure_path);
+  write_all(STDERR_FILENO, "\n");
+  _exit(1);
 }
 
 void Run(const std::string& input) {

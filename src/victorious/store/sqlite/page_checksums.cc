@@ -1,5 +1,6 @@
 #include "victorious/store/sqlite/page_checksums.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>
@@ -23,6 +24,7 @@ constexpr std::size_t kHeaderSize = 100;
 constexpr std::size_t kPageSizeAt = 16;
 constexpr std::size_t kReservedAt = 20;
 constexpr std::size_t kMinPage = 512;
+constexpr std::size_t kMaxPage = 65536;
 // Requests to a file of this layer. Those below 100 are SQLite's own.
 constexpr int kGetIsSummed = 0x56494301;
 constexpr int kSetIsSummed = 0x56494302;
@@ -40,8 +42,8 @@ SummedFile& Summed(sqlite3_file* file) { return *reinterpret_cast<SummedFile*>(f
 sqlite3_file* Inner(sqlite3_file* file) { return reinterpret_cast<sqlite3_file*>(&Summed(file) + 1); }
 
 bool IsPage(std::int64_t size, std::int64_t offset) {
-  return size >= static_cast<std::int64_t>(kMinPage) && std::has_single_bit(static_cast<std::uint64_t>(size)) &&
-         offset % size == 0;
+  return size >= static_cast<std::int64_t>(kMinPage) && size <= static_cast<std::int64_t>(kMaxPage) &&
+         std::has_single_bit(static_cast<std::uint64_t>(size)) && offset % size == 0;
 }
 
 // Never 0, which stands for none. Of the page's number as well: a page in the place of another one is damage.
@@ -94,7 +96,7 @@ int Check(sqlite3_file* inner, PageCheck& check) {
   if (code != SQLITE_OK) return code;
   const std::size_t stated =
       std::to_integer<std::size_t>(header[kPageSizeAt]) << 8 | std::to_integer<std::size_t>(header[kPageSizeAt + 1]);
-  const std::size_t page_size = stated == 1 ? 65536 : stated;
+  const std::size_t page_size = stated == 1 ? kMaxPage : stated;
   if (!IsPage(static_cast<std::int64_t>(page_size), 0)) return SQLITE_OK;  // SQLite refuses it
   std::vector<std::byte> page(page_size);
   check.pages = size / static_cast<std::int64_t>(page_size);
@@ -137,9 +139,11 @@ int Write(sqlite3_file* file, const void* bytes, int size, sqlite3_int64 offset)
     Summed(file).is_summed = HasSums(given.data());
   }
   if (!IsSummed(file)) return inner->pMethods->xWrite(inner, bytes, size, offset);
-  // SQLite goes on using its page: the checksum is put into a copy.
-  thread_local std::vector<std::byte> page;
-  page.assign(given.begin(), given.end());
+  // SQLite goes on using its page: the checksum is put into a copy. On the stack: an index may be closed after the
+  // thread's own objects have ended.
+  std::array<std::byte, kMaxPage> copy;
+  const std::span page(copy.data(), given.size());
+  std::ranges::copy(given, page.begin());
   const std::uint64_t sum = SumOf(page, offset / size + 1);
   std::memcpy(page.data() + page.size() - kSumSize, &sum, kSumSize);
   return inner->pMethods->xWrite(inner, page.data(), size, offset);
