@@ -9,6 +9,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include "victorious/geometry/angles.h"
+#include "victorious/pipeline/full_search_schedule.h"
 #include "victorious/pipeline/region_features.h"
 
 namespace victorious {
@@ -17,12 +18,18 @@ void FollowOptions::ListFields(FieldList& fields) {
   fields.Add("enabled", enabled,
              {.reason = "detected objects are tracked and searched for in their regions; otherwise every full frame is "
                         "searched independently"});
+  fields.Add("frame_interval_s", frame_interval_s,
+             {.min = 0,
+              .max = 1000,
+              .unit = "s",
+              .reason = "minimum time between frames that are tracked, of videos: of 30 frames a second each third; in "
+                        "those between, boxes are interpolated; 0 tracks every frame"});
   fields.Add("restart_interval_frames", restart_interval_frames,
              {.min = 1,
               .max = kNoRestart,
               .unit = "frames",
-              .reason = "all tracks restart at this interval: the maximum number of frames that are tracked again when "
-                        "an index resumes"});
+              .reason = "all tracks restart after this many tracked frames: the maximum number that are tracked again "
+                        "when an index resumes"});
   fields.Add("search_interval_s", search_interval_s,
              {.min = 0,
               .max = 1000,
@@ -97,8 +104,8 @@ void Follower::Confirm(std::uint64_t track, const Detection& detection, const Fe
 bool Follower::IsSearchDue(const TrackStep& step, const Frame& frame, RegionSearches searches) const {
   const TrackRecord& followed = tracks_.at(step.track);
   const bool is_confirmed = followed.recognised >= options_.min_recognised_frames;
-  const bool has_waited =
-      std::abs(frame.time_s - followed.searched_time_s) > options_.search_interval_s - kTimeRounding_s;
+  const bool has_waited = std::abs(frame.time_s - followed.searched_time_s) >
+                          SearchSpacing(frame.image.size()) * options_.search_interval_s - kTimeRounding_s;
   if (searches == RegionSearches::kUnconfirmedOnly) return !is_confirmed && has_waited;
   return !step.seen() || !is_confirmed || has_waited;
 }

@@ -32,15 +32,17 @@ inline constexpr int kNoRestart = 1'000'000;
 
 /// Tracking between full-frame searches.
 struct FollowOptions {
-  bool enabled = true;               ///< false: every full frame is searched independently
-  int restart_interval_frames = 60;  ///< frames after which all tracks restart
+  bool enabled = true;  ///< false: every full frame is searched independently
+  /// Minimum time between frames that are tracked; in those between, boxes are interpolated (between_frames.h).
+  double frame_interval_s = 0.1;
+  int restart_interval_frames = 60;  ///< tracked frames after which all tracks restart
   /// Frames in which a track must have been recognised before a tracked sighting counts: false recognitions seldom
   /// repeat. Not a user parameter.
   int min_recognised_frames = 2;
   /// Number of frames before the first detection of a track in which it is followed backward (backward_follower.h); 0:
   /// none. As many frames are held in memory. Not a user parameter.
   int backward_frames = 30;
-  /// Minimum time between searches of a visible track's region: at 10 frames per second each frame, at 30 each third.
+  /// Minimum time between searches of a visible track's region; in large frames longer (SearchSpacing).
   double search_interval_s = 0.1;
   TrackOptions track;
 

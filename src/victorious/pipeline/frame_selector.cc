@@ -1,6 +1,7 @@
 #include "victorious/pipeline/frame_selector.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "victorious/base/stage_time.h"
@@ -20,7 +21,8 @@ bool SelectsByMotion(const IndexPass& pass, const VideoInfo& info) {
 FrameSelector::FrameSelector(const IndexPass& pass, const VideoInfo& info, SearchPace& pace,
                              std::optional<std::int64_t> first_required_frame)
     : kept_frames_(pass.options.keep.interval_s),
-      shape_frames_(ShapeSearchInterval(pass.options.shape, pass.follow, info.frame_rate)),
+      tracked_rate_(info.frame_rate / pass.intervals.tracked),
+      shape_frames_(ShapeSearchInterval(pass.options.shape, pass.follow, tracked_rate_, 1)),
       schedule_(pass.intervals.models, pass.follow, SelectsByMotion(pass, info)),
       scale_({.models = pass.recognizer.models(),
               .cameras = pass.cameras,
@@ -36,6 +38,7 @@ FrameSelector::FrameSelector(const IndexPass& pass, const VideoInfo& info, Searc
     follow_from_ -= next_frame_ % pass.follow.restart_interval_frames;
   }
   first_frame_ = std::min(follow_from_, first_required_frame.value_or(follow_from_));
+  first_frame_ -= first_frame_ % pass.intervals.tracked;  // motion of the image is known between tracked frames
 }
 
 FrameSizes FrameSelector::SizesOf(const Frame& frame) {
@@ -45,6 +48,12 @@ FrameSizes FrameSelector::SizesOf(const Frame& frame) {
     sizes_interval_ = interval;
   }
   return *sizes_;
+}
+
+// A frame before a restart is tracked, as tracks end there.
+bool FrameSelector::IsBetweenTracked(std::int64_t index) const {
+  return pass_.categories == nullptr && index % pass_.intervals.tracked != 0 && !schedule_.MayBeSearched(index) &&
+         (index + 1) % pass_.follow.restart_interval_frames != 0;
 }
 
 std::optional<FrameWork> FrameSelector::Select(Frame frame, std::optional<double> behind_s) {
@@ -64,15 +73,26 @@ std::optional<FrameWork> FrameSelector::Select(Frame frame, std::optional<double
   if (index < first_frame_) return std::nullopt;
   if (!may_be_searched && !classify && !IsTrackingEnabled(pass_) && !FollowsCategories(pass_)) return std::nullopt;
   FrameWork task;
+  if (!may_be_searched && !classify && IsBetweenTracked(index)) {
+    task.is_between = true;
+    task.whole = false;
+    task.already_stored = index < next_frame_;
+    task.motion_only = index < follow_from_;
+    frame.image.release();
+    frame.bgr.release();
+    task.now.frame = std::move(frame);
+    return task;
+  }
   {
     const StageScope scope(Stage::kTracking);
     task.now_from_before = motion_.Step(frame.image);
   }
-  const bool is_due = schedule_.Enter(frame, task.now_from_before) || is_first_wanted;
+  task.sizes = SizesOf(frame);
+  const double spacing = SearchSpacing(task.sizes.searched);
+  const bool is_due = schedule_.Enter(frame, task.now_from_before, spacing) || is_first_wanted;
   const bool whole = is_due && (is_first_wanted || pace_.HasTimeForAll());
   if (whole) task.views = schedule_.SetSearched(frame, index == 0 || is_first_wanted);
   task.camera = pass_.cameras.At(frame.time_s);
-  task.sizes = SizesOf(frame);
   task.now.conditions = MakeFrameConditions(pass_.cameras.ForSearch(frame.time_s), task.sizes.searched, pass_.sun);
   task.now.conditions.height_above_ground_m =
       pass_.cameras.HeightAboveGround(task.camera, pass_.options.objects.ground.get());
@@ -80,7 +100,10 @@ std::optional<FrameWork> FrameSelector::Select(Frame frame, std::optional<double
   task.already_stored = index < next_frame_;
   task.motion_only = index < follow_from_;
   task.whole = whole && !task.motion_only && !pass_.recognizer.models().empty();
-  if (IsTrackingEnabled(pass_) && index % pass_.follow.restart_interval_frames == 0) shape_frames_.Restart();
+  if (IsTrackingEnabled(pass_) && index % pass_.follow.restart_interval_frames == 0) {
+    shape_frames_ =
+        IntervalSelector(ShapeSearchInterval(pass_.options.shape, pass_.follow, tracked_rate_, std::sqrt(spacing)));
+  }
   task.by_shape = task.whole && pass_.shapes != nullptr && shape_frames_.IsSelected(task.now.frame.time_s);
   task.has_time = pace_.HasTime();
   task.left_out = ((is_due && !whole) || (may_be_classified && !classify)) && !task.already_stored;

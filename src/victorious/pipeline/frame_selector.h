@@ -29,6 +29,7 @@ namespace victorious {
 struct FrameWork {
   FollowedFrame now;  ///< from Search on with the image that is searched
   FrameSizes sizes;
+  bool is_between = false;                     ///< between two tracked frames: nothing is done with its image
   bool whole = true;                           ///< full-frame search for models
   ViewPart views;                              ///< that are searched for
   bool by_shape = false;                       ///< search for models by their shape
@@ -61,8 +62,10 @@ class FrameSelector {
 
  private:
   [[nodiscard]] FrameSizes SizesOf(const Frame& frame);
+  [[nodiscard]] bool IsBetweenTracked(std::int64_t index) const;
 
   IntervalSelector kept_frames_;
+  double tracked_rate_;  // tracked frames a second; 0: unknown
   IntervalSelector shape_frames_;
   ImageMotionEstimator motion_;
   FullSearchSchedule schedule_;

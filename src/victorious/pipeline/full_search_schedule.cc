@@ -13,6 +13,7 @@ constexpr double kMinMotion = 0.03;  // fraction of the frame's diagonal
 constexpr double kMaxInterval_s = 1;
 constexpr std::size_t kViewParts = 3;
 constexpr double kScheduleRounding_s = 1e-3;
+constexpr double kFrameRounding = 0.5;
 
 // The farthest that a corner of the frame, or its centre, has moved, as a fraction of the diagonal.
 double MotionOf(const Similarity2& now_from_searched, const cv::Size& size) {
@@ -28,6 +29,12 @@ double MotionOf(const Similarity2& now_from_searched, const cv::Size& size) {
 
 }  // namespace
 
+double SearchSpacing(const cv::Size& searched) {
+  constexpr double kPixels = 1280.0 * 720;
+  constexpr double kMaxSpacing = 3;
+  return std::clamp(static_cast<double>(searched.area()) / kPixels, 1.0, kMaxSpacing);
+}
+
 FullSearchSchedule::FullSearchSchedule(int interval, const FollowOptions& follow, bool by_motion)
     : follow_(follow),
       by_motion_(by_motion),
@@ -35,7 +42,7 @@ FullSearchSchedule::FullSearchSchedule(int interval, const FollowOptions& follow
       spacing_(by_parts_ ? kPartSpacing : 1),
       interval_(by_parts_ ? PartInterval(interval) : interval) {}
 
-bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarity2>& now_from_before) {
+bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarity2>& now_from_before, double spacing) {
   const bool restarts = follow_.enabled && frame.index % follow_.restart_interval_frames == 0;
   if (restarts) next_part_ = static_cast<std::size_t>(frame.index / follow_.restart_interval_frames);
   if (restarts || !now_from_before || !now_from_searched_) {
@@ -43,14 +50,18 @@ bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarit
   } else {
     now_from_searched_ = *now_from_before * *now_from_searched_;
   }
-  if (!IsFullSearchFrame(frame.index, interval_, follow_)) return false;
+  if (!MayBeSearched(frame.index)) return false;
   if (!by_motion_ || !now_from_searched_) return true;
-  return frame.time_s - searched_time_s_ > spacing_ * kMaxInterval_s - kScheduleRounding_s ||
-         MotionOf(*now_from_searched_, frame.image.size()) >= spacing_ * kMinMotion;
+  const double longer = spacing_ * spacing;
+  const auto frames = static_cast<double>(frame.index - searched_frame_);
+  if (spacing > 1 && frames + kFrameRounding < spacing * interval_) return false;
+  return frame.time_s - searched_time_s_ > longer * kMaxInterval_s - kScheduleRounding_s ||
+         MotionOf(*now_from_searched_, frame.image.size()) >= longer * kMinMotion;
 }
 
 ViewPart FullSearchSchedule::SetSearched(const Frame& frame, bool is_first) {
   searched_time_s_ = frame.time_s;
+  searched_frame_ = frame.index;
   now_from_searched_.emplace();
   if (!by_parts_ || is_first) return {};
   return {.index = next_part_++ % kViewParts, .count = kViewParts};

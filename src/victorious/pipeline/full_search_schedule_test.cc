@@ -60,6 +60,28 @@ TEST(FullSearchSchedule, SearchesAgainWhereTheImageHasTurned) {
       << "a corner moves by 14 px in 6 frames";
 }
 
+TEST(SearchSpacing, GrowsWithThePixels) {
+  EXPECT_EQ(SearchSpacing({640, 480}), 1) << "smaller frames are searched no more often";
+  EXPECT_EQ(SearchSpacing({1280, 720}), 1);
+  EXPECT_EQ(SearchSpacing({1920, 1080}), 2.25);
+  EXPECT_EQ(SearchSpacing({3840, 2160}), 3);
+}
+
+TEST(FullSearchSchedule, SearchesLargeFramesMoreRarely) {
+  const FollowOptions follow{.restart_interval_frames = 180};
+  FullSearchSchedule schedule(kInterval, follow, true);
+  std::vector<std::int64_t> searched;
+  for (std::int64_t index = 0; index < 180; ++index) {
+    const auto motion = index == 0 ? std::nullopt : std::optional(Shift(9));
+    if (!schedule.Enter(FrameOf(index), motion, 2.5)) continue;
+    (void)schedule.SetSearched(FrameOf(index), index == 0);
+    searched.push_back(index);
+  }
+  ASSERT_GE(searched.size(), 4U);
+  EXPECT_EQ((std::vector(searched.begin(), searched.begin() + 4)), (std::vector<std::int64_t>{0, 18, 36, 54}))
+      << "the first multiple of 6 after 2.5 times 6 frames";
+}
+
 TEST(FullSearchSchedule, SearchesAfterUnknownMotion) {
   const std::vector<std::int64_t> all = SearchedFramesOf(Shift(0), true, 0, 5);
   EXPECT_EQ((std::vector(all.begin(), all.begin() + 2)), (std::vector<std::int64_t>{0, 6}));

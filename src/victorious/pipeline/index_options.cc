@@ -85,14 +85,35 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
                         "`detector.interval_s` for those of an imported detector"});
 }
 
+namespace {
+
+// Frames between two that are tracked, at least `frame_interval_s` apart, but for the rounding of frame rates.
+int TrackedInterval(const FollowOptions& follow, double frame_rate) {
+  constexpr double kMaxFrames = 1000;
+  constexpr double kRounding = 0.1;
+  return static_cast<int>(std::clamp(follow.frame_interval_s * frame_rate + kRounding, 1.0, kMaxFrames));
+}
+
+}  // namespace
+
 SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info) {
-  if (options.every > 0) return {options.every, options.every};
-  if (!options.follow.enabled || info.of_images || !(info.frame_rate > 0)) return {};
+  const bool is_tracked = options.follow.enabled && !info.of_images && info.frame_rate > 0;
+  const int tracked = is_tracked && !info.live ? TrackedInterval(options.follow, info.frame_rate) : 1;
+  if (options.every > 0) return {options.every, options.every, tracked};
+  if (!is_tracked) return {};
   constexpr double kMaxFrames = 1e6;
   const auto frames_of = [&](double interval_s) {
     return static_cast<int>(std::lround(std::clamp(interval_s * info.frame_rate, 1.0, kMaxFrames)));
   };
-  return {.models = frames_of(options.search_interval_s), .categories = frames_of(options.category_interval_s)};
+  return {.models = frames_of(options.search_interval_s),
+          .categories = frames_of(options.category_interval_s),
+          .tracked = tracked};
+}
+
+FollowOptions FollowOptionsOf(FollowOptions follow, int tracked) {
+  follow.restart_interval_frames =
+      static_cast<int>(std::min<std::int64_t>(kNoRestart, std::int64_t{follow.restart_interval_frames} * tracked));
+  return follow;
 }
 
 int PartInterval(int interval) { return std::max(1, static_cast<int>(std::lround(kPartSpacing * interval))); }
@@ -101,7 +122,7 @@ TrackletOptions MakeTrackletOptions(TrackletOptions tracklets, const SearchInter
                                     const FollowOptions* follow, double frame_rate) {
   constexpr double kFrames = 2.5;
   const double frames = std::max(kFrames * std::max(intervals.models, intervals.categories),
-                                 follow == nullptr ? 0.0 : follow->track.missed_frames + 1.5);
+                                 follow == nullptr ? 0.0 : (follow->track.missed_frames + 1.5) * intervals.tracked);
   if (frame_rate > 0) tracklets.gap_s = std::max(tracklets.gap_s, frames / frame_rate);
   return tracklets;
 }

@@ -91,10 +91,11 @@ struct IndexOptions {
   void ListSearchFields(FieldList& fields);
 };
 
-/// The numbers of frames between two full-frame searches.
+/// The numbers of frames between two full-frame searches, and between two that are tracked.
 struct SearchIntervals {
   int models = 1;
   int categories = 1;
+  int tracked = 1;  ///< between two frames in which models are tracked
 
   [[nodiscard]] int Of(const ModelRecord& target) const { return target.IsCategory() ? categories : models; }
 
@@ -104,8 +105,12 @@ struct SearchIntervals {
 /// The intervals of a video: `every` for both, if it is set. Else the models, which are tracked between two searches,
 /// are searched for each `search_interval_s`, by the frame rate, and the categories each `category_interval_s`.
 /// Images of a folder, which need not follow each other closely, and frames of an unknown rate are all searched, as are
-/// those of a search without tracking.
+/// those of a search without tracking. Frames of a video are tracked each `follow.frame_interval_s`, those of a live
+/// source all.
 [[nodiscard]] SearchIntervals MakeSearchIntervals(const IndexOptions& options, const VideoInfo& info);
+
+/// The options with the interval of restarts in frames of the video. @param tracked  of its SearchIntervals
+[[nodiscard]] FollowOptions FollowOptionsOf(FollowOptions follow, int tracked);
 
 /// Spacing of searches for a part of the models' views (full_search_schedule.h), as a fraction of that for all.
 inline constexpr double kPartSpacing = 2.0 / 3;

@@ -13,16 +13,17 @@ VideoInfo VideoOf(double frame_rate) {
 
 TEST(MakeSearchIntervals, FollowTheFrameRate) {
   const IndexOptions options;
-  EXPECT_EQ(MakeSearchIntervals(options, VideoOf(30)), (SearchIntervals{.models = 9, .categories = 1}));
+  EXPECT_EQ(MakeSearchIntervals(options, VideoOf(30)), (SearchIntervals{.models = 9, .categories = 1, .tracked = 3}));
   EXPECT_EQ(MakeSearchIntervals(options, VideoOf(10)), (SearchIntervals{.models = 3, .categories = 1}));
   EXPECT_EQ(MakeSearchIntervals(options, VideoOf(1)), (SearchIntervals{.models = 1, .categories = 1}));
-  EXPECT_EQ(MakeSearchIntervals(options, VideoOf(1e12)), (SearchIntervals{.models = 1'000'000, .categories = 1}));
+  EXPECT_EQ(MakeSearchIntervals(options, VideoOf(1e12)),
+            (SearchIntervals{.models = 1'000'000, .categories = 1, .tracked = 1000}));
 }
 
 TEST(MakeSearchIntervals, AreTheGivenOnes) {
   IndexOptions options;
   options.every = 5;
-  EXPECT_EQ(MakeSearchIntervals(options, VideoOf(30)), (SearchIntervals{.models = 5, .categories = 5}));
+  EXPECT_EQ(MakeSearchIntervals(options, VideoOf(30)), (SearchIntervals{.models = 5, .categories = 5, .tracked = 3}));
 }
 
 TEST(MakeSearchIntervals, AreOneWhereNothingIsTracked) {

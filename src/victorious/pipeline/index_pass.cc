@@ -17,6 +17,7 @@
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/backward_follower.h"
+#include "victorious/pipeline/between_frames.h"
 #include "victorious/pipeline/category_follower.h"
 #include "victorious/pipeline/category_sightings.h"
 #include "victorious/pipeline/follower.h"
@@ -77,6 +78,7 @@ Expected<FeatureSet> ExtractFeatures(const FeatureExtractor& extractor, const Fr
 // Features, recognition and categories of full frames. Where objects are tracked, or rescored in the image, it is left
 // without impulse noise. Parallel.
 Status Search(const IndexPass& pass, FrameWork& work) {
+  if (work.is_between) return {};
   if (work.classify) {
     VICTORIOUS_ASSIGN_OR_RETURN(work.categories, pass.categories->FindIn(work.now.frame));
     std::erase_if(work.categories, [&](const FoundCategory& one) { return !pass.category_ids[one.category]; });
@@ -328,7 +330,11 @@ class TrackingStage {
 
   Status Add(FrameWork& task) {
     const FollowedFrame& now = task.now;
-    if (now.frame.index % pass_.follow.restart_interval_frames == 0) VICTORIOUS_RETURN_IF_ERROR(Finish());
+    if (task.is_between) {
+      between_.push_back(std::move(task));
+      return {};
+    }
+    if (now.frame.index % pass_.follow.restart_interval_frames == 0) VICTORIOUS_RETURN_IF_ERROR(FlushHeld());
     {
       const StageScope scope(Stage::kTracking);
       if (!task.motion_only) VICTORIOUS_RETURN_IF_ERROR(Track(task));
@@ -337,20 +343,32 @@ class TrackingStage {
     }
     const std::size_t image_bytes = now.frame.image.total() * now.frame.image.elemSize();
     const std::size_t max_held = follower_ && !is_live_ ? HeldFrameCount(pass_.follow, image_bytes) : 0;
-    held_.push_back(std::move(task));
+    held_.push_back({.between = std::exchange(between_, {}), .tracked = std::move(task)});
     while (held_.size() > max_held) VICTORIOUS_RETURN_IF_ERROR(PassOn());
     return {};
   }
 
   // Passes on what is held, at the end of the video.
   Status Finish() {
-    while (!held_.empty()) VICTORIOUS_RETURN_IF_ERROR(PassOn());
+    VICTORIOUS_RETURN_IF_ERROR(FlushHeld());
+    for (FrameWork& last : between_) VICTORIOUS_RETURN_IF_ERROR(writer_.Add(last));
+    between_.clear();
     return {};
   }
 
  private:
+  struct HeldFrame {
+    std::vector<FrameWork> between;  // the frames before it that are not tracked
+    FrameWork tracked;
+  };
+
   TrackingStage(const IndexPass& pass, bool is_live, ResultWriter& writer)
       : pass_(pass), is_live_(is_live), writer_(writer) {}
+
+  Status FlushHeld() {
+    while (!held_.empty()) VICTORIOUS_RETURN_IF_ERROR(PassOn());
+    return {};
+  }
 
   // Sets the objects of a frame, and adds to those of the held frames.
   Status Track(FrameWork& task) {
@@ -365,7 +383,7 @@ class TrackingStage {
     const auto searches = task.has_time ? RegionSearches::kAllDue : RegionSearches::kUnconfirmedOnly;
     VICTORIOUS_ASSIGN_OR_RETURN(now.objects, follower_->Follow(now.frame, whole, now.conditions, searches));
     std::vector<FollowedFrame*> before;
-    for (FrameWork& held : held_ | std::views::reverse) before.push_back(&held.now);
+    for (HeldFrame& held : held_ | std::views::reverse) before.push_back(&held.tracked.now);
     return FollowBackward(pass_.recognizer, pass_.extractor, pass_.follow, now, task.features, before, pass_.shapes);
   }
 
@@ -375,9 +393,9 @@ class TrackingStage {
     task.categories = category_follower_.Follow(image, task.now_from_before);
   }
 
-  // Makes the sightings of the oldest held frame.
+  // Makes the sightings of the oldest held frame, and those of the frames before it that are not tracked.
   Status PassOn() {
-    FrameWork oldest = std::move(held_.front());
+    auto [between, oldest] = std::move(held_.front());
     held_.pop_front();
     {
       const StageScope scope(Stage::kTracking);
@@ -388,7 +406,33 @@ class TrackingStage {
         oldest.sightings.push_back(CategorySighting(pass_, oldest.now.frame, oldest.camera, found));
       }
     }
+    if (pass_.intervals.tracked > 1) {
+      VICTORIOUS_RETURN_IF_ERROR(PassOnBetween(between, oldest));
+      last_sightings_ = oldest.sightings;
+      last_time_s_ = oldest.now.frame.time_s;
+    }
     return writer_.Add(oldest);
+  }
+
+  // The image has moved evenly since the last tracked frame.
+  Status PassOnBetween(std::span<FrameWork> between, FrameWork& next) {
+    const std::optional<Similarity2> motion = next.now_from_before;
+    const double interval_s = std::max(1e-9, next.now.frame.time_s - last_time_s_);
+    Similarity2 moved;
+    const auto enter_motion = [&](FrameWork& frame, double part) {
+      if (!motion || between.empty()) return;
+      const Similarity2 until_now = PartOfMotion(*motion, part);
+      frame.now_from_before = until_now * moved.Inverse();
+      moved = until_now;
+    };
+    for (FrameWork& frame : between) {
+      const double time_s = frame.now.frame.time_s;
+      enter_motion(frame, std::clamp((time_s - last_time_s_) / interval_s, 0.0, 1.0));
+      frame.sightings = SightingsBetween(last_sightings_, next.sightings, frame.now.frame.index, time_s);
+      VICTORIOUS_RETURN_IF_ERROR(writer_.Add(frame));
+    }
+    enter_motion(next, 1);
+    return {};
   }
 
   const IndexPass& pass_;
@@ -396,7 +440,10 @@ class TrackingStage {
   ResultWriter& writer_;
   std::optional<Follower> follower_;
   CategoryFollower category_follower_;
-  std::deque<FrameWork> held_;  // oldest first
+  std::deque<HeldFrame> held_;                  // oldest first
+  std::vector<FrameWork> between_;              // since the last tracked frame
+  std::vector<SightingRecord> last_sightings_;  // of the last tracked frame that was passed on
+  double last_time_s_ = 0;
 };
 
 }  // namespace

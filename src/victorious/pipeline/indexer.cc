@@ -98,8 +98,8 @@ struct StoredParameters {
 };
 
 StoredParameters ParametersOf(const IndexOptions& options, const SearchIntervals& intervals, const IndexJob& job) {
-  return {.models = SearchOptionsText(options, intervals.models, job),
-          .categories = SearchOptionsText(options, intervals.categories, job),
+  return {.models = SearchOptionsText(options, intervals.models, intervals.tracked, job),
+          .categories = SearchOptionsText(options, intervals.categories, intervals.tracked, job),
           .features = OptionsToJsonText(MakeKeptFeatureOptions(options.features))};
 }
 
@@ -206,8 +206,9 @@ Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& 
   });
 }
 
-std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job) {
+std::string SearchOptionsText(IndexOptions options, int every, int tracked, const IndexJob& job) {
   options.every = every;
+  options.follow = FollowOptionsOf(options.follow, tracked);
   FieldList fields;
   options.ListSearchFields(fields);
   std::string text = ToJsonText(fields.fields());
@@ -445,7 +446,7 @@ std::vector<std::optional<std::int64_t>> Indexer::CategoryIds(const PlannedPass&
 // searches of full frames lie seconds apart.
 FollowOptions Indexer::MakeFollowOptions(const IndexJob& job, const OpenedVideo& video) const {
   constexpr int kBackwardFrames = 90;
-  FollowOptions follow = options_.follow;
+  FollowOptions follow = FollowOptionsOf(options_.follow, video.intervals.tracked);
   if (!job.frame_budget && !(video.reader && video.reader->info().live)) return follow;
   follow.restart_interval_frames = kNoRestart;
   follow.backward_frames = std::max(follow.backward_frames, kBackwardFrames);

@@ -39,9 +39,10 @@ struct Indexer::PlannedCut {
 };
 
 // The search options as the store keeps them, as JSON.
-// @param every  the interval that was chosen
-// @param job    its interval of time belongs to what was searched
-std::string SearchOptionsText(IndexOptions options, int every, const IndexJob& job);
+// @param every    the interval that was chosen
+// @param tracked  that of SearchIntervals
+// @param job      its interval of time belongs to what was searched
+std::string SearchOptionsText(IndexOptions options, int every, int tracked, const IndexJob& job);
 
 // True if the camera's attitude is known at some time. @param trajectory  null: there is no telemetry
 [[nodiscard]] bool HasAttitudes(const CameraTrajectory* trajectory);

@@ -36,11 +36,13 @@ std::int64_t FileBytes(const std::string& video) {
 
 // The last frame before `frame` that is searched as a whole; `frame` if there is none. The selection of kept frames
 // and, without tracking, the camera motion refer to it.
-std::int64_t WholeFrameBefore(std::int64_t frame, int every, const IndexOptions& options) {
+std::int64_t WholeFrameBefore(std::int64_t frame, int every, int tracked, const IndexOptions& options) {
   const auto last_multiple = [&](std::int64_t step) { return (frame - 1) / step * step; };
   if (frame == 0) return 0;
   std::int64_t before = last_multiple(every);
-  if (options.follow.enabled) before = std::max(before, last_multiple(options.follow.restart_interval_frames));
+  if (options.follow.enabled) {
+    before = std::max(before, last_multiple(FollowOptionsOf(options.follow, tracked).restart_interval_frames));
+  }
   return before;
 }
 
@@ -77,13 +79,14 @@ std::vector<CoverageGap> GapsOf(const VideoCut& cut, const std::vector<double>& 
 // The intervals that CutPlan wrote; std::nullopt if there are none.
 std::optional<SearchIntervals> IntervalsOf(const nlohmann::json& plan) {
   const auto found = plan.find("intervals");
-  if (found == plan.end() || !found->is_array() || found->size() != 2) return std::nullopt;
+  if (found == plan.end() || !found->is_array() || found->size() != 3) return std::nullopt;
   for (const nlohmann::json& one : *found) {
     if (!one.is_number_integer() || one.get<std::int64_t>() < 1 || one.get<std::int64_t>() > 1'000'000) {
       return std::nullopt;
     }
   }
-  return SearchIntervals{.models = (*found)[0].get<int>(), .categories = (*found)[1].get<int>()};
+  return SearchIntervals{
+      .models = (*found)[0].get<int>(), .categories = (*found)[1].get<int>(), .tracked = (*found)[2].get<int>()};
 }
 
 // The first frame of the first open segment; std::nullopt: none is open.
@@ -160,8 +163,8 @@ Expected<std::string> Indexer::CutPlan(const PlannedPass& pass, const SearchInte
                                        const IndexJob& job) const {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string program, ProgramId());
   const nlohmann::ordered_json plan = {{"models", ModelsOf(pass.searches)},
-                                       {"options", SearchOptionsText(options_, options_.every, job)},
-                                       {"intervals", {intervals.models, intervals.categories}},
+                                       {"options", SearchOptionsText(options_, options_.every, intervals.tracked, job)},
+                                       {"intervals", {intervals.models, intervals.categories, intervals.tracked}},
                                        {"program", program}};
   return DumpJson(plan);
 }
@@ -195,12 +198,13 @@ Expected<std::optional<Indexer::PlannedCut>> Indexer::ReadCutPlan(const VideoRec
       if (!is_target || std::ranges::find(of_plan, nlohmann::json(model.id)) == of_plan.end()) continue;
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(cut.video, model.id));
       pass.targets.push_back(t);
-      pass.searches.push_back({.video = cut.video,
-                               .model = model.id,
-                               .next_frame = before ? before->next_frame : 0,
-                               .finished = before && before->finished,
-                               .options_json = SearchOptionsText(options_, intervals->Of(targets_[t]), job),
-                               .program_version = kVersion});
+      pass.searches.push_back(
+          {.video = cut.video,
+           .model = model.id,
+           .next_frame = before ? before->next_frame : 0,
+           .finished = before && before->finished,
+           .options_json = SearchOptionsText(options_, intervals->Of(targets_[t]), intervals->tracked, job),
+           .program_version = kVersion});
     }
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string own, CutPlan(pass, *intervals, job));
@@ -247,7 +251,7 @@ Expected<std::optional<std::int64_t>> Indexer::CutPass(const PlannedPass& plan, 
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer, MakeRecognizer(plan, job));
   const IndexPass pass = MakePass(plan, recognizer, {}, job, video);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t first_frame, FirstLinkedFrame(pass, info, store));
-  const std::int64_t step = options_.follow.restart_interval_frames;
+  const std::int64_t step = pass.follow.restart_interval_frames;
   const std::vector<FrameInterval> cuts = CutVideo(
       *table, {.first_frame = first_frame,
                .step = step,
@@ -266,7 +270,8 @@ Expected<std::optional<std::int64_t>> Indexer::CutPass(const PlannedPass& plan, 
   std::vector<std::vector<std::byte>> of_segments;
   for (const FrameInterval& frames : cuts) {
     cut.segments.push_back({.frames = frames, .state = {}, .reason = {}});
-    const std::int64_t first_read = WholeFrameBefore(frames.from, MinInterval(plan, video.intervals), options_);
+    const std::int64_t first_read =
+        WholeFrameBefore(frames.from, MinInterval(plan, video.intervals), video.intervals.tracked, options_);
     prepared.cameras = cameras.Between(time_s(first_read), time_s(frames.to - 1));
     of_segments.push_back(PackPreparedVideo(prepared));
   }
@@ -293,7 +298,8 @@ Expected<IndexReport> Indexer::IndexSegment(const IndexJob& job, FrameInterval f
   report.sun = prepared.sun;
   report.sun_by_clock = prepared.is_sun_by_clock;
   report.sun_from_camera = prepared.cameras.has_assumed_attitudes();
-  const std::int64_t first_read = WholeFrameBefore(frames.from, MinInterval(found->pass, found->intervals), options_);
+  const std::int64_t first_read =
+      WholeFrameBefore(frames.from, MinInterval(found->pass, found->intervals), found->intervals.tracked, options_);
   VICTORIOUS_ASSIGN_OR_RETURN(
       const std::unique_ptr<SegmentReader> reader,
       SegmentReader::Open(job.video, MakeReaderOptions(job), prepared.times_s, {first_read, frames.to}));

@@ -105,6 +105,17 @@ TEST_F(IndexerSegmentsTest, GiveWhatOnePassGives) {
   }
 }
 
+TEST_F(IndexerSegmentsTest, GiveWhatOnePassGivesWhereSomeFramesAreTracked) {
+  options_.follow.frame_interval_s = 0.2;
+  const auto store = flight_.Store("segments.db");
+  const Indexer indexer = MakeIndexer(flight_.Models());
+  EXPECT_TRUE(Begin(indexer, *store).waits_for);
+  EXPECT_THAT(OpenSegments(*store), SizeIs(4)) << "of 10 frames, after which tracks restart";
+  SearchAll(indexer, *store);
+  EXPECT_FALSE(Begin(indexer, *store).waits_for);
+  EXPECT_EQ(Contents(*store), OnePass(flight_.Models()));
+}
+
 // A worker queues no more segments of a long video than some, and has them joined before it queues the next ones.
 TEST_F(IndexerSegmentsTest, AreJoinedAPartAtATime) {
   options_.tracklets.gap_s = 0.1;  // so that the next join needs little of the past

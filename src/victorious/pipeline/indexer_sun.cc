@@ -68,12 +68,13 @@ Status Indexer::EstimateSun(const Recognizer& recognizer, const IndexJob& job, O
     VICTORIOUS_RETURN_IF_ERROR(AssumeSun(recognizer, job, video, cancel, warn, report));
     if (report.sun || trajectory == nullptr) return {};
   }
-  const SearchScale scale({.models = recognizer.models(),
-                           .cameras = video.cameras,
-                           .ground = options_.objects.ground.get(),
-                           .object_px = options_.resolution.object_px,
-                           .restart_interval_frames = options_.follow.restart_interval_frames},
-                          video.reader->info());
+  const SearchScale scale(
+      {.models = recognizer.models(),
+       .cameras = video.cameras,
+       .ground = options_.objects.ground.get(),
+       .object_px = options_.resolution.object_px,
+       .restart_interval_frames = FollowOptionsOf(options_.follow, video.intervals.tracked).restart_interval_frames},
+      video.reader->info());
   VICTORIOUS_ASSIGN_OR_RETURN(
       report.sun,
       EstimateSunDirection(

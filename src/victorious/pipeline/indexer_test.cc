@@ -215,11 +215,14 @@ TEST(Indexer, ObjectsAreFollowedBackward) {
 
 // Between full-frame searches the result depends on earlier frames: those since the last restart of tracking are
 // tracked again.
-TEST(Indexer, ResumeBetweenFullFramesEqualsUninterruptedRun) {
+class ResumedBetweenFullFrames : public ::testing::TestWithParam<double> {};
+
+TEST_P(ResumedBetweenFullFrames, EqualsUninterruptedRun) {
   const DrawnFlight flight(ShortFlight(40));
   RunSetup run;
   run.options.every = 6;
-  run.options.follow.restart_interval_frames = 16;
+  run.options.follow.frame_interval_s = GetParam();
+  run.options.follow.restart_interval_frames = GetParam() > 0.1 ? 6 : 16;
   const auto whole = flight.Store("whole.db");
   Index(flight.video(), flight.Models(), *whole, run);
   const std::vector<SightingRecord> sightings = SightingsOf(*whole);
@@ -239,6 +242,33 @@ TEST(Indexer, ResumeBetweenFullFramesEqualsUninterruptedRun) {
   }
   EXPECT_GE(stops, 3);
   EXPECT_EQ(Contents(*store), Contents(*whole));
+}
+
+INSTANTIATE_TEST_SUITE_P(Indexer, ResumedBetweenFullFrames, ::testing::Values(0.1, 0.3));
+
+// Of 10 frames a second each third is tracked, and the one before a restart.
+TEST(Indexer, FramesBetweenTrackedOnesShowTheObjectsAtTheirTruePosition) {
+  const DrawnFlight flight(ShortFlight(40));
+  RunSetup run;
+  run.options.every = 12;
+  run.options.follow.restart_interval_frames = 8;
+  run.options.follow.frame_interval_s = 0.3;
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store, run);
+  EXPECT_THAT(store->FindSearch(1, 1).value().value().options_json, HasSubstr("\"restart_interval_frames\":24"))
+      << "of the video";
+  const std::vector<ModelRecord> models = store->Models().value();
+  int between = 0;
+  for (const SightingRecord& one : SightingsOf(*store)) {
+    if (one.frame % 3 == 0 || one.frame % 24 == 23) continue;
+    ++between;
+    EXPECT_EQ(one.source, SightingSource::kTracked);
+    for (const testing::TruthRow& row : flight.flight().Truth(static_cast<int>(one.frame))) {
+      if (row.model != models.at(one.model - 1).name) continue;
+      EXPECT_GT(IntersectionOverUnion(one.box, row.box), 0.5) << one.frame;
+    }
+  }
+  EXPECT_GT(between, 10);
 }
 
 TEST(Indexer, CancelBeforeStartStopsImmediately) {

@@ -20,9 +20,6 @@ class IntervalSelector {
     return std::exchange(last_slot_, slot) != slot;
   }
 
-  /// The next frame is selected, and those after it as if no frame came before.
-  void Restart() { last_slot_ = -1; }
-
  private:
   double interval_s_;
   double last_slot_ = -1;

@@ -21,10 +21,11 @@ bool Explains(const Detection& a, const Detection& b) {
 
 }  // namespace
 
-double ShapeSearchInterval(const ShapeSearchOptions& options, const FollowOptions& follow, double frame_rate) {
+double ShapeSearchInterval(const ShapeSearchOptions& options, const FollowOptions& follow, double tracked_rate,
+                           double spacing) {
   constexpr double kMargin = 0.8;
-  if (!follow.enabled || !(frame_rate > 0)) return options.interval_s;
-  return std::min(options.interval_s, kMargin * follow.track.unconfirmed_frames / frame_rate);
+  if (!follow.enabled || !(tracked_rate > 0)) return options.interval_s;
+  return std::min(spacing * options.interval_s, kMargin * follow.track.unconfirmed_frames / tracked_rate);
 }
 
 Status AddShapeDetections(const ShapeSearch& shapes, const cv::Mat& image, const FrameConditions& conditions,

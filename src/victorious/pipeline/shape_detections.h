@@ -20,9 +20,10 @@ namespace victorious {
 
 /// Seconds between two searches by shape: those of the options, or less where a track would end before, which goes on
 /// for some frames after it was recognised last.
-/// @param frame_rate  of the video; 0: unknown
+/// @param tracked_rate  tracked frames a second; 0: unknown
+/// @param spacing       at least 1: the interval of the options is longer by this factor
 [[nodiscard]] double ShapeSearchInterval(const ShapeSearchOptions& options, const FollowOptions& follow,
-                                         double frame_rate);
+                                         double tracked_rate, double spacing);
 
 /// Adds what is found by shape to the detections, by falling score: unless a detection by keypoints lies there, of the
 /// same model or with more evidence. Their minimum score is options.min_score, too.

@@ -11,8 +11,9 @@ TEST(ShapeSearchInterval, IsThatOfTheOptionsWhereTracksLast) {
   ShapeSearchOptions options;
   options.interval_s = 0.5;
   FollowOptions follow;
-  EXPECT_EQ(ShapeSearchInterval(options, follow, 10), 0.5);
-  EXPECT_EQ(ShapeSearchInterval(options, follow, 0), 0.5);
+  EXPECT_EQ(ShapeSearchInterval(options, follow, 10, 1), 0.5);
+  EXPECT_EQ(ShapeSearchInterval(options, follow, 10, 2.5), 1.25) << "large frames";
+  EXPECT_EQ(ShapeSearchInterval(options, follow, 0, 1), 0.5);
 }
 
 TEST(ShapeSearchInterval, EndsBeforeATrackDoes) {
@@ -20,9 +21,9 @@ TEST(ShapeSearchInterval, EndsBeforeATrackDoes) {
   follow.track.unconfirmed_frames = 30;
   ShapeSearchOptions options;
   options.interval_s = 2;
-  EXPECT_NEAR(ShapeSearchInterval(options, follow, 60), 0.4, 1e-9);
+  EXPECT_NEAR(ShapeSearchInterval(options, follow, 60, 1), 0.4, 1e-9);
   follow.enabled = false;
-  EXPECT_EQ(ShapeSearchInterval(options, follow, 60), 2);
+  EXPECT_EQ(ShapeSearchInterval(options, follow, 60, 1), 2);
 }
 
 TEST(SetShapeErrors, RaisesWhatIsTooSmall) {

@@ -118,13 +118,13 @@ std::vector<double> AssumedSizes(const cv::Size& size) {
   return sizes_px;
 }
 
-PreparedPart PreparePart(const cv::Mat& grey, const FrameTile& tile, double object_px, double lean_rad) {
+PreparedPart PreparePart(const FramePyramid& frame, const FrameTile& tile, double object_px, double lean_rad) {
   // Objects of the tile reach beyond it; turned, so do its corners.
   const double turned = std::abs(std::sin(lean_rad));
   const cv::Size2d wanted(tile.part.width + object_px + turned * tile.part.height,
                           tile.part.height + object_px + turned * tile.part.width);
   PreparedPart made;
-  made.part = CutUpright(grey, tile.centre(), wanted, ChooseSize(object_px, kCoarseSize_px).scale, lean_rad);
+  made.part = CutUpright(frame, tile.centre(), wanted, ChooseSize(object_px, kCoarseSize_px).scale, lean_rad);
   if (made.part.grey.empty()) return made;
   made.half = made.part.AtHalfScale();
   made.half_cells = MakeGradientCells(made.half.grey);
@@ -147,13 +147,13 @@ std::vector<ShapeBankKey> ModelShapeSearch::PlaceKeys(const LocalView& view) con
   return {glance, coarse};
 }
 
-Expected<std::vector<Place>> ModelShapeSearch::FindPlaces(const cv::Mat& grey, const FrameConditions& conditions,
+Expected<std::vector<Place>> ModelShapeSearch::FindPlaces(const FramePyramid& frame, const FrameConditions& conditions,
                                                           const FrameTile& tile) const {
   const auto view = ViewAt(conditions, tile.centre(), centre_height_m_);
   if (!view) return std::vector<Place>{};
   const std::vector<ShapeBankKey> keys = PlaceKeys(*view);
   if (keys.empty()) return std::vector<Place>{};
-  PreparedPart prepared = PreparePart(grey, tile, diagonal_m_ * view->pixels_per_m, view->lean_rad);
+  PreparedPart prepared = PreparePart(frame, tile, diagonal_m_ * view->pixels_per_m, view->lean_rad);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const ShapeBank> small, templates_.Get(keys[0]));
   const std::vector<Glance> glances = FindGlances(prepared, tile, *small, kMaxGlances);
   if (glances.empty()) return std::vector<Place>{};
@@ -172,13 +172,14 @@ Expected<std::vector<Place>> ModelShapeSearch::FindAssumedPlaces(const PreparedP
   return places;
 }
 
-Expected<std::optional<ShapeMatch>> ModelShapeSearch::Refine(const cv::Mat& grey, const FrameConditions& conditions,
+Expected<std::optional<ShapeMatch>> ModelShapeSearch::Refine(const FramePyramid& frame,
+                                                             const FrameConditions& conditions,
                                                              const Place& place) const {
-  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ShapeMatch> best, Match(grey, conditions, place, 0));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ShapeMatch> best, Match(frame, conditions, place, 0));
   if (!place.assumed) {
     // The headings around the coarse one if that one promises something.
     if (!best || best->response < kMinFineResponse) return std::optional<ShapeMatch>();
-    return Match(grey, conditions, place, kFineHeadings);
+    return Match(frame, conditions, place, kFineHeadings);
   }
   if (!best || best->response < kMinAssumedFineResponse) return std::optional<ShapeMatch>();
   Place tried = place;
@@ -194,13 +195,13 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Refine(const cv::Mat& grey
       Place other = middle;
       change(*other.assumed, step);
       if (!(std::cos(other.assumed->off_nadir_rad) > kMinDown)) continue;
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> match, Match(grey, conditions, other, headings));
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> match, Match(frame, conditions, other, headings));
       if (!match || match->response <= best->response) continue;
       take(other, *match);
     }
     return {};
   };
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> turned, Match(grey, conditions, tried, kFineHeadings));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> turned, Match(frame, conditions, tried, kFineHeadings));
   if (turned && turned->response > best->response) take(tried, *turned);
   for (const double part : {1.0, 0.5}) {
     VICTORIOUS_RETURN_IF_ERROR(
@@ -213,8 +214,9 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Refine(const cv::Mat& grey
   return best;
 }
 
-Expected<std::optional<ShapeMatch>> ModelShapeSearch::Match(const cv::Mat& grey, const FrameConditions& conditions,
-                                                            const Place& place, int headings) const {
+Expected<std::optional<ShapeMatch>> ModelShapeSearch::Match(const FramePyramid& frame,
+                                                            const FrameConditions& conditions, const Place& place,
+                                                            int headings) const {
   const auto view = place.assumed ? place.assumed : ViewAt(conditions, place.at_px, centre_height_m_);
   if (!view) return std::optional<ShapeMatch>();
   const double object_px = diagonal_m_ * view->pixels_per_m;
@@ -222,7 +224,7 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Match(const cv::Mat& grey,
   VICTORIOUS_ASSIGN_OR_RETURN(const ShapeBank bank, FineBank(*view, size.eighth_octaves, place.azimuth_deg, headings));
   if (bank.templates.empty()) return std::optional<ShapeMatch>();
   const double side_px = (kCellSide_px * bank.window + 2 * kFineReach_px) / size.scale;
-  const UprightPart part = CutUpright(grey, place.at_px, {side_px, side_px}, size.scale, view->lean_rad);
+  const UprightPart part = CutUpright(frame, place.at_px, {side_px, side_px}, size.scale, view->lean_rad);
   if (part.grey.empty()) return std::optional<ShapeMatch>();
   const GradientCells cells = MakeGradientCells(part.grey);
   const cv::Size map(cells.columns / kCellStride, cells.rows / kCellStride);

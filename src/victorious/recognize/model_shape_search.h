@@ -60,7 +60,8 @@ struct PreparedPart {
 
 /// Without its cells at full scale. Empty beside the frame.
 /// @param object_px  size of the objects searched for, in the frame
-[[nodiscard]] PreparedPart PreparePart(const cv::Mat& grey, const FrameTile& tile, double object_px, double lean_rad);
+[[nodiscard]] PreparedPart PreparePart(const FramePyramid& frame, const FrameTile& tile, double object_px,
+                                       double lean_rad);
 
 /// What is assumed where the camera is unknown: objects stand upright in the image, are seen from one of these
 /// off-nadir angles, and their bounding boxes have diagonals a quarter of an octave apart, from this one on. Without
@@ -81,7 +82,7 @@ class ModelShapeSearch {
 
   /// The best places of coarse templates in a tile, by the camera. Empty if the model cannot be seen there.
   /// Errors: those of RelitTemplateSource; so of the others.
-  [[nodiscard]] Expected<std::vector<Place>> FindPlaces(const cv::Mat& grey, const FrameConditions& conditions,
+  [[nodiscard]] Expected<std::vector<Place>> FindPlaces(const FramePyramid& frame, const FrameConditions& conditions,
                                                         const FrameTile& tile) const;
 
   /// The best places of objects of one size, seen at one off-nadir angle.
@@ -90,12 +91,12 @@ class ModelShapeSearch {
                                                                const LocalView& view) const;
 
   /// The best match of fine templates around a place. Of an assumed view, size, off-nadir angle and lean are varied.
-  [[nodiscard]] Expected<std::optional<ShapeMatch>> Refine(const cv::Mat& grey, const FrameConditions& conditions,
+  [[nodiscard]] Expected<std::optional<ShapeMatch>> Refine(const FramePyramid& frame, const FrameConditions& conditions,
                                                            const Place& place) const;
 
   /// The best match of fine templates, of headings 5 degrees apart.
   /// @param headings  on either side of that of the place
-  [[nodiscard]] Expected<std::optional<ShapeMatch>> Match(const cv::Mat& grey, const FrameConditions& conditions,
+  [[nodiscard]] Expected<std::optional<ShapeMatch>> Match(const FramePyramid& frame, const FrameConditions& conditions,
                                                           const Place& place, int headings) const;
 
  private:

@@ -100,14 +100,14 @@ ModelShapeSearch ShapeSearch::SearchFor(std::size_t model) const { return {model
 // The best places of each model, searched again with fine templates; of several matches in one place the largest one.
 // @param parts             results a model in `found`
 // @param decades_of_views  what is lost by searching for several views in each place
-Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const cv::Mat& grey, const FrameConditions& conditions,
+Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& frame, const FrameConditions& conditions,
                                                           std::vector<Expected<std::vector<Place>>>& found,
                                                           std::size_t parts, double decades_of_views,
                                                           double min_neg_log10_nfa) const {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, parts));
   std::vector<Expected<std::optional<ShapeMatch>>> refined(places.size());
   ParallelFor(places.size(),
-              [&](std::size_t i) { refined[i] = SearchFor(places[i].model).Refine(grey, conditions, places[i]); });
+              [&](std::size_t i) { refined[i] = SearchFor(places[i].model).Refine(frame, conditions, places[i]); });
   std::vector<ShapeMatch> all;
   for (Expected<std::optional<ShapeMatch>>& one : refined) {
     if (!one) return std::unexpected(std::move(one).error());
@@ -139,28 +139,30 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::Find(const cv::Mat& grey, const F
   VICTORIOUS_CHECK(grey.type() == CV_8UC1);
   const FrameConditions* conditions = CameraOf(given);
   if (conditions == nullptr) return FindContours(grey, min_neg_log10_nfa);
+  const FramePyramid frame(grey);
   const std::vector<FrameTile> tiles = DivideFrame(*conditions->vertical, grey.size());
   std::vector<Expected<std::vector<Place>>> found(models_.size() * tiles.size());
   ParallelFor(found.size(), [&](std::size_t i) {
     const std::size_t m = i / tiles.size();
     if (templates_->surfaces(m) != nullptr)
-      found[i] = SearchFor(m).FindPlaces(grey, *conditions, tiles[i % tiles.size()]);
+      found[i] = SearchFor(m).FindPlaces(frame, *conditions, tiles[i % tiles.size()]);
   });
-  if (conditions == &given) return RefineBest(grey, given, found, tiles.size(), 0, min_neg_log10_nfa);
+  if (conditions == &given) return RefineBest(frame, given, found, tiles.size(), 0, min_neg_log10_nfa);
   for (Expected<std::vector<Place>>& places : found) {
     if (places) std::erase_if(*places, [](const Place& place) { return place.size_px < kSmallestAssumed_px; });
   }
-  return RefineBest(grey, *conditions, found, tiles.size(), kDecadesOfAssumedCamera, min_neg_log10_nfa);
+  return RefineBest(frame, *conditions, found, tiles.size(), kDecadesOfAssumedCamera, min_neg_log10_nfa);
 }
 
 Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey, double min_neg_log10_nfa) const {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1);
+  const FramePyramid frame(grey);
   const FrameTile whole{cv::Rect({0, 0}, grey.size())};
   const std::vector<double> sizes_px = AssumedSizes(grey.size());
   if (sizes_px.empty()) return std::vector<ShapeMatch>{};
   std::vector<PreparedPart> prepared(sizes_px.size());
   ParallelFor(prepared.size(), [&](std::size_t i) {
-    prepared[i] = PreparePart(grey, whole, sizes_px[i], 0);
+    prepared[i] = PreparePart(frame, whole, sizes_px[i], 0);
     prepared[i].cells = MakeGradientCells(prepared[i].part.grey);
   });
   constexpr std::size_t kAngles = kAssumedOffNadirs_deg.size();
@@ -174,7 +176,7 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey
                          .pixels_per_m = sizes_px[size] / templates_->diagonal_m(m)};
     found[i] = SearchFor(m).FindAssumedPlaces(prepared[size], whole, view);
   });
-  return RefineBest(grey, {}, found, views, std::log10(static_cast<double>(views)), min_neg_log10_nfa);
+  return RefineBest(frame, {}, found, views, std::log10(static_cast<double>(views)), min_neg_log10_nfa);
 }
 
 ShapeMatch ShapeMatchOf(const ContourMatch& match, std::size_t model_index, const cv::Size& frame) {
@@ -257,7 +259,7 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
       .azimuth_deg = static_cast<int>(std::lround(azimuth_deg / kFineHeadingStep_deg)) * kFineHeadingStep_deg,
       .assumed = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ShapeMatch> match,
-                              SearchFor(m).Match(grey, *conditions, place, kFineHeadings));
+                              SearchFor(m).Match(FramePyramid(grey), *conditions, place, kFineHeadings));
   if (!match) return match;
   match->neg_log10_nfa = NegLog10Nfa(*match) + kDecadesOfOnePlace;
   if (conditions != &given) match->neg_log10_nfa -= kDecadesOfAssumedCamera;

@@ -65,6 +65,7 @@ struct ShapeMatch {
   double neg_log10_nfa = 0;  ///< decades, of one frame and model
 };
 
+class FramePyramid;
 class ModelShapeSearch;
 struct Place;
 
@@ -133,7 +134,8 @@ class ShapeSearch {
   [[nodiscard]] std::vector<ShapeMatch> KeepApart(std::vector<ShapeMatch> all) const;
   [[nodiscard]] std::vector<ShapeMatch> FindContours(const cv::Mat& grey, double min_neg_log10_nfa) const;
   [[nodiscard]] ModelShapeSearch SearchFor(std::size_t model) const;
-  [[nodiscard]] Expected<std::vector<ShapeMatch>> RefineBest(const cv::Mat& grey, const FrameConditions& conditions,
+  [[nodiscard]] Expected<std::vector<ShapeMatch>> RefineBest(const FramePyramid& frame,
+                                                             const FrameConditions& conditions,
                                                              std::vector<Expected<std::vector<Place>>>& found,
                                                              std::size_t parts, double decades_of_views,
                                                              double min_neg_log10_nfa) const;
