@@ -17,10 +17,14 @@ import findings
 from findings import Finding
 
 SOURCES = Path("src/victorious")
-CODE_FOLDERS = ("src", "experiments", "assets/make", "testing", "tests", "bench", "examples")
+PUBLIC_HEADERS = Path("include/victorious")
+LIBRARY = SOURCES / "library"
+CODE_FOLDERS = ("include", "src", "experiments", "assets/make", "testing", "tests", "bench", "examples")
 CODE_ENDINGS = (".h", ".cc", ".cu")
 LONGEST_FILE = 600  # lines
 
+PUBLIC_HEADER = re.compile(r"victorious/[a-z_]+\.h$")
+STANDARD_HEADER = re.compile(r"[a-z_]+$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"(?P<quoted>[^"]+)"|<(?P<angled>[^>]+)>)')
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX)\b|\bnot (?:yet )?implemented\b", re.IGNORECASE)
 # Threads of one's own, and other libraries' parallel loops. std::thread::hardware_concurrency() starts none.
@@ -120,9 +124,23 @@ def check_level(path: Path, include: Include, levels: dict[str, int]) -> Iterato
         )
 
 
+def check_public_include(path: Path, include: Include) -> Iterator[Finding]:
+    """A public header includes the standard library and other public headers; of the tree, library/ alone includes it."""
+    if not path.is_relative_to(PUBLIC_HEADERS):
+        if path.is_relative_to(SOURCES) and not path.is_relative_to(LIBRARY):
+            yield Finding(path, include.line, f"includes {include.path}: the public headers are for callers of the library")
+    elif include.quoted or not (PUBLIC_HEADER.match(include.path) or STANDARD_HEADER.match(include.path)):
+        yield Finding(
+            path, include.line, f"includes {include.path}: a public header includes <victorious/….h> and the standard library"
+        )
+
+
 def check_includes(path: Path, text: str, levels: dict[str, int]) -> Iterator[Finding]:
     in_sources = path.is_relative_to(SOURCES)
     for include in includes_of(text):
+        if path.is_relative_to(PUBLIC_HEADERS) or PUBLIC_HEADER.match(include.path):
+            yield from check_public_include(path, include)
+            continue
         if in_sources and include.path.startswith("victorious/"):
             yield from check_level(path, include, levels)
         if include.quoted and not include.path.startswith(PROJECT_ROOTS):

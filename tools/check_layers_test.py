@@ -79,6 +79,24 @@ class CheckLayersTest(unittest.TestCase):
         text = '#include "victorious/cli/main.h"\n#include "testing/data.h"\n#include <ceres/ceres.h>\n'
         self.assertEqual(self.findings("experiments/table.cc", text), [])
 
+    def test_public_headers_include_the_standard_library_and_each_other(self):
+        self.assertEqual(self.findings("include/victorious/a.h", "#include <vector>\n#include <victorious/b.h>\n"), [])
+        self.assert_one(
+            "include/victorious/a.h:1: includes opencv2/core.hpp: a public header includes <victorious/….h> and the "
+            "standard library",
+            "include/victorious/a.h",
+            "#include <opencv2/core.hpp>\n",
+        )
+
+    def test_public_headers_are_included_by_library_alone(self):
+        self.put("layers.toml", LAYERS + "library = 6\n")
+        self.assertEqual(self.findings("src/victorious/library/a.cc", '#include "victorious/a.h"\n'), [])
+        self.assert_one(
+            "src/victorious/base/a.cc:1: includes victorious/a.h: the public headers are for callers of the library",
+            "src/victorious/base/a.cc",
+            '#include "victorious/a.h"\n',
+        )
+
     def test_subfolders_belong_to_their_folder(self):
         self.assertEqual(
             self.findings("src/victorious/store/sqlite/store.cc", '#include "victorious/store/index_store.h"\n'), []

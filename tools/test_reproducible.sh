@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# test_reproducible.sh BUILD_DIR: packs what BUILD_DIR holds twice, at different times, and fails unless both .deb have the same
-# bytes. The time of their files is that of the commit (cmake/package_time.cmake), their modes are of umask 022, as of
+# test_reproducible.sh BUILD_DIR: packs what BUILD_DIR holds twice, at different times, and fails unless each .deb has the same
+# bytes both times. The time of their files is that of the commit (cmake/package_time.cmake), their modes are of umask 022, as of
 # `make package`.
 set -euo pipefail
 
@@ -22,15 +22,16 @@ pack() { # NAME
 pack first
 sleep 1.1 # times of files have seconds
 pack second
-first=("$dir"/first/*.deb)
-second=("$dir"/second/*.deb)
-if ! cmp "${first[0]}" "${second[0]}"; then
+for package in "$dir"/first/*.deb; do
+  name=$(basename "$package")
+  if cmp "$package" "$dir/second/$name"; then continue; fi
   for one in first second; do
-    dpkg-deb --fsys-tarfile "$dir/$one"/*.deb | tar -tvf - >"$dir/$one.list"
-    (cd "$dir" && ar x "$dir/$one"/*.deb --output "$dir/$one" && tar -tvf "$dir/$one"/control.tar.* >>"$dir/$one.list")
+    mkdir "$dir/$one.parts"
+    dpkg-deb --fsys-tarfile "$dir/$one/$name" | tar -tvf - >"$dir/$one.list"
+    (cd "$dir" && ar x "$dir/$one/$name" --output "$dir/$one.parts" && tar -tvf "$dir/$one.parts"/control.tar.* >>"$dir/$one.list")
   done
   diff "$dir/first.list" "$dir/second.list" | head -20 >&2 || true
-  echo "test_reproducible.sh: two packages of one build differ" >&2
+  echo "test_reproducible.sh: $name: two packages of one build differ" >&2
   exit 1
-fi
-sha256sum <"${first[0]}" | cut -d' ' -f1
+done
+sha256sum "$dir"/first/*.deb | sed "s|$dir/first/||"

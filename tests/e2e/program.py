@@ -124,6 +124,33 @@ def make_index(flight_folder: Path, library: Path, path: Path) -> Path:
     return path
 
 
+# A jeep beside a road: a second of video.
+PLACED_SCENE = {
+    "assets": str(REPOSITORY / "assets"),
+    "seed": 3,
+    "video": {"frames": 12, "fps": 5, "width": 320, "height": 240, "hfov_deg": 20, "noise": 0.01, "blur_px": 0.4},
+    "origin": {"latitude_deg": 48.1, "longitude_deg": 11.6, "altitude_m": 560, "heading_deg": 25},
+    "camera": {"aim_m": [[22, 26], [26, 26]], "from_deg": [170, 190], "off_nadir_deg": 35, "range_m": 60},
+    "objects": [{"id": "jeep-1", "model": "jeep", "x_m": 24, "y_m": 26, "heading_deg": 40}],
+    "town": {"squares": [1, 1, 1, 1], "tiles": [{"tile": "apron", "column": 1, "row": 1}]},
+}
+
+
+def make_placed_flight(folder: Path) -> tuple[Path, Path]:
+    """A rendered flight over a jeep with telemetry beside the video, and a folder with the model of the jeep."""
+    scene = folder / "scene.json"
+    scene.write_text(json.dumps(PLACED_SCENE))
+    cad = REPOSITORY / "assets" / "models" / "jeep.glb"
+    for command in (
+        ("simulate", scene, "--out", folder / "flight"),
+        ("model", "add", "jeep", cad, "--models", folder / "models", "--step", "20", "--max-off-nadir", "60"),
+    ):
+        done = run(*command)
+        assert done.status == 0, done.err
+    (folder / "flight" / "telemetry.csv").rename(folder / "flight" / "video.mp4.telemetry.csv")
+    return folder / "flight" / "video.mp4", folder / "models"
+
+
 def plain_image(path: Path, width: int = 160, height: int = 120) -> Path:
     """A uniform grey image, without features."""
     path.write_bytes(b"P6\n%d %d\n255\n" % (width, height) + b"\x80" * (3 * width * height))

@@ -17,6 +17,7 @@
 #include "victorious/base/child_start.h"
 #include "victorious/base/isolated_message.h"
 #include "victorious/base/one_line.h"
+#include "victorious/base/own_file.h"
 #include "victorious/base/packed_bytes.h"
 #include "victorious/base/version.h"
 
@@ -71,8 +72,10 @@ Error NoMeaning() { return {ErrorCode::kDataLoss, "damaged: its decoder gave an 
 
 Expected<std::filesystem::path> DecoderProgram() {
   std::error_code error;
-  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  for (const char* relative : {"victorious-decoder", "../libexec/victorious/victorious-decoder"}) {
+  const std::filesystem::path folder = OwnFile().parent_path();
+  // The last one: from a library in lib/ARCHITECTURE.
+  for (const char* relative : {"victorious-decoder", "../libexec/victorious/victorious-decoder",
+                               "../../libexec/victorious/victorious-decoder"}) {
     std::filesystem::path program = folder / relative;
     if (std::filesystem::exists(program, error)) return program;
   }

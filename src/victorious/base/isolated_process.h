@@ -2,8 +2,8 @@
 // time, without a network, and without files but those that are named (sandbox.h). A crash, or an attacker who takes
 // the process over, then costs an answer.
 //
-// The process is the program victorious-decoder, which lies beside the running one: a process with threads may only
-// fork to execute another program (docs/adr/0033-decoders.md).
+// The process is the program victorious-decoder, which lies beside the running one or beside the library: a process
+// with threads may only fork to execute another program (docs/adr/0033-decoders.md).
 //
 //   VICTORIOUS_ASSIGN_OR_RETURN(auto process, IsolatedProcess::Start("mesh", {}));
 //   process.Confine({.memory_bytes = …});
@@ -42,8 +42,8 @@ struct IsolatedStart {
   bool has_own_group = false;     ///< Ctrl-C in the terminal does not end it
 };
 
-/// The program victorious-decoder: beside the running program, or in ../libexec/victorious from there. Error:
-/// kNotFound.
+/// The program victorious-decoder: beside the running program or the shared library (own_file.h), or in
+/// ../libexec/victorious from there. Error: kNotFound.
 [[nodiscard]] Expected<std::filesystem::path> DecoderProgram();
 
 /// Used by one thread at a time. It is killed with the thread that started it.

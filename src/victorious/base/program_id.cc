@@ -5,12 +5,13 @@
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/own_file.h"
 #include "victorious/base/version.h"
 
 namespace victorious {
 
 Expected<std::string> ProgramId() {
-  static const Expected<std::string> id = ComputeProgramId("/proc/self/exe");
+  static const Expected<std::string> id = ComputeProgramId(OwnFile());
   return id;
 }
 

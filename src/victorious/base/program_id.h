@@ -8,8 +8,8 @@
 
 namespace victorious {
 
-/// Returns the version and the checksum of the running executable: "0.1.0-0123456789abcdef". Ignores dynamically linked
-/// libraries. Cost: reads the executable once, about 10 ms.
+/// Returns the version and the checksum of the running executable, or of the shared library (own_file.h):
+/// "0.1.0-0123456789abcdef". Ignores the libraries that it is linked with. Cost: reads it once, about 10 ms.
 [[nodiscard]] Expected<std::string> ProgramId();
 
 /// The same for another executable of this version.

@@ -3,20 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "victorious/base/credentials.h"
-#include "victorious/base/program_events.h"
 
 namespace victorious {
+namespace {
+
+thread_local const ProgressReceiver* current_receiver = nullptr;
+
+}  // namespace
+
+ProgressCapture::ProgressCapture(ProgressReceiver receive)
+    : receive_(std::move(receive)), before_(std::exchange(current_receiver, &receive_)) {}
+
+ProgressCapture::~ProgressCapture() { current_receiver = before_; }
+
+const ProgressReceiver* ProgressCapture::Current() { return current_receiver; }
 
 Progress::Progress(std::string label, std::optional<std::int64_t> total, std::string unit)
     : label_(WithoutCredentials(std::move(label))),
       total_(total),
       unit_(std::move(unit)),
-      on_terminal_(::isatty(STDERR_FILENO) == 1),
+      receiver_(ProgressCapture::Current()),
+      on_terminal_(receiver_ == nullptr && ::isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
       last_draw_(start_) {}
 
@@ -45,16 +58,17 @@ void Progress::Update(std::int64_t done, std::optional<double> behind_s) {
 }
 
 std::chrono::milliseconds Progress::Interval() const {
-  if (HasEventOutput()) return std::chrono::seconds(1);
-  return on_terminal_ ? std::chrono::milliseconds(100) : std::chrono::seconds(5);
+  if (receiver_ == nullptr && HasEventOutput()) return std::chrono::seconds(1);
+  return receiver_ != nullptr || on_terminal_ ? std::chrono::milliseconds(100) : std::chrono::seconds(5);
 }
 
 void Progress::Draw(bool last) {
   last_drawn_ = done_;
   const double seconds = std::max(1e-3, std::chrono::duration<double>(Clock::now() - start_).count());
-  if (HasEventOutput()) {
-    ReportEvent(ProgressEvent{
-        .label = label_, .done = done_, .total = total_, .unit = unit_, .elapsed_s = seconds, .behind_s = behind_s_});
+  if (receiver_ != nullptr || HasEventOutput()) {
+    const ProgressEvent event{
+        .label = label_, .done = done_, .total = total_, .unit = unit_, .elapsed_s = seconds, .behind_s = behind_s_};
+    receiver_ != nullptr ? (*receiver_)(event) : ReportEvent(event);
     return;
   }
   const double rate = static_cast<double>(done_ - *first_done_) / seconds;

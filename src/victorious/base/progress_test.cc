@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,6 +42,24 @@ TEST(Progress, DoesNotShowPasswords) {
     Progress("rtsp://ann:secret@camera", std::nullopt, "frames").Update(7);
   }
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("rtsp://camera: 7 frames"));
+}
+
+// The library prints nothing: what it reports goes to its caller.
+TEST(ProgressCapture, ReceivesInPlaceOfStderr) {
+  std::vector<ProgressEvent> received;
+  ::testing::internal::CaptureStderr();
+  {
+    const ProgressCapture capture([&](const ProgressEvent& event) { received.push_back(event); });
+    Progress progress("a.mp4", 250, "frames");
+    progress.Update(1);
+    progress.Update(250);
+  }
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), IsEmpty());
+  ASSERT_EQ(received.size(), 1);
+  EXPECT_EQ(received.back().label, "a.mp4");
+  EXPECT_EQ(received.back().done, 250);
+  EXPECT_EQ(received.back().total, 250);
+  EXPECT_EQ(ProgressCapture::Current(), nullptr) << "ended with its scope";
 }
 
 TEST(Progress, PrintsNothingWithoutSteps) {
