@@ -13,7 +13,7 @@ say = @[ -e build/$(1) ] || echo "$(2), the first time; each line counts the fil
 build:
 	$(call say,victorious-bench,make build: about 15 minutes on two cores)
 	$(call configure,release)
-	cmake --build --preset release --target victorious_page victorious victorious-bench victorious-experiment victorious_shared
+	cmake --build --preset release --target victorious_page victorious victorious-bench victorious-experiment victorious_shared victorious_python
 
 # The program and its page: all that the demo needs.
 victorious:
@@ -32,7 +32,7 @@ install: build
 	cmake --build --preset release --target victorious_pages
 	cmake --install build --prefix $(PREFIX)
 
-# Debian packages, build/*_VERSION_ARCHITECTURE.deb: victorious (the programs), libvictorious0 and libvictorious-dev.
+# Debian packages, build/*_VERSION_ARCHITECTURE.deb: victorious (the programs), libvictorious0, libvictorious-dev, python3-victorious.
 package: build
 	cmake --build --preset release --target victorious_pages
 	umask 022 && cpack --config build/CPackConfig.cmake -G DEB -B build

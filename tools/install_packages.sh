@@ -11,6 +11,7 @@ packages=(
   libassimp-dev libopengl-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
   libsqlite3-dev libpq-dev libexif-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
   libboost-dev libsodium-dev libssl-dev
+  pybind11-dev python3-dev python3-numpy
   libgtest-dev libgmock-dev libbenchmark-dev
   libfaiss-dev libhnswlib-dev libvlfeat-dev
 )
