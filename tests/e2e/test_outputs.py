@@ -63,7 +63,7 @@ class OutputsTest(program.ProgramTest):
         yield ("match", self.photo, self.listed), "--draw", [self.photo, self.listed]
         yield ("model", "add", "crate", self.photo, "--models", self.scratch / "m"), "--draw", [self.photo]
         yield ("model", "show", "crate", "--models", MODELS), "--views", []
-        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg"):
+        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg", "cot"):
             yield (*export, form), "--out", [self.db]
         yield (*export, "coverage", "--models", MODELS), "--out", [self.db]
         yield ("sheet", "--db", self.db), "--out", [self.db]
@@ -147,7 +147,7 @@ class OutputsTest(program.ProgramTest):
     def test_json_of_export(self):
         counts = {form: len(self.succeeds("export", "--db", self.db, "--format", form).out.splitlines())
                   for form in ("objects", "sightings")}  # fmt: skip
-        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg", "video"):
+        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg", "cot", "video"):
             out = self.scratch / ("said.mp4" if form == "video" else f"said.{form}")
             (said,) = self.succeeds("export", "--db", self.db, "--format", form, "--out", out, "--json").rows()
             self.assertTrue(out.exists())
@@ -205,7 +205,7 @@ class OutputsTest(program.ProgramTest):
         self.succeeds(*frame, "--force")
         self.assertNotIn(NOTES.encode(), notes.read_bytes())
         self.succeeds(*frame)
-        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg"):
+        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg", "cot"):
             for _ in range(2):
                 self.succeeds("export", "--db", self.db, "--format", form, "--out", self.scratch / f"x.{form}")
         for flags in ((), ("--json",)):

@@ -119,6 +119,8 @@ FormatTraits TraitsOf(ExportFormat format) {
       return {.kind = FileKind::kKml, .is_map = true};
     case ExportFormat::kGpkg:
       return {.kind = FileKind::kGeoPackage, .is_map = true, .is_binary = true};
+    case ExportFormat::kCot:
+      return {.kind = FileKind::kCot, .is_map = true};
   }
   VICTORIOUS_CHECK(false);
 }
@@ -144,6 +146,7 @@ Action SetUpExport(ArgumentParser& parser) {
     std::string out;
     FilterArguments filter;
     ClipArguments clip;
+    CotOptions cot;
     CoverageArguments coverage;
     bool json = false;
   };
@@ -170,6 +173,10 @@ Action SetUpExport(ArgumentParser& parser) {
       .Add("--telemetry", arguments->clip.telemetry,
            "With --clip or --format coverage: telemetry of the video (default: as for index)")
       .TypeName("FILE");
+  parser
+      .Add("--cot-type", arguments->cot.type,
+           "With --format cot: the type of all events, as a-h-G-E-V (default: of unknown affiliation, by the name)")
+      .TypeName("TYPE");
   AddFilesBelow(parser, arguments->clip.files_below);
   AddCoverage(parser, arguments->coverage);
   parser.AddFlag(
@@ -211,6 +218,10 @@ Action SetUpExport(ArgumentParser& parser) {
                   fmt::format("{}, {}, {}", parsed.error().message, kVideoFormat, kCoverageFormat));
     }
     const ExportFormat format = *parsed;
+    if (!arguments->cot.type.empty()) {
+      if (format != ExportFormat::kCot) return Fail(ErrorCode::kInvalidArgument, "--cot-type: is for --format cot");
+      VICTORIOUS_RETURN_IF_ERROR(CheckCotType(arguments->cot.type));
+    }
     const FormatTraits traits = TraitsOf(format);
     VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, traits.kind}}));
     VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments->out));
@@ -222,7 +233,7 @@ Action SetUpExport(ArgumentParser& parser) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
     const auto write = [&](std::ostream& out) -> Status {
-      VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, out));
+      VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, out, arguments->cot));
       return ExplainExport(traits, filter, *store);
     };
     VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments->out, write));

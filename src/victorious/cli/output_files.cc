@@ -38,6 +38,7 @@ constexpr auto kKindTexts = std::to_array<EnumText<FileKind>>(
      {FileKind::kCoco, "a COCO annotation file"},
      {FileKind::kGeoJson, "a GeoJSON FeatureCollection"},
      {FileKind::kKml, "a KML file"},
+     {FileKind::kCot, "a list of events of Cursor-on-Target (XML)"},
      {FileKind::kGeoPackage, "a GeoPackage"},
      {FileKind::kGeoTiff, "a GeoTIFF of a coverage"},
      {FileKind::kCameraTable, "a table of camera states (CSV)"},
@@ -142,6 +143,8 @@ bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
       return IsJsonWith(head, {"\"FeatureCollection\""});
     case FileKind::kKml:
       return head.contains("<kml");
+    case FileKind::kCot:
+      return head.starts_with("<event version=\"2.0\" uid=\"victorious-");
     case FileKind::kGeoPackage:
       return IsGeoPackage(head);
     case FileKind::kGeoTiff:

@@ -21,6 +21,7 @@ enum class FileKind {
   kCoco,             ///< JSON of `export --format coco`
   kGeoJson,          ///< a FeatureCollection
   kKml,              ///< KML
+  kCot,              ///< events of Cursor-on-Target
   kGeoPackage,       ///< SQLite with the application id of GeoPackage
   kGeoTiff,          ///< GeoTIFF of `export --format coverage`
   kCameraTable,      ///< CSV with the columns time_s and latitude_deg

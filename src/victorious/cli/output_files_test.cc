@@ -143,6 +143,7 @@ TEST_F(OutputFilesTest, KnowsEachKindByItsContent) {
       {FileKind::kCoco, R"({"categories":[],"annotations":[],"images":[]})"},
       {FileKind::kGeoJson, R"({"type":"FeatureCollection","features":[]})"},
       {FileKind::kKml, "<?xml version=\"1.0\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">"},
+      {FileKind::kCot, "<event version=\"2.0\" uid=\"victorious-0-1\" type=\"a-u-G\">"},
       {FileKind::kGeoPackage, std::string("SQLite format 3\0", 16) + std::string(52, '\0') + "GPKG and the rest"},
       {FileKind::kCameraTable, "time_s,latitude_deg,longitude_deg\n0,52,13\n"},
       {FileKind::kTelemetryReport, R"({"format":"csv","records":1,"states":[]})"},

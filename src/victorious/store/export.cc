@@ -27,7 +27,8 @@ constexpr auto kFormats = std::to_array<EnumText<ExportFormat>>({{ExportFormat::
                                                                  {ExportFormat::kCoco, "coco"},
                                                                  {ExportFormat::kGeoJson, "geojson"},
                                                                  {ExportFormat::kKml, "kml"},
-                                                                 {ExportFormat::kGpkg, "gpkg"}});
+                                                                 {ExportFormat::kGpkg, "gpkg"},
+                                                                 {ExportFormat::kCot, "cot"}});
 
 Json ViewJson(const SightingRecord& sighting) {
   return {{"azimuth_deg", sighting.view ? DegreesJson(sighting.view->azimuth_rad) : Json()},
@@ -87,7 +88,7 @@ Status ExportMot(IndexStore& store, const Catalogue& catalogue, const SightingFi
 }
 
 Status Write(IndexStore& store, ExportFormat format, const Catalogue& catalogue, const SightingFilter& filter,
-             std::ostream& out) {
+             const CotOptions& cot, std::ostream& out) {
   switch (format) {
     case ExportFormat::kObjects:
       return ExportObjects(store, catalogue, filter, out);
@@ -103,6 +104,8 @@ Status Write(IndexStore& store, ExportFormat format, const Catalogue& catalogue,
       return ExportKml(store, catalogue, filter, out);
     case ExportFormat::kGpkg:
       return ExportGpkg(store, catalogue, filter, out);
+    case ExportFormat::kCot:
+      return ExportCot(store, catalogue, filter, cot, out);
   }
   VICTORIOUS_CHECK(false);
 }
@@ -120,10 +123,11 @@ Expected<ExportFormat> ParseExportFormat(std::string_view name) {
   return Fail(ErrorCode::kInvalidArgument, fmt::format("format {}: unknown: use one of {}", name, ExportFormatNames()));
 }
 
-Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out) {
+Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out,
+              const CotOptions& cot) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
   errno = 0;
-  VICTORIOUS_RETURN_IF_ERROR(Write(store, format, catalogue, filter, out));
+  VICTORIOUS_RETURN_IF_ERROR(Write(store, format, catalogue, filter, cot, out));
   out.flush();
   if (out.good()) return {};
   // A stream reports only that it failed; errno, if set, gives the reason.

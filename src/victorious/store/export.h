@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "victorious/base/error.h"
+#include "victorious/store/export_cot.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {
@@ -18,6 +19,7 @@ enum class ExportFormat {
   kGeoJson,    ///< RFC 7946: objects of known place
   kKml,        ///< KML 2.2: objects of known place, for Google Earth
   kGpkg,       ///< GeoPackage, binary: objects of known place, for GIS programs
+  kCot,        ///< Cursor-on-Target 2.0: objects of known place, for ATAK and TAK servers
 };
 
 /// The names of the formats for `export --format`: "objects, sightings, ...".
@@ -27,8 +29,10 @@ std::string ExportFormatNames();
 [[nodiscard]] Expected<ExportFormat> ParseExportFormat(std::string_view name);
 
 /// Writes the rows that match the filter, one by one. Errors: kNotFound for a video or model that is not in the index
-/// (the message lists those that are); kInvalidArgument for kMot with more than one video; kNoSpace and others of
-/// `out`.
-[[nodiscard]] Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out);
+/// (the message lists those that are); kInvalidArgument for kMot with more than one video, or for CotOptions::type;
+/// kNoSpace and others of `out`.
+/// @param cot  of kCot
+[[nodiscard]] Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out,
+                            const CotOptions& cot = {});
 
 }  // namespace victorious

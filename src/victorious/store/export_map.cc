@@ -15,6 +15,7 @@
 #include "victorious/store/export_json.h"
 #include "victorious/store/listed_object.h"
 #include "victorious/store/place_ellipse.h"
+#include "victorious/store/xml_text.h"
 
 namespace victorious {
 namespace {
@@ -40,22 +41,6 @@ Json FeatureJson(const ListedObject& listed) {
           {"id", listed.object.id},
           {"geometry", {{"type", "GeometryCollection"}, {"geometries", geometries}}},
           {"properties", ObjectJson(listed)}};
-}
-
-std::string EscapedXml(const std::string& text) {
-  std::string escaped;
-  for (const char c : ReplaceInvalidUtf8(text)) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '>') {
-      escaped += "&gt;";
-    } else if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n') {  // the control bytes of XML
-      escaped += c;
-    }
-  }
-  return escaped;
 }
 
 std::string CoordinatesText(const GeodeticPoint& point) {
