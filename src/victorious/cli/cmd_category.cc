@@ -2,9 +2,11 @@
 #include "victorious/cli/cmd_category.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -17,6 +19,7 @@
 #include "victorious/base/log.h"
 #include "victorious/base/progress.h"
 #include "victorious/category/category_file.h"
+#include "victorious/category/channels/channel_file.h"
 #include "victorious/category/explanation.h"
 #include "victorious/category/refine.h"
 #include "victorious/cli/arguments.h"
@@ -28,10 +31,21 @@
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/category_images.h"
 #include "victorious/recognize/category_source.h"
+#include "victorious/recognize/channel_source.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious::cli {
 namespace {
+
+// What `category train` trains.
+enum class TrainMethod {
+  kAuto,        // channels if an image of the list has several boxes, and windows are not asked for
+  kClassifier,  // of whole images or windows
+  kChannels,    // a detector by channels
+};
+
+constexpr auto kTrainMethodTexts = std::to_array<EnumText<TrainMethod>>(
+    {{TrainMethod::kAuto, "auto"}, {TrainMethod::kClassifier, "classifier"}, {TrainMethod::kChannels, "channels"}});
 
 struct CategoryArguments {
   std::string images;
@@ -40,6 +54,7 @@ struct CategoryArguments {
   std::string params;
   std::optional<std::uint64_t> seed;
   std::string model;
+  std::string trainer = std::string(ToText(kTrainMethodTexts, TrainMethod::kAuto));
   std::string method = std::string(ToText(kCategoryMethodTexts, CategoryMethod::kPhrases));
   std::string explain;
   std::string db;
@@ -60,12 +75,12 @@ Status WarnWithoutBackground(const CategoryModel& model) {
   return {};
 }
 
-// Error: kUnsupported for an imported detector.
+// Error: kUnsupported for a detector.
 Expected<CategoryModel> ReadTrainedModel(const std::string& file) {
   VICTORIOUS_ASSIGN_OR_RETURN(CategorySourceModel model, ReadCategorySource(file));
   if (auto* trained = std::get_if<CategoryModel>(&model)) return std::move(*trained);
   return Fail(ErrorCode::kUnsupported,
-              fmt::format("{}: an imported detector: it is for `index`; only models of `category train` classify whole "
+              fmt::format("{}: a detector: it is for `index`; only classifiers of `category train` classify whole "
                           "images and are refined",
                           file));
 }
@@ -87,6 +102,28 @@ Error WithListContext(Error error, const std::string& list) {
 
 std::string ToLine(const nlohmann::ordered_json& json) { return DumpJson(json) + "\n"; }
 
+Status TrainChannels(const CategoryArguments& arguments, const CategoryTrainOptions& options,
+                     std::span<const CategoryListRow> rows) {
+  std::optional<Progress> progress(std::in_place, arguments.list, std::ssize(rows), "boxes");
+  Expected<ChannelModel> model =
+      TrainChannelsOnList(arguments.images, rows, options.channels, options.category.seed,
+                          [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); });
+  progress.reset();
+  if (!model) return std::unexpected(WithListContext(std::move(model).error(), arguments.list));
+  VICTORIOUS_RETURN_IF_ERROR(WriteChannelModel(arguments.out, *model));
+  if (arguments.json) {
+    nlohmann::ordered_json categories = nlohmann::ordered_json::array();
+    for (const ChannelCategory& category : model->categories) categories.push_back(category.name);
+    return WriteOutput("", ToLine({{"model", arguments.out},
+                                   {"method", "channels"},
+                                   {"categories", std::move(categories)},
+                                   {"images", model->images},
+                                   {"boxes", model->boxes}}));
+  }
+  return WriteOutput("", fmt::format("{}: a detector of {} categories, from {} boxes in {} images\n", arguments.out,
+                                     model->categories.size(), model->boxes, model->images));
+}
+
 Status Train(const CategoryArguments& arguments, const ArgumentParser& parser) {
   CategoryTrainOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
@@ -95,6 +132,11 @@ Status Train(const CategoryArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(
       CheckOutputs(parser, {{"--out", arguments.out, FileKind::kCategoryModel}}, ListImages(arguments, rows)));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
+  const TrainMethod method = FromText(kTrainMethodTexts, arguments.trainer).value();  // checked by the parser
+  const bool is_automatic = method == TrainMethod::kAuto && !options.features.windows.enabled;
+  if (method == TrainMethod::kChannels || (is_automatic && HasSeveralBoxesAnImage(rows))) {
+    return TrainChannels(arguments, options, rows);
+  }
   std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "images");
   Expected<CategoryModel> model = TrainOnList(
       arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); },
@@ -300,6 +342,12 @@ Action SetUpCategory(ArgumentParser& parser) {
       train,
       "CSV with a header and lines image,category,x0,y0,x1,y1; the box is in pixels, or empty. An image may be a CAD "
       "file: it is rendered from all directions");
+  train
+      .Add("--method", arguments->trainer,
+           "channels: a detector of objects in the frame, from images in which every object has a box (in boxes of the "
+           "category `ignored` nothing is labelled); classifier: of whole images, or windows; auto: channels if an "
+           "image has several boxes")
+      .OneOf({"auto", "classifier", "channels"});
   train.Add("--out", arguments->out, "The category model to write").Required().TypeName("FILE");
   AddParams(train, arguments->params, "category");
   train.Add("--seed", arguments->seed, "Seed of the random numbers (default 1)").TypeName("N");

@@ -159,6 +159,18 @@ nlohmann::ordered_json ToJson(const std::string& file, const CategoryModel& mode
           {"windows", model.windows.has_value()}};
 }
 
+nlohmann::ordered_json ToJson(const std::string& file, const ChannelModel& model) {
+  nlohmann::ordered_json categories = nlohmann::ordered_json::array();
+  for (const ChannelCategory& category : model.categories) categories.push_back(category.name);
+  return {{"model", file},
+          {"kind", "channels"},
+          {"categories", std::move(categories)},
+          {"images", model.images},
+          {"boxes", model.boxes},
+          {"min_object_px", model.min_object_px},
+          {"program_version", model.program_version}};
+}
+
 nlohmann::ordered_json ToJson(const std::string& file, const CategorySourceModel& model) {
   return std::visit([&](const auto& one) { return ToJson(file, one); }, model);
 }
@@ -190,6 +202,15 @@ std::string Describe(const std::string& file, const CategoryModel& model) {
   return fmt::format("{}: trained from images, {} words, {}\n{} categories: {}\n", OneLine(file),
                      model.vocabulary.size(), model.windows ? "sliding windows" : "whole frames", categories.size(),
                      fmt::join(categories, ", "));
+}
+
+std::string Describe(const std::string& file, const ChannelModel& model) {
+  std::vector<std::string> categories;
+  for (const ChannelCategory& category : model.categories) categories.push_back(category.name);
+  return fmt::format(
+      "{}: a detector by channels, trained on {} boxes in {} images; objects of {:g} px or more\n{} "
+      "categories: {}\n",
+      OneLine(file), model.boxes, model.images, model.min_object_px, categories.size(), fmt::join(categories, ", "));
 }
 
 Status Import(const ImportArguments& arguments, const ArgumentParser& parser) {

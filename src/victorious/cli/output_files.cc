@@ -19,6 +19,7 @@
 #include "victorious/base/folder.h"
 #include "victorious/base/json.h"
 #include "victorious/category/category_file.h"
+#include "victorious/category/channels/channel_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/image/image_header.h"
 #include "victorious/network/detector_file.h"
@@ -156,7 +157,8 @@ bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
     case FileKind::kFeatures:
       return IsFeatures(head);
     case FileKind::kCategoryModel:
-      return IsCategoryModelFile(std::as_bytes(std::span(head))) || IsDetectorFile(std::as_bytes(std::span(head)));
+      return IsCategoryModelFile(std::as_bytes(std::span(head))) ||
+             IsChannelModelFile(std::as_bytes(std::span(head))) || IsDetectorFile(std::as_bytes(std::span(head)));
     case FileKind::kSimulation:
       return IsSimulationFolder(path.parent_path());
     case FileKind::kVideo:

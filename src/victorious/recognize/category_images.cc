@@ -37,6 +37,7 @@ void CategoryTrainOptions::ListFields(FieldList& fields) {
   fields.AddGroup("features", features);
   fields.AddGroup("examples", examples);
   fields.AddGroup("cad", cad);
+  fields.AddGroup("channels", channels);
   category.ListFields(fields);
 }
 

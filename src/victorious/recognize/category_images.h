@@ -16,6 +16,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/category/category_model.h"
+#include "victorious/category/channels/channel_training.h"
 #include "victorious/category/common/category_list.h"
 #include "victorious/category/common/dense_features.h"
 #include "victorious/category/windows.h"
@@ -54,6 +55,7 @@ struct CategoryTrainOptions {
   CategoryFeatureOptions features;
   WindowTrainOptions examples;
   CadExampleOptions cad;
+  ChannelTrainOptions channels;
   CategoryOptions category;
 
   void ListFields(FieldList& fields);

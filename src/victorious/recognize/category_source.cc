@@ -9,7 +9,9 @@
 #include <utility>
 
 #include "victorious/category/category_file.h"
+#include "victorious/category/channels/channel_file.h"
 #include "victorious/recognize/category_finder.h"
+#include "victorious/recognize/channel_source.h"
 #include "victorious/recognize/detector_source.h"
 
 namespace victorious {
@@ -39,8 +41,9 @@ bool CategoryFindOptions::IsBackground(std::string_view name) const {
 Expected<CategorySourceModel> ReadCategorySource(const std::filesystem::path& path) {
   std::array<char, 8> head{};
   std::ifstream(path, std::ios::binary).read(head.data(), head.size());
-  if (!IsDetectorFile(std::as_bytes(std::span(head)))) return ReadCategoryModel(path);
-  return ReadDetector(path);
+  if (IsDetectorFile(std::as_bytes(std::span(head)))) return ReadDetector(path);
+  if (IsChannelModelFile(std::as_bytes(std::span(head)))) return ReadChannelModel(path);
+  return ReadCategoryModel(path);
 }
 
 Expected<std::shared_ptr<const CategorySource>> MakeCategorySource(CategorySourceModel model,
@@ -49,6 +52,10 @@ Expected<std::shared_ptr<const CategorySource>> MakeCategorySource(CategorySourc
   if (auto* trained = std::get_if<CategoryModel>(&model)) {
     VICTORIOUS_ASSIGN_OR_RETURN(CategoryFinder finder, CategoryFinder::Create(std::move(*trained), options));
     return std::make_shared<const CategoryFinder>(std::move(finder));
+  }
+  if (auto* channels = std::get_if<ChannelModel>(&model)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(ChannelSource source, ChannelSource::Create(std::move(*channels), options));
+    return std::make_shared<const ChannelSource>(std::move(source));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(DetectorSource source,
                               DetectorSource::Create(std::get<DetectorModel>(std::move(model)), options, detector));

@@ -1,5 +1,6 @@
-// What finds objects of categories in frames: a model that was trained here (category_finder.h), or a detection network
-// that was imported (detector_source.h). Both make sightings alike.
+// What finds objects of categories in frames: a model that was trained here (category_finder.h), a detector by channels
+// that was trained here (channel_source.h), or a detection network that was imported (detector_source.h). All make
+// sightings alike.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +15,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/category/category_model.h"
+#include "victorious/category/channels/channel_detector.h"
 #include "victorious/geometry/box.h"
 #include "victorious/network/network_detector.h"
 #include "victorious/types/frame.h"
@@ -60,13 +62,14 @@ class CategorySource {
   [[nodiscard]] virtual Expected<std::vector<FoundCategory>> FindIn(const Frame& frame) const = 0;
 };
 
-/// The content of a file of categories, of either kind.
-using CategorySourceModel = std::variant<CategoryModel, DetectorModel>;
+/// The content of a file of categories, of any kind.
+using CategorySourceModel = std::variant<CategoryModel, DetectorModel, ChannelModel>;
 
-/// Reads a category model or an imported detector. Errors: those of ReadCategoryModel and ReadDetector.
+/// Reads a category model, a detector by channels or an imported detector. Errors: those of ReadCategoryModel,
+/// ReadChannelModel and ReadDetector.
 [[nodiscard]] Expected<CategorySourceModel> ReadCategorySource(const std::filesystem::path& path);
 
-/// Errors: those of CategoryFinder::Create and DetectorSource::Create.
+/// Errors: those of CategoryFinder::Create, ChannelSource::Create and DetectorSource::Create.
 [[nodiscard]] Expected<std::shared_ptr<const CategorySource>> MakeCategorySource(CategorySourceModel model,
                                                                                  const CategoryFindOptions& options,
                                                                                  const DetectorOptions& detector);
