@@ -158,7 +158,7 @@ class DetectorTest(program.ProgramTest):
         self.imported()
         refine = program.run("category", "refine", "--model", self.detector, "--db", "x.db", "--out", self.scratch / "y.vcat")
         self.assertEqual(refine.status, 2)
-        self.assertIn("an imported detector", refine.err)
+        self.assertIn("a detector: it is for `index`", refine.err)
         content = bytearray(self.detector.read_bytes())
         content[-10] ^= 1
         self.detector.write_bytes(content)

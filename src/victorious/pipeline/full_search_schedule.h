@@ -17,8 +17,8 @@
 
 namespace victorious {
 
-/// How much rarer than at 1280 x 720 pixels frames are searched: the ratio of their pixels, 1 to 3. The time of a search
-/// grows with the pixels (docs/adr/0043-resolution-of-the-search.md).
+/// How much rarer than at 1280 x 720 pixels frames are searched: the ratio of their pixels, 1 to 3. The time of a
+/// search grows with the pixels (docs/adr/0043-resolution-of-the-search.md).
 /// @param searched  size of the image that is searched
 [[nodiscard]] double SearchSpacing(const cv::Size& searched);
 
@@ -33,9 +33,9 @@ class FullSearchSchedule {
   /// False if Enter cannot be true of a frame of this number.
   [[nodiscard]] bool MayBeSearched(std::int64_t index) const { return IsFullSearchFrame(index, interval_, follow_); }
 
-  /// Call for each tracked frame, in order. True if it is one of those of IsFullSearchFrame, and tracks restart in it, or the
-  /// image has moved by 3 % of its diagonal since the last search, or that is a second ago, or the motion is unknown;
-  /// at two thirds of these for a part of the views.
+  /// Call for each tracked frame, in order. True if it is one of those of IsFullSearchFrame, and tracks restart in it,
+  /// or the image has moved by 3 % of its diagonal since the last search, or that is a second ago, or the motion is
+  /// unknown; at two thirds of these for a part of the views.
   /// @param now_from_before  image motion since the frame before, px; std::nullopt: unknown
   /// @param spacing          these intervals of frames, motion and time are longer by this factor (SearchSpacing)
   [[nodiscard]] bool Enter(const Frame& frame, const std::optional<Similarity2>& now_from_before, double spacing = 1);

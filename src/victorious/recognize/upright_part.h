@@ -23,8 +23,8 @@ struct UprightPart {
   [[nodiscard]] UprightPart AtHalfScale() const;
 };
 
-/// A frame at several scales, a quarter of an octave apart, each averaged over areas: parts of it are cut at any scale without
-/// averaging them anew. Makes each level at its first use. Thread-safe.
+/// A frame at several scales, a quarter of an octave apart, each averaged over areas: parts of it are cut at any scale
+/// without averaging them anew. Makes each level at its first use. Thread-safe.
 class FramePyramid {
  public:
   /// @param grey  the frame, CV_8UC1; must outlive this
