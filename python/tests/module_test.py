@@ -195,11 +195,14 @@ class ModuleTest(program.ProgramTest):
             while not is_over.wait(0.001):
                 counted.append(None)
 
+        recognizer = victorious.Recognizer(self.library().load_all())
         thread = threading.Thread(target=count)
         thread.start()
-        victorious.Recognizer(self.library().load_all()).recognize(np.zeros((1500, 2000), np.uint8))
-        is_over.set()
-        thread.join()
+        try:
+            recognizer.recognize(np.zeros((1500, 2000), np.uint8))
+        finally:
+            is_over.set()
+            thread.join()
         self.assertGreater(len(counted), 5)
 
     def test_stubs_declare_what_there_is(self):
