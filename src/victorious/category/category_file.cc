@@ -1,7 +1,6 @@
 #include "victorious/category/category_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -12,21 +11,13 @@
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/sealed_bytes.h"
 
 namespace victorious {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kMagic = {0x8A, 'V', 'C', 'A', 'T', 0x0D, 0x0A, 0x1A};
+constexpr FileMagic kMagic = {0x8A, 'V', 'C', 'A', 'T', 0x0D, 0x0A, 0x1A};
 constexpr std::uint32_t kFileVersion = 4;  // the only one that is read
-
-struct Header {
-  std::array<std::uint8_t, 8> magic = kMagic;
-  std::uint32_t version = kFileVersion;
-  std::uint32_t reserved = 0;
-  std::uint64_t payload_size = 0;
-  std::uint64_t payload_checksum = 0;
-};
-static_assert(sizeof(Header) == 32);
 
 class Writer {
  public:
@@ -345,10 +336,9 @@ Expected<CategoryModel> ParsePayload(std::span<const std::byte> payload) {
 }
 
 Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
-  Header header;
-  if (bytes.size() < sizeof(Header) || !IsCategoryModelFile(bytes))
-    return Fail(ErrorCode::kDataLoss, "not a category model");
-  std::memcpy(&header, bytes.data(), sizeof(Header));
+  const std::optional<SealedHeader> sealed = ReadSealedHeader(bytes);
+  if (!sealed || !IsCategoryModelFile(bytes)) return Fail(ErrorCode::kDataLoss, "not a category model");
+  const SealedHeader& header = *sealed;
   if (header.version > kFileVersion) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("written by a newer version (format {}; this program reads {}): use that version, or train "
@@ -360,19 +350,17 @@ Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
                                                      "train again",
                                                      header.version, kFileVersion));
   }
-  const auto payload = bytes.subspan(sizeof(Header));
+  const std::span<const std::byte> payload = PayloadOf(bytes);
   if (header.version == 0 || header.payload_size != payload.size())
     return Fail(ErrorCode::kDataLoss, fmt::format("cut off or damaged ({} bytes, expected {})", bytes.size(),
-                                                  header.payload_size + sizeof(Header)));
+                                                  header.payload_size + sizeof(SealedHeader)));
   if (Checksum(payload) != header.payload_checksum) return Fail(ErrorCode::kDataLoss, "damaged (wrong checksum)");
   return ParsePayload(payload);
 }
 
 }  // namespace
 
-bool IsCategoryModelFile(std::span<const std::byte> bytes) {
-  return bytes.size() >= kMagic.size() && std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) == 0;
-}
+bool IsCategoryModelFile(std::span<const std::byte> bytes) { return HasMagic(bytes, kMagic); }
 
 std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model) {
   Writer payload;
@@ -383,14 +371,7 @@ std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model) {
   PutNodes(model.nodes, payload);
   payload.PutAll(model.vocabulary.centres());
   std::visit([&](const auto& classifier) { PutClassifier(classifier, payload); }, model.classifier);
-  Header header;
-  header.payload_size = payload.bytes().size();
-  header.payload_checksum = Checksum(payload.bytes());
-  Writer file;
-  file.Put(header);
-  std::vector<std::byte> bytes = file.bytes();
-  bytes.insert(bytes.end(), payload.bytes().begin(), payload.bytes().end());
-  return bytes;
+  return Seal(kMagic, kFileVersion, payload.bytes());
 }
 
 Status WriteCategoryModel(const std::filesystem::path& path, const CategoryModel& model) {

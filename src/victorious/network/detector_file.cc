@@ -1,9 +1,8 @@
 #include "victorious/network/detector_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstring>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -12,23 +11,15 @@
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/base/packed_bytes.h"
+#include "victorious/base/sealed_bytes.h"
 #include "victorious/base/text.h"
 #include "victorious/network/output_layout.h"
 
 namespace victorious {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kDetectorMagic = {0x8A, 'V', 'D', 'E', 'T', 0x0D, 0x0A, 0x1A};
+constexpr FileMagic kDetectorMagic = {0x8A, 'V', 'D', 'E', 'T', 0x0D, 0x0A, 0x1A};
 constexpr std::uint32_t kDetectorVersion = 1;
-
-struct DetectorHeader {
-  std::array<std::uint8_t, 8> magic = kDetectorMagic;
-  std::uint32_t version = kDetectorVersion;
-  std::uint32_t reserved = 0;
-  std::uint64_t payload_size = 0;
-  std::uint64_t payload_checksum = 0;
-};
-static_assert(sizeof(DetectorHeader) == 32);
 
 Error Damaged(const std::string& name, const char* how) {
   return {ErrorCode::kDataLoss,
@@ -119,22 +110,14 @@ Expected<std::vector<std::string>> ParseClassList(std::string_view text, const s
   return classes;
 }
 
-bool IsDetectorFile(std::span<const std::byte> bytes) {
-  return bytes.size() >= kDetectorMagic.size() &&
-         std::memcmp(bytes.data(), kDetectorMagic.data(), kDetectorMagic.size()) == 0;
-}
+bool IsDetectorFile(std::span<const std::byte> bytes) { return HasMagic(bytes, kDetectorMagic); }
 
 std::vector<std::byte> EncodeDetector(const DetectorModel& model) {
   ByteWriter writer;
   writer.PutText(Describe(model));
   writer.PutText(model.files.network);
   writer.PutText(model.files.weights);
-  const std::vector<std::byte> payload = writer.Take();
-  const DetectorHeader header{.payload_size = payload.size(), .payload_checksum = Checksum(payload)};
-  const auto head = std::as_bytes(std::span(&header, 1));
-  std::vector<std::byte> bytes(head.begin(), head.end());
-  bytes.insert(bytes.end(), payload.begin(), payload.end());
-  return bytes;
+  return Seal(kDetectorMagic, kDetectorVersion, writer.Take());
 }
 
 Status WriteDetector(const std::filesystem::path& path, const DetectorModel& model) {
@@ -147,23 +130,19 @@ Expected<DetectorModel> ReadDetector(const std::filesystem::path& path) {
 }
 
 Expected<DetectorModel> ParseDetector(std::span<const std::byte> bytes, const std::string& name_for_errors) {
-  DetectorHeader header;
   if (!IsDetectorFile(bytes)) {
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{}: not a detector: `victorious category import` makes one", name_for_errors));
   }
-  if (bytes.size() < sizeof(header)) return std::unexpected(Damaged(name_for_errors, "it ends in its header"));
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  if (header.version != kDetectorVersion) {
+  const std::optional<SealedHeader> header = ReadSealedHeader(bytes);
+  if (!header) return std::unexpected(Damaged(name_for_errors, "it ends in its header"));
+  if (header->version != kDetectorVersion) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("{}: a detector of format {}, not {}: import it again with this version", name_for_errors,
-                            header.version, kDetectorVersion));
+                            header->version, kDetectorVersion));
   }
-  const std::span<const std::byte> payload = bytes.subspan(sizeof(header));
-  if (payload.size() != header.payload_size) return std::unexpected(Damaged(name_for_errors, "its size is wrong"));
-  if (Checksum(payload) != header.payload_checksum) {
-    return std::unexpected(Damaged(name_for_errors, "its checksum is wrong"));
-  }
+  const std::span<const std::byte> payload = PayloadOf(bytes);
+  if (const char* fault = FaultOfPayload(*header, payload)) return std::unexpected(Damaged(name_for_errors, fault));
   ByteReader reader(payload);
   std::optional<DetectorModel> model = ParseDescription(reader.GetText());
   if (!model) return std::unexpected(Damaged(name_for_errors, "its description cannot be read"));

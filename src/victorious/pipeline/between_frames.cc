@@ -8,11 +8,9 @@
 namespace victorious {
 namespace {
 
-double Between(double from, double to, double part) { return from + part * (to - from); }
-
 Box Between(const Box& from, const Box& to, double part) {
-  return {Between(from.x, to.x, part), Between(from.y, to.y, part), Between(from.width, to.width, part),
-          Between(from.height, to.height, part)};
+  return {std::lerp(from.x, to.x, part), std::lerp(from.y, to.y, part), std::lerp(from.width, to.width, part),
+          std::lerp(from.height, to.height, part)};
 }
 
 // The outline in another box, at the same place of it.

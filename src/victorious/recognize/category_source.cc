@@ -38,6 +38,12 @@ bool CategoryFindOptions::IsBackground(std::string_view name) const {
   return false;
 }
 
+void ReportedCategories::Add(const std::string& name, const CategoryFindOptions& options) {
+  const bool is_reported = !options.IsBackground(name);
+  number_.push_back(is_reported ? std::optional(names_.size()) : std::nullopt);
+  if (is_reported) names_.push_back(name);
+}
+
 Expected<CategorySourceModel> ReadCategorySource(const std::filesystem::path& path) {
   std::array<char, 8> head{};
   std::ifstream(path, std::ios::binary).read(head.data(), head.size());

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -30,6 +31,22 @@ struct CategoryFindOptions {
 
   /// True if the category is one of `background`.
   [[nodiscard]] bool IsBackground(std::string_view name) const;
+};
+
+/// The categories of a detector that are reported: all but those of the background.
+class ReportedCategories {
+ public:
+  /// Takes the next category of the detector.
+  void Add(const std::string& name, const CategoryFindOptions& options);
+
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+
+  /// The index into names() of a category of the detector; std::nullopt: background.
+  [[nodiscard]] std::optional<std::size_t> Of(std::size_t of_detector) const { return number_[of_detector]; }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::optional<std::size_t>> number_;
 };
 
 struct FoundCategory {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -19,13 +20,9 @@ Expected<ChannelSource> ChannelSource::Create(ChannelModel model, const Category
   ChannelSource source;
   source.content_id_ = fmt::format("{:016x}", Checksum(EncodeChannelModel(model)));
   source.min_probability_ = options.min_probability;
-  for (const ChannelCategory& category : model.categories) {
-    const bool is_reported = !options.IsBackground(category.name);
-    source.name_of_category_.push_back(is_reported ? std::optional(source.names_.size()) : std::nullopt);
-    if (is_reported) source.names_.push_back(category.name);
-  }
+  for (const ChannelCategory& category : model.categories) source.reported_.Add(category.name, options);
   source.model_ = std::move(model);
-  if (!source.names_.empty()) return source;
+  if (!source.names().empty()) return source;
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("categories: all categories of the detector are background ({})", options.background));
 }
@@ -39,7 +36,7 @@ Expected<std::vector<FoundCategory>> ChannelSource::FindIn(const Frame& frame) c
   const cv::Mat& image = frame.bgr.empty() ? frame.image : frame.bgr;
   std::vector<FoundCategory> found;
   for (const ChannelBox& one : DetectByChannels(model_, image, min_probability_)) {
-    const std::optional<std::size_t> category = name_of_category_[one.category];
+    const std::optional<std::size_t> category = reported_.Of(one.category);
     if (category) found.push_back({.category = *category, .box = one.box, .probability = one.probability});
   }
   return found;

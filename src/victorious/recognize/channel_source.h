@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,7 +21,7 @@ class ChannelSource : public CategorySource {
   /// Errors: kInvalidArgument for options out of range, and if all categories are background.
   [[nodiscard]] static Expected<ChannelSource> Create(ChannelModel model, const CategoryFindOptions& options);
 
-  [[nodiscard]] const std::vector<std::string>& names() const override { return names_; }
+  [[nodiscard]] const std::vector<std::string>& names() const override { return reported_.names(); }
   [[nodiscard]] const std::string& content_id() const override { return content_id_; }
   [[nodiscard]] bool IsDetector() const override { return true; }
   [[nodiscard]] std::string DescribeSearch(cv::Size frame) const override;
@@ -34,8 +33,7 @@ class ChannelSource : public CategorySource {
 
   ChannelModel model_;
   double min_probability_ = 0.5;
-  std::vector<std::string> names_;
-  std::vector<std::optional<std::size_t>> name_of_category_;  ///< index into names_; std::nullopt: background
+  ReportedCategories reported_;
   std::string content_id_;
 };
 

@@ -1,5 +1,6 @@
 #include "victorious/recognize/detector_source.h"
 
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,12 +17,8 @@ Expected<DetectorSource> DetectorSource::Create(DetectorModel model, const Categ
   VICTORIOUS_ASSIGN_OR_RETURN(NetworkDetector network, NetworkDetector::Create(std::move(model), detector));
   DetectorSource source(std::move(network));
   source.content_id_ = std::move(content_id);
-  for (const std::string& name : source.detector_.model().classes) {
-    const bool is_reported = !options.IsBackground(name);
-    source.category_of_class_.push_back(is_reported ? std::optional(source.names_.size()) : std::nullopt);
-    if (is_reported) source.names_.push_back(name);
-  }
-  if (!source.names_.empty()) return source;
+  for (const std::string& name : source.detector_.model().classes) source.reported_.Add(name, options);
+  if (!source.names().empty()) return source;
   return Fail(ErrorCode::kInvalidArgument, fmt::format("categories: all classes of {} are background ({})",
                                                        source.detector_.model().source, options.background));
 }
@@ -38,7 +35,7 @@ Expected<std::vector<FoundCategory>> DetectorSource::FindIn(const Frame& frame) 
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<NetworkBox> boxes, detector_.Detect(bgr));
   std::vector<FoundCategory> found;
   for (const NetworkBox& one : boxes) {
-    const std::optional<std::size_t> category = category_of_class_[one.category];
+    const std::optional<std::size_t> category = reported_.Of(one.category);
     if (category) found.push_back({.category = *category, .box = one.box, .probability = one.score});
   }
   return found;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +17,7 @@ class DetectorSource : public CategorySource {
   [[nodiscard]] static Expected<DetectorSource> Create(DetectorModel model, const CategoryFindOptions& options,
                                                        const DetectorOptions& detector);
 
-  [[nodiscard]] const std::vector<std::string>& names() const override { return names_; }
+  [[nodiscard]] const std::vector<std::string>& names() const override { return reported_.names(); }
   [[nodiscard]] const std::string& content_id() const override { return content_id_; }
   [[nodiscard]] bool IsDetector() const override { return true; }
   [[nodiscard]] std::string DescribeSearch(cv::Size frame) const override;
@@ -28,8 +27,7 @@ class DetectorSource : public CategorySource {
   explicit DetectorSource(NetworkDetector detector) : detector_(std::move(detector)) {}
 
   NetworkDetector detector_;
-  std::vector<std::string> names_;
-  std::vector<std::optional<std::size_t>> category_of_class_;  ///< index into names_; std::nullopt: background
+  ReportedCategories reported_;
   std::string content_id_;
 };
 

@@ -1,10 +1,8 @@
 #include "victorious/category/channels/channel_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <set>
@@ -14,24 +12,16 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/packed_bytes.h"
+#include "victorious/base/sealed_bytes.h"
 #include "victorious/kernels/window_trees.h"
 
 namespace victorious {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kChannelMagic = {0x8A, 'V', 'C', 'H', 'N', 0x0D, 0x0A, 0x1A};
+constexpr FileMagic kChannelMagic = {0x8A, 'V', 'C', 'H', 'N', 0x0D, 0x0A, 0x1A};
 constexpr std::uint32_t kChannelVersion = 1;
 constexpr std::size_t kMaxChannelBytes = std::size_t{1} << 26;
 constexpr std::size_t kTreeBytes = 13;
-
-struct ChannelHeader {
-  std::array<std::uint8_t, 8> magic = kChannelMagic;
-  std::uint32_t version = kChannelVersion;
-  std::uint32_t reserved = 0;
-  std::uint64_t payload_size = 0;
-  std::uint64_t payload_checksum = 0;
-};
-static_assert(sizeof(ChannelHeader) == 32);
 
 Error DamagedChannels(const std::string& name, const char* how) {
   return {ErrorCode::kDataLoss, fmt::format("{}: a damaged detector by channels ({}): train it again", name, how)};
@@ -125,10 +115,7 @@ std::optional<ChannelModel> GetModel(std::span<const std::byte> payload) {
 
 }  // namespace
 
-bool IsChannelModelFile(std::span<const std::byte> bytes) {
-  return bytes.size() >= kChannelMagic.size() &&
-         std::memcmp(bytes.data(), kChannelMagic.data(), kChannelMagic.size()) == 0;
-}
+bool IsChannelModelFile(std::span<const std::byte> bytes) { return HasMagic(bytes, kChannelMagic); }
 
 std::vector<std::byte> EncodeChannelModel(const ChannelModel& model) {
   ByteWriter writer;
@@ -146,12 +133,7 @@ std::vector<std::byte> EncodeChannelModel(const ChannelModel& model) {
     writer.Put(category.calibration.offset);
     for (const BoostedTrees& trained : category.detectors) PutTrees(trained, writer);
   }
-  const std::vector<std::byte> payload = writer.Take();
-  const ChannelHeader header{.payload_size = payload.size(), .payload_checksum = Checksum(payload)};
-  const auto head = std::as_bytes(std::span(&header, 1));
-  std::vector<std::byte> bytes(head.begin(), head.end());
-  bytes.insert(bytes.end(), payload.begin(), payload.end());
-  return bytes;
+  return Seal(kChannelMagic, kChannelVersion, writer.Take());
 }
 
 Status WriteChannelModel(const std::filesystem::path& path, const ChannelModel& model) {
@@ -167,19 +149,15 @@ Expected<ChannelModel> ParseChannelModel(std::span<const std::byte> bytes, const
   if (!IsChannelModelFile(bytes)) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: not a detector by channels", name_for_errors));
   }
-  ChannelHeader header;
-  if (bytes.size() < sizeof(header)) return std::unexpected(DamagedChannels(name_for_errors, "it ends in its header"));
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  if (header.version != kChannelVersion) {
+  const std::optional<SealedHeader> header = ReadSealedHeader(bytes);
+  if (!header) return std::unexpected(DamagedChannels(name_for_errors, "it ends in its header"));
+  if (header->version != kChannelVersion) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: a detector by channels of format {}, not {}: train it again",
-                                                     name_for_errors, header.version, kChannelVersion));
+                                                     name_for_errors, header->version, kChannelVersion));
   }
-  const std::span<const std::byte> payload = bytes.subspan(sizeof(header));
-  if (payload.size() != header.payload_size) {
-    return std::unexpected(DamagedChannels(name_for_errors, "its size is wrong"));
-  }
-  if (Checksum(payload) != header.payload_checksum) {
-    return std::unexpected(DamagedChannels(name_for_errors, "its checksum is wrong"));
+  const std::span<const std::byte> payload = PayloadOf(bytes);
+  if (const char* fault = FaultOfPayload(*header, payload)) {
+    return std::unexpected(DamagedChannels(name_for_errors, fault));
   }
   std::optional<ChannelModel> model = GetModel(payload);
   if (!model) return std::unexpected(DamagedChannels(name_for_errors, "its content is out of range"));
