@@ -13,10 +13,10 @@
 
 #include "bench/benchmarks.h"
 #include "testing/data.h"
-#include "victorious/associate/update_objects.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/geodesy.h"
+#include "victorious/place/associate/update_objects.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious::bench {

@@ -2,7 +2,7 @@
 
 #include "bench/benchmarks.h"
 #include "bench/workloads.h"
-#include "victorious/grammar/cascade.h"
+#include "victorious/search/grammar/cascade.h"
 
 namespace victorious::bench {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "bench/benchmarks.h"
 #include "bench/workloads.h"
-#include "victorious/features/feature_extractor.h"
-#include "victorious/recognize/recognizer.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/search/recognize/recognizer.h"
 
 namespace victorious::bench {
 namespace {

@@ -23,10 +23,10 @@
 #include "testing/data.h"
 #include "victorious/base/median.h"
 #include "victorious/base/stage_time.h"
-#include "victorious/calibrate/sun_direction.h"
-#include "victorious/evaluate/score.h"
-#include "victorious/model/relit_views.h"
-#include "victorious/pipeline/index_pass.h"
+#include "victorious/jobs/index/index_pass.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/object/model/relit_views.h"
+#include "victorious/place/calibrate/sun_direction.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious::bench {

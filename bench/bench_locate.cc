@@ -3,8 +3,8 @@
 
 #include "bench/benchmarks.h"
 #include "testing/drawn_lines.h"
-#include "victorious/geolocate/consensus.h"
-#include "victorious/geolocate/locate.h"
+#include "victorious/place/geolocate/consensus.h"
+#include "victorious/place/geolocate/locate.h"
 
 namespace victorious::bench {
 namespace {

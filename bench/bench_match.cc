@@ -6,7 +6,7 @@
 #include "bench/benchmarks.h"
 #include "bench/workloads.h"
 #include "victorious/kernels/nearest.h"
-#include "victorious/match/matcher.h"
+#include "victorious/search/match/matcher.h"
 
 namespace victorious::bench {
 namespace {

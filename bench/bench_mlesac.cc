@@ -6,7 +6,7 @@
 #include "bench/workloads.h"
 #include "victorious/geometry/robust/mlesac.h"
 #include "victorious/geometry/robust/similarity_estimator.h"
-#include "victorious/grammar/cascade.h"
+#include "victorious/search/grammar/cascade.h"
 
 namespace victorious::bench {
 namespace {

@@ -92,7 +92,7 @@ Status FillQueue(TaskQueue& queue, std::int64_t backlog, std::int64_t& made) {
   VICTORIOUS_ASSIGN_OR_RETURN(const postgres::TaskCounts counts, queue.Count());
   std::vector<NewTask> tasks;
   for (std::int64_t missing = backlog - counts.queued; missing > 0; --missing) {
-    // As long as those of videos (cluster/index_task.h).
+    // As long as those of videos (apps/cluster/index_task.h).
     const std::string key = fmt::format("{:032} {:032}", ++made, 0);
     const std::string payload = fmt::format(
         R"({{"video":"/archive/{:08}.mp4","options":["--models","/archive/models"],"program":"{}"}})", made, kProgram);

@@ -7,7 +7,7 @@
 #include "bench/benchmarks.h"
 #include "bench/workloads.h"
 #include "testing/data.h"
-#include "victorious/pipeline/search_image.h"
+#include "victorious/show/search_image.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious::bench {

@@ -18,7 +18,7 @@ extern "C" {
 
 #include "bench/benchmarks.h"
 #include "bench/workloads.h"
-#include "victorious/features/feature_extractor.h"
+#include "victorious/object/features/feature_extractor.h"
 
 namespace victorious::bench {
 namespace {

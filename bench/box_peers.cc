@@ -15,7 +15,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "victorious/base/error.h"
-#include "victorious/video/video_reader.h"
+#include "victorious/input/video/video_reader.h"
 
 namespace victorious::bench {
 namespace {

@@ -13,11 +13,11 @@
 #include "victorious/base/file.h"
 #include "victorious/base/folder.h"
 #include "victorious/base/version.h"
-#include "victorious/mesh/load_mesh.h"
-#include "victorious/model/cad_model.h"
-#include "victorious/model/model_library.h"
-#include "victorious/simulate/scene.h"
-#include "victorious/simulate/simulate.h"
+#include "victorious/lab/simulate/scene.h"
+#include "victorious/lab/simulate/simulate.h"
+#include "victorious/object/mesh/load_mesh.h"
+#include "victorious/object/model/cad_model.h"
+#include "victorious/object/model/model_library.h"
 
 namespace victorious::bench {
 namespace {

@@ -16,10 +16,10 @@
 
 #include "bench/benchmarks.h"
 #include "bench/harness.h"
+#include "victorious/apps/cli/argument_parser.h"
+#include "victorious/apps/cli/run_program.h"
 #include "victorious/base/error.h"
 #include "victorious/base/json.h"
-#include "victorious/cli/argument_parser.h"
-#include "victorious/cli/run_program.h"
 
 namespace victorious::bench {
 namespace {

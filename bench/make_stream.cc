@@ -9,7 +9,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "testing/video_tools.h"
-#include "victorious/video/video_reader.h"
+#include "victorious/input/video/video_reader.h"
 
 int main(int argc, char** argv) {
   if (argc < 3) {

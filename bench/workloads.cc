@@ -14,11 +14,11 @@
 #include "testing/drawn_objects.h"
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
-#include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
-#include "victorious/image/image_file.h"
-#include "victorious/model/photo_model.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/object/model/photo_model.h"
 
 namespace victorious::bench {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "testing/synthetic_flight.h"
 #include "victorious/geometry/solvers/similarity.h"
-#include "victorious/model/photo_model.h"
+#include "victorious/object/model/photo_model.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/match_set.h"
 #include "victorious/types/object_model.h"

@@ -2,9 +2,9 @@
 
 set(_victorious_layers_file "${CMAKE_CURRENT_LIST_DIR}/../layers.toml")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${_victorious_layers_file}")
-file(STRINGS "${_victorious_layers_file}" _victorious_layer_lines REGEX "^[a-z_]+ = [0-9]+$")
+file(STRINGS "${_victorious_layers_file}" _victorious_layer_lines REGEX "^\"?[a-z_/]+\"? = [0-9]+$")
 foreach(line IN LISTS _victorious_layer_lines)
-  string(REGEX MATCH "^([a-z_]+) = ([0-9]+)$" _ "${line}")
+  string(REGEX MATCH "([a-z_]+)\"? = ([0-9]+)$" _ "${line}")
   set(VICTORIOUS_LEVEL_${CMAKE_MATCH_1} ${CMAKE_MATCH_2})
 endforeach()
 
@@ -49,7 +49,7 @@ function(victorious_unity target)
   endif()
 endfunction()
 
-# One static library a folder of src/victorious.
+# One static library a folder of layers.toml, by the last part of its path, which no two share.
 #   FOLDERS   the lower folders it includes (checked against layers.toml)
 #   PUBLIC    third-party targets whose types stand in its headers
 #   PRIVATE   third-party targets that stay inside

@@ -10,8 +10,8 @@
 #include "victorious/base/error.h"
 #include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/telemetry/camera_track.h"
-#include "victorious/telemetry/telemetry.h"
+#include "victorious/input/telemetry/camera_track.h"
+#include "victorious/input/telemetry/telemetry.h"
 
 namespace victorious {
 namespace {

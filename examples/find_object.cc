@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "victorious/base/error.h"
-#include "victorious/features/feature_extractor.h"
-#include "victorious/image/image_file.h"
-#include "victorious/model/model_library.h"
-#include "victorious/recognize/recognizer.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/object/model/model_library.h"
+#include "victorious/search/recognize/recognizer.h"
 
 namespace victorious {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "victorious/base/error.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/show/export/listed_object.h"
 #include "victorious/store/catalogue.h"
-#include "victorious/store/listed_object.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious {

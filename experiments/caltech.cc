@@ -10,8 +10,8 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
-#include "victorious/image/image_file.h"
-#include "victorious/pipeline/preset.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/jobs/preset.h"
 
 namespace victorious {
 namespace {

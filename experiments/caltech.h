@@ -15,7 +15,7 @@
 
 #include "experiments/experiment.h"
 #include "victorious/category/category_model.h"
-#include "victorious/recognize/category_images.h"
+#include "victorious/category/finder/category_images.h"
 
 namespace victorious {
 

@@ -14,7 +14,7 @@
 #include "experiments/match_filters.h"
 #include "experiments/match_pool.h"
 #include "victorious/base/check.h"
-#include "victorious/pipeline/preset.h"
+#include "victorious/jobs/preset.h"
 
 namespace victorious {
 namespace {

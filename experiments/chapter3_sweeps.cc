@@ -15,7 +15,7 @@
 #include "experiments/match_trial.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/model/nearest_view.h"
+#include "victorious/object/model/nearest_view.h"
 
 namespace victorious {
 namespace {

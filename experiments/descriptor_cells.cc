@@ -1,6 +1,6 @@
-// The centres of the cells of match/descriptor_cells.h: k-means of the shortened descriptors of the project's own CAD
+// The centres of the cells of object/features/descriptor_cells.h: k-means of the shortened descriptors of the project's own CAD
 // models. Writes descriptor_cells.inc, which is part of the source.
-#include "victorious/match/descriptor_cells.h"
+#include "victorious/object/features/descriptor_cells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +67,7 @@ Expected<Report> RunDescriptorCells(const ExperimentSettings& settings) {
   }
   VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(settings.out / "descriptor_cells.inc", text));
   return Report{.title = "Cells of shortened descriptors: k-means of the project's own CAD models",
-                .notes = {"Writes descriptor_cells.inc; src/victorious/match/ holds a copy."},
+                .notes = {"Writes descriptor_cells.inc; src/victorious/search/match/ holds a copy."},
                 .columns = {"cells", "descriptors", "root mean square distance from the centre, steps"},
                 .rows = {{static_cast<double>(centres.rows), static_cast<double>(descriptors.rows),
                           std::sqrt(squared / descriptors.rows)}},

@@ -5,9 +5,9 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/image/image_file.h"
-#include "victorious/image/montage.h"
-#include "victorious/model/view_surface.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/image/montage.h"
+#include "victorious/object/model/view_surface.h"
 
 namespace victorious {
 namespace {

@@ -7,8 +7,8 @@
 #include "experiments/draw_matches.h"
 #include "experiments/match_experiments.h"
 #include "experiments/match_trial.h"
-#include "victorious/image/image_file.h"
-#include "victorious/image/montage.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/image/montage.h"
 
 namespace victorious {
 namespace {

@@ -12,10 +12,10 @@
 #include "experiments/match_trial.h"
 #include "experiments/view_grid.h"
 #include "victorious/base/file.h"
-#include "victorious/evaluate/score.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/image/image_file.h"
-#include "victorious/image/montage.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/image/montage.h"
+#include "victorious/lab/evaluate/score.h"
 
 namespace victorious {
 namespace {

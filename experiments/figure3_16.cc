@@ -11,12 +11,12 @@
 #include "experiments/draw_matches.h"
 #include "experiments/match_experiments.h"
 #include "experiments/match_pool.h"
-#include "victorious/evaluate/score.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/image/image_file.h"
-#include "victorious/image/montage.h"
-#include "victorious/model/view_surface.h"
-#include "victorious/pipeline/index_options.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/image/montage.h"
+#include "victorious/jobs/index/index_options.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/object/model/view_surface.h"
 
 namespace victorious {
 namespace {

@@ -11,12 +11,12 @@
 #include "experiments/painted_mesh.h"
 #include "experiments/real_objects.h"
 #include "experiments/recognition_experiments.h"
-#include "victorious/evaluate/score.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/image/image_file.h"
-#include "victorious/model/cad_model.h"
-#include "victorious/observe/object_pose.h"
-#include "victorious/pipeline/index_options.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/jobs/index/index_options.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/object/model/cad_model.h"
+#include "victorious/place/observe/object_pose.h"
 
 namespace victorious {
 namespace {

@@ -11,7 +11,7 @@
 #include "experiments/caltech.h"
 #include "experiments/category_experiments.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/image/image_file.h"
+#include "victorious/input/image/image_file.h"
 
 namespace victorious {
 namespace {

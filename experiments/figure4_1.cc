@@ -13,10 +13,10 @@
 #include "experiments/system_experiments.h"
 #include "experiments/video_frames.h"
 #include "experiments/view_grid.h"
-#include "victorious/calibrate/sun_direction.h"
-#include "victorious/image/image_file.h"
-#include "victorious/image/montage.h"
-#include "victorious/pipeline/region_features.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/image/montage.h"
+#include "victorious/place/calibrate/sun_direction.h"
+#include "victorious/search/follow/region_features.h"
 #include "victorious/track/region_tracker.h"
 
 namespace victorious {

@@ -11,8 +11,8 @@
 #include "experiments/steady_lock.h"
 #include "experiments/system_experiments.h"
 #include "experiments/video_frames.h"
-#include "victorious/image/image_file.h"
-#include "victorious/image/montage.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/image/montage.h"
 
 namespace victorious {
 namespace {

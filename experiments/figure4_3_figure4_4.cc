@@ -10,10 +10,10 @@
 #include "experiments/system_experiments.h"
 #include "experiments/video_frames.h"
 #include "victorious/base/random.h"
-#include "victorious/geolocate/locate.h"
-#include "victorious/geolocate/ray.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/polygon.h"
+#include "victorious/place/geolocate/locate.h"
+#include "victorious/place/geolocate/ray.h"
 
 namespace victorious {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "experiments/indexed_movie.h"
 #include "experiments/system_experiments.h"
-#include "victorious/evaluate/reported.h"
+#include "victorious/lab/evaluate/reported.h"
 #include "victorious/store/catalogue.h"
 
 namespace victorious {

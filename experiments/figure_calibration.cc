@@ -8,7 +8,7 @@
 #include "experiments/movie_search.h"
 #include "experiments/recognition_experiments.h"
 #include "experiments/reliability.h"
-#include "victorious/evaluate/score.h"
+#include "victorious/lab/evaluate/score.h"
 
 namespace victorious {
 namespace {

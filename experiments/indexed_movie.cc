@@ -12,10 +12,10 @@
 
 #include "experiments/match_trial.h"
 #include "victorious/base/file.h"
-#include "victorious/model/relit_views.h"
-#include "victorious/pipeline/indexer.h"
-#include "victorious/pipeline/video_telemetry.h"
-#include "victorious/simulate/simulate.h"
+#include "victorious/jobs/index/indexer.h"
+#include "victorious/lab/simulate/simulate.h"
+#include "victorious/object/model/relit_views.h"
+#include "victorious/place/cameras/video_telemetry.h"
 
 namespace victorious {
 namespace {

@@ -10,12 +10,12 @@
 
 #include "experiments/experiment.h"
 #include "victorious/base/error.h"
-#include "victorious/evaluate/score.h"
-#include "victorious/evaluate/truth.h"
-#include "victorious/pipeline/index_options.h"
-#include "victorious/recognize/relit_templates.h"
+#include "victorious/input/telemetry/camera_track.h"
+#include "victorious/jobs/index/index_options.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/lab/evaluate/truth.h"
+#include "victorious/object/features/relit_templates.h"
 #include "victorious/store/index_store.h"
-#include "victorious/telemetry/camera_track.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

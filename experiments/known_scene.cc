@@ -10,14 +10,14 @@
 #include "experiments/video_frames.h"
 #include "victorious/base/file.h"
 #include "victorious/base/random.h"
-#include "victorious/evaluate/truth.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/geodesy.h"
-#include "victorious/image/image_file.h"
-#include "victorious/mesh/load_mesh.h"
-#include "victorious/simulate/flight.h"
-#include "victorious/simulate/truth.h"
-#include "victorious/telemetry/camera_csv.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/telemetry/camera_csv.h"
+#include "victorious/lab/evaluate/truth.h"
+#include "victorious/lab/simulate/flight.h"
+#include "victorious/lab/simulate/truth.h"
+#include "victorious/object/mesh/load_mesh.h"
 
 namespace victorious {
 

@@ -16,10 +16,10 @@
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/view_direction.h"
-#include "victorious/image/degrade.h"
-#include "victorious/render/renderer.h"
-#include "victorious/simulate/placed_scene.h"
-#include "victorious/simulate/scene.h"
+#include "victorious/input/image/degrade.h"
+#include "victorious/lab/simulate/placed_scene.h"
+#include "victorious/lab/simulate/scene.h"
+#include "victorious/object/render/renderer.h"
 
 namespace victorious {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "victorious/evaluate/score.h"
 #include "victorious/geometry/pair_measures.h"
+#include "victorious/lab/evaluate/score.h"
 
 namespace victorious {
 namespace {

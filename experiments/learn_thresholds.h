@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "experiments/match_trial.h"
-#include "victorious/grammar/cascade.h"
+#include "victorious/search/grammar/cascade.h"
 
 namespace victorious {
 

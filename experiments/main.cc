@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "experiments/experiment.h"
-#include "victorious/cli/argument_parser.h"
-#include "victorious/cli/arguments.h"
-#include "victorious/cli/output_files.h"
-#include "victorious/cli/run_program.h"
+#include "victorious/apps/cli/argument_parser.h"
+#include "victorious/apps/cli/arguments.h"
+#include "victorious/apps/cli/output_files.h"
+#include "victorious/apps/cli/run_program.h"
 
 namespace victorious::cli {
 namespace {

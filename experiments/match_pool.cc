@@ -8,7 +8,7 @@
 
 #include "experiments/video_frames.h"
 #include "victorious/base/folder.h"
-#include "victorious/model/nearest_view.h"
+#include "victorious/object/model/nearest_view.h"
 
 namespace victorious {
 namespace {

@@ -7,14 +7,14 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/file.h"
-#include "victorious/image/image_file.h"
-#include "victorious/match/matcher.h"
-#include "victorious/mesh/load_mesh.h"
-#include "victorious/model/model_library.h"
-#include "victorious/model/nearest_view.h"
-#include "victorious/pipeline/index_options.h"
-#include "victorious/pipeline/preset.h"
-#include "victorious/pose/similarity_pose.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/jobs/index/index_options.h"
+#include "victorious/jobs/preset.h"
+#include "victorious/object/mesh/load_mesh.h"
+#include "victorious/object/model/model_library.h"
+#include "victorious/object/model/nearest_view.h"
+#include "victorious/search/match/matcher.h"
+#include "victorious/search/pose/similarity_pose.h"
 
 namespace victorious {
 

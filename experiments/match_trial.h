@@ -13,9 +13,9 @@
 #include "experiments/known_scene.h"
 #include "experiments/true_matches.h"
 #include "victorious/base/error.h"
-#include "victorious/features/feature_extractor.h"
-#include "victorious/model/cad_model.h"
-#include "victorious/recognize/recognizer.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/object/model/cad_model.h"
+#include "victorious/search/recognize/recognizer.h"
 
 namespace victorious {
 

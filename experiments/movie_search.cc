@@ -11,11 +11,11 @@
 #include "experiments/indexed_movie.h"
 #include "experiments/video_frames.h"
 #include "victorious/base/folder.h"
-#include "victorious/evaluate/score.h"
-#include "victorious/image/impulse_noise.h"
-#include "victorious/model/relit_views.h"
-#include "victorious/pipeline/video_telemetry.h"
-#include "victorious/video/video_reader.h"
+#include "victorious/input/image/impulse_noise.h"
+#include "victorious/input/video/video_reader.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/object/model/relit_views.h"
+#include "victorious/place/cameras/video_telemetry.h"
 
 namespace victorious {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "experiments/experiment.h"
 #include "victorious/base/error.h"
-#include "victorious/evaluate/truth.h"
-#include "victorious/pipeline/index_options.h"
+#include "victorious/jobs/index/index_options.h"
+#include "victorious/lab/evaluate/truth.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"

@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/render/renderer.h"
+#include "victorious/object/render/renderer.h"
 
 namespace victorious {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/view_sphere.h"
-#include "victorious/render/renderer.h"
+#include "victorious/object/render/renderer.h"
 
 namespace victorious {
 namespace {

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/check.h"
-#include "victorious/evaluate/reported.h"
+#include "victorious/lab/evaluate/reported.h"
 
 namespace victorious {
 namespace {

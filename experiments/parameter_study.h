@@ -11,7 +11,7 @@
 #include "experiments/experiment.h"
 #include "experiments/indexed_movie.h"
 #include "victorious/base/error.h"
-#include "victorious/pipeline/index_options.h"
+#include "victorious/jobs/index/index_options.h"
 
 namespace victorious {
 

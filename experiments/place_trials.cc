@@ -12,7 +12,7 @@
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/image/image_file.h"
+#include "victorious/input/image/image_file.h"
 
 namespace victorious {
 namespace {

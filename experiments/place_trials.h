@@ -13,11 +13,11 @@
 
 #include "experiments/experiment.h"
 #include "victorious/base/error.h"
-#include "victorious/geolocate/locate_options.h"
-#include "victorious/geolocate/object_pose.h"
 #include "victorious/geometry/attitude.h"
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/lens.h"
+#include "victorious/place/geolocate/locate_options.h"
+#include "victorious/place/geolocate/object_pose.h"
 #include "victorious/types/line_of_sight.h"
 
 namespace victorious {

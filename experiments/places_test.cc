@@ -8,9 +8,9 @@
 #include "experiments/place_experiments.h"
 #include "experiments/place_trials.h"
 #include "testing/data.h"
-#include "victorious/evaluate/place_score.h"
-#include "victorious/geolocate/locate.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/lab/evaluate/place_score.h"
+#include "victorious/place/geolocate/locate.h"
 
 namespace victorious {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "victorious/geolocate/object_pose.h"
+#include "victorious/place/geolocate/object_pose.h"
 
 namespace victorious {
 

@@ -19,8 +19,8 @@
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/image/image_file.h"
-#include "victorious/mesh/load_mesh.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/object/mesh/load_mesh.h"
 
 namespace victorious {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "victorious/features/feature_extractor.h"
-#include "victorious/image/impulse_noise.h"
-#include "victorious/pipeline/region_features.h"
+#include "victorious/input/image/impulse_noise.h"
+#include "victorious/input/video/frame_loop.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/search/follow/region_features.h"
 #include "victorious/track/region_tracker.h"
-#include "victorious/video/frame_loop.h"
 
 namespace victorious {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
-#include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/polygon.h"
-#include "victorious/recognize/recognizer.h"
+#include "victorious/input/video/video_reader.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/search/recognize/recognizer.h"
 #include "victorious/track/track_options.h"
-#include "victorious/video/video_reader.h"
 
 namespace victorious {
 

@@ -8,8 +8,8 @@
 
 #include "experiments/match_experiments.h"
 #include "experiments/match_trial.h"
-#include "victorious/evaluate/score.h"
-#include "victorious/match/matcher.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/search/match/matcher.h"
 
 namespace victorious {
 namespace {

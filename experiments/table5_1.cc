@@ -14,7 +14,7 @@
 #include "experiments/indexed_movie.h"
 #include "experiments/system_experiments.h"
 #include "victorious/base/stage_time.h"
-#include "victorious/pipeline/indexer.h"
+#include "victorious/jobs/index/indexer.h"
 
 namespace victorious {
 namespace {

@@ -15,12 +15,12 @@
 #include "experiments/place_experiments.h"
 #include "experiments/place_trials.h"
 #include "victorious/base/file.h"
-#include "victorious/features/feature_extractor.h"
-#include "victorious/geolocate/locate.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/image/image_file.h"
-#include "victorious/model/photo_model.h"
-#include "victorious/recognize/recognizer.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/object/model/photo_model.h"
+#include "victorious/place/geolocate/locate.h"
+#include "victorious/search/recognize/recognizer.h"
 
 namespace victorious {
 namespace {

@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 
 #include "experiments/place_experiments.h"
-#include "victorious/evaluate/place_score.h"
-#include "victorious/geolocate/locate.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/pipeline/video_telemetry.h"
-#include "victorious/telemetry/klv_camera.h"
-#include "victorious/telemetry/klv_packets.h"
+#include "victorious/input/telemetry/klv_camera.h"
+#include "victorious/input/telemetry/klv_packets.h"
+#include "victorious/lab/evaluate/place_score.h"
+#include "victorious/place/cameras/video_telemetry.h"
+#include "victorious/place/geolocate/locate.h"
 
 namespace victorious {
 namespace {

@@ -6,8 +6,8 @@
 #include "experiments/place_experiments.h"
 #include "experiments/place_trials.h"
 #include "victorious/base/median.h"
-#include "victorious/evaluate/place_score.h"
-#include "victorious/geolocate/locate.h"
+#include "victorious/lab/evaluate/place_score.h"
+#include "victorious/place/geolocate/locate.h"
 
 namespace victorious {
 namespace {

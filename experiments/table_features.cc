@@ -14,10 +14,10 @@
 #include <fmt/format.h>
 
 #include "experiments/recognition_experiments.h"
-#include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/homography.h"
-#include "victorious/image/image_file.h"
-#include "victorious/match/matcher.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/search/match/matcher.h"
 
 namespace victorious {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "experiments/movie_search.h"
 #include "experiments/recognition_experiments.h"
-#include "victorious/evaluate/score.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/observe/object_pose.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/place/observe/object_pose.h"
 
 namespace victorious {
 namespace {

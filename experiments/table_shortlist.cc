@@ -17,13 +17,13 @@
 #include "experiments/recognition_experiments.h"
 #include "experiments/video_frames.h"
 #include "victorious/base/stage_time.h"
-#include "victorious/calibrate/sun_direction.h"
-#include "victorious/evaluate/score.h"
-#include "victorious/image/impulse_noise.h"
-#include "victorious/model/relit_views.h"
-#include "victorious/pipeline/video_telemetry.h"
-#include "victorious/telemetry/camera_track.h"
-#include "victorious/video/video_reader.h"
+#include "victorious/input/image/impulse_noise.h"
+#include "victorious/input/telemetry/camera_track.h"
+#include "victorious/input/video/video_reader.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/object/model/relit_views.h"
+#include "victorious/place/calibrate/sun_direction.h"
+#include "victorious/place/cameras/video_telemetry.h"
 
 namespace victorious {
 namespace {

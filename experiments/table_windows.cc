@@ -16,9 +16,9 @@
 #include "experiments/category_experiments.h"
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
-#include "victorious/image/image_file.h"
-#include "victorious/pipeline/preset.h"
-#include "victorious/recognize/category_finder.h"
+#include "victorious/category/finder/category_finder.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/jobs/preset.h"
 
 namespace victorious {
 namespace {

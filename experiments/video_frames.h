@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/input/video/video_reader.h"
 #include "victorious/types/frame.h"
-#include "victorious/video/video_reader.h"
 
 namespace victorious {
 

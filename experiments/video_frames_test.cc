@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "victorious/image/image_file.h"
+#include "victorious/input/image/image_file.h"
 
 namespace victorious {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "testing/data.h"
 #include "testing/synthetic_flight.h"
-#include "victorious/model/model_library.h"
-#include "victorious/model/photo_model.h"
-#include "victorious/pipeline/indexer.h"
-#include "victorious/store/export.h"
-#include "victorious/video/video_writer.h"
+#include "victorious/input/video/video_writer.h"
+#include "victorious/jobs/index/indexer.h"
+#include "victorious/object/model/model_library.h"
+#include "victorious/object/model/photo_model.h"
+#include "victorious/show/export/export.h"
 
 namespace victorious::testing {
 

@@ -8,7 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "victorious/recognize/relit_templates.h"
+#include "victorious/object/features/relit_templates.h"
 
 namespace victorious::testing {
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "victorious/telemetry/klv.h"
-#include "victorious/telemetry/st0601.h"
+#include "victorious/input/telemetry/klv.h"
+#include "victorious/input/telemetry/st0601.h"
 
 namespace victorious::testing {
 

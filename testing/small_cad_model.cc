@@ -4,7 +4,7 @@
 
 #include "testing/cad_tools.h"
 #include "victorious/base/random.h"
-#include "victorious/model/cad_model.h"
+#include "victorious/object/model/cad_model.h"
 
 namespace victorious::testing {
 namespace {

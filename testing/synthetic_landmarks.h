@@ -8,7 +8,7 @@
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
-#include "victorious/navigate/navigate.h"
+#include "victorious/place/navigate/navigate.h"
 
 namespace victorious::testing {
 

@@ -14,11 +14,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/random.h"
-#include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
-#include "victorious/match/descriptor_cells.h"
-#include "victorious/recognize/relit_templates.h"
+#include "victorious/object/features/descriptor_cells.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/object/features/relit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious::testing {

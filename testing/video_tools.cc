@@ -13,7 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/check.h"
-#include "victorious/video/ffmpeg_handles.h"
+#include "victorious/input/video/ffmpeg_handles.h"
 
 extern "C" {
 #include <libavutil/display.h>

@@ -18,12 +18,12 @@ from findings import Finding
 SOURCES = Path("src/victorious")
 ARCHITECTURE = Path("ARCHITECTURE.md")
 
-LEVEL_ROW = re.compile(r"^\| *(\d+) *\| *\[?`([a-z_]+)/`")  # | 3 | `match/` | ...
+LEVEL_ROW = re.compile(r"^\| *(\d+) *\| *\[?`([a-z_/]+)/`")  # | 3 | `match/` | ...
 FOLDER_ROW = re.compile(r"^\| *\[?`([A-Za-z_./-]+/)`")  # | `bench/` | ...
 FILE_ROW = re.compile(r"^(?:\| *\[?`[^|]*|- *\[?`[^`]*`)")  # | `klv.h`, `klv_packets.h` | ... and - `locate.h`: ...
 FILE = re.compile(r"`([A-Za-z0-9_/]+(?:\.h|\.cc|/))`")
 LISTED = re.compile(r"`([A-Za-z0-9_./]+(?:\.(?:h|tsx?)|/))`")
-INCLUDE = re.compile(r'^#include "victorious/([a-z_]+)/([a-z0-9_/]+\.h)"', re.MULTILINE)
+INCLUDE = re.compile(r'^#include "victorious/([a-z0-9_/]+\.h)"', re.MULTILINE)
 LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)(?:#[^)]*)?\)")
 
 # README.md files that list every file of a folder with a name like this. Paths in them are relative to the README.
@@ -38,9 +38,13 @@ def numbered(root: Path, path: Path) -> Iterator[tuple[int, str]]:
         yield from enumerate((root / path).read_text(encoding="utf-8").splitlines(), start=1)
 
 
+def read_levels(root: Path) -> dict[str, int]:
+    return tomllib.loads((root / "layers.toml").read_text(encoding="utf-8"))["levels"]
+
+
 def check_levels(root: Path) -> Iterator[Finding]:
     """ARCHITECTURE.md has one row per folder of layers.toml, with its level."""
-    levels = tomllib.loads((root / "layers.toml").read_text(encoding="utf-8"))["levels"]
+    levels = read_levels(root)
     rows: dict[str, int] = {}
     for line, text in numbered(root, ARCHITECTURE):
         if not (match := LEVEL_ROW.match(text)):
@@ -68,21 +72,26 @@ def check_top_folders(root: Path) -> Iterator[Finding]:
 
 def interfaces(root: Path) -> dict[str, set[str]]:
     """The headers of each source folder that other folders include, by folder."""
+    levels = read_levels(root)
     headers: dict[str, set[str]] = {}
     for path in sorted((root / SOURCES).rglob("*.h")) + sorted((root / SOURCES).rglob("*.cc")):
-        includer = path.relative_to(root / SOURCES).parts[0]
-        for folder, header in INCLUDE.findall(path.read_text(encoding="utf-8")):
-            if folder != includer:
-                headers.setdefault(folder, set()).add(header)
+        includer = findings.library_of(path.relative_to(root / SOURCES).as_posix(), levels)
+        for header in INCLUDE.findall(path.read_text(encoding="utf-8")):
+            folder = findings.library_of(header, levels)
+            if folder and folder != includer:
+                headers.setdefault(folder, set()).add(header.removeprefix(f"{folder}/"))
     return headers
 
 
 def check_readmes(root: Path) -> Iterator[Finding]:
-    """Every source folder has a README.md. The files and folders that it lists exist; if it lists headers in a table, then
+    """Every source folder has a README.md, and so has a folder of folders. The files and folders that it lists exist; if it lists headers in a table, then
     all that other folders include."""
     included = interfaces(root)
-    for folder in sorted(path for path in (root / SOURCES).iterdir() if path.is_dir()):
-        readme = SOURCES / folder.name / "README.md"
+    levels = read_levels(root)
+    names = sorted(levels.keys() | {name.rpartition("/")[0] for name in levels} - {""})
+    for name in names:
+        folder = root / SOURCES / name
+        readme = SOURCES / name / "README.md"
         if not (root / readme).is_file():
             yield Finding(readme, 1, "is missing: say what goes in, what comes out, the method and its source")
         last_row, listed = 0, []
@@ -91,12 +100,12 @@ def check_readmes(root: Path) -> Iterator[Finding]:
             files = FILE.findall(row[0]) if row else []
             for file in files:
                 if not (folder / file).exists():
-                    yield Finding(readme, line, f"lists {file}, which is not in {folder.name}/: take the line out")
+                    yield Finding(readme, line, f"lists {file}, which is not in {name}/: take the line out")
             if files and text.startswith("|"):
                 last_row = line
                 listed += files
         if any(file.endswith(".h") for file in listed):
-            for header in sorted(included.get(folder.name, set())):
+            for header in sorted(included.get(name, set())):
                 if not any(header == file or (file.endswith("/") and header.startswith(file)) for file in listed):
                     yield Finding(readme, last_row, f"lists headers, but not {header}, which other folders include")
 
@@ -119,7 +128,7 @@ def check_complete_lists(root: Path) -> Iterator[Finding]:
 
 def check_links(root: Path) -> Iterator[Finding]:
     """Relative links lead to a file or a folder."""
-    readmes = [*sorted((root / SOURCES).glob("*/README.md")), *(root / path for path in COMPLETE_LISTS)]
+    readmes = [*sorted((root / SOURCES).rglob("README.md")), *(root / path for path in COMPLETE_LISTS)]
     for path in (path.relative_to(root) for path in (*sorted(root.glob("*.md")), *readmes)):
         for line, text in numbered(root, path):
             for target in LINK.findall(text):

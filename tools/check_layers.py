@@ -18,7 +18,7 @@ from findings import Finding
 
 SOURCES = Path("src/victorious")
 PUBLIC_HEADERS = Path("include/victorious")
-LIBRARY = SOURCES / "library"
+LIBRARY = SOURCES / "apps/library"
 CODE_FOLDERS = ("include", "src", "experiments", "assets/make", "testing", "tests", "bench", "examples")
 CODE_ENDINGS = (".h", ".cc", ".cu")
 LONGEST_FILE = 600  # lines
@@ -37,11 +37,11 @@ PARALLEL_FOLDERS = (SOURCES.as_posix(), "experiments", "assets/make", "bench", "
 MAY_START_THREADS = (
     "bench/bench_queue.cc",  # workers that wait for the database, many more than cores
     "src/victorious/base/isolated_test_program.cc",  # shows that the sandbox lets a decoder start one
-    "src/victorious/cli/cmd_record.cc",  # enters files while the database may not answer, and packets come
-    "src/victorious/cluster/worker.cc",  # renews a lease while the database may not answer
-    "src/victorious/serve/job_runner.h",  # waits for child processes, which live as long as the thread that started them
-    "src/victorious/serve/live_service.h",  # watches the index while no request comes
-    "src/victorious/serve/live_service.cc",
+    "src/victorious/apps/cli/cmd_record.cc",  # enters files while the database may not answer, and packets come
+    "src/victorious/apps/cluster/worker.cc",  # renews a lease while the database may not answer
+    "src/victorious/apps/serve/job_runner.h",  # waits for child processes, which live as long as the thread that started them
+    "src/victorious/apps/serve/live_service.h",  # watches the index while no request comes
+    "src/victorious/apps/serve/live_service.cc",
 )
 PROJECT_ROOTS = ("victorious/", "experiments/", "assets/make/", "testing/", "tests/", "bench/", "hwy/")
 
@@ -53,24 +53,24 @@ class ThirdParty(NamedTuple):
     everywhere: bool = False  # also outside src/victorious, where no file may include it
 
 
-CLI11_SOURCES = r"cli/(argument_parser|describe_commands|output_files)\.cc$"
-CLI11_RULE = "CLI11 stays in argument_parser.cc and two sources of cli/: others include victorious/cli/argument_parser.h"
+CLI11_SOURCES = r"apps/cli/(argument_parser|describe_commands|output_files)\.cc$"
+CLI11_RULE = "CLI11 stays in argument_parser.cc and two sources of cli/: others include victorious/apps/cli/argument_parser.h"
 
 THIRD_PARTY = (
-    ThirdParty(re.compile(r"lib(av|sw)[a-z]+/"), re.compile(r"video/"), "FFmpeg stays inside video/"),
-    ThirdParty(re.compile(r"assimp/"), re.compile(r"mesh/"), "assimp stays inside mesh/"),
-    ThirdParty(re.compile(r"(EGL|GL|GLES\d?)/"), re.compile(r"render/"), "OpenGL and EGL stay inside render/"),
+    ThirdParty(re.compile(r"lib(av|sw)[a-z]+/"), re.compile(r"input/video/"), "FFmpeg stays inside video/"),
+    ThirdParty(re.compile(r"assimp/"), re.compile(r"object/mesh/"), "assimp stays inside mesh/"),
+    ThirdParty(re.compile(r"(EGL|GL|GLES\d?)/"), re.compile(r"object/render/"), "OpenGL and EGL stay inside render/"),
     ThirdParty(re.compile(r"sqlite3(ext)?\.h$"), re.compile(r"store/sqlite/"), "SQLite stays inside store/sqlite/"),
     ThirdParty(re.compile(r"libpq-fe\.h$"), re.compile(r"store/postgres/"), "libpq stays inside store/postgres/"),
-    ThirdParty(re.compile(r"libexif/"), re.compile(r"telemetry/photo(_test)?\.cc$"), "libexif stays inside telemetry/photo.cc"),
-    ThirdParty(re.compile(r"opencv2/dnn"), re.compile(r"network/network_runner\.cc$"), "OpenCV's dnn stays inside network/network_runner.cc"),
+    ThirdParty(re.compile(r"libexif/"), re.compile(r"input/telemetry/photo(_test)?\.cc$"), "libexif stays inside input/telemetry/photo.cc"),
+    ThirdParty(re.compile(r"opencv2/dnn"), re.compile(r"category/network/network_runner\.cc$"), "OpenCV's dnn stays inside category/network/network_runner.cc"),
     ThirdParty(re.compile(r"hwy/"), re.compile(r"kernels/"), "Highway stays inside kernels/"),
     ThirdParty(re.compile(r"GeographicLib/"), re.compile(r"geometry/.*\.cc$"), "GeographicLib stays inside geometry/"),
-    ThirdParty(re.compile(r"(gdal|ogr|cpl|osr)\w*\.h$"), re.compile(r"(terrain|store)/.*\.cc$"), "GDAL stays inside terrain/ and store/"),
-    ThirdParty(re.compile(r"ceres/"), re.compile(r"geolocate/.*\.cc$"), "Ceres stays inside geolocate/"),
-    ThirdParty(re.compile(r"boost/"), re.compile(r"serve/(.*\.cc|(client_stream|beast_message)\.h)$"), "Boost stays inside serve/"),
-    ThirdParty(re.compile(r"openssl/"), re.compile(r"serve/.*\.cc$"), "OpenSSL stays inside serve/"),
-    ThirdParty(re.compile(r"sodium(/|\.h$)"), re.compile(r"serve/.*\.cc$"), "libsodium stays inside serve/"),
+    ThirdParty(re.compile(r"(gdal|ogr|cpl|osr)\w*\.h$"), re.compile(r"(input/terrain|show/export)/.*\.cc$"), "GDAL stays inside terrain/ and export/"),
+    ThirdParty(re.compile(r"ceres/"), re.compile(r"place/geolocate/.*\.cc$"), "Ceres stays inside geolocate/"),
+    ThirdParty(re.compile(r"boost/"), re.compile(r"apps/serve/(.*\.cc|(client_stream|beast_message)\.h)$"), "Boost stays inside serve/"),
+    ThirdParty(re.compile(r"openssl/"), re.compile(r"apps/serve/.*\.cc$"), "OpenSSL stays inside serve/"),
+    ThirdParty(re.compile(r"sodium(/|\.h$)"), re.compile(r"apps/serve/.*\.cc$"), "libsodium stays inside serve/"),
     ThirdParty(re.compile(r"CLI/"), re.compile(CLI11_SOURCES), CLI11_RULE, everywhere=True),
     ThirdParty(re.compile(r"nlohmann/json\.hpp$"), re.compile(r".*\.cc$"), "headers include nlohmann/json_fwd.hpp"),
     ThirdParty(re.compile(r"(experiments|assets/make|bench)/"), re.compile(r"$^"), "the product includes no research and no tool"),
@@ -96,10 +96,15 @@ def includes_of(text: str) -> Iterator[Include]:
 
 
 def check_folders(root: Path, levels: dict[str, int]) -> Iterator[Finding]:
-    """Every folder is listed, and every listed folder exists."""
-    present = {path.name for path in (root / SOURCES).iterdir() if path.is_dir()}
+    """Every library is listed, and every listed folder is one. The last parts of their paths, which name them, differ."""
+    lists = (root / SOURCES).rglob("CMakeLists.txt")
+    present = {path.parent.relative_to(root / SOURCES).as_posix() for path in lists} - {"."}
     for name in sorted(present - levels.keys()):
         yield Finding(SOURCES / name, 1, f"folder {name} is not listed in layers.toml: give it a level")
+    last_parts = [name.split("/")[-1] for name in levels]
+    for name in levels:
+        if last_parts.count(name.split("/")[-1]) > 1:
+            yield Finding(Path("layers.toml"), 1, f"lists {name}, whose last part names another folder, too: rename one")
     for name in sorted(levels.keys() - present):
         yield Finding(Path("layers.toml"), 1, f"lists {name}, which is no folder of {SOURCES}: take it out")
 
@@ -109,13 +114,11 @@ def check_level(path: Path, include: Include, levels: dict[str, int]) -> Iterato
 
     A test may also include folders of its own level: it feeds one stage with the output of another.
     """
-    folder = path.relative_to(SOURCES).parts[0]
-    target = include.path.removeprefix("victorious/").split("/")[0]
-    if target == folder:
-        return
-    if target not in levels:
-        yield Finding(path, include.line, f"includes {include.path}: layers.toml lists no folder {target}")
-    elif folder in levels and levels[target] >= levels[folder] + path.name.endswith("_test.cc"):
+    folder = findings.library_of(path.relative_to(SOURCES).as_posix(), levels)
+    target = findings.library_of(include.path.removeprefix("victorious/"), levels)
+    if target is None:
+        yield Finding(path, include.line, f"includes {include.path}: layers.toml lists no folder of it")
+    elif folder and target != folder and levels[target] >= levels[folder] + path.name.endswith("_test.cc"):
         yield Finding(
             path,
             include.line,

@@ -22,7 +22,7 @@ PAGE = """# Parameters
 | --- | --- | --- | --- | --- |
 | `box.lost_confidence` | 0.35 | 0 to 1 |  | lost below it |
 """
-RADIUS = "docs/parameters.md:7: cascade.radius_px: no test of grammar/ or tests/e2e sets it: add one that shows what it changes"
+RADIUS = "docs/parameters.md:7: cascade.radius_px: no test of search/grammar/ or tests/e2e sets it: add one that shows what it changes"
 MISSED = (
     "docs/parameters.md:8: follow.track.missed_frames: no test of track/ or tests/e2e sets it: "
     "add one that shows what it changes"
@@ -83,15 +83,15 @@ class CheckParametersTest(unittest.TestCase):
 
     def test_a_unit_test_of_the_owner_sets_it(self):
         for text in ("options.radius_px = 3;", "Filter({.radius_px = 3})", "&CascadeOptions::radius_px"):
-            self.put("src/victorious/grammar/cascade_test.cc", text)
+            self.put("src/victorious/search/grammar/cascade_test.cc", text)
             self.assertEqual(self.findings(), [MISSED], text)
         for text in ("EXPECT_EQ(options.radius_px == 3);", "other_radius_px = 3;", ".radius_px_squared = 9"):
-            self.put("src/victorious/grammar/cascade_test.cc", text)
+            self.put("src/victorious/search/grammar/cascade_test.cc", text)
             self.assertEqual(self.findings(), [RADIUS, MISSED], text)
 
     def test_the_test_of_another_folder_does_not_count(self):
-        self.put("src/victorious/pose/rank_nfa_test.cc", ".radius_px = 6")
-        self.put("src/victorious/pipeline/follower_test.cc", "track.missed_frames = 6")
+        self.put("src/victorious/search/pose/rank_nfa_test.cc", ".radius_px = 6")
+        self.put("src/victorious/search/follow/follower_test.cc", "track.missed_frames = 6")
         self.assertEqual(self.findings(), [RADIUS, MISSED])
 
     def test_an_end_to_end_test_sets_it_by_its_key(self):
@@ -106,26 +106,26 @@ class CheckParametersTest(unittest.TestCase):
 
     def test_the_longest_group_decides(self):
         self.assertEqual(check_parameters.owner_of("follow.track.missed_frames"), "track")
-        self.assertEqual(check_parameters.owner_of("follow.enabled"), "pipeline")
-        self.assertEqual(check_parameters.owner_of("every"), "pipeline")
+        self.assertEqual(check_parameters.owner_of("follow.enabled"), "jobs")
+        self.assertEqual(check_parameters.owner_of("every"), "jobs")
 
     def test_a_page_without_the_section_is_reported(self):
         self.put("docs/parameters.md", "# Parameters\n")
         self.assertEqual(len(self.findings()), 1)
 
     def test_a_field_is_listed_or_said_to_be_no_user_parameter(self):
-        self.put("src/victorious/grammar/cascade_test.cc", ".radius_px = 6")
+        self.put("src/victorious/search/grammar/cascade_test.cc", ".radius_px = 6")
         self.put("src/victorious/track/track_test.cc", ".missed_frames = 6")
-        self.put("src/victorious/grammar/cascade.h", OPTIONS)
-        self.put("src/victorious/grammar/cascade.cc", LISTS)
+        self.put("src/victorious/search/grammar/cascade.h", OPTIONS)
+        self.put("src/victorious/search/grammar/cascade.cc", LISTS)
         unlisted = "not in ListFields: list it, or end its comment with \"Not a user parameter\""
         self.assertEqual(
             self.findings(),
-            [f"src/victorious/grammar/cascade.h:{line}: CascadeOptions::{name}: {unlisted}" for line, name in ((6, "seed"), (20, "last"))],
+            [f"src/victorious/search/grammar/cascade.h:{line}: CascadeOptions::{name}: {unlisted}" for line, name in ((6, "seed"), (20, "last"))],
         )
 
     def test_the_comment_of_a_struct_covers_its_fields(self):
-        self.put("src/victorious/grammar/cascade.h", OPTIONS.replace("/// Of the cascade.", "/// Not user parameters."))
+        self.put("src/victorious/search/grammar/cascade.h", OPTIONS.replace("/// Of the cascade.", "/// Not user parameters."))
         self.assertEqual(self.findings(), [RADIUS, MISSED])
 
 

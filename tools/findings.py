@@ -13,6 +13,11 @@ class Finding(NamedTuple):
         return f"{self.path.as_posix()}:{self.line}: {self.message}"
 
 
+def library_of(path: str, folders: Iterable[str]) -> str | None:
+    """The folder of layers.toml that a path belongs to, both relative to src/victorious: the longest that holds it."""
+    return max((folder for folder in folders if path.startswith(f"{folder}/")), key=len, default=None)
+
+
 def run(check: Callable[[Path], Iterable[Finding]], arguments: list[str]) -> int:
     """Prints the findings in the tree at arguments[0], by default this repository; the exit status is 1 if there is any."""
     findings = list(check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent))

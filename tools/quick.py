@@ -7,7 +7,10 @@ Exits with the status of what failed first. `make test` is the whole.
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+
+import findings
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = "src/victorious/"
@@ -16,9 +19,14 @@ TARGETS = {"experiments/": "victorious-experiment", "bench/": "victorious-bench"
 
 
 def test_folders(paths: list[str]) -> list[str]:
-    """The folders of src/victorious with a changed file, sorted; each has one test program."""
+    """The folders of layers.toml with a changed file, sorted; each has one test program."""
+    levels = tomllib.loads((ROOT / "layers.toml").read_text(encoding="utf-8"))["levels"]
     inside = [path.removeprefix(SOURCES) for path in paths if path.startswith(SOURCES)]
-    return sorted({path.split("/")[0] for path in inside if "/" in path})
+    return sorted({findings.library_of(path, levels) for path in inside} - {None})
+
+
+def name_of(folder: str) -> str:
+    return folder.rpartition("/")[2]
 
 
 def targets(paths: list[str], has_tests) -> list[str]:
@@ -26,7 +34,7 @@ def targets(paths: list[str], has_tests) -> list[str]:
 
     has_tests: whether a folder has a test program.
     """
-    of_tests = [f"{folder}_tests" for folder in test_folders(paths) if has_tests(folder)]
+    of_tests = [f"{name_of(folder)}_tests" for folder in test_folders(paths) if has_tests(folder)]
     of_programs = [target for start, target in TARGETS.items() if any(path.startswith(start) for path in paths)]
     return of_tests + of_programs
 
@@ -68,7 +76,7 @@ def main(arguments: list[str]) -> None:
     run("cmake", "--build", "build", "--target", *wanted)
     folders = [folder for folder in test_folders(paths) if has_tests(folder)]
     if folders:
-        run("ctest", "--preset", "release", "-R", f"^({'|'.join(folders)})/")
+        run("ctest", "--preset", "release", "-R", f"^({'|'.join(map(name_of, folders))})/")
 
 
 if __name__ == "__main__":

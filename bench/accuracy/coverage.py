@@ -11,7 +11,7 @@ exported. An object counts as found if the index lists one of its model whose si
 
 Prints a table: for each tenth of predicted probability the objects at places with it, and the fraction of them that was
 found, with its 95 % interval (Wilson). Flights and indexes that exist in WORK are reused: delete them after a change.
---fit then prints the constants of the model of detection (geolocate/view_detection.h) under which these finds are most
+--fit then prints the constants of the model of detection (place/geolocate/view_detection.h) under which these finds are most
 likely, of a grid of them, with the logarithm of the likelihood.
 """
 
@@ -181,7 +181,7 @@ def wilson(count: int, of: int) -> tuple[float, float]:
 
 
 def independent(views: list[list[float]], angle_deg: float = 15, ratio: float = 1.5) -> list[tuple[float, float]]:
-    """Size and border of each independent view, px, as PlaceViews::Add of geolocate/view_detection.cc has them."""
+    """Size and border of each independent view, px, as PlaceViews::Add of place/geolocate/view_detection.cc has them."""
     kept = []
     for x, y, z, size, border in views:
         for one in kept:

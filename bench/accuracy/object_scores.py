@@ -9,7 +9,7 @@ object is wrong. --rejected counts rejected objects, too: without them wrong obj
 Prints one row per index (right and wrong objects, mean score of each), then over all: the reliability by score, the
 calibration error (ten bins of equal width), the Brier score, and the separation (area under the ROC), as
 `victorious evaluate --scores` defines them; the wrong objects with the highest scores and the right ones with the lowest,
-with what speaks against each. --fit prints the weights of associate/object_score.cc that logistic regression gives for
+with what speaks against each. --fit prints the weights of place/associate/object_score.cc that logistic regression gives for
 these objects, and their calibration error when each index is left out in turn. Wrong objects are few, and right and
 wrong ones nearly separable, so each weight has a normal prior (PRIOR): the a contrario test alone would give the
 strength a weight of 1, and patterns that look like the model in every frame make it less; a size 10 % off, or a third
@@ -24,7 +24,7 @@ from pathlib import Path
 
 from movies import Program
 
-MAX_STRENGTH, USUAL_SIZE, MAX_SIZE, MIN_COUNTED = 20, 0.05, 0.5, 3  # as in associate/object_score.cc
+MAX_STRENGTH, USUAL_SIZE, MAX_SIZE, MIN_COUNTED = 20, 0.05, 0.5, 3  # as in place/associate/object_score.cc
 
 
 def fraction(part: int, whole: int) -> float:
@@ -32,7 +32,7 @@ def fraction(part: int, whole: int) -> float:
 
 
 def inputs(evidence: dict) -> list[float]:
-    """1 and the x_k of associate/object_score.cc."""
+    """1 and the x_k of place/associate/object_score.cc."""
     size = min(abs(math.log(evidence["size_ratio"] or 1)), MAX_SIZE)
     return [
         1,

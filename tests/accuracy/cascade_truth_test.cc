@@ -11,8 +11,8 @@
 #include "testing/data.h"
 #include "tests/accuracy/real_images.h"
 #include "victorious/geometry/homography.h"
-#include "victorious/image/image_file.h"
-#include "victorious/pipeline/preset.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/jobs/preset.h"
 
 namespace victorious::testing {
 namespace {

@@ -1,4 +1,4 @@
-// The impulse noise filter (image/impulse_noise.h) does not change photos without noise, even with foliage and
+// The impulse noise filter (input/image/impulse_noise.h) does not change photos without noise, even with foliage and
 // print.
 #include <algorithm>
 #include <filesystem>
@@ -9,9 +9,9 @@
 #include <opencv2/core.hpp>
 
 #include "testing/data.h"
-#include "victorious/features/feature_extractor.h"
-#include "victorious/image/image_file.h"
-#include "victorious/image/impulse_noise.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/image/impulse_noise.h"
+#include "victorious/object/features/feature_extractor.h"
 
 namespace victorious::testing {
 namespace {

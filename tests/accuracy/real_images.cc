@@ -10,10 +10,10 @@
 
 #include "testing/data.h"
 #include "victorious/base/check.h"
-#include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/homography.h"
-#include "victorious/image/image_file.h"
-#include "victorious/model/photo_model.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/object/features/feature_extractor.h"
+#include "victorious/object/model/photo_model.h"
 
 namespace victorious::testing {
 

@@ -12,7 +12,7 @@
 
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/polygon.h"
-#include "victorious/recognize/recognizer.h"
+#include "victorious/search/recognize/recognizer.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/object_model.h"
 

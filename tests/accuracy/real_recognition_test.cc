@@ -12,8 +12,8 @@
 
 #include "testing/data.h"
 #include "tests/accuracy/real_images.h"
-#include "victorious/image/image_file.h"
-#include "victorious/video/video_reader.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/input/video/video_reader.h"
 
 namespace victorious::testing {
 namespace {

@@ -17,7 +17,7 @@
 #include "testing/video_tools.h"
 #include "victorious/base/error.h"
 #include "victorious/base/file.h"
-#include "victorious/video/video_writer.h"
+#include "victorious/input/video/video_writer.h"
 
 namespace {
 

@@ -17,7 +17,7 @@ import program
 import test_serve
 
 FRAMES = 1500  # of the video with one key frame (draw_numbers.cc)
-A_CLIENT = 24  # requests for frames that a client may have at once (serve/work_queue.h)
+A_CLIENT = 24  # requests for frames that a client may have at once (apps/serve/work_queue.h)
 
 
 def large_png(path: Path, side: int) -> Path:

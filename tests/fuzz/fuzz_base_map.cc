@@ -7,9 +7,9 @@
 
 #include "testing/data.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "victorious/apps/serve/base_map.h"
 #include "victorious/base/check.h"
 #include "victorious/base/file.h"
-#include "victorious/serve/base_map.h"
 
 namespace {
 

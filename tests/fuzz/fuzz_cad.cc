@@ -9,7 +9,7 @@
 #include "testing/cad_tools.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/mesh/load_mesh.h"
+#include "victorious/object/mesh/load_mesh.h"
 
 namespace {
 

@@ -3,10 +3,10 @@
 #include <string_view>
 
 #include "tests/fuzz/fuzz_target.h"
+#include "victorious/apps/decoder/frame_request.h"
 #include "victorious/base/check.h"
 #include "victorious/base/packed_bytes.h"
-#include "victorious/decoder/frame_request.h"
-#include "victorious/pipeline/camera_request.h"
+#include "victorious/place/cameras/camera_request.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;

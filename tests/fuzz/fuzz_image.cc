@@ -8,7 +8,7 @@
 #include "testing/video_tools.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/image/image_file.h"
+#include "victorious/input/image/image_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto image = victorious::DecodeImage(std::as_bytes(std::span(data, size)), "input");

@@ -10,8 +10,8 @@
 #include "testing/klv_tools.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/telemetry/telemetry.h"
-#include "victorious/telemetry/telemetry_report.h"
+#include "victorious/input/telemetry/telemetry.h"
+#include "victorious/input/telemetry/telemetry_report.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

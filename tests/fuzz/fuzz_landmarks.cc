@@ -7,7 +7,7 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/pipeline/landmark_list.h"
+#include "victorious/jobs/navigate/landmark_list.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto list = victorious::ParseLandmarks({reinterpret_cast<const char*>(data), size}, {});

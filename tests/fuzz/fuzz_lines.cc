@@ -8,8 +8,8 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/geolocate/lines_csv.h"
-#include "victorious/geolocate/locate.h"
+#include "victorious/place/geolocate/lines_csv.h"
+#include "victorious/place/geolocate/locate.h"
 
 namespace {
 

@@ -11,11 +11,11 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/base/check.h"
-#include "victorious/image/image_file.h"
-#include "victorious/model/view_sheet.h"
-#include "victorious/model/view_surface.h"
-#include "victorious/store/model_file.h"
-#include "victorious/store/section_file.h"
+#include "victorious/input/image/image_file.h"
+#include "victorious/object/model/model_file.h"
+#include "victorious/object/model/section_file.h"
+#include "victorious/object/model/view_sheet.h"
+#include "victorious/object/model/view_surface.h"
 
 namespace {
 

@@ -11,10 +11,10 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
 #include "victorious/base/file.h"
-#include "victorious/network/decode_outputs.h"
-#include "victorious/network/detector_file.h"
-#include "victorious/network/input_size.h"
-#include "victorious/network/output_layout.h"
+#include "victorious/category/network/decode_outputs.h"
+#include "victorious/category/network/detector_file.h"
+#include "victorious/category/network/input_size.h"
+#include "victorious/category/network/output_layout.h"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tests/fuzz/fuzz_target.h"
-#include "victorious/associate/packed_fit.h"
 #include "victorious/base/check.h"
+#include "victorious/place/associate/packed_fit.h"
 
 namespace {
 

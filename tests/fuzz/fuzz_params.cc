@@ -8,7 +8,7 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/pipeline/index_options.h"
+#include "victorious/jobs/index/index_options.h"
 
 using victorious::CollectFields;
 using victorious::IndexOptions;

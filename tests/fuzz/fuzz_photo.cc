@@ -8,7 +8,7 @@
 #include "testing/photo_file.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/telemetry/photo.h"
+#include "victorious/input/telemetry/photo.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto photo = victorious::ReadPhotoMetadata(std::as_bytes(std::span(data, size)));

@@ -9,7 +9,7 @@
 #include "victorious/base/check.h"
 #include "victorious/base/file.h"
 #include "victorious/base/packed_bytes.h"
-#include "victorious/model/relit_template_folder.h"
+#include "victorious/object/model/relit_template_folder.h"
 
 using victorious::PackRelitTemplate;
 using victorious::RelitTemplate;

@@ -12,10 +12,10 @@
 
 #include "testing/data.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "victorious/apps/serve/api.h"
+#include "victorious/apps/serve/byte_range.h"
+#include "victorious/apps/serve/secret.h"
 #include "victorious/base/check.h"
-#include "victorious/serve/api.h"
-#include "victorious/serve/byte_range.h"
-#include "victorious/serve/secret.h"
 
 namespace {
 

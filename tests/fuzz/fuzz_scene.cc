@@ -8,9 +8,9 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/simulate/flight_path.h"
-#include "victorious/simulate/scene.h"
-#include "victorious/simulate/town.h"
+#include "victorious/lab/simulate/flight_path.h"
+#include "victorious/lab/simulate/scene.h"
+#include "victorious/lab/simulate/town.h"
 
 using victorious::Scene;
 

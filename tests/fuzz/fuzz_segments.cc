@@ -8,8 +8,8 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/pipeline/frame_results.h"
-#include "victorious/pipeline/video_cut.h"
+#include "victorious/jobs/index/frame_results.h"
+#include "victorious/jobs/index/video_cut.h"
 
 namespace {
 

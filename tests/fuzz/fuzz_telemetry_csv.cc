@@ -7,8 +7,8 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/telemetry/camera_csv.h"
-#include "victorious/telemetry/camera_track.h"
+#include "victorious/input/telemetry/camera_csv.h"
+#include "victorious/input/telemetry/camera_track.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto rows = victorious::ParseCameraCsv({reinterpret_cast<const char*>(data), size});

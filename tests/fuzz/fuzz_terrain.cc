@@ -14,7 +14,7 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
 #include "victorious/geometry/ground.h"
-#include "victorious/terrain/terrain.h"
+#include "victorious/input/terrain/terrain.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/evaluate/score.h"
-#include "victorious/evaluate/truth.h"
+#include "victorious/lab/evaluate/score.h"
+#include "victorious/lab/evaluate/truth.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto rows = victorious::ParseTruth({reinterpret_cast<const char*>(data), size}, "truth.jsonl");

@@ -8,7 +8,7 @@
 #include "testing/video_tools.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/video/video_reader.h"
+#include "victorious/input/video/video_reader.h"
 
 namespace {
 

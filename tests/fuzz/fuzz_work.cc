@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "tests/fuzz/fuzz_target.h"
+#include "victorious/apps/cluster/index_task.h"
+#include "victorious/apps/serve/job_runner.h"
 #include "victorious/base/check.h"
-#include "victorious/cluster/index_task.h"
-#include "victorious/serve/job_runner.h"
 
 namespace {
 

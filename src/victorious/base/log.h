@@ -1,5 +1,5 @@
 // The program's log: what a person should know beside the result. Lines go to standard error, or to the parent process
-// as events; cli/run_program.h decides.
+// as events; apps/cli/run_program.h decides.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // The direction of the vertical along each line of sight of a frame, from the camera's attitude. Used to restrict the
-// views and in-plane rotations of upright objects (recognize/, pose/upright_prior.h).
+// views and in-plane rotations of upright objects (recognize/, search/pose/upright_prior.h).
 //
 // A distant object looks like its view, rendered by a virtual camera that looks straight at it. If the camera is
 // rotated onto the line of sight by the smallest rotation (no roll), the vertical is

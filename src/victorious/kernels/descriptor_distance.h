@@ -1,5 +1,5 @@
 // kernels/, squared distances between one descriptor and some others, each at a place of its own: the second pass of a
-// proposal search (match/upright_matcher.h), behind short_nearest.h. For all pairs of two sets see nearest.h.
+// proposal search (search/match/upright_matcher.h), behind short_nearest.h. For all pairs of two sets see nearest.h.
 //
 // descriptor_distance_ref.cc is the reference; descriptor_distance_simd.cc (Highway, every instruction set) returns
 // identical bits. C++20.

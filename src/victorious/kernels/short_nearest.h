@@ -1,4 +1,4 @@
-// kernels/, the first pass of a proposal search (match/upright_matcher.h): about the k nearest of shortened descriptors
+// kernels/, the first pass of a proposal search (search/match/upright_matcher.h): about the k nearest of shortened descriptors
 // (shorten.h), each query in one or two ranges of a set.
 //
 // The set is packed into blocks (blocks.h). Values have 7 bits and queries are centred, so that four products fit in 16

@@ -1,5 +1,5 @@
 // pose/, the loops over votes: which votes agree with each other, and which pairs of keypoints agree with a map.
-// Source: the windows of pose/vote_poses.h.
+// Source: the windows of search/pose/vote_poses.h.
 #pragma once
 
 #include <cstddef>

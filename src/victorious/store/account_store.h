@@ -1,6 +1,6 @@
 // Who may use the server of an index, and who did what there. Input: accounts with hashed passwords, digests of
 // sessions and tokens, entries of the log (from serve/). Output: the same. No secret is stored in clear, and none is
-// computed here: serve/secret.h does that.
+// computed here: apps/serve/secret.h does that.
 //
 // Accounts belong to the index that `victorious serve` shows. They are not the roles of a PostgreSQL server, which say
 // what programs may do to the database.

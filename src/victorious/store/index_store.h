@@ -1,5 +1,5 @@
 // The store interface of an index. Input: the detections, tracklets and kept features of the search of videos (from
-// pipeline/). Output: the same records, to be listed, exported and searched again. sqlite/ implements the interface in
+// jobs/). Output: the same records, to be listed, exported and searched again. sqlite/ implements the interface in
 // one file, postgres/ in a database on a server.
 #pragma once
 
@@ -89,12 +89,13 @@ struct ObjectRecord {
   std::vector<std::int64_t> videos;     ///< ids of the videos that show it, in the order they were added
   std::vector<std::int64_t> tracklets;  ///< ids of its tracklets, ascending
   std::optional<Geolocation> place;
-  std::optional<double> heading_rad;   ///< direction of its front, clockwise from north
-  std::string rejected;                ///< the reason for its rejection; empty: not rejected
-  std::string place_rejected;          ///< the reason why an estimated place was rejected, if that is why it has none
-  std::optional<double> object_score;  ///< by all sightings (associate/object_score.h); std::nullopt for a category
-  std::vector<std::string> against;    ///< what speaks against it, one reason each
-  std::string evidence_json;           ///< the numbers behind `object_score`, a JSON object; empty: none are known
+  std::optional<double> heading_rad;  ///< direction of its front, clockwise from north
+  std::string rejected;               ///< the reason for its rejection; empty: not rejected
+  std::string place_rejected;         ///< the reason why an estimated place was rejected, if that is why it has none
+  std::optional<double>
+      object_score;                  ///< by all sightings (place/associate/object_score.h); std::nullopt for a category
+  std::vector<std::string> against;  ///< what speaks against it, one reason each
+  std::string evidence_json;         ///< the numbers behind `object_score`, a JSON object; empty: none are known
 };
 
 /// Identifies a kept fit: the first of its tracklets, and a number that its maker computes of all else that it depends

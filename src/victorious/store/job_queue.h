@@ -21,7 +21,7 @@
 
 namespace victorious {
 
-/// What a job does. Each kind has its own input (serve/job_runner.h).
+/// What a job does. Each kind has its own input (apps/serve/job_runner.h).
 enum class JobKind {
   kIndex,   ///< searches a video
   kModel,   ///< makes a model

@@ -12,7 +12,7 @@ namespace victorious {
 /// What a detection rests on.
 enum class DetectionCue {
   kKeypoints,  ///< matches of keypoints
-  kShape,      ///< edges (recognize/shape_search.h); the inliers of its fit are points to track, not matches
+  kShape,      ///< edges (search/recognize/shape_search.h); the inliers of its fit are points to track, not matches
 };
 
 struct Detection {
@@ -21,7 +21,7 @@ struct Detection {
   PlanarFit fit;
   Polygon outline;           ///< the object's outline in the scene, px; may leave the frame
   Box box;                   ///< bounding box of the outline clipped to the frame, px
-  double neg_log10_nfa = 0;  ///< -log10 NFA, decades (detect/detect.h)
+  double neg_log10_nfa = 0;  ///< -log10 NFA, decades (search/detect/detect.h)
   DetectionCue cue = DetectionCue::kKeypoints;
   double score = 0;  ///< 0 to 1, higher is likelier
 };

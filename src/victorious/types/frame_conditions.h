@@ -14,7 +14,7 @@ struct FrameConditions {
   /// only together with `vertical`.
   std::optional<Sun> relative_sun;
   /// Height of the camera above the ground in the middle of the image, m: of the ground given, or of the estimate
-  /// (calibrate/ground_height.h); nullopt: unknown.
+  /// (place/calibrate/ground_height.h); nullopt: unknown.
   std::optional<double> height_above_ground_m = {};
 };
 

@@ -1,5 +1,5 @@
 // How well the ground of a flight was searched: a grid of cells between parallels and meridians, in rows from north to
-// south. Made by pipeline/coverage_job.h, written by store/export_coverage.h.
+// south. Made by show/coverage_job.h, written by show/export/export_coverage.h.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ struct GroundCoverage {
   int rows = 0;
   std::vector<std::uint8_t> in_area;  ///< 1: the cell belongs to the area that was to be searched
   std::vector<std::uint16_t> looks;   ///< frames, one each look interval, that show the middle of the cell
-  std::vector<std::uint16_t> views;   ///< independent ones of them (geolocate/view_detection.h)
+  std::vector<std::uint16_t> views;   ///< independent ones of them (place/geolocate/view_detection.h)
   std::vector<float> off_nadir_rad;   ///< of the nearest view; 0 without one
   std::vector<ModelCoverage> models = {};
 

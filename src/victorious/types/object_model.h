@@ -41,7 +41,8 @@ struct ModelView {
   std::optional<ViewDirection> angles;    ///< from the model to the camera; nullopt for photos
   std::vector<std::uint32_t> neighbours;  ///< indices of the views from nearby directions; empty for photos
   std::span<const std::byte> thumbnail;   ///< small JPEG for display; empty if there is none
-  std::span<const std::byte> surface;     ///< rendering for relighting (model/view_surface.h); empty if there is none
+  std::span<const std::byte>
+      surface;  ///< rendering for relighting (object/model/view_surface.h); empty if there is none
 };
 
 /// Immutable; copies share the feature storage.

@@ -33,7 +33,7 @@ struct PlanarFit {
   /// (geometry/robust/similarity_estimator.h); px, ascending. Filled if the -log10 NFA below is not set.
   std::vector<double> agreeing_residuals_px;
   double extent = 0;  ///< area of the inliers' convex hull over the outline's area, in the template
-  /// -log10 NFA for one searched view, decades; set if the estimator computes it itself (pose/vote_poses.h).
+  /// -log10 NFA for one searched view, decades; set if the estimator computes it itself (search/pose/vote_poses.h).
   std::optional<double> neg_log10_nfa;
   double sigma_px = 0;  ///< assumed standard deviation of an inlier's residual under the similarity
 };

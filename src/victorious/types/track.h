@@ -1,4 +1,4 @@
-// The output of a tracker: the state of each tracked object in each frame. Made by track/, read by pipeline/.
+// The output of a tracker: the state of each tracked object in each frame. Made by track/, read by jobs/.
 #pragma once
 
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
-#include "victorious/store/export_json.h"
+#include "victorious/types/json_values.h"
 
 namespace victorious::sql {
 

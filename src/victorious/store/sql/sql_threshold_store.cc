@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
-#include "victorious/store/export_json.h"
 #include "victorious/store/sql/audit.h"
 #include "victorious/store/sql/database.h"
+#include "victorious/types/json_values.h"
 
 namespace victorious::sql {
 namespace {

@@ -1,0 +1,29 @@
+// The routes of objects: the list and its counts, tiles of the map, one object with its sightings and review.
+// Thread-safe.
+#pragma once
+
+#include "victorious/apps/serve/index_view.h"
+#include "victorious/apps/serve/route_table.h"
+#include "victorious/apps/serve/video_files.h"
+
+namespace victorious {
+
+class ObjectRoutes {
+ public:
+  ObjectRoutes(IndexView& index, VideoFiles& videos) : index_(index), videos_(videos) {}
+
+  ApiExpected<HttpResponse> List(const ApiCall& call);
+  ApiExpected<HttpResponse> Counts(const ApiCall& call);
+  ApiExpected<HttpResponse> Tile(const ApiCall& call);
+  ApiExpected<HttpResponse> Get(const ApiCall& call);
+  ApiExpected<HttpResponse> Sightings(const ApiCall& call);
+  ApiExpected<HttpResponse> Thumbnail(const ApiCall& call);
+  ApiExpected<HttpResponse> Decisions(const ApiCall& call);
+  ApiExpected<HttpResponse> PutReview(const ApiCall& call);
+
+ private:
+  IndexView& index_;
+  VideoFiles& videos_;
+};
+
+}  // namespace victorious

@@ -1,0 +1,41 @@
+// jobs/, what is found by shape (search/recognize/shape_search.h) on its way into an index: when frames are searched so,
+// detections beside those by keypoints, and the errors of their poses.
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "victorious/base/error.h"
+#include "victorious/jobs/index/index_options.h"
+#include "victorious/place/observe/object_pose.h"
+#include "victorious/search/detect/detect.h"
+#include "victorious/search/follow/follower.h"
+#include "victorious/search/recognize/shape_search.h"
+#include "victorious/types/detection.h"
+#include "victorious/types/feature_set.h"
+#include "victorious/types/frame_conditions.h"
+
+namespace victorious {
+
+/// Seconds between two searches by shape: those of the options, or less where a track would end before, which goes on
+/// for some frames after it was recognised last.
+/// @param tracked_rate  tracked frames a second; 0: unknown
+/// @param spacing       at least 1: the interval of the options is longer by this factor
+[[nodiscard]] double ShapeSearchInterval(const ShapeSearchOptions& options, const FollowOptions& follow,
+                                         double tracked_rate, double spacing);
+
+/// Adds what is found by shape to the detections, by falling score: unless a detection by keypoints lies there, of the
+/// same model or with more evidence. Their minimum score is options.min_score, too.
+/// @param image     the frame, CV_8UC1, without impulse noise
+/// @param features  of the frame; gets the points of the added detections (ShapeSearch::MakeDetection)
+/// Errors: those of ShapeSearch::Find.
+[[nodiscard]] Status AddShapeDetections(const ShapeSearch& shapes, const cv::Mat& image,
+                                        const FrameConditions& conditions, const DetectOptions& options,
+                                        FeatureSet& features, std::vector<Detection>& detections);
+
+/// Raises the standard deviations of an object pose to those of a match by shape: its points are where the match puts
+/// them, so that their errors are common.
+void SetShapeErrors(ObjectPose& object_pose, const ShapeSearchOptions& options);
+
+}  // namespace victorious

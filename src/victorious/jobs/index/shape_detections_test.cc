@@ -1,0 +1,53 @@
+#include "victorious/jobs/index/shape_detections.h"
+
+#include <gtest/gtest.h>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+TEST(ShapeSearchInterval, IsThatOfTheOptionsWhereTracksLast) {
+  ShapeSearchOptions options;
+  options.interval_s = 0.5;
+  FollowOptions follow;
+  EXPECT_EQ(ShapeSearchInterval(options, follow, 10, 1), 0.5);
+  EXPECT_EQ(ShapeSearchInterval(options, follow, 10, 2.5), 1.25) << "large frames";
+  EXPECT_EQ(ShapeSearchInterval(options, follow, 0, 1), 0.5);
+}
+
+TEST(ShapeSearchInterval, EndsBeforeATrackDoes) {
+  FollowOptions follow;
+  follow.track.unconfirmed_frames = 30;
+  ShapeSearchOptions options;
+  options.interval_s = 2;
+  EXPECT_NEAR(ShapeSearchInterval(options, follow, 60, 1), 0.4, 1e-9);
+  follow.enabled = false;
+  EXPECT_EQ(ShapeSearchInterval(options, follow, 60, 1), 2);
+}
+
+TEST(SetShapeErrors, RaisesWhatIsTooSmall) {
+  ShapeSearchOptions options;
+  ObjectPose exact{.sigma_rad = 1e-6, .range_m = 100, .sigma_range_m = 0.1};
+  exact.focal_px = 1000;
+  exact.view.emplace();
+  SetShapeErrors(exact, options);
+  EXPECT_NEAR(exact.sigma_rad, options.centre_sigma_px / 1000, 1e-12);
+  EXPECT_NEAR(exact.sigma_range_m, 100 * options.range_sigma_fraction, 1e-9);
+  EXPECT_NEAR(exact.view->sigma_rad, RadiansFromDegrees(options.view_sigma_deg), 1e-12);
+  ObjectPose rough{.sigma_rad = 0.1, .range_m = 100, .sigma_range_m = 50};
+  rough.focal_px = 1000;
+  SetShapeErrors(rough, options);
+  EXPECT_EQ(rough.sigma_rad, 0.1);
+  EXPECT_EQ(rough.sigma_range_m, 50);
+}
+
+TEST(ShapeSearchOptions, AreReadFromParameters) {
+  IndexOptions options;
+  ASSERT_TRUE(SetFromJsonText(R"({"shape.enabled": false, "shape.interval_s": 3})", CollectFields(options)));
+  EXPECT_FALSE(options.shape.enabled);
+  EXPECT_EQ(options.shape.interval_s, 3);
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,35 @@
+#include "victorious/place/associate/observed_tracklet.h"
+
+#include <cmath>
+
+#include "victorious/place/associate/object_rejection.h"
+
+namespace victorious {
+
+void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet) {
+  tracklet.scores.push_back(sighting.score);
+  if (!sighting.view) return;
+  const double level = std::sin(sighting.view->off_nadir_rad);
+  tracklet.views.push_back(
+      {.time_s = sighting.time_s,
+       .direction = {level * std::cos(sighting.view->azimuth_rad), level * std::sin(sighting.view->azimuth_rad),
+                     std::cos(sighting.view->off_nadir_rad)},
+       .sigma_rad = sighting.sigma_view_rad});
+}
+
+TrackletSummary Summarise(const ObservedTracklet& tracklet) {
+  TrackletSummary summary{.log_odds = SumLogOdds(tracklet.scores),
+                          .recognitions = static_cast<std::int64_t>(tracklet.scores.size()),
+                          .observations = static_cast<std::int64_t>(tracklet.observations.size()),
+                          .views = static_cast<std::int64_t>(tracklet.views.size())};
+  for (std::size_t i = 0; i < tracklet.views.size(); ++i) {
+    const SightingView& view = tracklet.views[i];
+    summary.view_sum += view.direction;
+    if (i == 0 || tracklet.is_of_photos || view.time_s - tracklet.views[i - 1].time_s > kMaxViewStep_s) continue;
+    ++summary.view_steps;
+    if (view.direction.dot(tracklet.views[i - 1].direction) < std::cos(kViewJump_rad)) ++summary.view_jumps;
+  }
+  return summary;
+}
+
+}  // namespace victorious

@@ -1,0 +1,265 @@
+// The search by shape (search/recognize/shape_search.h) on scenes with a rendered object of one grey: recognize/ does not
+// render.
+#include "victorious/search/recognize/shape_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/task_arena.h>
+#include <opencv2/imgproc.hpp>
+
+#include "testing/data.h"
+#include "testing/small_cad_model.h"
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/box.h"
+#include "victorious/object/model/cad_model.h"
+#include "victorious/object/model/relit_template_folder.h"
+#include "victorious/object/model/relit_views.h"
+#include "victorious/object/model/view_surface.h"
+#include "victorious/object/render/relight.h"
+
+namespace victorious {
+namespace {
+
+constexpr double kOffNadir_deg = 40;
+constexpr double kHfov_rad = 0.3;
+constexpr double kShown = 0.5;  // size of the object in the scene over that in the view
+
+const ObjectModel& Model() {
+  static const ObjectModel model = testing::MakeSmallCadModel({.step_deg = 10, .max_off_nadir_deg = 50});
+  return model;
+}
+
+// Directions between those of the model.
+const ObjectModel& Shown() {
+  static const ObjectModel model = testing::MakeSmallCadModel({.step_deg = 40, .max_off_nadir_deg = kOffNadir_deg});
+  return model;
+}
+
+// Fields: overlapping rectangles of different greys, turned, with noise.
+cv::Mat Fields(std::uint64_t seed) {
+  Random random(seed);
+  cv::Mat grey(480, 640, CV_8U, cv::Scalar(120));
+  for (int i = 0; i < 60; ++i) {
+    const cv::Point2f centre(static_cast<float>(random.Uniform(0, 640)), static_cast<float>(random.Uniform(0, 480)));
+    const cv::Size2f size(static_cast<float>(random.Uniform(40, 200)), static_cast<float>(random.Uniform(40, 200)));
+    cv::Point2f corners[4];
+    cv::RotatedRect(centre, size, static_cast<float>(random.Uniform(0, 90))).points(corners);
+    std::vector<cv::Point> polygon;
+    for (const cv::Point2f& corner : corners) polygon.emplace_back(corner);
+    cv::fillConvexPoly(grey, polygon, cv::Scalar(random.Uniform(40, 220)));
+  }
+  for (int row = 0; row < grey.rows; ++row) {
+    for (int column = 0; column < grey.cols; ++column) {
+      std::uint8_t& pixel = grey.at<std::uint8_t>(row, column);
+      pixel = cv::saturate_cast<std::uint8_t>(pixel + random.Uniform(-8, 8));
+    }
+  }
+  cv::GaussianBlur(grey, grey, {}, 0.7);
+  return grey;
+}
+
+struct PlainScene {
+  cv::Mat grey;
+  Box box;                    // of the object
+  Eigen::Vector2d centre_px;  // of its bounding box
+  double azimuth_rad = 0;
+  FrameConditions conditions;
+};
+
+// The object as view `number` of Shown() has it, in one grey under light from above, before fields.
+PlainScene SceneWith(std::size_t number) {
+  const ModelView& view = Shown().views[number];
+  const ViewSurface surface = DecodeSurface(view.surface, "slab").value();
+  const cv::Mat mask = surface.depth_map.depth_m == surface.depth_map.depth_m;  // not NaN
+  cv::Mat plain = cv::Mat::zeros(surface.grey.size(), CV_8U);
+  const std::vector<SurfacePoint> points = ReadSurface(surface.grey, surface.depth_map, CadModelOptions().light);
+  auto point = points.begin();
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int column = 0; column < mask.cols; ++column) {
+      if (mask.at<std::uint8_t>(row, column) == 0) continue;
+      plain.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(110 + 90 * point++->normal.z());
+    }
+  }
+  PlainScene scene{.grey = Fields(number), .box = {}, .centre_px = {}, .conditions = {}};
+  const double left = 60.0 + 30 * static_cast<double>(number);
+  const cv::Matx23d map(kShown, 0, left, 0, kShown, 120);
+  cv::Mat object;
+  cv::Mat shown;
+  cv::warpAffine(plain, object, map, scene.grey.size(), cv::INTER_AREA);
+  cv::warpAffine(mask, shown, map, scene.grey.size(), cv::INTER_NEAREST);
+  object.copyTo(scene.grey, shown);
+  const cv::Rect around = cv::boundingRect(shown);
+  scene.box = {static_cast<double>(around.x), static_cast<double>(around.y), static_cast<double>(around.width),
+               static_cast<double>(around.height)};
+  const PosedCamera& camera = surface.depth_map.camera;
+  const Eigen::Vector3d centre = camera.camera_from_world.Apply(Model().box_m->center());
+  const Eigen::Vector2d in_view = camera.pinhole.Project(centre).value();
+  scene.centre_px = kShown * in_view + Eigen::Vector2d(left, 120);
+  scene.azimuth_rad = view.angles->azimuth_rad;
+  // The camera sees the place of the object at the off-nadir angle of the view, and from as far away.
+  const double focal_px = FocalLengthPx(kHfov_rad, scene.grey.cols);
+  const double below_rad = std::atan((scene.centre_px.y() - scene.grey.rows / 2.0) / focal_px);
+  const double pitch_rad = RadiansFromDegrees(kOffNadir_deg) - kPi / 2 + below_rad;
+  scene.conditions.vertical = MakeVertical({0, pitch_rad, 0}, kHfov_rad, scene.grey.cols, scene.grey.rows);
+  const Eigen::Vector3d ray = scene.conditions.vertical->pinhole.Unproject(scene.centre_px);
+  const double depth_m = focal_px / (kShown * camera.pinhole.fx / centre.z());
+  scene.conditions.height_above_ground_m =
+      Model().box_m->sizes().z() / 2 - depth_m * scene.conditions.vertical->up_in_camera.dot(ray);
+  return scene;
+}
+
+class ShapeSearchTest : public ::testing::Test {
+ protected:
+  ShapeSearchTest() : surfaces_{MakeRelitViews(Model()).value()}, search_({&Model(), 1}, surfaces_, Background()) {}
+
+  static std::vector<GradientCells> Background() {
+    std::vector<GradientCells> cells;
+    for (const std::uint64_t seed : {101, 102}) {
+      for (GradientCells& one : BackgroundCells(Fields(seed))) cells.push_back(std::move(one));
+    }
+    return cells;
+  }
+
+  std::vector<ShapeMatch> Find(const cv::Mat& grey, const FrameConditions& conditions, double decades = 4) {
+    return search_.Find(grey, conditions, decades).value();
+  }
+
+  std::vector<std::shared_ptr<const RelitTemplateSource>> surfaces_;
+  ShapeSearch search_;
+};
+
+TEST_F(ShapeSearchTest, FindsAnObjectOfOneGrey) {
+  for (const std::size_t number : {2, 5}) {
+    const PlainScene scene = SceneWith(number);
+    const std::vector<ShapeMatch> found = Find(scene.grey, scene.conditions);
+    ASSERT_EQ(found.size(), 1U) << number;
+    EXPECT_LT((found[0].centre_px - scene.centre_px).norm(), 5) << number;
+    EXPECT_LT(std::abs(WrapAngle(found[0].to_camera.azimuth_rad - scene.azimuth_rad)), RadiansFromDegrees(11))
+        << number;
+  }
+}
+
+TEST_F(ShapeSearchTest, FindsNothingWhereThereIsNone) {
+  const PlainScene scene = SceneWith(2);
+  for (const std::uint64_t seed : {11, 12, 13}) {
+    EXPECT_TRUE(Find(Fields(seed), scene.conditions).empty()) << seed;
+  }
+}
+
+TEST_F(ShapeSearchTest, NeedsTheHeightAndTheVertical) {
+  const PlainScene scene = SceneWith(2);
+  FrameConditions unknown = scene.conditions;
+  unknown.height_above_ground_m.reset();
+  EXPECT_TRUE(Find(scene.grey, unknown, -100).empty());
+  unknown = scene.conditions;
+  unknown.vertical.reset();
+  EXPECT_TRUE(Find(scene.grey, unknown, -100).empty());
+}
+
+TEST_F(ShapeSearchTest, FindsAnObjectOfAnySizeWithoutACamera) {
+  const PlainScene scene = SceneWith(5);
+  const std::vector<ShapeMatch> known = Find(scene.grey, scene.conditions);
+  const std::vector<ShapeMatch> found = search_.FindInAnyView(scene.grey, 0).value();
+  ASSERT_EQ(known.size(), 1U);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT((found[0].centre_px - scene.centre_px).norm(), 6);
+  EXPECT_NEAR(found[0].pixels_per_m / known[0].pixels_per_m, 1, 0.12);
+  EXPECT_NEAR(found[0].to_camera.off_nadir_rad, RadiansFromDegrees(kOffNadir_deg), RadiansFromDegrees(11));
+  EXPECT_LT(found[0].neg_log10_nfa, known[0].neg_log10_nfa);
+}
+
+TEST_F(ShapeSearchTest, AnAssumedCameraStandsInForAnUnknownOne) {
+  const PlainScene scene = SceneWith(5);
+  const std::vector<ShapeMatch> known = Find(scene.grey, scene.conditions);
+  search_.AssumeCamera(scene.conditions);
+  const std::vector<ShapeMatch> found = Find(scene.grey, {}, 2);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_DOUBLE_EQ(found[0].response, known[0].response);
+  EXPECT_DOUBLE_EQ(found[0].neg_log10_nfa, known[0].neg_log10_nfa - kDecadesOfAssumedCamera);
+}
+
+TEST_F(ShapeSearchTest, FindsNoObjectOfAnotherSize) {
+  PlainScene scene = SceneWith(5);
+  *scene.conditions.height_above_ground_m *= 1.6;
+  EXPECT_TRUE(Find(scene.grey, scene.conditions).empty());
+}
+
+TEST_F(ShapeSearchTest, ADetectionLiesWhereTheObjectIs) {
+  const PlainScene scene = SceneWith(5);
+  const std::vector<ShapeMatch> found = Find(scene.grey, scene.conditions);
+  ASSERT_EQ(found.size(), 1U);
+  FeatureSet features{.keypoints = {}, .descriptors = {}, .image_width = 640, .image_height = 480};
+  features.keypoints.resize(3);
+  features.descriptors.resize(3 * kDescriptorSize);
+  const Detection detection = search_.MakeDetection(found[0], features).value();
+  EXPECT_EQ(detection.cue, DetectionCue::kShape);
+  EXPECT_GT(IntersectionOverUnion(detection.box, scene.box), 0.7);
+  ASSERT_GT(detection.fit.inliers.size(), 10U);
+  EXPECT_EQ(features.size(), 3 + detection.fit.inliers.size());
+  EXPECT_EQ(features.descriptors.size(), kDescriptorSize * features.size());
+  for (const FitInlier& inlier : detection.fit.inliers) {
+    const Keypoint& at = features.keypoints[inlier.scene_keypoint];
+    EXPECT_GT(at.x, scene.box.x - 10);
+    EXPECT_LT(at.x, scene.box.x + scene.box.width + 10);
+    const Eigen::Vector2d by_fit =
+        detection.fit.scene_from_template.Apply({inlier.keypoint_in_template.x, inlier.keypoint_in_template.y});
+    EXPECT_LT((by_fit - Eigen::Vector2d(at.x, at.y)).norm(), 12);
+  }
+}
+
+// What is kept on disk is what is drawn: another search draws nothing and finds the same.
+TEST_F(ShapeSearchTest, FindsTheSameWithTemplatesFromDisk) {
+  const PlainScene scene = SceneWith(2);
+  const std::vector<ShapeMatch> drawn = Find(scene.grey, scene.conditions, -10);
+  ASSERT_FALSE(drawn.empty());
+  const testing::ScratchFolder folder;
+  const RelitTemplateFolder kept(folder.path(), "build");
+  const std::vector<ObjectModel> models = {Model()};
+  const auto find = [&] {
+    return ShapeSearch(models, MakeRelitViews(models, &kept).value(), Background())
+        .Find(scene.grey, scene.conditions, -10)
+        .value();
+  };
+  for (const std::vector<ShapeMatch>& found : {find(), find()}) {
+    ASSERT_EQ(found.size(), drawn.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].response, drawn[i].response);
+      EXPECT_EQ(found[i].centre_px, drawn[i].centre_px);
+    }
+  }
+  const std::filesystem::file_time_type long_ago{};
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
+    if (!entry.path().filename().string().starts_with("shape-")) continue;
+    files.push_back(entry.path());
+    std::filesystem::last_write_time(entry.path(), long_ago);
+  }
+  EXPECT_FALSE(files.empty());
+  find();
+  for (const std::filesystem::path& file : files) EXPECT_EQ(std::filesystem::last_write_time(file), long_ago) << file;
+}
+
+TEST_F(ShapeSearchTest, IsTheSameForAnyNumberOfThreads) {
+  const PlainScene scene = SceneWith(2);
+  const auto find = [&](int threads) {
+    oneapi::tbb::task_arena arena(threads);
+    return arena.execute([&] { return Find(scene.grey, scene.conditions, -10); });
+  };
+  const std::vector<ShapeMatch> alone = find(1);
+  const std::vector<ShapeMatch> together = find(2);
+  ASSERT_EQ(alone.size(), together.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    EXPECT_EQ(alone[i].response, together[i].response);
+    EXPECT_EQ(alone[i].centre_px, together[i].centre_px);
+  }
+}
+
+}  // namespace
+}  // namespace victorious

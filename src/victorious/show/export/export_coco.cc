@@ -1,0 +1,90 @@
+#include "victorious/show/export/export_coco.h"
+
+#include <cmath>
+#include <ostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/json.h"
+#include "victorious/types/json_values.h"
+
+namespace victorious {
+namespace {
+
+struct CocoImage {
+  std::int64_t video = 0;
+  std::int64_t frame = 0;
+  double time_s = 0;
+};
+
+Json ImageJson(const CocoImage& image, std::size_t id, const VideoRecord& video) {
+  return {{"id", id},
+          {"file_name", fmt::format("{}/{:06d}.png", ShownName(video), image.frame)},
+          {"width", video.width},
+          {"height", video.height},
+          {"video", ShownName(video)},
+          {"frame", image.frame},
+          {"time_s", TimeJson(image.time_s)}};
+}
+
+Json CategoriesJson(const std::vector<ModelRecord>& models) {
+  Json categories = Json::array();
+  for (const ModelRecord& model : models) {
+    categories.push_back({{"id", model.id}, {"name", model.name}, {"supercategory", ""}});
+  }
+  return categories;
+}
+
+// The outline, clipped to the image, as COCO's flat list of coordinates.
+Json SegmentationJson(const Polygon& polygon) {
+  Json flat = Json::array();
+  for (const Eigen::Vector2d& corner : polygon) {
+    flat.push_back(RoundPixels(corner.x()));
+    flat.push_back(RoundPixels(corner.y()));
+  }
+  return flat.size() < 6 ? Json::array() : Json::array({flat});
+}
+
+Json AnnotationJson(const SightingRecord& sighting, const VideoRecord& video, std::size_t id, std::size_t image_id) {
+  const Box image = FrameBox(video.width, video.height);
+  const Polygon visible = ClipToBox(sighting.outline, image);
+  const double area = visible.size() < 3 ? sighting.box.Area() : std::abs(SignedArea(visible));
+  return {{"id", id},
+          {"image_id", image_id},
+          {"category_id", sighting.model},
+          {"bbox", BoxJson(sighting.box)},
+          {"area", RoundPixels(area)},
+          {"segmentation", SegmentationJson(visible)},
+          {"iscrowd", 0},
+          {"score", ScoreJson(sighting.score)},
+          {"track_id", sighting.object}};
+}
+
+}  // namespace
+
+Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
+  out << R"({"info":{"description":"sightings of victorious"},"licenses":[],"categories":)"
+      << DumpJson(CategoriesJson(catalogue.models())) << R"(,"annotations":[)";
+  std::vector<CocoImage> images;
+  std::size_t annotations = 0;
+  VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
+    const VideoRecord* video = catalogue.Video(sighting.video);
+    if (video == nullptr || catalogue.Model(sighting.model) == nullptr) return true;
+    if (images.empty() || images.back().video != sighting.video || images.back().frame != sighting.frame) {
+      images.push_back({sighting.video, sighting.frame, sighting.time_s});
+    }
+    out << (annotations > 0 ? ",\n" : "\n");
+    ++annotations;
+    out << DumpJson(AnnotationJson(sighting, *video, annotations, images.size()));
+    return out.good();
+  }));
+  out << R"(],"images":[)";
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    out << (i > 0 ? ",\n" : "\n") << DumpJson(ImageJson(images[i], i + 1, *catalogue.Video(images[i].video)));
+  }
+  out << "]}\n";
+  return {};
+}
+
+}  // namespace victorious
