@@ -171,7 +171,9 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
   const testing::ScratchFolder scratch;
   VICTORIOUS_ASSIGN_OR_RETURN(const PassRecords records,
                               MakeRecords(scratch / "index.db", video, clip->info(), models));
+  const IndexJob job{.video = video, .threads = 1};
   const IndexPass pass{
+      .job = job,
       .video = records.video,
       .searches = records.searches,
       .recognizer = recognizer,
@@ -180,8 +182,7 @@ Expected<Result> TimeIndex(const IndexMovie& movie, const std::vector<ObjectMode
       .options = options,
       .intervals = schedule == Schedule::kDefault ? MakeSearchIntervals(options, clip->info()) : SearchIntervals(),
       .cameras = cameras,
-      .sun = sun,
-      .threads = 1};
+      .sun = sun};
   IndexReport report;
   MeasureStages(true);
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *clip, CancelToken(), *records.store, ignore, report));

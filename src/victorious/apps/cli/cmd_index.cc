@@ -55,12 +55,10 @@ struct IndexArguments {
   std::string categories;
   std::string db;
   SearchSettings search;
-  std::optional<std::string> telemetry;
+  IndexJob job;  // of each video
   std::string keep_features;
   std::string cache;
   std::string device = "auto";
-  std::optional<double> from_s;
-  std::optional<double> to_s;
   std::optional<double> budget_ms;
   std::optional<double> hfov_deg;
   CameraArguments camera;
@@ -68,15 +66,11 @@ struct IndexArguments {
   bool redo = false;
   bool redo_other = false;
   bool json = false;
-  int threads = 0;
   std::string draw;
   std::optional<double> cut_s;
   std::string frames;
   std::string task;
   std::string targets;
-  std::string stored_as;
-  std::string content_id;
-  std::string covers;
   std::vector<std::string> files_below;
 };
 
@@ -158,7 +152,7 @@ Redo RedoOf(const IndexArguments& arguments) {
 }
 
 Status CheckArguments(const IndexArguments& arguments) {
-  if (!arguments.covers.empty() && !RecordingStart(arguments.videos.front())) {
+  if (!arguments.job.covers.empty() && !RecordingStart(arguments.videos.front())) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--covers: {} is not named as a recording: give a file of `victorious record`",
                             OneLine(arguments.videos.front())));
@@ -167,7 +161,7 @@ Status CheckArguments(const IndexArguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--draw applies to one video: draw the others by `victorious export --format video --video NAME`");
   }
-  if (arguments.telemetry && arguments.videos.size() > 1) {
+  if (arguments.job.telemetry && arguments.videos.size() > 1) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--telemetry applies to one video: index several videos one after the other");
   }
@@ -176,11 +170,11 @@ Status CheckArguments(const IndexArguments& arguments) {
                 "nothing to search for: give --models (`victorious model add` makes one), --categories (`victorious "
                 "category train` or `category import` makes one), or both");
   }
-  if (arguments.from_s && arguments.to_s && *arguments.from_s > *arguments.to_s) {
+  if (arguments.job.from_s && arguments.job.to_s && *arguments.job.from_s > *arguments.job.to_s) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--from {:g} is after --to {:g}: --to must be the later time",
-                                                         *arguments.from_s, *arguments.to_s));
+                                                         *arguments.job.from_s, *arguments.job.to_s));
   }
-  if (arguments.videos.size() > 1 && (!arguments.stored_as.empty() || !arguments.content_id.empty())) {
+  if (arguments.videos.size() > 1 && (!arguments.job.name.empty() || !arguments.job.content_id.empty())) {
     return Fail(ErrorCode::kInvalidArgument, "--stored-as and --content-id apply to one video");
   }
   if (!arguments.cut_s && arguments.frames.empty() && arguments.task.empty()) return {};
@@ -190,7 +184,8 @@ Status CheckArguments(const IndexArguments& arguments) {
                 "postgresql://USER@HOST/DATABASE");
   }
   if (!arguments.cut_s && arguments.frames.empty()) return {};
-  if (arguments.videos.size() > 1 || arguments.redo || arguments.from_s || arguments.to_s || !arguments.draw.empty()) {
+  if (arguments.videos.size() > 1 || arguments.redo || arguments.job.from_s || arguments.job.to_s ||
+      !arguments.draw.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--cut and --frames apply to one whole video: leave out --redo, --from, --to and --draw");
   }
@@ -380,14 +375,14 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   // Before anything is stored: another model of the same name would delete the results of this one in all videos.
   if (!arguments.targets.empty()) VICTORIOUS_RETURN_IF_ERROR(CheckTargets(arguments.targets, indexer.targets()));
   // A video that cannot be searched does not prevent the others from being indexed. Without any, no index is created.
-  const std::map<std::string, Error> unsearchable = FindUnsearchable(arguments.videos, arguments.from_s);
+  const std::map<std::string, Error> unsearchable = FindUnsearchable(arguments.videos, arguments.job.from_s);
   std::optional<Error> failure;
   for (const auto& [video, error] : unsearchable) failure = CombineErrors(failure, error);
   const auto can_be_searched = [&](const std::string& video) { return !unsearchable.contains(video); };
   if (std::ranges::none_of(arguments.videos, can_be_searched)) return std::unexpected(*std::move(failure));
   for (const auto& [video, error] : unsearchable) LogWarning("left out: {}", OneLine(error.message));
   // Read here although the search reads it again: a wrong file leaves no new index.
-  if (arguments.telemetry) VICTORIOUS_RETURN_IF_ERROR(ReadTelemetry(*arguments.telemetry, options.telemetry));
+  if (arguments.job.telemetry) VICTORIOUS_RETURN_IF_ERROR(ReadTelemetry(*arguments.job.telemetry, options.telemetry));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<kernels::NearestDevice> device, OpenDevice(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                               OpenStore(arguments.db, StoreMode::kCreate, task));
@@ -396,27 +391,20 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     VICTORIOUS_ASSIGN_OR_RETURN(segments, OpenPostgresSegmentStore(arguments.db, StoreMode::kCreate, task));
   }
   const DeviceWarning device_warning(device.get());
-  const FileRoots roots = RootsOf(arguments.files_below);
+  IndexJob job = arguments.job;
+  job.roots = RootsOf(arguments.files_below);
+  job.redo = RedoOf(arguments);
+  job.frame_budget =
+      arguments.budget_ms.transform([](double ms) { return std::chrono::duration<double, std::milli>(ms); });
+  job.relit_templates = std::move(relit_templates);
+  job.relit_folder = relit_folder.get();
+  job.device = device;
   const Work work{.store = *store, .segments = segments.get(), .cut_s = arguments.cut_s, .frames = frames};
   for (const std::string& video : arguments.videos) {
     if (!can_be_searched(video)) continue;
     const auto warn = [&](const std::string& warning) { LogWarning("{}: {}", video, warning); };
-    const IndexJob job{.video = video,
-                       .name = arguments.stored_as,
-                       .content_id = arguments.content_id,
-                       .covers = arguments.covers,
-                       .telemetry = arguments.telemetry,
-                       .roots = roots,
-                       .redo = RedoOf(arguments),
-                       .threads = arguments.threads,
-                       .from_s = arguments.from_s,
-                       .to_s = arguments.to_s,
-                       .frame_budget = arguments.budget_ms.transform(
-                           [](double ms) { return std::chrono::duration<double, std::milli>(ms); }),
-                       .inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); },
-                       .relit_templates = relit_templates,
-                       .relit_folder = relit_folder.get(),
-                       .device = device};
+    job.video = video;
+    job.inform = [&](const std::string& text) { LogInfo("{}: {}", OneLine(video), text); };
     if (arguments.json) MeasureStages(true);
     const Expected<SegmentedReport> report = IndexVideo(indexer, job, work, warn);
     if (!report && report.error().code == ErrorCode::kConflict) {
@@ -462,15 +450,15 @@ Action SetUpIndex(ArgumentParser& parser) {
       .TypeName("FILE");
   AddDb(parser, arguments->db, "The index; created if it does not exist");
   parser
-      .Add("--telemetry", arguments->telemetry,
+      .Add("--telemetry", arguments->job.telemetry,
            "Camera states (default: the file given for the video before, else its own KLV, or NAME.SRT or "
            "NAME.telemetry.csv beside it)")
       .TypeName("FILE");
   AddSearchSettings(parser, arguments->search);
-  parser.Add("--from", arguments->from_s, "Search only from this video time on: seconds, or as 1:30 or 1:02:03.5")
+  parser.Add("--from", arguments->job.from_s, "Search only from this video time on: seconds, or as 1:30 or 1:02:03.5")
       .TypeName("TIME")
       .Transform(&NormalizeVideoTime);
-  parser.Add("--to", arguments->to_s, "Search only up to this video time")
+  parser.Add("--to", arguments->job.to_s, "Search only up to this video time")
       .TypeName("TIME")
       .Transform(&NormalizeVideoTime);
   parser
@@ -507,14 +495,14 @@ Action SetUpIndex(ArgumentParser& parser) {
   parser
       .Add("--targets", arguments->targets, "For workers: the content ids by name of what --models must have, as JSON")
       .TypeName("JSON");
-  parser.Add("--stored-as", arguments->stored_as, "For workers: the name under which the index has the video")
+  parser.Add("--stored-as", arguments->job.name, "For workers: the name under which the index has the video")
       .TypeName("PATH");
   parser
-      .Add("--content-id", arguments->content_id,
+      .Add("--content-id", arguments->job.content_id,
            "For workers: refuse a video with another content than the one submitted")
       .TypeName("HASH");
   parser
-      .Add("--covers", arguments->covers,
+      .Add("--covers", arguments->job.covers,
            "For workers: the live source of which the video is a recording, made by `victorious record`")
       .TypeName("URL");
   parser.AddFlag("--redo-other", arguments->redo_other,
@@ -527,7 +515,9 @@ Action SetUpIndex(ArgumentParser& parser) {
                  "Delete the results of these models and categories in these videos, and search again");
   parser.AddFlag("--json", arguments->json,
                  "Print one JSON object per video: frames searched, sightings, sun, processor time of each stage");
-  parser.Add("--threads", arguments->threads, "Number of threads; 0: one per processor").Range(0, 1024).TypeName("N");
+  parser.Add("--threads", arguments->job.threads, "Number of threads; 0: one per processor")
+      .Range(0, 1024)
+      .TypeName("N");
   parser
       .Add("--draw", arguments->draw,
            "Write a copy of the video with the sightings, names and places drawn into it (.mp4, .mkv)")

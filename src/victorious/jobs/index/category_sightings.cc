@@ -22,13 +22,13 @@ SightingRecord CategorySighting(const IndexPass& pass, const Frame& frame, const
 }
 
 void TellOfDetector(const IndexPass& pass, const VideoInfo& info) {
-  if (!pass.inform || pass.categories == nullptr || !pass.categories->IsDetector()) return;
+  if (!pass.job.inform || pass.categories == nullptr || !pass.categories->IsDetector()) return;
   const int interval = pass.intervals.categories;
   const std::string searched = interval == 1
                                    ? "every frame is searched"
                                    : fmt::format("one of {} frames is searched, {} in between", interval,
                                                  FollowsCategories(pass) ? "and what is found is tracked" : "nothing");
-  pass.inform(fmt::format("{}; {}", pass.categories->DescribeSearch({info.width, info.height}), searched));
+  pass.job.inform(fmt::format("{}; {}", pass.categories->DescribeSearch({info.width, info.height}), searched));
 }
 
 }  // namespace victorious

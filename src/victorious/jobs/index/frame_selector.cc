@@ -58,10 +58,10 @@ bool FrameSelector::IsBetweenTracked(std::int64_t index) const {
 
 std::optional<FrameWork> FrameSelector::Select(Frame frame, std::optional<double> behind_s) {
   pace_.Enter(behind_s);
-  if (pass_.from_s && frame.time_s < *pass_.from_s - kSameTime_s) return std::nullopt;
+  if (pass_.job.from_s && frame.time_s < *pass_.job.from_s - kSameTime_s) return std::nullopt;
   const std::int64_t index = frame.index;
   const bool is_first_wanted =
-      (pass_.from_s && !std::exchange(has_started_, true)) || (pace_.IsLimited() && index == next_frame_);
+      (pass_.job.from_s && !std::exchange(has_started_, true)) || (pace_.IsLimited() && index == next_frame_);
   const bool is_detector = pass_.categories != nullptr && pass_.categories->IsDetector();
   const bool may_be_classified =
       pass_.categories != nullptr &&

@@ -26,7 +26,7 @@ constexpr std::int64_t kBlock = 32;  // frames that are entered at once
 class GrowthFrames {
  public:
   GrowthFrames(const IndexPass& pass, std::span<const double> times_s, const CancelToken& cancel)
-      : times_s_(times_s), reader_(pass.file, times_s, kGrowMemory_mb, cancel) {
+      : times_s_(times_s), reader_(pass.job.video, times_s, kGrowMemory_mb, cancel) {
     const std::int64_t frame_bytes = std::int64_t{3} * pass.video.width * pass.video.height;
     const std::int64_t max_kept = (std::int64_t{kGrowMemory_mb} << 20) / std::max<std::int64_t>(1, 2 * frame_bytes);
     std::int64_t kept = 0;
@@ -156,8 +156,8 @@ void AppendGrowth(const IndexPass& pass, const SearchRecord& search, std::span<c
 
 bool MayGrow(const IndexPass& pass, bool is_live) {
   const auto is_of_photos = [](const ObjectModel& model) { return model.kind == ModelKind::kPhotos; };
-  return pass.options.grow.enabled && IsTrackingEnabled(pass) && !is_live && !pass.frame_budget && !pass.from_s &&
-         !pass.file.empty() && pass.segment == nullptr && !pass.cameras.is_of_photos() &&
+  return pass.options.grow.enabled && IsTrackingEnabled(pass) && !is_live && !pass.job.frame_budget &&
+         !pass.job.from_s && !pass.job.video.empty() && pass.segment == nullptr && !pass.cameras.is_of_photos() &&
          std::ranges::any_of(pass.recognizer.models(), is_of_photos);
 }
 

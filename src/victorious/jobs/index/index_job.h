@@ -65,4 +65,12 @@ struct IndexReport {
   bool sun_from_camera = false;      ///< the azimuth is from the camera's first direction: its attitude is unknown
 };
 
+/// What one call of Indexer::IndexBySegments did.
+struct SegmentedReport {
+  IndexReport index;
+  /// The cut whose segments are open: IndexSegment searches them, then IndexBySegments is called again. std::nullopt:
+  /// the video is indexed.
+  std::optional<std::int64_t> waits_for;
+};
+
 }  // namespace victorious

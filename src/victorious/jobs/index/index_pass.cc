@@ -282,13 +282,13 @@ class ResultWriter {
     constexpr double kMinReportedBytes = 100e6;
     constexpr double kShortest_s = 0.01;
     const double interval_s = pass_.options.keep.interval_s;
-    if (informed_ || !pass_.inform || !pass_.duration_s || kept.size() == 0 || interval_s <= kShortest_s) return;
+    if (informed_ || !pass_.job.inform || !pass_.duration_s || kept.size() == 0 || interval_s <= kShortest_s) return;
     informed_ = true;
-    const double until_s = std::min(*pass_.duration_s, pass_.to_s.value_or(*pass_.duration_s));
-    const double frames = (until_s - pass_.from_s.value_or(0)) / interval_s;
+    const double until_s = std::min(*pass_.duration_s, pass_.job.to_s.value_or(*pass_.duration_s));
+    const double frames = (until_s - pass_.job.from_s.value_or(0)) / interval_s;
     const double bytes = frames * static_cast<double>(kept.size()) * kBytesPerFeature;
     if (bytes < kMinReportedBytes) return;
-    pass_.inform(
+    pass_.job.inform(
         fmt::format("the features kept for `search --image` will take about {:.1f} GB ({} of a frame, one frame "
                     "each {:g} s); --keep-features sets the interval, or none",
                     bytes / 1e9, CountText(kept.size(), "feature"), interval_s));
@@ -452,18 +452,18 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
                     const WarningSink& warn, IndexReport& report) {
   ResultWriter sink(pass, reader.info(), store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
-  if (pass.frame_budget && reader.info().live && pass.inform) {
-    pass.inform("a live source keeps its pace by itself: its budget is not used");
+  if (pass.job.frame_budget && reader.info().live && pass.job.inform) {
+    pass.job.inform("a live source keeps its pace by itself: its budget is not used");
   }
-  SearchPace pace(pass.frame_budget, reader.info().live);
+  SearchPace pace(pass.job.frame_budget, reader.info().live);
   TellOfDetector(pass, reader.info());
   FrameSelector selector(pass, reader.info(), pace, sink.FirstRequiredFrame());
   VICTORIOUS_ASSIGN_OR_RETURN(TrackingStage tracking, TrackingStage::Create(pass, reader.info().live, sink));
   FrameLoop loop(reader, cancel,
                  {.label = pass.video.name,
-                  .threads = pass.threads,
+                  .threads = pass.job.threads,
                   .packets = pass.cameras.packet_receiver(),
-                  .frame_count = pass.to_s ? CountFramesUntil(reader.info(), *pass.to_s) : std::nullopt});
+                  .frame_count = pass.job.to_s ? CountFramesUntil(reader.info(), *pass.job.to_s) : std::nullopt});
   if (!pass.source.empty()) {
     sink.Cover([&](double time_s) {
       return reader.ArrivalUtc(time_s).value_or(pass.recorded_utc_us.value_or(0) + std::llround(1e6 * time_s));
@@ -490,7 +490,7 @@ Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToke
        }),
        InOrder<FrameWork>([&](FrameWork& task) { return tracking.Add(task); })});
   if (warn) {
-    if (const auto mean = pace.MissedBudget()) warn(MissedBudgetText(*pass.frame_budget, *mean));
+    if (const auto mean = pace.MissedBudget()) warn(MissedBudgetText(*pass.job.frame_budget, *mean));
     std::ranges::for_each(reader.warnings(), warn);
     for (const std::string& warning : pass.cameras.LiveWarnings()) warn("telemetry: " + warning);
   }

@@ -1,7 +1,6 @@
 // One pass over one video: searches it for a set of models and categories from a given frame on.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -37,6 +36,7 @@ struct SegmentOutput {
 
 /// Input of a pass. The references outlive it.
 struct IndexPass {
+  const IndexJob& job;
   const VideoRecord& video;
   /// One entry per model of the recogniser, in its order, then one per category; all with the same next_frame.
   std::span<const SearchRecord> searches;
@@ -51,17 +51,11 @@ struct IndexPass {
   FollowOptions follow;  ///< options.follow, or that of a pass that keeps a pace
   SearchIntervals intervals;
   CameraStates& cameras;
-  std::optional<Sun> sun;             ///< sun direction, if known (sun_direction.h)
-  int threads = 0;                    ///< 0: one per hardware thread
-  std::optional<double> from_s = {};  ///< see IndexJob
-  std::optional<double> to_s = {};
-  std::optional<double> duration_s = {};                           ///< of the video, if it is known before
-  std::optional<std::chrono::duration<double>> frame_budget = {};  ///< see IndexJob
-  std::string source = {};  ///< the live source whose times the frames cover (CoveredTime); empty: none
+  std::optional<Sun> sun = {};            ///< sun direction, if known (sun_direction.h)
+  std::optional<double> duration_s = {};  ///< of the video, if it is known before
+  std::string source = {};                ///< the live source whose times the frames cover (CoveredTime); empty: none
   std::optional<std::int64_t> recorded_utc_us = {};  ///< when the first frame came; std::nullopt: they come now
   std::span<const double> times_s = {};              ///< of all frames; only used by JoinFrames, which needs them
-  std::string file = {};  ///< path of the video, to read what is found again (track_growth.h); empty: that is not done
-  WarningSink inform = {};
   /// Of a segment, whose `searches` begin at its first frame; null: all frames. Nothing is written to the store then.
   const SegmentOutput* segment = nullptr;
 };
@@ -80,7 +74,7 @@ struct IndexPass {
 
 /// True if the frame lies beyond the interval of time to search, or the segment.
 [[nodiscard]] inline bool IsBeyondEnd(const IndexPass& pass, const Frame& frame) {
-  return (pass.to_s && frame.time_s > *pass.to_s + kSameTime_s) ||
+  return (pass.job.to_s && frame.time_s > *pass.job.to_s + kSameTime_s) ||
          (pass.segment && frame.index >= pass.segment->frames.to);
 }
 

@@ -103,14 +103,15 @@ class IndexPassTest : public ::testing::Test {
     const Recognizer recognizer = Recognizer::Create({model}, options.features.engine, options.recognize).value();
     const auto extractor = MakeFeatureExtractor(options.features).value();
     CameraStates cameras = CameraStates::ForLive(reader.info(), options.telemetry);
-    const IndexPass pass{.video = video,
+    const IndexJob job{.video = video.name, .threads = 2};
+    const IndexPass pass{.job = job,
+                         .video = video,
                          .searches = searches,
                          .recognizer = recognizer,
                          .extractor = *extractor,
                          .kept_extractor = *extractor,
                          .options = options,
                          .cameras = cameras,
-                         .threads = 2,
                          .source = source_,
                          .recorded_utc_us = recorded_utc_us_};
     const Status status = RunIndexPass(

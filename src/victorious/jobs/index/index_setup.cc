@@ -1,0 +1,19 @@
+#include "victorious/jobs/index/index_setup.h"
+
+#include <fmt/format.h>
+
+namespace victorious {
+
+// The index identifies models and categories by name, so one would overwrite the other.
+Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others) {
+  for (const ModelRecord& one : sought) {
+    for (const ModelRecord& other : others) {
+      if (one.name != other.name || one.IsCategory() == other.IsCategory()) continue;
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: is the name of both a model and a category: rename one of them", one.name));
+    }
+  }
+  return {};
+}
+
+}  // namespace victorious
