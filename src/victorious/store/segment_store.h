@@ -1,6 +1,6 @@
 // The segments of videos that several workers search at once. A video is prepared once and cut into segments of frames;
 // each is searched by itself, in any order; then their results are joined in the order of frames
-// (jobs/index/indexer_segments.cc). Searches for other models cut the same video by themselves.
+// (jobs/index/segmented_run.h). Searches for other models cut the same video by themselves.
 //
 //   Put ---> open --Complete--> done ---> VisitResults, Discard ---> Finish
 //             |                                                        ^
