@@ -16,7 +16,7 @@
 #include "victorious/input/telemetry/telemetry.h"
 #include "victorious/place/cameras/camera_states.h"
 #include "victorious/search/recognize/match_evidence.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

@@ -10,10 +10,10 @@
 
 #include "victorious/apps/cluster/content_file.h"
 #include "victorious/base/error.h"
-#include "victorious/store/index_store.h"
 #include "victorious/store/postgres/task_queue.h"
 #include "victorious/store/segment_store.h"
 #include "victorious/store/work_state.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

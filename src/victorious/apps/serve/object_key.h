@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "victorious/geometry/box.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

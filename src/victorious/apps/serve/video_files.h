@@ -20,7 +20,7 @@
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 #include "victorious/place/cameras/camera_request.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

@@ -14,7 +14,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/file_roots.h"
 #include "victorious/base/warning_sink.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

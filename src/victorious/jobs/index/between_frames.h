@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "victorious/geometry/similarity.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

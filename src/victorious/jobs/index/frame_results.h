@@ -10,7 +10,7 @@
 
 #include "victorious/base/error.h"
 #include "victorious/geometry/similarity.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

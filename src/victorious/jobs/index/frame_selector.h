@@ -16,12 +16,12 @@
 #include "victorious/search/follow/backward_follower.h"
 #include "victorious/search/follow/full_search_schedule.h"
 #include "victorious/search/recognize/view_part.h"
-#include "victorious/store/index_store.h"
 #include "victorious/track/camera_motion.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/frame.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

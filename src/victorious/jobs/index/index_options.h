@@ -16,7 +16,7 @@
 #include "victorious/place/observe/object_pose.h"
 #include "victorious/search/follow/follower.h"
 #include "victorious/search/recognize/recognizer.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

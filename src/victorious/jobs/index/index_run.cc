@@ -334,7 +334,7 @@ Expected<std::unique_ptr<const ShapeSearch>> IndexRun::MakeShapeSearch(const Rec
 
 // The tilt is unknown: the first of these angles off nadir is taken at which the sun's direction is certain. Objects
 // are searched for within 20 degrees of the vertical.
-Status IndexRun::AssumeSun(const Recognizer& recognizer) const {
+Status IndexRun::AssumeSun(const Recognizer& recognizer) {
   constexpr std::array kOffNadir_rad = {RadiansFromDegrees(45), RadiansFromDegrees(65)};
   constexpr double kMaxDuration_s = 60;  // the yaw drifts, and the tilt may change
   const VideoInfo& info = video_.reader->info();
@@ -365,7 +365,7 @@ Status IndexRun::AssumeSun(const Recognizer& recognizer) const {
   return {};
 }
 
-Status IndexRun::EstimateSun(const Recognizer& recognizer) const {
+Status IndexRun::EstimateSun(const Recognizer& recognizer) {
   const CameraTrajectory* trajectory = video_.cameras.trajectory();
   report_.sun.reset();
   report_.sun_from_camera = false;

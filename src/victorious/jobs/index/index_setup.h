@@ -9,7 +9,7 @@
 #include "victorious/category/finder/category_source.h"
 #include "victorious/jobs/index/index_options.h"
 #include "victorious/object/features/feature_extractor.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

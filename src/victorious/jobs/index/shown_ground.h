@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "victorious/store/index_store.h"
 #include "victorious/types/camera_state.h"
+#include "victorious/types/sighting_filter.h"
 
 namespace victorious {
 

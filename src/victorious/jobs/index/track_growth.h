@@ -30,8 +30,8 @@
 #include "victorious/geometry/polygon.h"
 #include "victorious/object/features/feature_extractor.h"
 #include "victorious/search/recognize/recognizer.h"
-#include "victorious/store/index_store.h"
 #include "victorious/types/frame.h"
+#include "victorious/types/index_records.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 #include "victorious/types/json_values.h"
 
 namespace victorious {

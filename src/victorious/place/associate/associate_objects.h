@@ -33,7 +33,7 @@
 #include "victorious/place/associate/object_rejection.h"
 #include "victorious/place/associate/observed_tracklet.h"
 #include "victorious/place/associate/search_counts.h"
-#include "victorious/store/index_store.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

@@ -9,8 +9,8 @@
 
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/box.h"
-#include "victorious/store/index_store.h"
 #include "victorious/types/bearing_observation.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 

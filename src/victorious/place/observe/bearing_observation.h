@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "victorious/place/observe/object_pose.h"
-#include "victorious/store/index_store.h"
 #include "victorious/types/bearing_observation.h"
 #include "victorious/types/camera_state.h"
+#include "victorious/types/index_records.h"
 
 namespace victorious {
 
