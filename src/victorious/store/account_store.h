@@ -125,7 +125,7 @@ class AccountStore {
   /// The tokens of an account, oldest first.
   [[nodiscard]] virtual Expected<std::vector<Credential>> Tokens(std::int64_t account) = 0;
 
-  /// Writes an entry of the log that tells of no change of the index.
+  /// Writes an entry to the log that goes with no change of the index.
   [[nodiscard]] virtual Status Log(const AuditRecord& record) = 0;
   /// Makes a change by the functions above, and writes the entry that it returns, in one transaction. Errors: those of
   /// `change`; then nothing is changed.

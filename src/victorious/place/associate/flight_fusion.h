@@ -74,9 +74,9 @@ inline constexpr double kMaxFlightGap_s = 2;
 /// @param flights  at least one
 [[nodiscard]] Geolocation FuseStatic(std::span<const ObjectInFlight* const> flights);
 
-/// The estimate by all flights, of the time of the last sighting, on the clock of the video that has it. Without path.
-/// Of an object that stands the places are weighted by their information; one that moves has the place of the flight
-/// that sees it last, whose common error the other flights measure, one Kalman update each.
+/// The place by all flights, at the time of the last sighting, on the clock of the video that has it; without a path.
+/// If the object stands, the places are averaged, weighted by their information. If it moves, its place is that of the
+/// flight that sees it last; each other flight corrects the common error of that one by a Kalman update.
 /// @param flights  at least one
 [[nodiscard]] ObjectPlace FuseFlights(std::span<const ObjectInFlight* const> flights);
 

@@ -1,9 +1,8 @@
-// How much was searched, for the a contrario test (object_rejection.h): the number of tests in which chance could have
-// made a detection as strong as an object.
+// The number of searches that an object is judged by, for the a contrario test (object_rejection.h): each of them could
+// have made a detection as strong by chance.
 //
-// It is that of the videos that show the object, and of no more than an hour of them: an object is judged by the false
-// alarms an hour that its strength means. If all searches of an index counted, an object would vanish as the archive
-// grows, and each new video would change every object.
+// Only the videos that show the object count, and at most one hour of them. If all videos of an index counted, an object
+// would be rejected as the archive grows, and each new video would change every object.
 #pragma once
 
 #include <cstdint>

@@ -47,10 +47,10 @@ class CameraStates {
   /// Sets the field of view of frames for which telemetry has none. With it, At() returns a state for every time.
   void SetFallbackFieldOfView(std::optional<double> hfov_rad) { fallback_hfov_rad_ = hfov_rad; }
 
-  /// Adds an offset to the times of the states of the whole video, s. No effect without them.
+  /// Adds an offset to the times of all states, s. Does nothing if there are no states.
   void ShiftClock(double offset_s);
 
-  /// Forgets the states of the whole video, which are those of another one, with their clock.
+  /// Removes all states and what is known of their clock: the telemetry belongs to another video.
   void Forget();
   [[nodiscard]] bool is_forgotten() const { return is_forgotten_; }
 

@@ -15,9 +15,9 @@
 
 namespace victorious {
 
-/// The offset to be added to telemetry's times, s: an estimate beyond three standard errors and beyond half the
-/// interval of ten frames a second, within which time stamps of frames are uncertain. std::nullopt: telemetry is exact,
-/// or its offset unknown, and it stays as it is.
+/// The offset to be added to telemetry's times, s. An estimate is used if it exceeds three standard errors and 0.05 s:
+/// the time stamps of frames are no more exact than half an interval at ten frames a second. std::nullopt: the offset
+/// is smaller, or unknown; the times stay as they are.
 [[nodiscard]] std::optional<double> ClockCorrection(const TimeOffset& offset);
 
 /// The standard deviation of the clock after the correction, s: that of the estimate with what is not corrected, or

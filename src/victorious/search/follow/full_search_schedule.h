@@ -1,7 +1,8 @@
-// Which frames a pass searches as a whole, by how far the image has moved, and for which part of the models' views.
-// What a camera sees from one place, a second search hardly finds better than the first; where it moves on, other
-// objects come, and known ones are seen from another side. Three searches for a third of the views each find more than
-// two for all of them, in half the time (docs/adr/0018).
+// Which frames a pass searches as a whole, and for which part of the models' views.
+//
+// While the camera stands still, a second search finds hardly more than the first. When the image moves, new objects
+// come into view, and known ones are seen from another side: then the next search is due. Successive searches take
+// different parts of the views (docs/adr/0018).
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
-// recognize/, which of a model's views a search of a frame goes through. Successive frames of a video show nearly the
-// same, so each of them need only be searched for a part of the coarse views: neighbouring views propose the same
-// object, and what one frame shows is followed into the others (docs/adr/0018).
+// recognize/, the part of a model's views that one search of a frame compares. Successive frames of a video show nearly
+// the same objects, and neighbouring views propose the same object. So each search takes another part of the coarse
+// views, and what one frame shows is followed into the others (docs/adr/0018).
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct ViewPart {
   /// @param coarse_view  index among the coarse views of a model
   [[nodiscard]] bool Contains(std::size_t coarse_view) const { return coarse_view % count == index; }
 
-  /// For a method that always compares all views: it leaves out one search of each turn, the last.
+  /// Whether a method that cannot divide the views runs in this search: in all searches of a turn but the last.
   [[nodiscard]] bool ContainsWholeModels() const { return count == 1 || index + 1 < count; }
 
   bool operator==(const ViewPart&) const = default;
