@@ -5,6 +5,9 @@
 #include <chrono>
 #include <cstdint>
 #include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,7 +38,7 @@ lv::PixelFormat FormatOf(const std::string& name, py::ssize_t channels) {
 lv::ImageView ViewOf(const Pixels& pixels, const std::string& order) {
   const py::ssize_t channels = pixels.ndim() == 3 ? pixels.shape(2) : 1;
   const bool is_image = (pixels.ndim() == 2 || pixels.ndim() == 3) && (channels == 1 || channels == 3 || channels == 4);
-  if (!is_image || !py::dtype::of<std::uint8_t>().is(pixels.dtype())) {
+  if (!is_image || pixels.dtype().kind() != 'u' || pixels.itemsize() != 1) {
     throw lv::Error(
         lv::ErrorCode::kInvalidArgument,
         "image: must be an array of uint8 of shape (height, width), (height, width, 3) or (height, width, 4)");
@@ -71,6 +74,33 @@ void RaiseInPython(const lv::Error& error) {
   const py::object type = classes[py::str(lv::Name(error.code()))];
   PyErr_SetObject(type.ptr(), py::str(error.what()).ptr());
 }
+
+// An object that one thread at a time may use, as the lock of the interpreter is released meanwhile.
+template <typename T>
+class OneAtATime {
+ public:
+  explicit OneAtATime(T object) : object_(std::move(object)) {}
+
+  /// Error: kConflict while another thread, or a callback of this use, is at work with it.
+  template <typename Use>
+  auto Do(const Use& use) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) {
+      throw lv::Error(lv::ErrorCode::kConflict,
+                      "is in use: one thread at a time may call it; make one for each thread");
+    }
+    return use(object_);
+  }
+
+ private:
+  T object_;
+  std::mutex mutex_;
+};
+
+using Video = OneAtATime<lv::Video>;
+using Tracker = OneAtATime<lv::Tracker>;
+using Indexer = OneAtATime<lv::Indexer>;
+using Index = OneAtATime<lv::Index>;
 
 // Runs long work on a thread of its own, while this one looks for signals: their handlers run on the main thread alone.
 // What a callback in Python raises passes through.
@@ -210,33 +240,37 @@ void DefineVideos(py::module_& module) {
       .def_property_readonly(
           "image", [](const lv::Frame& frame) { return ArrayOf(frame.image(), frame); },
           "uint8, (height, width, 3) in the order BGR, or (height, width); read-only, not copied.");
-  py::class_<lv::Video>(module, "Video", "Iterates over the frames of a video by presentation time.")
+  const auto info_of = [](Video& video) { return video.Do([](lv::Video& one) { return one.info(); }); };
+  py::class_<Video>(module, "Video", "Iterates over the frames of a video by presentation time.")
       .def(py::init([](const std::string& source, bool grey, int threads, double folder_frame_rate) {
              const py::gil_scoped_release unlocked;
-             return lv::Video(source,
-                              {grey ? lv::PixelFormat::kGrey : lv::PixelFormat::kBgr, threads, folder_frame_rate});
+             return std::make_unique<Video>(lv::Video(
+                 source, {grey ? lv::PixelFormat::kGrey : lv::PixelFormat::kBgr, threads, folder_frame_rate}));
            }),
            py::arg("source"), py::kw_only(), py::arg("grey") = false, py::arg("threads") = 0,
            py::arg("folder_frame_rate") = 10.0)
       .def(
-          "__iter__", [](lv::Video& video) -> lv::Video& { return video; }, py::return_value_policy::reference_internal)
+          "__iter__", [](Video& video) -> Video& { return video; }, py::return_value_policy::reference_internal)
       .def("__next__",
-           [](lv::Video& video) {
+           [](Video& video) {
              std::optional<lv::Frame> frame;
              {
                const py::gil_scoped_release unlocked;
-               frame = video.Next();
+               frame = video.Do([](lv::Video& one) { return one.Next(); });
              }
              if (!frame) throw py::stop_iteration();
              return *frame;
            })
-      .def("seek", &lv::Video::SeekTo, py::arg("time_s"), Unlocked(),
-           "Goes to a key frame at or shortly before a time; False: the source cannot.")
-      .def_property_readonly("width", [](const lv::Video& video) { return video.info().width; })
-      .def_property_readonly("height", [](const lv::Video& video) { return video.info().height; })
-      .def_property_readonly("frame_rate", [](const lv::Video& video) { return video.info().frame_rate; })
-      .def_property_readonly("duration_s", [](const lv::Video& video) { return video.info().duration_s; })
-      .def_property_readonly("warnings", &lv::Video::warnings);
+      .def(
+          "seek",
+          [](Video& video, double time_s) { return video.Do([&](lv::Video& one) { return one.SeekTo(time_s); }); },
+          py::arg("time_s"), Unlocked(), "Goes to a key frame at or shortly before a time; False: the source cannot.")
+      .def_property_readonly("width", [=](Video& video) { return info_of(video).width; })
+      .def_property_readonly("height", [=](Video& video) { return info_of(video).height; })
+      .def_property_readonly("frame_rate", [=](Video& video) { return info_of(video).frame_rate; })
+      .def_property_readonly("duration_s", [=](Video& video) { return info_of(video).duration_s; })
+      .def_property_readonly("warnings",
+                             [](Video& video) { return video.Do([](lv::Video& one) { return one.warnings(); }); });
 }
 
 void DefineSearch(py::module_& module) {
@@ -271,41 +305,47 @@ void DefineSearch(py::module_& module) {
           "box", [](const lv::TrackStep& one) { return TupleOf(one.box); }, "x, y, width, height, px.")
       .def_readonly("confidence", &lv::TrackStep::confidence)
       .def_readonly("tentative", &lv::TrackStep::tentative);
-  py::class_<lv::Tracker>(module, "Tracker", "Follows boxes from frame to frame, without a model.")
-      .def(py::init([](const std::string& params) { return lv::Tracker({params}); }), py::kw_only(),
-           py::arg("params") = "")
+  py::class_<Tracker>(module, "Tracker", "Follows boxes from frame to frame, without a model.")
+      .def(py::init([](const std::string& params) { return std::make_unique<Tracker>(lv::Tracker({params})); }),
+           py::kw_only(), py::arg("params") = "")
       .def(
           "step",
-          [](lv::Tracker& tracker, const Pixels& image, const std::string& order) {
+          [](Tracker& tracker, const Pixels& image, const std::string& order) {
             const lv::ImageView view = ViewOf(image, order);
             const py::gil_scoped_release unlocked;
-            return tracker.Step(view);
+            return tracker.Do([&](lv::Tracker& one) { return one.Step(view); });
           },
           py::arg("image"), py::kw_only(), py::arg("order") = "bgr",
           "One result for each box, in the order of start().")
       .def(
-          "start", [](lv::Tracker& tracker, const std::array<double, 4>& box) { return tracker.Start(BoxOf(box)); },
+          "start",
+          [](Tracker& tracker, const std::array<double, 4>& box) {
+            return tracker.Do([&](lv::Tracker& one) { return one.Start(BoxOf(box)); });
+          },
           py::arg("box"), "Starts a box (x, y, width, height), px, in the frame of the last step().")
-      .def("change_video", &lv::Tracker::ChangeVideo);
+      .def("change_video", [](Tracker& tracker) { tracker.Do([](lv::Tracker& one) { one.ChangeVideo(); }); });
   py::class_<lv::IndexReport>(module, "IndexReport")
       .def_readonly("has_telemetry", &lv::IndexReport::has_telemetry)
       .def_readonly("frames_searched", &lv::IndexReport::frames_searched)
       .def_readonly("sightings", &lv::IndexReport::sightings);
-  py::class_<lv::Indexer>(module, "Indexer", "Searches videos for models, and stores what it finds.")
+  py::class_<Indexer>(module, "Indexer", "Searches videos for models, and stores what it finds.")
       .def(py::init([](const std::vector<lv::Model>& models, const std::string& categories, const std::string& quality,
                        const std::string& params, std::optional<double> hfov_deg, const py::object& warn) {
              const py::gil_scoped_release unlocked;
-             return lv::Indexer(models, {categories, quality, params, hfov_deg, WarningsTo(warn)});
+             return std::make_unique<Indexer>(
+                 lv::Indexer(models, {categories, quality, params, hfov_deg, WarningsTo(warn)}));
            }),
            py::arg("models"), py::kw_only(), py::arg("categories") = "", py::arg("quality") = "",
            py::arg("params") = "", py::arg("hfov_deg") = py::none(), py::arg("warn") = py::none())
       .def(
           "index",
-          [](lv::Indexer& indexer, const std::string& video, const std::string& db, const std::string& telemetry,
+          [](Indexer& indexer, const std::string& video, const std::string& db, const std::string& telemetry,
              std::optional<double> from_s, std::optional<double> to_s, bool redo, int threads,
              const py::object& progress, const py::object& warn) {
             return Interruptible(progress, [&](const lv::ProgressCallback& report) {
-              return indexer.Index(video, db, {telemetry, from_s, to_s, redo, threads, report, WarningsTo(warn)});
+              return indexer.Do([&](lv::Indexer& one) {
+                return one.Index(video, db, {telemetry, from_s, to_s, redo, threads, report, WarningsTo(warn)});
+              });
             });
           },
           py::arg("video"), py::arg("db"), py::kw_only(), py::arg("telemetry") = "", py::arg("from_s") = py::none(),
@@ -390,13 +430,31 @@ void DefineIndex(py::module_& module) {
       .def(py::init(&FilterOf), py::kw_only(), py::arg("model") = py::none(), py::arg("category") = py::none(),
            py::arg("video") = py::none(), py::arg("from_s") = py::none(), py::arg("to_s") = py::none(),
            py::arg("object") = py::none(), py::arg("include_rejected") = false);
-  py::class_<lv::Index>(module, "NativeIndex", "An index, read only.")
-      .def(py::init<const std::string&>(), py::arg("name"), Unlocked())
-      .def("videos", &lv::Index::Videos, Unlocked())
-      .def("models", &lv::Index::Models, Unlocked())
-      .def("objects", &lv::Index::Objects, py::arg("filter"), Unlocked())
-      .def("sightings", &lv::Index::Sightings, py::arg("filter"), Unlocked())
-      .def("export", &lv::Index::Export, py::arg("format"), py::arg("file"), py::arg("filter"), Unlocked());
+  py::class_<Index>(module, "NativeIndex", "An index, read only.")
+      .def(py::init([](const std::string& name) { return std::make_unique<Index>(lv::Index(name)); }), py::arg("name"),
+           Unlocked())
+      .def(
+          "videos", [](Index& index) { return index.Do([](lv::Index& one) { return one.Videos(); }); }, Unlocked())
+      .def(
+          "models", [](Index& index) { return index.Do([](lv::Index& one) { return one.Models(); }); }, Unlocked())
+      .def(
+          "objects",
+          [](Index& index, const lv::Filter& filter) {
+            return index.Do([&](lv::Index& one) { return one.Objects(filter); });
+          },
+          py::arg("filter"), Unlocked())
+      .def(
+          "sightings",
+          [](Index& index, const lv::Filter& filter) {
+            return index.Do([&](lv::Index& one) { return one.Sightings(filter); });
+          },
+          py::arg("filter"), Unlocked())
+      .def(
+          "export",
+          [](Index& index, const std::string& format, const std::string& file, const lv::Filter& filter) {
+            index.Do([&](lv::Index& one) { one.Export(format, file, filter); });
+          },
+          py::arg("format"), py::arg("file"), py::arg("filter"), Unlocked());
 }
 
 }  // namespace

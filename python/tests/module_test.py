@@ -2,6 +2,7 @@
 
 import ast
 import json
+import pickle
 import os
 import signal
 import subprocess
@@ -127,6 +128,8 @@ class ModuleTest(program.ProgramTest):
         arrays = victorious.of_image(found)
         self.assertEqual(len(arrays), len(found))
         self.assertIsNone(arrays.tracker_id)
+        unpickled = pickle.loads(pickle.dumps(image))  # its dtype is another object
+        self.assertEqual([one.box for one in recognizer.recognize(unpickled)], [one.box for one in found])
         for wrong in (rgb[:, ::-1], image.astype(float), image[0, 0], np.zeros((4, 4, 2), np.uint8)):
             with self.assertRaisesRegex(victorious.InvalidArgument, "image: "):
                 recognizer.recognize(wrong)
@@ -171,6 +174,13 @@ class ModuleTest(program.ProgramTest):
     def index_flight(self, **options):
         indexer = victorious.Indexer(self.library().load_all(), params='{"every": 1}')
         indexer.index(str(program.flight() / "flight.mkv"), str(self.scratch / "own.db"), **options)
+
+    def test_one_thread_at_a_time(self):
+        indexer = victorious.Indexer(self.library().load_all(), params='{"every": 1}')
+        flight, db = str(program.flight() / "flight.mkv"), str(self.scratch / "two.db")
+        with self.assertRaisesRegex(victorious.Conflict, "in use"):
+            indexer.index(flight, db, progress=lambda _: indexer.index(flight, db))
+        self.assertGreater(indexer.index(flight, db).frames_searched, 0, "it is free again")
 
     def test_callbacks_end_the_work(self):
         with self.assertRaises(victorious.Cancelled):

@@ -73,6 +73,8 @@ Error NoMeaning() { return {ErrorCode::kDataLoss, "damaged: its decoder gave an 
 Expected<std::filesystem::path> DecoderProgram() {
   std::error_code error;
   const std::filesystem::path folder = OwnFile().parent_path();
+  if (folder.empty())
+    return Fail(ErrorCode::kNotFound, "victorious-decoder: the system does not say where the program is");
   // The last one: from a library in lib/ARCHITECTURE.
   for (const char* relative : {"victorious-decoder", "../libexec/victorious/victorious-decoder",
                                "../../libexec/victorious/victorious-decoder"}) {

@@ -9,4 +9,7 @@ namespace victorious {
 /// The path of the running program or of the shared library; empty if the system does not say.
 [[nodiscard]] std::filesystem::path OwnFile();
 
+/// False: the code is a shared library that another program has loaded.
+[[nodiscard]] bool IsOwnProgram();
+
 }  // namespace victorious

@@ -11,7 +11,8 @@
 namespace victorious {
 
 Expected<std::string> ProgramId() {
-  static const Expected<std::string> id = ComputeProgramId(OwnFile());
+  // Of the program itself, the file that runs, though another may stand in its place by now.
+  static const Expected<std::string> id = ComputeProgramId(IsOwnProgram() ? "/proc/self/exe" : OwnFile());
   return id;
 }
 

@@ -12,6 +12,7 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/base/one_line.h"
 #include "victorious/base/options.h"
 #include "victorious/base/progress.h"
 #include "victorious/error.h"
@@ -50,7 +51,7 @@ auto Guard(const Work& work) -> decltype(work()) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& thrown) {
-    Raise({.code = victorious::ErrorCode::kInternal, .message = thrown.what()});
+    Raise({.code = victorious::ErrorCode::kInternal, .message = victorious::OneLine(thrown.what())});
   }
 }
 

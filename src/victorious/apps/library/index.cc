@@ -1,6 +1,8 @@
 #include "victorious/index.h"
 
+#include <filesystem>
 #include <ostream>
+#include <system_error>
 #include <utility>
 
 #include "victorious/apps/library/facade.h"
@@ -106,12 +108,14 @@ Sighting SightingOf(const victorious::SightingRecord& record, const victorious::
 }  // namespace
 
 struct Index::Impl {
+  std::string name;
   std::unique_ptr<victorious::IndexStore> store;
 };
 
 Index::Index(const std::string& name) {
   Guard([&] {
-    impl_ = std::make_unique<Impl>(Impl{.store = Unwrap(victorious::OpenStore(name, victorious::StoreMode::kRead))});
+    impl_ = std::make_unique<Impl>(
+        Impl{.name = name, .store = Unwrap(victorious::OpenStore(name, victorious::StoreMode::kRead))});
   });
 }
 
@@ -180,6 +184,11 @@ void Index::Export(const std::string& format, const std::string& file, const Fil
   Guard([&] {
     const victorious::ExportFormat parsed = Unwrap(victorious::ParseExportFormat(format));
     const victorious::SightingFilter inner = Unwrap(FilterOf(filter, *impl_->store));
+    std::error_code unknown;
+    if (std::filesystem::equivalent(file, impl_->name, unknown)) {
+      Raise({.code = victorious::ErrorCode::kInvalidArgument,
+             .message = file + ": is the index itself: give another file"});
+    }
     Unwrap(victorious::WriteFileInParts(
         file, [&](std::ostream& out) { return victorious::Export(*impl_->store, parsed, inner, out); }));
   });

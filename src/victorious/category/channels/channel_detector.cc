@@ -12,10 +12,12 @@
 namespace victorious {
 namespace {
 
-constexpr double kMinScanCell_px = 0.5;  // images are enlarged four times at most
-constexpr double kMaxOverlap = 0.4;      // of boxes that both stay
-constexpr double kMaxContained = 0.7;    // of the smaller of two boxes that both stay, in the other
-constexpr double kVoteOverlap = 0.6;     // of boxes that move the best of them
+constexpr double kMinScanCell_px = 0.5;     // images are enlarged four times at most
+constexpr double kMaxOverlap = 0.4;         // of boxes that both stay
+constexpr double kMaxContained = 0.7;       // of the smaller of two boxes that both stay, in the other
+constexpr double kVoteOverlap = 0.6;        // of boxes that move the best of them
+constexpr std::size_t kMaxHitsARow = 4096;  // more are those of a model that rejects nothing
+constexpr std::size_t kMaxBoxes = 8192;     // of a category, the best; likewise
 constexpr double kHalfTurn = std::numbers::pi;
 
 // The trees of a heading, with offsets into a level.
@@ -61,6 +63,7 @@ double Contained(const Box& a, const Box& b) { return Intersection(a, b).Area() 
 // Of boxes of one category.
 std::vector<ChannelBox> Suppress(std::vector<ChannelBox> boxes) {
   std::ranges::stable_sort(boxes, std::greater{}, &ChannelBox::score);
+  if (boxes.size() > kMaxBoxes) boxes.resize(kMaxBoxes);
   std::vector<ChannelBox> kept;
   std::vector<bool> is_suppressed(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -119,7 +122,7 @@ std::vector<ChannelHit> ScanLevel(const ChannelLevel& level, const ChannelCatego
                               placed.trees, *placed.floors, scores.data());
         for (std::size_t x = 0; x < columns; ++x) {
           x = FirstAccepted(scores, x, columns);
-          if (x == columns) break;
+          if (x == columns || of_row[y].size() >= kMaxHitsARow) break;
           of_row[y].push_back({.heading = h, .x = static_cast<int>(x), .y = static_cast<int>(y), .score = scores[x]});
         }
       }

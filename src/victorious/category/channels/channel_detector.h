@@ -18,6 +18,9 @@
 
 namespace victorious {
 
+/// How long or wide objects of a detector may be, in sqrt(length x width).
+inline constexpr double kMaxChannelLength = 10;
+
 /// A category of a detector.
 struct ChannelCategory {
   std::string name;

@@ -123,6 +123,24 @@ TEST(ChannelDetector, TooFewBoxesAreAnError) {
   EXPECT_THAT(model.error().message, HasSubstr("vehicle: 7 boxes"));
 }
 
+TEST(ChannelDetector, BoxesThatCannotBeExamplesAreAnError) {
+  const std::vector<BoxedImage> images = Streets(6, 2);
+  ChannelTrainOptions options = SmallTraining();
+  options.min_object_px = 400;  // of which these objects are a tenth
+  const auto too_small = TrainChannelDetector(images, {"vehicle"}, options, 1);
+  ASSERT_FALSE(too_small);
+  EXPECT_THAT(too_small.error().message, HasSubstr("vehicle: 0 of "));
+  EXPECT_THAT(too_small.error().message, HasSubstr("channels.min_object_px = 400"));
+  std::vector<BoxedImage> thin = Streets(6, 2);
+  for (BoxedImage& one : thin) {
+    for (auto& object : one.objects) object.box = {2, object.box.y, 300, 2};
+  }
+  options = SmallTraining();
+  const auto too_thin = TrainChannelDetector(thin, {"vehicle"}, options, 1);
+  ASSERT_FALSE(too_thin);
+  EXPECT_EQ(too_thin.error().code, ErrorCode::kInvalidArgument);
+}
+
 TEST(BoostedTrees, LearnsARuleOfTwoFeatures) {
   BoostExamples examples{.features = 4, .positives = {}, .negatives = {}};
   Random random(3);

@@ -74,10 +74,7 @@ std::optional<ChannelCategory> GetCategory(ByteReader& reader) {
   category.turns = reader.Get<bool>();
   category.calibration.slope = reader.Get<double>();
   category.calibration.offset = reader.Get<double>();
-  const auto is_side = [](double side) {
-    constexpr double kMaxSide = 10;
-    return side >= 1 / kMaxSide && side <= kMaxSide;
-  };
+  const auto is_side = [](double side) { return side >= 1 / kMaxChannelLength && side <= kMaxChannelLength; };
   if (!IsCategoryName(category.name) || !is_side(category.length) || !is_side(category.width) ||
       !std::isfinite(category.calibration.slope) || !std::isfinite(category.calibration.offset)) {
     return std::nullopt;

@@ -73,6 +73,37 @@ ChannelCategory ShapeOf(const std::string& name, std::span<const TrainingImage> 
   return category;
 }
 
+// Whether a box of an image is an example: whole, not too small, and elongated if its heading counts.
+bool IsExample(const TrainingImage& one, const Box& box, bool turns, double min_cell_px) {
+  constexpr double kMinSize = 0.7;
+  if (one.IsCut(box) || std::sqrt(box.Area()) / kObjectCells < kMinSize * min_cell_px) return false;
+  return !turns || RatioOf(box) >= kClearRatio;
+}
+
+// Error: kInvalidArgument if too few boxes are examples, or their shape is none that a detector has.
+Status CheckExamples(std::span<const TrainingImage> images, const ChannelCategory& category, double min_cell_px,
+                     double min_object_px) {
+  std::int64_t boxes = 0;
+  std::int64_t examples = 0;
+  for (const TrainingImage& one : images) {
+    boxes += std::ssize(one.boxes);
+    examples += std::ranges::count_if(one.boxes,
+                                      [&](const Box& box) { return IsExample(one, box, category.turns, min_cell_px); });
+  }
+  if (examples < kMinChannelBoxes) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: {} of {} boxes are whole, and large enough for channels.min_object_px = {:g}{}: a "
+                            "detector needs at least {}",
+                            category.name, examples, boxes, min_object_px,
+                            category.turns ? ", and clearly longer than wide" : "", kMinChannelBoxes));
+  }
+  if (std::max(category.length, category.width) <= kMaxChannelLength) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: its boxes are {:.0f} times as long as wide: a detector takes up to {:.0f}",
+                          category.name, std::max(category.length / category.width, category.width / category.length),
+                          kMaxChannelLength * kMaxChannelLength));
+}
+
 // A window, and the trained heading that it is an example for.
 struct HeadingExample {
   int trained = 0;
@@ -110,10 +141,8 @@ class CategoryTrainer {
   void AddPositives(const TrainingImage& one, double min_cell_px) {
     const WindowCutter cutter(one.image->image);
     for (const Box& box : one.boxes) {
+      if (!IsExample(one, box, category_.turns, min_cell_px)) continue;
       const double cell_px = std::sqrt(box.Area()) / kObjectCells;
-      constexpr double kMinSize = 0.7;
-      if (one.IsCut(box) || cell_px < kMinSize * min_cell_px) continue;
-      if (category_.turns && RatioOf(box) < kClearRatio) continue;
       for (std::size_t h = 0; h < examples_.size(); ++h) {
         for (int copy = 0; copy < options_.copies; ++copy) {
           const bool mirrored = random_.Below(2) == 1;
@@ -308,6 +337,7 @@ Expected<ChannelModel> TrainChannelDetector(std::span<const BoxedImage> images, 
   const double min_cell_px = MinCellOf(model);
   for (std::size_t c = 0; c < names.size(); ++c) {
     const std::vector<TrainingImage> own = ImagesOf(images, c);
+    VICTORIOUS_RETURN_IF_ERROR(CheckExamples(own, model.categories[c], min_cell_px, options.min_object_px));
     const auto train = [&](const std::vector<TrainingImage>& some, std::uint64_t stream) {
       return CategoryTrainer(some, model.categories[c], options, MixSeed(seed, 4 * c + stream)).Train(min_cell_px);
     };

@@ -62,9 +62,15 @@ WindowFeatures ChannelLevel::Features(int x, int y, const HeadingCopy& copy) con
   return features;
 }
 
+double FinestCell(const cv::Size& image, double min_cell_px) {
+  constexpr double kMaxLevelBytes = 1 << 30;
+  const double pixels = static_cast<double>(image.width) * image.height;
+  return std::max(min_cell_px, std::sqrt(pixels * kChannelCount / kMaxLevelBytes));
+}
+
 void ForEachLevel(const cv::Mat& image, double min_cell_px, const std::function<void(const ChannelLevel&)>& use) {
   cv::Mat octave_image = LumaAndChroma(image);
-  double cell_px = min_cell_px;
+  double cell_px = FinestCell(image.size(), min_cell_px);
   ChannelLevel level;
   for (int octave = 0; std::min(octave_image.cols, octave_image.rows) >= kMinLevelCells; ++octave) {
     cv::Mat half = HalveImage(octave_image);

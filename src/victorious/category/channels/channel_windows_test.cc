@@ -1,6 +1,8 @@
 #include "victorious/category/channels/channel_windows.h"
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -70,6 +72,15 @@ TEST(ChannelWindows, LevelsReachFromTheFinestCellsToTheWholeImage) {
   EXPECT_NEAR(cells.front(), 1.5, 0.02);
   for (std::size_t i = 1; i < cells.size(); ++i) EXPECT_NEAR(cells[i] / cells[i - 1], std::cbrt(2.0), 0.07) << i;
   EXPECT_GT(cells.back() * kWindowCells, 300);
+}
+
+TEST(ChannelWindows, OffsetsIntoTheFinestLevelFitIn32Bits) {
+  EXPECT_EQ(FinestCell({1920, 1080}, 0.5), 0.5);
+  for (const cv::Size& image : {cv::Size(8192, 6144), cv::Size(16384, 16384), cv::Size(100000, 2000)}) {
+    const double cell_px = FinestCell(image, 0.5);
+    const double cells = (image.width / cell_px + 2 * kLevelBorder) * (image.height / cell_px + 2 * kLevelBorder);
+    EXPECT_LT(cells * kChannelCount, std::numeric_limits<std::int32_t>::max()) << image;
+  }
 }
 
 TEST(ChannelWindows, ACutWindowIsThatOfTheLevel) {

@@ -18,12 +18,13 @@ void FollowOptions::ListFields(FieldList& fields) {
   fields.Add("enabled", enabled,
              {.reason = "detected objects are tracked and searched for in their regions; otherwise every full frame is "
                         "searched independently"});
-  fields.Add("frame_interval_s", frame_interval_s,
-             {.min = 0,
-              .max = 1000,
-              .unit = "s",
-              .reason = "minimum time between frames that are tracked, of videos: of 30 frames a second each third; in "
-                        "those between, boxes are interpolated; 0 tracks every frame"});
+  fields.Add(
+      "frame_interval_s", frame_interval_s,
+      {.min = 0,
+       .max = 1000,
+       .unit = "s",
+       .reason = "time between frames that are tracked, of videos, rounded to frames: of 30 frames a second each "
+                 "third; in those between, boxes are interpolated, but for the last of a video; 0 tracks all"});
   fields.Add("restart_interval_frames", restart_interval_frames,
              {.min = 1,
               .max = kNoRestart,
