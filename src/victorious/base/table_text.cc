@@ -111,14 +111,15 @@ std::string CommaSeparated(std::string_view bytes) {
   std::string_view header = rest;
   header = TakeLine(header);
   constexpr std::string_view kSeparatorLine = "sep=";
-  if (LowerCase(header.substr(0, kSeparatorLine.size())) == kSeparatorLine) {
+  const bool has_separator_line = LowerCase(header.substr(0, kSeparatorLine.size())) == kSeparatorLine;
+  if (has_separator_line) {
     static_cast<void>(TakeLine(rest));
     header = rest;
     header = TakeLine(header);
   }
   const char separator = SeparatorOf(header);
-  if (separator == ',') return std::string(rest);
-  std::string table;
+  if (separator == ',') return (has_separator_line ? "\n" : "") + std::string(rest);
+  std::string table(has_separator_line ? "\n" : "");
   while (!rest.empty()) {
     bool first = true;
     for (std::string& cell : SplitRow(TakeLine(rest), separator)) {

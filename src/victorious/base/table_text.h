@@ -12,7 +12,8 @@ namespace victorious {
 
 /// The table in UTF-8 with commas between the cells and decimal points, line by line (SplitRow in text.h reads its
 /// rows). The header decides: a semicolon or tab separates if it is in the header and divides it into more cells than
-/// commas do; then a comma in a number is a decimal comma. A first line "sep=;" of spreadsheet programs is removed.
+/// commas do; then a comma in a number is a decimal comma. A first line "sep=;" of spreadsheet programs becomes
+/// an empty one: the numbers of lines stay.
 [[nodiscard]] std::string CommaSeparated(std::string_view bytes);
 
 }  // namespace victorious

@@ -17,7 +17,8 @@ TEST(TableText, SemicolonsTabsAndDecimalCommasBecomeOneForm) {
   EXPECT_EQ(CommaSeparated("time_s;name;height_m\n0.5;x;-12.25\n1;;3e2\n"), plain);
   EXPECT_EQ(CommaSeparated("time_s;name;height_m\r\n0,5;x;-12,25\r\n1;;3e2\r\n"), plain);
   EXPECT_EQ(CommaSeparated("time_s\tname\theight_m\n0.5\tx\t-12.25\n1\t\t3e2"), plain);
-  EXPECT_EQ(CommaSeparated("sep=;\ntime_s;name;height_m\n0,5;x;-12,25\n1;;3e2\n"), plain);
+  EXPECT_EQ(CommaSeparated("sep=;\ntime_s;name;height_m\n0,5;x;-12,25\n1;;3e2\n"), "\n" + plain) << "the same lines";
+  EXPECT_EQ(CommaSeparated("sep=,\n" + plain), "\n" + plain);
 }
 
 TEST(TableText, TextsKeepTheirCommas) {

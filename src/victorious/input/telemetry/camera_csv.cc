@@ -162,13 +162,24 @@ std::string RequiredCells(const CameraState& state) {
                      attitude ? Cell(DegreesFromRadians(attitude->roll_rad)) : "", Cell(Degrees(state.hfov_rad)));
 }
 
+// The names of the columns: the first line that is not empty. Sets its number, from 1.
+std::vector<std::string> TakeHeader(std::string_view& text, int& line) {
+  std::string_view header;
+  while (!text.empty() && TrimBlanks(header).empty()) {
+    header = TakeLine(text);
+    ++line;
+  }
+  return SplitRow(header);
+}
+
 }  // namespace
 
 bool LooksLikeCameraCsv(std::string_view bytes) {
   constexpr std::size_t kHeadSize = 8192;
   const std::string head = CommaSeparated(bytes.substr(0, kHeadSize));
   std::string_view text = head;
-  const std::vector<std::string> names = SplitRow(TakeLine(text));
+  int line = 0;
+  const std::vector<std::string> names = TakeHeader(text, line);
   return std::ranges::count_if(names, [](const std::string& name) {
            return std::ranges::find(kPlaceColumns, LowerCase(name)) != kPlaceColumns.end();
          }) >= 2;
@@ -179,7 +190,8 @@ Expected<CameraRows> ParseCameraCsv(std::string_view bytes) {
   std::string_view text = table;
   Columns columns;
   std::size_t at = 0;
-  for (const std::string& name : SplitRow(TakeLine(text))) columns.emplace(LowerCase(name), at++);
+  int header_line = 0;
+  for (const std::string& name : TakeHeader(text, header_line)) columns.emplace(LowerCase(name), at++);
   for (const std::string_view name : kPlaceColumns) {
     if (!columns.contains(name)) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("the header has no column {}: a telemetry table needs {}",
@@ -189,7 +201,7 @@ Expected<CameraRows> ParseCameraCsv(std::string_view bytes) {
   CameraRows rows;
   WarningList skipped;
   int bad_times = 0;
-  for (int line = 2; !text.empty(); ++line) {
+  for (int line = header_line + 1; !text.empty(); ++line) {
     const std::string_view cells = TakeLine(text);
     if (TrimBlanks(cells).empty()) continue;
     ++rows.rows;

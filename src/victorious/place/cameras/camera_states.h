@@ -79,7 +79,8 @@ class CameraStates {
   [[nodiscard]] std::optional<double> HeightAboveGround(const std::optional<CameraState>& camera,
                                                         const Ground* given) const;
 
-  /// Sets attitudes of a camera without telemetry (place/calibrate/assumed_attitude.h), for ForSearch() only; empty: none.
+  /// Sets attitudes of a camera without telemetry (place/calibrate/assumed_attitude.h), for ForSearch() only; empty:
+  /// none.
   void SetAssumedAttitudes(std::vector<CameraState> states);
   [[nodiscard]] bool has_assumed_attitudes() const { return assumed_.has_value(); }
 

@@ -51,8 +51,8 @@ struct GivenOfCamera {
 
 /// Estimates the offset from the first 20 s of the video, within 4 s, and shifts the camera states if it is
 /// significant; `warn` receives one line with the offset and its standard error. Without an estimate they are shifted
-/// by the prior (place/calibrate/clock_prior.h), and `warn` receives DescribeUnknownClock. Telemetry that the motion of the
-/// image contradicts is that of another flight: the states are forgotten, so that nothing gets a wrong place, and
+/// by the prior (place/calibrate/clock_prior.h), and `warn` receives DescribeUnknownClock. Telemetry that the motion of
+/// the image contradicts is that of another flight: the states are forgotten, so that nothing gets a wrong place, and
 /// `warn` receives DescribeContradiction. The states get the standard deviation of the clock
 /// (CameraStates::SetClockSigma). Then the field of view is judged, and corrected if it is more likely wrong than
 /// right; `warn` receives DescribeFieldOfView. The yaw is corrected if its error is significant; `warn` receives

@@ -1,10 +1,17 @@
 #include "victorious/place/cameras/live_cameras.h"
 
+#include <cctype>
 #include <utility>
 
 #include "victorious/input/telemetry/camera_track.h"
 
 namespace victorious {
+namespace {
+
+// States and packets of this time stay: an item of a packet holds as long (klv_hold.h).
+constexpr double kKept_s = 30;
+
+}  // namespace
 
 Status LiveCameraTrack::Add(std::vector<DataPacket> packets, double now_s) {
   constexpr double kDecodeEvery_s = 0.2;
@@ -12,19 +19,26 @@ Status LiveCameraTrack::Add(std::vector<DataPacket> packets, double now_s) {
   for (DataPacket& packet : packets) {
     if (stream_ && packet.stream != *stream_) continue;
     if (!packet.time_s) packet.time_s = now_s;
-    pending_[packet.stream].push_back(std::move(packet));
+    packets_[packet.stream].push_back(std::move(packet));
   }
-  if (pending_.empty() || (stream_ && now_s < decoded_s_ + kDecodeEvery_s)) return {};
+  if (packets_.empty() || now_s < decoded_s_ + kDecodeEvery_s) return {};
   decoded_s_ = now_s;
-  for (const auto& [stream, of_stream] : std::exchange(pending_, {})) {
-    if (!stream_ || stream == *stream_) VICTORIOUS_RETURN_IF_ERROR(Decode(of_stream, stream));
+  for (auto& [stream, kept] : packets_) {
+    if (stream_ && stream != *stream_) continue;
+    std::erase_if(kept, [&](const DataPacket& packet) { return *packet.time_s < now_s - kKept_s; });
+    VICTORIOUS_RETURN_IF_ERROR(Decode(kept, stream));
   }
+  if (stream_) std::erase_if(packets_, [&](const auto& one) { return one.first != *stream_; });
   return {};
 }
 
 Status LiveCameraTrack::Decode(const std::vector<DataPacket>& packets, int stream) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, TelemetryFromPackets(packets, options_));
-  for (const std::string& warning : telemetry.warnings) warnings_.AddOnce(warning);
+  for (const std::string& warning : telemetry.warnings) {
+    std::string kind = warning;  // the numbers in it differ each time
+    std::erase_if(kind, [](unsigned char c) { return std::isdigit(c) != 0; });
+    if (warned_.insert(std::move(kind)).second) warnings_.AddOnce(warning);
+  }
   if (telemetry.states.empty()) return {};
   stream_ = stream;
   AppendStates(telemetry.states);
@@ -32,7 +46,6 @@ Status LiveCameraTrack::Decode(const std::vector<DataPacket>& packets, int strea
 }
 
 void LiveCameraTrack::AppendStates(std::span<const CameraState> states) {
-  constexpr double kKept_s = 30;
   for (const CameraState& state : states) {
     if (states_.empty() || state.time_s > states_.back().time_s) states_.push_back(state);
   }

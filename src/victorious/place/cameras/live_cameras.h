@@ -1,11 +1,13 @@
 // Camera states of a live source, decoded from the telemetry packets that arrive with its frames.
 //
 // Packets are decoded every 0.2 s. A packet without a time stamp gets the time of the newest frame. Of several data
-// streams, the first one with camera states is used. Only the last 30 s of states are kept.
+// streams, the first one with camera states is used. Packets and states of the last 30 s are kept: an item
+// of a packet holds for the later ones.
 #pragma once
 
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -52,12 +54,13 @@ class LiveCameraTrack final : public PacketReceiver {
   void AppendStates(std::span<const CameraState> states);
 
   TelemetryOptions options_;
-  std::map<int, std::vector<DataPacket>> pending_;  // by stream, not yet decoded
-  double decoded_s_ = 0;                            // time of the newest frame at the last decoding
+  std::map<int, std::vector<DataPacket>> packets_;  // by stream, of the last 30 s
+  double decoded_s_ = -1;                           // time of the newest frame at the last decoding
   std::optional<double> first_s_;                   // time of the first frame
   std::optional<int> stream_;                       // the stream with camera states
   std::vector<CameraState> states_;                 // by ascending time
   WarningList warnings_;
+  std::set<std::string> warned_;  // their texts without digits
 };
 
 }  // namespace victorious

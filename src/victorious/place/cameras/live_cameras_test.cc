@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -76,6 +77,34 @@ TEST(LiveCameraTrack, KeepsTheLastSecondsOnly) {
   for (int second = 0; second <= 100; ++second) ASSERT_TRUE(cameras.Add({CameraAt(second)}, second));
   EXPECT_TRUE(cameras.At(80));
   EXPECT_FALSE(cameras.At(60));
+}
+
+TEST(LiveCameraTrack, ItemsHoldFromPacketsThatCameBefore) {
+  LiveCameraTrack cameras({});
+  // As a producer that sends the field of view once, and the rest in each packet.
+  const auto packet = [](double time_s, bool has_field) {
+    const auto signed_of = [](double value, double range) {
+      return BigEndian(static_cast<std::uint32_t>(static_cast<std::int32_t>(value / range * 2147483647)), 4);
+    };
+    std::vector<std::pair<int, std::string>> items = {
+        {2, BigEndian(kStart_us + static_cast<std::uint64_t>(time_s * 1e6), 8)},
+        {5, BigEndian(16384, 2)},
+        {13, signed_of(42, 90)},
+        {14, signed_of(-71, 180)},
+        {18, BigEndian(0, 4)},
+        {19, signed_of(-45, 180)},
+        {75, BigEndian(6257, 2)},
+        {90, BigEndian(0, 4)},
+        {91, BigEndian(0, 4)}};
+    if (has_field) items.insert(items.begin() + 2, {16, BigEndian(5461, 2)});
+    return Packet(St0601Packet(items), time_s);
+  };
+  for (int i = 0; i <= 20; ++i) ASSERT_TRUE(cameras.Add({packet(0.5 * i, i == 0)}, 0.5 * i));
+  const std::optional<CameraState> state = cameras.At(9.75);
+  ASSERT_TRUE(state);
+  ASSERT_TRUE(state->hfov_rad);
+  EXPECT_NEAR(DegreesFromRadians(*state->hfov_rad), 15, 0.1);
+  EXPECT_LE(cameras.Warnings().size(), 1U) << "the same warning with other numbers is one";
 }
 
 TEST(LiveCameraTrack, WarnsIfNoStreamHasCameraStates) {
