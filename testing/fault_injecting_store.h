@@ -25,6 +25,8 @@ class FaultInjectingStore : public IndexStore {
                                                           const std::string& content_id) override {
     return store_.DeleteOtherContent(name, folder, content_id);
   }
+  [[nodiscard]] Status DeleteVideo(std::int64_t video) override { return store_.DeleteVideo(video); }
+  [[nodiscard]] Status DeleteModel(std::int64_t model) override { return store_.DeleteModel(model); }
   [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override { return store_.PutVideo(video); }
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frames, double duration_s) override {
     return store_.SetVideoLength(video, frames, duration_s);

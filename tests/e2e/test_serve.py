@@ -556,6 +556,32 @@ class ServeTest(ServerCase):
         self.assertEqual(made["frames_read"], expected)
         self.assertIn("clip.telemetry.csv", json.dumps(made))
 
+    def test_what_was_added_by_mistake_is_removed(self):
+        """A model with its objects and its file, then the video; the video's file stays."""
+        models = self.scratch / "models"
+        shutil.copytree(program.models(), models)
+        with self.serve("--models", models) as server:
+            listed = self.get(server, "/api/v1/project")["models"]
+            gone = next(one for one in listed if one["name"] == "crate")
+            self.assertGreater(gone["objects"], 0)
+            job = self.wait_for_job(server, self.post_job(server, kind="remove", model_id=gone["id"]), "done")
+            self.assertEqual(job["title"], "crate")
+            self.assertEqual(list(models.glob("crate*")), [])
+            left = [one["model"] for one in json.loads(f"[{','.join(self.succeeds('export', '--db', self.db, '--format', 'objects').out.splitlines())}]")]
+            self.assertNotIn("crate", left)
+            self.assertEqual(len(left), sum(one["objects"] for one in listed) - gone["objects"])
+            for wrong in ({}, {"model_id": 99}, {"video_id": 99}, {"video_id": 1, "model_id": 1}):
+                status, _, body = self.ask(server, "/api/v1/jobs", "POST", json.dumps({"kind": "remove", **wrong}))
+                self.assertEqual(status, 400, body)
+            self.wait_for_job(server, self.post_job(server, kind="remove", video_id=1), "done")
+        self.assertEqual(self.succeeds("export", "--db", self.db, "--format", "objects").out, "")
+        self.assertTrue(self.video.exists())
+        self.refuses(2, "is not in the index", "remove", "--db", self.db, "--video", self.video)
+        self.refuses(2, "is not in the index", "remove", "--db", self.db, "--model", "crate", "--models", models)
+        self.refuses(2, "either --video NAME or --model NAME", "remove", "--db", self.db)
+        self.refuses(2, "none.db", "remove", "--db", self.scratch / "none.db", "--model", "crate")
+        self.assertFalse((self.scratch / "none.db").exists())
+
     def test_jobs_that_fail_say_why(self):
         with self.serve("--models", program.models()) as server:
             broken = self.upload(server, self.write("broken.mp4", "no video"))

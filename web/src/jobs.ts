@@ -68,6 +68,7 @@ const READY = {
   sample: (title: string) => `The ${title} is made; it is searched next.`,
   track: (title: string) => `${title} was followed: its track is on the video, the time line and the map.`,
   refine: (title: string) => `${title} is refined: the new file and what it changes are under Add.`,
+  remove: (title: string) => `${title} is no longer in the index.`,
   clip: (title: string) => `The clip ${title} is ready: it is under Add.`,
 };
 

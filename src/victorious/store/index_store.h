@@ -101,6 +101,11 @@ class IndexStore {
   [[nodiscard]] virtual Expected<std::vector<SearchPart>> SearchParts(std::int64_t video) = 0;
   /// Deletes the tracklets and sightings of a model in a video, and the progress of the search.
   [[nodiscard]] virtual Status DeleteSearch(std::int64_t video, std::int64_t model) = 0;
+  /// Deletes a video, or a model, with its searches, tracklets and sightings, with the objects of which nothing is
+  /// left, and with what people said of these. Objects that other videos show keep their place until data association
+  /// runs. Error: kNotFound.
+  [[nodiscard]] virtual Status DeleteVideo(std::int64_t video) = 0;
+  [[nodiscard]] virtual Status DeleteModel(std::int64_t model) = 0;
   /// Deletes the kept features of a video.
   [[nodiscard]] virtual Status DeleteKeptFrames(std::int64_t video) = 0;
 

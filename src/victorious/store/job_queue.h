@@ -31,6 +31,7 @@ enum class JobKind {
   kTrack,   ///< follows a box of a frame
   kRefine,  ///< refines the categories by what was reviewed
   kSample,  ///< simulates the flight of the sample
+  kRemove,  ///< takes a video or a model out of the index
 };
 
 /// The texts in the index and in the API.
@@ -41,7 +42,8 @@ inline constexpr auto kJobKindTexts = std::to_array<EnumText<JobKind>>({{JobKind
                                                                         {JobKind::kLive, "live"},
                                                                         {JobKind::kTrack, "track"},
                                                                         {JobKind::kRefine, "refine"},
-                                                                        {JobKind::kSample, "sample"}});
+                                                                        {JobKind::kSample, "sample"},
+                                                                        {JobKind::kRemove, "remove"}});
 
 constexpr std::string_view ToText(JobKind kind) { return ToText(kJobKindTexts, kind); }
 

@@ -148,6 +148,56 @@ TEST_P(VideosTest, TextsRoundTripByteForByte) {
   EXPECT_EQ(*store_->DeleteOtherContent(name, name, "c3"), 1);
 }
 
+class DeletionTest : public VideosTest {
+ protected:
+  // A tracklet of one sighting, which is an object by itself.
+  std::int64_t Find(std::int64_t video, std::int64_t model) {
+    IndexBatch batch;
+    batch.tracklets.push_back({std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = 1}});
+    batch.sightings.push_back({0, {.box = {1, 2, 30, 40}, .outline = {{1, 2}, {31, 2}, {31, 42}}, .score = 0.5}});
+    batch.progress.push_back({.search = {.video = video, .model = model, .next_frame = 1, .options_json = "{}"}});
+    return store_->Commit(batch).value().front();
+  }
+  [[nodiscard]] std::vector<std::int64_t> ObjectIds() {
+    std::vector<std::int64_t> ids;
+    const auto objects = store_->Objects({.include_rejected = true}).value();
+    for (const ObjectRecord& object : objects) ids.push_back(object.id);
+    return ids;
+  }
+};
+
+TEST_P(DeletionTest, AVideoGoesWithWhatOnlyItShows) {
+  const std::int64_t kept = PutVideo("c1", "a.mp4").id;
+  const std::int64_t gone = PutVideo("c2", "b.mp4").id;
+  const std::int64_t model =
+      store_->PutModel({.name = "jeep", .content_id = "m", .kind = ModelKind::kPhotos}).value().id;
+  const std::int64_t stays = Find(kept, model);
+  const std::int64_t goes = Find(gone, model);
+  ASSERT_TRUE(store_->PutReview(goes, {Verdict::kAccepted, "", 10, "ann"}));
+  ASSERT_TRUE(store_->DeleteVideo(gone));
+  EXPECT_THAT(ContentIds(), ElementsAre("c1"));
+  EXPECT_THAT(ObjectIds(), ElementsAre(stays));
+  EXPECT_THAT(store_->Reviews().value(), IsEmpty());
+  EXPECT_FALSE(*store_->FindSearch(gone, model));
+  EXPECT_THAT(store_->FindFaults().value(), IsEmpty());
+  const Status again = store_->DeleteVideo(gone);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, ErrorCode::kNotFound);
+}
+
+TEST_P(DeletionTest, AModelGoesWithItsObjectsInAllVideos) {
+  const std::int64_t video = PutVideo("c1", "a.mp4").id;
+  const std::int64_t kept = store_->PutModel({.name = "jeep", .content_id = "m", .kind = ModelKind::kPhotos})->id;
+  const std::int64_t gone = store_->PutModel({.name = "wrong", .content_id = "w", .kind = ModelKind::kPhotos})->id;
+  const std::int64_t stays = Find(video, kept);
+  Find(video, gone);
+  ASSERT_TRUE(store_->DeleteModel(gone));
+  EXPECT_EQ(store_->Models()->size(), 1U);
+  EXPECT_THAT(ObjectIds(), ElementsAre(stays));
+  EXPECT_EQ(store_->Searches()->size(), 1U);
+  EXPECT_FALSE(store_->DeleteModel(gone));
+}
+
 // The telemetry file that was given last is that of the next search.
 TEST_P(VideosTest, RemembersTheTelemetryThatWasGiven) {
   const VideoRecord video{.content_id = "c1", .name = "a.mp4", .telemetry = "/data/Übung.csv"};
@@ -191,6 +241,7 @@ TEST_P(VideosTest, SoundIndexHasNoFaults) {
 }
 
 VICTORIOUS_TEST_ON_ALL_STORES(VideosTest);
+VICTORIOUS_TEST_ON_ALL_STORES(DeletionTest);
 
 }  // namespace
 }  // namespace victorious

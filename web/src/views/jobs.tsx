@@ -16,9 +16,10 @@ import * as selection from "../selection";
 import * as state from "../state";
 import * as turntable from "../turntable";
 import { Icon } from "./icons";
+import { Library } from "./library";
 import { type BoxedPhoto, PhotoBoxes, isMarked, readPhotos } from "./photo_box";
 
-const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories", sample: "simulate" } as const;
+const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories", sample: "simulate", remove: "remove" } as const;
 const FILES = { track: "Save the track", clip: "Save the clip", telemetry: "Save its telemetry", categories: "Save the refined model" } as const;
 
 function Bar({ of, part }: { of: string; part: number | null }) {
@@ -249,6 +250,7 @@ export function JobsPanel() {
         ))}
       </ul>
       {nothing && <p class="muted">Nothing is being worked on.</p>}
+      <Library />
     </aside>
   );
 }

@@ -39,6 +39,7 @@ Action SetUpModel(ArgumentParser& parser);
 Action SetUpNavigate(ArgumentParser& parser);
 Action SetUpParams(ArgumentParser& parser);
 Action SetUpRecord(ArgumentParser& parser);
+Action SetUpRemove(ArgumentParser& parser);
 Action SetUpSearch(ArgumentParser& parser);
 Action SetUpServe(ArgumentParser& parser);
 Action SetUpSheet(ArgumentParser& parser);

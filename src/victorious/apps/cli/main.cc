@@ -49,6 +49,7 @@ constexpr std::array kCommands = {
     Command{"serve", "Find", "Show the results in the browser: ranked list, video and map", &SetUpServe, !kHasThreads,
             nullptr, kHasAddresses},
     Command{"user", "Find", "Say who may use `serve`: accounts, roles, tokens, log", &SetUpUser},
+    Command{"remove", "Find", "Take a video or a model out of an index, with all that was found of it", &SetUpRemove},
     Command{"backup", "Find", "Copy an index while it is read and written", &SetUpBackup},
     Command{"sheet", "Find", "Draw the objects found on a contact sheet", &SetUpSheet},
     Command{"locate", "Find", "Locate the intersection of lines of sight, with covariance", &SetUpLocate},

@@ -324,6 +324,7 @@ std::string JobTitle(const JobRecord& job) {
   };
   if (job.kind == JobKind::kModel) return text("name");
   if (job.kind == JobKind::kSample) return "sample flight";
+  if (job.kind == JobKind::kRemove && input->contains("model")) return text("model");
   if (job.kind == JobKind::kClip || job.kind == JobKind::kTrack || job.kind == JobKind::kLive) return text("title");
   return std::filesystem::path(text(job.kind == JobKind::kRefine ? "categories" : "video")).filename().string();
 }
@@ -349,8 +350,9 @@ Json JobToJson(const JobRecord& job, std::int64_t now_us, SourceReasons reasons)
     const auto rest = static_cast<double>(std::max<std::int64_t>(0, *progress.total - progress.done));
     if (elapsed_s >= kMinElapsed_s) left = std::round(elapsed_s * rest / static_cast<double>(progress.done));
   }
-  const bool is_hidden =
-      reasons == SourceReasons::kHidden && job.kind == JobKind::kLive && job.state == WorkState::kFailed;
+  // A source that is tried again has its reason while it runs or waits, too: with its address.
+  const bool is_hidden = reasons == SourceReasons::kHidden && job.kind == JobKind::kLive &&
+                         (job.state == WorkState::kFailed || progress.message.contains("://"));
   return {{"id", job.id},
           {"kind", ToText(job.kind)},
           {"title", JobTitle(job)},

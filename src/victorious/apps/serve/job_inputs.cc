@@ -51,10 +51,27 @@ ApiExpected<Json> JobInputs::Make(JobKind kind, const Body& body, const CancelTo
       return RefineInput(body);
     case JobKind::kSample:
       return SampleInput(body);
+    case JobKind::kRemove:
+      return RemoveInput(body);
     case JobKind::kClip:
       break;
   }
   return ClipInput(body);
+}
+
+ApiExpected<Json> JobInputs::RemoveInput(const Body& body) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckMembers(body, {"kind", "video_id", "model_id"}));
+  if (body.contains("video_id") == body.contains("model_id")) {
+    return FailField("video_id", "Give either a video_id or a model_id of the index");
+  }
+  if (body.contains("video_id")) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const ListedVideo video, ReadVideo(index_, body));
+    return Json{{"video", video.record->name}};
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
+  const ModelRecord* model = lists->Model(ReadNumber(body, "model_id"));
+  if (model == nullptr) return FailField("model_id", "The model is not in the index");
+  return Json{{"model", model->name}};
 }
 
 ApiExpected<Json> JobInputs::IndexInput(const Body& body) {

@@ -41,6 +41,7 @@ class JobInputs {
   ApiExpected<Json> RefineInput(const nlohmann::json& body);
   /// Errors: kUnsupported without a sample, or if the index has a video.
   ApiExpected<Json> SampleInput(const nlohmann::json& body);
+  ApiExpected<Json> RemoveInput(const nlohmann::json& body);
   static ApiExpected<Json> LiveInput(const nlohmann::json& body);
   ApiExpected<Json> TrackInput(const nlohmann::json& body, const CancelToken& cancel);
   /// Writes a frame of a video as an image among the uploads.

@@ -105,14 +105,16 @@ ApiExpected<HttpResponse> JobRoutes::Submit(const ApiCall& call) {
   if (!kind) {
     return FailField(
         "kind",
-        fmt::format("The kind \"{}\" must be one of index, live, model, copy, clip, track, refine, sample", name));
+        fmt::format("The kind \"{}\" must be one of index, live, model, copy, clip, track, refine, sample, remove",
+                    name));
   }
   if (*kind == JobKind::kIndex || *kind == JobKind::kLive) VICTORIOUS_RETURN_IF_ERROR(CheckHasTargets());
   VICTORIOUS_ASSIGN_OR_RETURN(const Json input, needs_.inputs.Make(*kind, *body, call.cancel));
+  if (*kind == JobKind::kRemove && !call.caller.May(Role::kAdmin)) {
+    return std::unexpected(
+        ApiError(Error{ErrorCode::kPermissionDenied, "only an administrator may remove a video or a model"}));
+  }
   if (*kind == JobKind::kLive) VICTORIOUS_RETURN_IF_ERROR(CheckMayOpen(DumpJson(input), call.caller));
-  const std::scoped_lock lock(quota_mutex_);
-  VICTORIOUS_RETURN_IF_ERROR(CheckQuota(call.caller));
-  if (*kind == JobKind::kSample) return SubmitSample(input, call.caller.name());
   const NewJob asked{.kind = *kind,
                      .input_json = DumpJson(input),
                      .now_us = NowUtcMicroseconds(),
@@ -123,6 +125,9 @@ ApiExpected<HttpResponse> JobRoutes::Submit(const ApiCall& call) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<JobRecord> made, FindMade(asked));
     if (made) return JsonResponse(JobToJson(*made, NowUtcMicroseconds()));
   }
+  const std::scoped_lock lock(quota_mutex_);
+  VICTORIOUS_RETURN_IF_ERROR(CheckQuota(call.caller));
+  if (*kind == JobKind::kSample) return SubmitSample(input, call.caller.name());
   // Several viewers ask for the same file.
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job,
                               MakesFile(*kind) ? needs_.live.SubmitOnce(asked) : needs_.live.Submit(asked));

@@ -208,6 +208,14 @@ Expected<std::vector<std::string>> SampleArguments(const nlohmann::json& input, 
   return std::vector<std::string>{"simulate", "--force", "--out=" + folder, "--", scene};
 }
 
+Expected<std::vector<std::string>> RemoveArguments(const nlohmann::json& input, const JobFolders& folders) {
+  const bool is_video = input.contains("video");
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string name, TextMember(input, is_video ? "video" : "model"));
+  if (is_video) return std::vector<std::string>{"remove", "--db", folders.index, "--video=" + name};
+  return std::vector<std::string>{"remove",         "--db", folders.index, "--models", folders.models.string(),
+                                  "--model=" + name};
+}
+
 }  // namespace
 
 Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders) {
@@ -227,6 +235,8 @@ Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobF
       return RefineArguments(input, folders);
     case JobKind::kSample:
       return SampleArguments(input, folders);
+    case JobKind::kRemove:
+      return RemoveArguments(input, folders);
     case JobKind::kClip:
       break;
   }

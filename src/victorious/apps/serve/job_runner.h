@@ -43,6 +43,7 @@ struct JobFolders {
 ///   copy   {"video": path, "copy": path}
 ///   clip   {"video": name in the index, "object": id, "from_s", "to_s": numbers or null, "telemetry": path or null,
 ///          "clip": path}
+///   remove {"video": name in the index} or {"model": name in the index}
 ///   refine {"categories": path, "refine": path}
 ///   model  {"name": text, "files": [path, …], "length_m": number or null, "box": [x, y, w, h] or null}
 [[nodiscard]] Expected<std::vector<std::string>> JobArguments(const JobRecord& job, const JobFolders& folders);

@@ -20,7 +20,7 @@ constexpr std::int64_t kEndedJobs = 20;
 // Each runner works on one job at a time: a search takes hours, a live source has no end, and a user waits for a file.
 constexpr int kMaxLiveSources = 4;  // at once; others wait
 std::vector<std::vector<JobKind>> KindsOfRunners() {
-  std::vector<std::vector<JobKind>> kinds = {{JobKind::kIndex, JobKind::kModel, JobKind::kSample},
+  std::vector<std::vector<JobKind>> kinds = {{JobKind::kIndex, JobKind::kModel, JobKind::kSample, JobKind::kRemove},
                                              {JobKind::kCopy, JobKind::kClip, JobKind::kTrack, JobKind::kRefine}};
   kinds.resize(kinds.size() + kMaxLiveSources, {JobKind::kLive});
   return kinds;

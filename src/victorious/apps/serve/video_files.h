@@ -48,8 +48,8 @@ class VideoFiles {
   /// The frame at a time, CV_8UC1, as a search reads it. Errors: those of Frame.
   [[nodiscard]] Expected<cv::Mat> GreyFrame(const VideoRecord& video, double time_s, const CancelToken& cancel);
 
-  /// The presentation times of all frames (input/video/frame_times.h). Errors: those of Find and of reading; kUnsupported if
-  /// it takes more than 10 minutes; kCancelled.
+  /// The presentation times of all frames (input/video/frame_times.h). Errors: those of Find and of reading;
+  /// kUnsupported if it takes more than 10 minutes; kCancelled.
   [[nodiscard]] Expected<std::shared_ptr<const std::vector<double>>> Times(const VideoRecord& video,
                                                                            const CancelToken& cancel);
 
@@ -72,8 +72,8 @@ class VideoFiles {
   OnceCache<std::vector<double>> times_;  ///< by content id
 };
 
-/// The file name of the copy of a video that browsers play (input/video/playable_copy.h). It belongs to the video's content,
-/// not to its name.
+/// The file name of the copy of a video that browsers play (input/video/playable_copy.h). It belongs to the video's
+/// content, not to its name.
 [[nodiscard]] std::string CopyName(const VideoRecord& video);
 
 }  // namespace victorious

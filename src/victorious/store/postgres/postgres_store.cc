@@ -161,6 +161,7 @@ Status PostgresStore::LockObjectsOf(const std::vector<IndexBatch::TrackletUpdate
 }
 
 Status PostgresStore::JoinTracklets(const IndexBatch::JoinedTracklets& joined) {
+  VICTORIOUS_CHECK(joined.into != joined.from);
   VICTORIOUS_RETURN_IF_ERROR(
       connection_->Query("SELECT id FROM objects WHERE id IN (SELECT object_id FROM tracklets WHERE id = ? OR id = ?) "
                          "ORDER BY id FOR UPDATE",

@@ -32,6 +32,8 @@ class PostgresStore final : public IndexStore {
       : connection_(std::move(connection)), patience_(patience) {}
 
   [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override;
+  [[nodiscard]] Status DeleteVideo(std::int64_t video) override;
+  [[nodiscard]] Status DeleteModel(std::int64_t model) override;
   [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                           const std::string& content_id) override;
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
@@ -75,6 +77,7 @@ class PostgresStore final : public IndexStore {
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override;
 
  private:
+  [[nodiscard]] Status DeleteWithObjects(std::string_view statement, const char* what, std::int64_t id);
   /// Returns the id of the text of options. Inside a transaction.
   [[nodiscard]] Expected<std::int64_t> PutOptions(const std::string& json);
   [[nodiscard]] Status PutProgress(const IndexBatch::Progress& progress);

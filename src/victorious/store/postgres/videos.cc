@@ -57,6 +57,23 @@ Expected<std::int64_t> PostgresStore::DeleteOtherContent(const std::string& name
   return deleted.Changes();
 }
 
+Status PostgresStore::DeleteVideo(std::int64_t video) {
+  return DeleteWithObjects("DELETE FROM videos WHERE id = ?", "video", video);
+}
+
+Status PostgresStore::DeleteModel(std::int64_t model) {
+  return DeleteWithObjects("DELETE FROM models WHERE id = ?", "model", model);
+}
+
+// Deletes the dependent rows as well (ON DELETE CASCADE).
+Status PostgresStore::DeleteWithObjects(std::string_view statement, const char* what, std::int64_t id) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kAll));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Result deleted, connection_->Query(statement, id));
+  if (deleted.Changes() != 1) return std::unexpected(Missing(what, id));
+  VICTORIOUS_RETURN_IF_ERROR(connection_->Query(sql::kDeleteEmptyObjects));
+  return transaction.Commit();
+}
+
 Status PostgresStore::SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kShared));
   VICTORIOUS_ASSIGN_OR_RETURN(const Result updated,

@@ -17,6 +17,10 @@
 
 namespace victorious::sql {
 
+/// Deletes the objects of which nothing is left.
+inline constexpr std::string_view kDeleteEmptyObjects =
+    "DELETE FROM objects WHERE NOT EXISTS (SELECT 1 FROM tracklets WHERE object_id = objects.id)";
+
 inline constexpr ColumnList kTrackletColumns({"video_id", "model_id", "score", "frames", "first_time_s",
                                               "last_time_s"});
 

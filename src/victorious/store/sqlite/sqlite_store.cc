@@ -134,6 +134,26 @@ Expected<std::int64_t> SqliteStore::DeleteOtherContent(const std::string& name, 
   return connection_->Changes();
 }
 
+Status SqliteStore::DeleteVideo(std::int64_t video) {
+  return DeleteWithObjects("DELETE FROM videos WHERE id = ?", "video", video);
+}
+
+Status SqliteStore::DeleteModel(std::int64_t model) {
+  return DeleteWithObjects("DELETE FROM models WHERE id = ?", "model", model);
+}
+
+// Deletes the dependent rows as well (ON DELETE CASCADE).
+Status SqliteStore::DeleteWithObjects(std::string_view statement, const char* what, std::int64_t id) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement remove, connection_->Prepare(statement));
+    VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(remove.Bind(id), what, id));
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement forget, connection_->Prepare(sql::kDeleteEmptyObjects));
+    VICTORIOUS_RETURN_IF_ERROR(forget.Run());
+  }
+  return transaction.Commit();
+}
+
 Status SqliteStore::SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) {
   VICTORIOUS_ASSIGN_OR_RETURN(Statement update,
                               connection_->Prepare("UPDATE videos SET frame_count = ?, duration_s = ? WHERE id = ?"));
@@ -270,6 +290,7 @@ Status SqliteStore::PutProgress(const IndexBatch::Progress& progress) {
 }
 
 Status SqliteStore::JoinTracklets(const IndexBatch::JoinedTracklets& joined) {
+  VICTORIOUS_CHECK(joined.into != joined.from);
   VICTORIOUS_ASSIGN_OR_RETURN(Statement move,
                               connection_->Prepare("UPDATE sightings SET tracklet_id = ? WHERE tracklet_id = ?"));
   VICTORIOUS_RETURN_IF_ERROR(move.Bind(joined.into, joined.from).Run());

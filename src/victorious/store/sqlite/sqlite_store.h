@@ -15,6 +15,8 @@ class SqliteStore final : public IndexStore {
   explicit SqliteStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
   [[nodiscard]] Expected<VideoRecord> PutVideo(const VideoRecord& video) override;
+  [[nodiscard]] Status DeleteVideo(std::int64_t video) override;
+  [[nodiscard]] Status DeleteModel(std::int64_t model) override;
   [[nodiscard]] Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& folder,
                                                           const std::string& content_id) override;
   [[nodiscard]] Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
@@ -57,6 +59,7 @@ class SqliteStore final : public IndexStore {
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override;
 
  private:
+  [[nodiscard]] Status DeleteWithObjects(std::string_view statement, const char* what, std::int64_t id);
   [[nodiscard]] Expected<std::int64_t> PutOptions(const std::string& json);
   [[nodiscard]] Status PutProgress(const IndexBatch::Progress& progress);
   [[nodiscard]] Status JoinTracklets(const IndexBatch::JoinedTracklets& joined);
