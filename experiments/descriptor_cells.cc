@@ -1,5 +1,5 @@
-// The centres of the cells of object/features/descriptor_cells.h: k-means of the shortened descriptors of the project's own CAD
-// models. Writes descriptor_cells.inc, which is part of the source.
+// The centres of the cells of object/features/descriptor_cells.h: k-means of the shortened descriptors of the project's
+// own CAD models. Writes descriptor_cells.inc, which is part of the source.
 #include "victorious/object/features/descriptor_cells.h"
 
 #include <algorithm>

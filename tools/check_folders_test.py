@@ -65,6 +65,16 @@ class CheckFoldersTest(unittest.TestCase):
             "src/victorious/match/README.md:1: is missing: say what goes in, what comes out, the method and its source"
         )
 
+    def test_a_folder_of_folders_has_a_readme_too(self):
+        self.put("layers.toml", '[levels]\nbase = 0\nmatch = 3\n"input/video" = 3\n')
+        self.put("ARCHITECTURE.md", ARCHITECTURE + "| 3 | `input/video/` | frames |\n")
+        self.put("src/victorious/input/video/README.md", "| `reader.h` | frames |\n")
+        self.put("src/victorious/input/video/reader.h", "")
+        missing = "src/victorious/input/README.md:1: is missing: say what goes in, what comes out, the method and its source"
+        self.assert_finds(missing)
+        self.put("src/victorious/input/README.md", "[`video/`](video/README.md)\n")
+        self.assert_finds()
+
     def test_readme_lists_missing_files(self):
         for row, name in (("| `none.h` | none |", "none.h"), ("- `sub/none.cc`: none", "sub/none.cc"), ("- `none/`", "none/")):
             self.put("src/victorious/match/README.md", row + "\n")

@@ -1,5 +1,5 @@
-// kernels/, the loops over pixels of gradient cells (search/shape/gradient_cells.h): the magnitude m of the gradient divided
-// among the two nearest of 8 orientations of edges, and filtered by a triangle at every second pixel,
+// kernels/, the loops over pixels of gradient cells (search/shape/gradient_cells.h): the magnitude m of the gradient
+// divided among the two nearest of 8 orientations of edges, and filtered by a triangle at every second pixel,
 //   o_k(x) = m max(0, 1 - |8 a / pi - k|), k = 0 to 7, circular, a the angle of the gradient, 0 <= a < pi
 //   h_k(c) = sum over j = -3 to 3 of (4 - |j|) / 16 o_k(2 c + j).
 // gradient_rows_ref.cc is the reference; gradient_rows_simd.cc (Highway, every instruction set) differs by at most

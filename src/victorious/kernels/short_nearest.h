@@ -1,5 +1,5 @@
-// kernels/, the first pass of a proposal search (search/match/upright_matcher.h): about the k nearest of shortened descriptors
-// (shorten.h), each query in one or two ranges of a set.
+// kernels/, the first pass of a proposal search (search/match/upright_matcher.h): about the k nearest of shortened
+// descriptors (shorten.h), each query in one or two ranges of a set.
 //
 // The set is packed into blocks (blocks.h). Values have 7 bits and queries are centred, so that four products fit in 16
 // bits. Two descriptors are compared by half their squared distance, rounded down, without |q|^2, which is common to

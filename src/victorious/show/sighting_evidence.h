@@ -1,6 +1,6 @@
 // Why a sighting was reported: makes the features of its frame again, as the search made them, and matches them with
-// its view (search/recognize/match_evidence.h). In: what the store keeps of a sighting, its frame and its model. Out: the
-// matches stage by stage.
+// its view (search/recognize/match_evidence.h). In: what the store keeps of a sighting, its frame and its model. Out:
+// the matches stage by stage.
 //
 // Between full-frame searches the features are those of the region around the sighting; the search took the region that
 // its track predicted, which differs by some pixels. The sun is that of the ephemeris; of telemetry without a clock

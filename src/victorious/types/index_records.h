@@ -1,5 +1,5 @@
-// What an index holds: videos, models, searches, tracklets, objects, sightings. store/ keeps them, place/associate/ makes
-// objects of tracklets.
+// What an index holds: videos, models, searches, tracklets, objects, sightings. store/ keeps them, place/associate/
+// makes objects of tracklets.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
-// Points of an object's surface, from a rendering with depth (object/render/relight.h): the shape search draws its templates
-// of such points (search/shape/surface_template.h), and the search by contours fits the edges (search/recognize/contour_pose.h).
+// Points of an object's surface, from a rendering with depth (object/render/relight.h): the shape search draws its
+// templates of such points (search/shape/surface_template.h), and the search by contours fits the edges
+// (search/recognize/contour_pose.h).
 #pragma once
 
 #include <vector>

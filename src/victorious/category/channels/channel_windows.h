@@ -65,8 +65,8 @@ struct ChannelLevel {
   [[nodiscard]] WindowFeatures Features(int x, int y, const HeadingCopy& copy) const;
 };
 
-/// The cells of the finest level of an image, px: as given, or larger, so that a level of a large image stays below 1 GB
-/// and offsets into it below 2^31.
+/// The cells of the finest level of an image, px: as given, or larger, so that a level of a large image stays below 1
+/// GB and offsets into it below 2^31.
 [[nodiscard]] double FinestCell(const cv::Size& image, double min_cell_px);
 
 /// Calls `use` with each level, from the finest.

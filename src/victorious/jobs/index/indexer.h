@@ -69,8 +69,8 @@ class Indexer {
                                                           const CancelToken& cancel, IndexStore& store,
                                                           SegmentStore& segments, const WarningSink& warn = {}) const;
 
-  /// Searches one open segment, and stores its results in `segments` at its end. Does nothing if the segment is finished,
-  /// or if the video has since been cut with other models or parameters.
+  /// Searches one open segment, and stores its results in `segments` at its end. Does nothing if the segment is
+  /// finished, or if the video has since been cut with other models or parameters.
   /// Errors: as Index.
   [[nodiscard]] Expected<IndexReport> IndexSegment(const IndexJob& job, FrameInterval frames, const CancelToken& cancel,
                                                    IndexStore& store, SegmentStore& segments,

@@ -1,5 +1,6 @@
-// jobs/, what the search by shape (search/recognize/shape_search.h) learns from a few frames of a video before it begins:
-// the background, as gradient cells, and where the camera is unknown how large objects are (search/recognize/common_view.h).
+// jobs/, what the search by shape (search/recognize/shape_search.h) learns from a few frames of a video before it
+// begins: the background, as gradient cells, and where the camera is unknown how large objects are
+// (search/recognize/common_view.h).
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// jobs/, what is found by shape (search/recognize/shape_search.h) on its way into an index: when frames are searched so,
-// detections beside those by keypoints, and the errors of their poses.
+// jobs/, what is found by shape (search/recognize/shape_search.h) on its way into an index: when frames are searched
+// so, detections beside those by keypoints, and the errors of their poses.
 #pragma once
 
 #include <vector>

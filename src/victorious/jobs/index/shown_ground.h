@@ -15,7 +15,8 @@ inline constexpr std::size_t kMaxShownGroundBoxes = 64;
 
 /// Boxes of equal numbers of states, in their order. Each holds what the frames of its states show of flat ground at
 /// any height above -500 m (ellipsoid), as far as 20 km from the camera. A state without attitude, field of view or
-/// ellipsoidal height, and one with a corner at or above the horizon, shows nothing (as apps/serve/camera_path.h has it).
+/// ellipsoidal height, and one with a corner at or above the horizon, shows nothing (as apps/serve/camera_path.h has
+/// it).
 [[nodiscard]] std::vector<GeoBox> ShownGround(std::span<const CameraState> states, int width_px, int height_px);
 
 }  // namespace victorious

@@ -1,5 +1,5 @@
-// features/, a fixed partition of shortened descriptors (kernels/shorten.h) into cells: UprightMatcher compares a template
-// keypoint only with the scene keypoints that are nearest to the centre of its cell.
+// features/, a fixed partition of shortened descriptors (kernels/shorten.h) into cells: UprightMatcher compares a
+// template keypoint only with the scene keypoints that are nearest to the centre of its cell.
 //
 // The centres are k-means of the templates of the project's own CAD models: `victorious-experiment descriptor-cells`
 // prints them. docs/adr/0018 has the fraction of true matches that a list of a cell's nearest scene keypoints holds.

@@ -2,7 +2,8 @@
 // of the time of a short video, and most of the time before its first frame is searched.
 //
 //   FOLDER/HASH/SUN_VIEW-VIEW[h]  one template (h: at half resolution); HASH is that of the build and of the model
-//   FOLDER/HASH/shape-...         what templates of the search by shape are made of (search/recognize/shape_templates.h)
+//   FOLDER/HASH/shape-...         what templates of the search by shape are made of
+//   (search/recognize/shape_templates.h)
 //   FOLDER/tidied                 written when the folder was last looked through for what to remove
 //
 // Only the build that made a template reads it, with the same version of OpenCV, so that a search finds the same with

@@ -1,6 +1,6 @@
-// Relit templates: the views of a CAD model under strong sunlight with cast shadows, relit (object/render/relight.h) from the
-// renderings that the model stores. They are made on demand and cached, because the sun directions of a video are not
-// known before, and all of them together would be many times the size of the model.
+// Relit templates: the views of a CAD model under strong sunlight with cast shadows, relit (object/render/relight.h)
+// from the renderings that the model stores. They are made on demand and cached, because the sun directions of a video
+// are not known before, and all of them together would be many times the size of the model.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// Relights a rendering for another sun from its grey image and depth map; the mesh is not needed. object/model/relit_views.h
-// makes relit templates with it.
+// Relights a rendering for another sun from its grey image and depth map; the mesh is not needed.
+// object/model/relit_views.h makes relit templates with it.
 //
 // The depth map gives the 3D point of each pixel and, by finite differences, its normal n. The irradiance under a light
 // (renderer.h), with u up and s the direction to the sun, is

@@ -1,5 +1,5 @@
-// Geolocation of user boxes: the bearing observations of a box (place/observe/box_bearing.h), the ground and the size of the
-// object's type give the place of its object.
+// Geolocation of user boxes: the bearing observations of a box (place/observe/box_bearing.h), the ground and the size
+// of the object's type give the place of its object.
 #pragma once
 
 #include <cstdint>

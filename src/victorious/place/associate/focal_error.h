@@ -13,11 +13,11 @@
 // flies straight, where ranges and lines of sight do not. The slope of the ground does not matter, as it does for the
 // motion of the image (place/calibrate/field_of_view.h), whose estimate is the prior.
 //
-// The prior is one of two normal distributions about zero, as before any measurement (input/telemetry/focal_prior.h): the
-// field of view is right, or wrong with a probability that gives both together the standard deviation of focal_shift.
-// Many that are right are exact. The scale t of their errors is therefore estimated, too, from the measurement k with
-// the standard deviation s: t^2 = max(0, k^2 - s^2), at most that of the prior. An error of the views thus shifts no
-// place, unless they show more than it.
+// The prior is one of two normal distributions about zero, as before any measurement (input/telemetry/focal_prior.h):
+// the field of view is right, or wrong with a probability that gives both together the standard deviation of
+// focal_shift. Many that are right are exact. The scale t of their errors is therefore estimated, too, from the
+// measurement k with the standard deviation s: t^2 = max(0, k^2 - s^2), at most that of the prior. An error of the
+// views thus shifts no place, unless they show more than it.
 #pragma once
 
 #include <optional>

@@ -2,13 +2,13 @@
 //
 //   score = 1 / (1 + exp(-(w0 + sum_k w_k x_k)))
 //
-// A sighting's score (search/detect/detect.h) is calibrated for a frame alone. A pattern that looks like the model does so in
-// every frame: its sightings are not independent, and their maximum over the frames of an object is near 1 whether it
-// is right or wrong. The x_k therefore are how much stronger it is than chance, on a flatter curve, and what only an
-// object's length shows: a size that contradicts the distance, headings and views that change as no object turns.
-// Bias and weight of the strength are fitted by logistic regression to the 32 objects, 8 of them wrong, of movies with
-// truth (bench/accuracy/object_scores.py --fit, docs/results/false-alarms.md), rejected ones included. The others are
-// chosen: priors of that regression, which so few wrong objects hardly move.
+// A sighting's score (search/detect/detect.h) is calibrated for a frame alone. A pattern that looks like the model does
+// so in every frame: its sightings are not independent, and their maximum over the frames of an object is near 1
+// whether it is right or wrong. The x_k therefore are how much stronger it is than chance, on a flatter curve, and what
+// only an object's length shows: a size that contradicts the distance, headings and views that change as no object
+// turns. Bias and weight of the strength are fitted by logistic regression to the 32 objects, 8 of them wrong, of
+// movies with truth (bench/accuracy/object_scores.py --fit, docs/results/false-alarms.md), rejected ones included. The
+// others are chosen: priors of that regression, which so few wrong objects hardly move.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // The number of searches that an object is judged by, for the a contrario test (object_rejection.h): each of them could
 // have made a detection as strong by chance.
 //
-// Only the videos that show the object count, and at most one hour of them. If all videos of an index counted, an object
-// would be rejected as the archive grows, and each new video would change every object.
+// Only the videos that show the object count, and at most one hour of them. If all videos of an index counted, an
+// object would be rejected as the archive grows, and each new video would change every object.
 #pragma once
 
 #include <cstdint>

@@ -1,10 +1,10 @@
 // Estimates the object pose of a detection: direction, range and rotation relative to the camera, with standard
 // deviations.
 //
-// - Models with 3D points (CAD): perspective-n-point on the matched points (place/geolocate/object_pose.h) gives all 6 DoF.
-//   This interpolates the direction of view between the rendered views, which are 10 degrees apart. If the vertical is
-//   known, a prior keeps the object upright within kUpSigma_deg. The direction is that to the centre of the bounding
-//   box.
+// - Models with 3D points (CAD): perspective-n-point on the matched points (place/geolocate/object_pose.h) gives all 6
+//   DoF. This interpolates the direction of view between the rendered views, which are 10 degrees apart. If the
+//   vertical is known, a prior keeps the object upright within kUpSigma_deg. The direction is that to the centre of the
+//   bounding box.
 // - Photos: the direction is that to the centre of the outline; a range only if the object's length is known.
 #pragma once
 

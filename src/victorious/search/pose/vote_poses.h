@@ -5,9 +5,9 @@
 // of bins). The votes with the highest Poisson log-likelihood ratio over the expected chance count are seeds. For each
 // seed MLESAC fits a similarity to its voters, and all ranked matches that agree with it become inliers.
 //
-// Significance, a contrario (Desolneux, Moisan and Morel; as in search/detect/detect.h), with the rank r of each inlier in its
-// template keypoint's list. Under the background model descriptors are uninformative, and an inlier of rank r occurs
-// with the chance
+// Significance, a contrario (Desolneux, Moisan and Morel; as in search/detect/detect.h), with the rank r of each inlier
+// in its template keypoint's list. Under the background model descriptors are uninformative, and an inlier of rank r
+// occurs with the chance
 //   p = r * (scene keypoints that agree with the pose in position, rotation and scale) / (scene keypoints).
 // With n visible template keypoints, the k-th smallest chance p_k and T distinguishable poses in the scene,
 //   -log10 NFA = max over k of -log10(T C(n, k) p_k^k) - kDependenceDecades,

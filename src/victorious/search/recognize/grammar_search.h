@@ -1,5 +1,6 @@
-// recognize/, searches one model by the thesis's method: ratio test (search/match/matcher.h), cascade (search/grammar/cascade.h),
-// MLESAC (search/pose/similarity_pose.h), for each view by itself. Source: thesis, sections 3.3 and 3.5.3.
+// recognize/, searches one model by the thesis's method: ratio test (search/match/matcher.h), cascade
+// (search/grammar/cascade.h), MLESAC (search/pose/similarity_pose.h), for each view by itself. Source: thesis, sections
+// 3.3 and 3.5.3.
 #pragma once
 
 #include <cstddef>

@@ -222,8 +222,8 @@ class VoteEvidence {
     return evidence;
   }
 
-  // The matches that vote for a pose (search/pose/vote_poses.h), and its inliers: near the pose a keypoint's place counts more
-  // than its own vote, so a few inliers vote beside it.
+  // The matches that vote for a pose (search/pose/vote_poses.h), and its inliers: near the pose a keypoint's place
+  // counts more than its own vote, so a few inliers vote beside it.
   std::vector<RankedMatch> VotesFor(const PlanarFit& fit, const ComparedTemplate& compared) const {
     std::set<MatchKey> inliers;
     for (const FitInlier& one : fit.inliers) inliers.insert(KeyOf(one.scene_keypoint, one.keypoint_in_template));

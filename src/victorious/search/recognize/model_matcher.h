@@ -59,8 +59,8 @@ class ModelMatcher {
   [[nodiscard]] Expected<std::vector<ScoredVariant>> EvaluateScored(std::span<const TemplateVariant> variants);
 
   /// Matches templates, but votes only for the most promising ones: those whose best pose, as estimated from their
-  /// matches (search/pose/pose_proposal.h), is the most significant. The others may be pooled with them. For few views at a
-  /// known place, where most of the cost are the poses. Errors: those of RelitTemplateSource.
+  /// matches (search/pose/pose_proposal.h), is the most significant. The others may be pooled with them. For few views
+  /// at a known place, where most of the cost are the poses. Errors: those of RelitTemplateSource.
   [[nodiscard]] Status EvaluateBest(std::span<const TemplateVariant> variants, std::size_t max_count);
 
   /// Pools each of the best templates with the matched neighbours of the same light and votes again.

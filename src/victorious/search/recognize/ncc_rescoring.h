@@ -2,11 +2,11 @@
 // content that yields no keypoints: low-contrast paint and large light and dark regions.
 //
 // The NCC score of a pose is the Fisher transform L = atanh(r) of the normalised cross-correlation r between the
-// rendered brightness of the object's surface points (object/features/relit_templates.h) and the scene's brightness at their
-// projections (weak perspective): invariant to contrast, but not to its sign. The pose is refined by coordinate-wise
-// hill climbing over position, scale, in-plane rotation, yaw and tip, from the matched view and its neighbours of the
-// same off-nadir angle; L is the maximum. The null distribution is measured in the scene: the same refinement from
-// random positions and rotations has mean m and standard deviation s,
+// rendered brightness of the object's surface points (object/features/relit_templates.h) and the scene's brightness at
+// their projections (weak perspective): invariant to contrast, but not to its sign. The pose is refined by
+// coordinate-wise hill climbing over position, scale, in-plane rotation, yaw and tip, from the matched view and its
+// neighbours of the same off-nadir angle; L is the maximum. The null distribution is measured in the scene: the same
+// refinement from random positions and rotations has mean m and standard deviation s,
 //   z = (L - m) / s,   -log10 NFA += decades_per_z_score (z - neutral_z_score).
 // The two constants come from a logistic regression of true and false detections on both quantities in three movies
 // (docs/adr/0014-ncc-rescoring.md), scaled so that the mapping from -log10 NFA to the score stays unchanged.

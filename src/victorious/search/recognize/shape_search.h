@@ -2,9 +2,10 @@
 // they have few keypoints, or others than the file. Needs the camera's attitude and height above the ground, which
 // leave one size and one off-nadir angle for each place of the frame; the heading is searched.
 //
-// Method: templates are drawn from the model's stored surfaces (search/shape/surface_template.h) in the model's own paint and
-// in one grey, and whitened by the statistics of the video's background (search/shape/background_spectrum.h): exemplar linear
-// discriminants, as Aubry et al. (CVPR 2014) align CAD models. A response s has standard deviation 1 on background.
+// Method: templates are drawn from the model's stored surfaces (search/shape/surface_template.h) in the model's own
+// paint and in one grey, and whitened by the statistics of the video's background (search/shape/background_spectrum.h):
+// exemplar linear discriminants, as Aubry et al. (CVPR 2014) align CAD models. A response s has standard deviation 1 on
+// background.
 //   glance  templates of 32 px for all headings, 10 degrees apart, lit from above, over the whole frame: some places
 //   coarse  templates of 64 px of the headings near that of a glance, around it: the best places of each model
 //   fine    templates of 96 px, 5 degrees apart, in the sun, around each of them

@@ -1,5 +1,5 @@
-// The search by shape (search/recognize/shape_search.h) on scenes with a rendered object of one grey: recognize/ does not
-// render.
+// The search by shape (search/recognize/shape_search.h) on scenes with a rendered object of one grey: recognize/ does
+// not render.
 #include "victorious/search/recognize/shape_search.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 // for a fraction of its cost.
 //
 // 1. Propose: all coarse views, under diffuse light and relit, are matched only with scene keypoints of allowed
-//    orientation, by shortened descriptors (search/match/upright_matcher.h); the significance of their best pose is estimated
-//    (search/pose/pose_proposal.h).
+//    orientation, by shortened descriptors (search/match/upright_matcher.h); the significance of their best pose is
+//    estimated (search/pose/pose_proposal.h).
 // 2. Refine: the best of them are proposed again at full resolution, together with their neighbours.
 // 3. Verify: the best proposals are matched with the whole scene, fitted and tested as the vote search does it, and
 //    pooled with their neighbours. Candidates come from this step only, by the same number of tests, so that the

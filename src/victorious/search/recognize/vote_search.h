@@ -1,15 +1,16 @@
-// recognize/, searches one model of many views in a scene: ranked matches (search/match/ranked_matcher.h) and Hough voting
-// (search/pose/vote_poses.h) for each view, coarse to fine.
+// recognize/, searches one model of many views in a scene: ranked matches (search/match/ranked_matcher.h) and Hough
+// voting (search/pose/vote_poses.h) for each view, coarse to fine.
 //
 // 1. Coarse views: a maximal independent set of the view graph, so that every view is a coarse view or the neighbour of
 //    one. All of them are matched, since neighbouring views look alike.
 // 2. Refinement: the neighbours of the coarse views with the highest -log10 NFA. Less than half the cost for nearly the
 //    same detections.
-// 3. Pooling: the best views vote once more together with the matches of their neighbours (search/pose/pooled_template.h).
+// 3. Pooling: the best views vote once more together with the matches of their neighbours
+//    (search/pose/pooled_template.h).
 //
 // Priors. With a known camera attitude only views that an upright object can show are matched; with an unknown attitude
-// the camera is assumed to be held upright (search/pose/upright_prior.h). With a known sun each view is also matched as a
-// relit template: for an upright object, the view's azimuth determines the sun's direction in the model frame. In a
+// the camera is assumed to be held upright (search/pose/upright_prior.h). With a known sun each view is also matched as
+// a relit template: for an upright object, the view's azimuth determines the sun's direction in the model frame. In a
 // wide field of view that direction varies, and each azimuth cell (azimuth_cells.h) uses its own sun. Rendering a relit
 // template costs far more than matching it: coarse views are relit at half resolution, and only refined views at full
 // resolution.
