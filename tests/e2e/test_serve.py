@@ -578,7 +578,8 @@ class ServeTest(ServerCase):
         self.assertTrue(self.video.exists())
         self.refuses(2, "is not in the index", "remove", "--db", self.db, "--video", self.video)
         self.refuses(2, "is not in the index", "remove", "--db", self.db, "--model", "crate", "--models", models)
-        self.refuses(2, "either --video NAME or --model NAME", "remove", "--db", self.db)
+        self.refuses(2, "add --video NAME or --model NAME", "remove", "--db", self.db)
+        self.refuses(2, "nowhere", "remove", "--db", self.db, "--model", "truck", "--models", self.scratch / "nowhere")
         self.refuses(2, "none.db", "remove", "--db", self.scratch / "none.db", "--model", "crate")
         self.assertFalse((self.scratch / "none.db").exists())
 
