@@ -97,6 +97,21 @@ class OneAtATime {
   std::mutex mutex_;
 };
 
+// A method of T as one of OneAtATime<T>.
+template <typename T, typename Result, typename... Arguments>
+auto Alone(Result (T::*method)(Arguments...)) {
+  return [method](OneAtATime<T>& object, Arguments... arguments) {
+    return object.Do([&](T& one) { return (one.*method)(arguments...); });
+  };
+}
+
+template <typename T, typename Result, typename... Arguments>
+auto Alone(Result (T::*method)(Arguments...) const) {
+  return [method](OneAtATime<T>& object, Arguments... arguments) {
+    return object.Do([&](const T& one) { return (one.*method)(arguments...); });
+  };
+}
+
 using Video = OneAtATime<lv::Video>;
 using Tracker = OneAtATime<lv::Tracker>;
 using Indexer = OneAtATime<lv::Indexer>;
@@ -261,16 +276,13 @@ void DefineVideos(py::module_& module) {
              if (!frame) throw py::stop_iteration();
              return *frame;
            })
-      .def(
-          "seek",
-          [](Video& video, double time_s) { return video.Do([&](lv::Video& one) { return one.SeekTo(time_s); }); },
-          py::arg("time_s"), Unlocked(), "Goes to a key frame at or shortly before a time; False: the source cannot.")
+      .def("seek", Alone(&lv::Video::SeekTo), py::arg("time_s"), Unlocked(),
+           "Goes to a key frame at or shortly before a time; False: the source cannot.")
       .def_property_readonly("width", [=](Video& video) { return info_of(video).width; })
       .def_property_readonly("height", [=](Video& video) { return info_of(video).height; })
       .def_property_readonly("frame_rate", [=](Video& video) { return info_of(video).frame_rate; })
       .def_property_readonly("duration_s", [=](Video& video) { return info_of(video).duration_s; })
-      .def_property_readonly("warnings",
-                             [](Video& video) { return video.Do([](lv::Video& one) { return one.warnings(); }); });
+      .def_property_readonly("warnings", Alone(&lv::Video::warnings));
 }
 
 void DefineSearch(py::module_& module) {
@@ -323,7 +335,7 @@ void DefineSearch(py::module_& module) {
             return tracker.Do([&](lv::Tracker& one) { return one.Start(BoxOf(box)); });
           },
           py::arg("box"), "Starts a box (x, y, width, height), px, in the frame of the last step().")
-      .def("change_video", [](Tracker& tracker) { tracker.Do([](lv::Tracker& one) { one.ChangeVideo(); }); });
+      .def("change_video", Alone(&lv::Tracker::ChangeVideo));
   py::class_<lv::IndexReport>(module, "IndexReport")
       .def_readonly("has_telemetry", &lv::IndexReport::has_telemetry)
       .def_readonly("frames_searched", &lv::IndexReport::frames_searched)
@@ -433,28 +445,11 @@ void DefineIndex(py::module_& module) {
   py::class_<Index>(module, "NativeIndex", "An index, read only.")
       .def(py::init([](const std::string& name) { return std::make_unique<Index>(lv::Index(name)); }), py::arg("name"),
            Unlocked())
-      .def(
-          "videos", [](Index& index) { return index.Do([](lv::Index& one) { return one.Videos(); }); }, Unlocked())
-      .def(
-          "models", [](Index& index) { return index.Do([](lv::Index& one) { return one.Models(); }); }, Unlocked())
-      .def(
-          "objects",
-          [](Index& index, const lv::Filter& filter) {
-            return index.Do([&](lv::Index& one) { return one.Objects(filter); });
-          },
-          py::arg("filter"), Unlocked())
-      .def(
-          "sightings",
-          [](Index& index, const lv::Filter& filter) {
-            return index.Do([&](lv::Index& one) { return one.Sightings(filter); });
-          },
-          py::arg("filter"), Unlocked())
-      .def(
-          "export",
-          [](Index& index, const std::string& format, const std::string& file, const lv::Filter& filter) {
-            index.Do([&](lv::Index& one) { one.Export(format, file, filter); });
-          },
-          py::arg("format"), py::arg("file"), py::arg("filter"), Unlocked());
+      .def("videos", Alone(&lv::Index::Videos), Unlocked())
+      .def("models", Alone(&lv::Index::Models), Unlocked())
+      .def("objects", Alone(&lv::Index::Objects), py::arg("filter"), Unlocked())
+      .def("sightings", Alone(&lv::Index::Sightings), py::arg("filter"), Unlocked())
+      .def("export", Alone(&lv::Index::Export), py::arg("format"), py::arg("file"), py::arg("filter"), Unlocked());
 }
 
 }  // namespace

@@ -8,12 +8,11 @@ Prints one line per finding, "path:line: problem: remedy"; exits with 1 if there
 
 import re
 import sys
-import tomllib
 from pathlib import Path
 from typing import Iterator
 
 import findings
-from findings import Finding
+from findings import Finding, library_of, read_levels
 
 SOURCES = Path("src/victorious")
 ARCHITECTURE = Path("ARCHITECTURE.md")
@@ -36,10 +35,6 @@ COMPLETE_LISTS = {
 def numbered(root: Path, path: Path) -> Iterator[tuple[int, str]]:
     if (root / path).is_file():
         yield from enumerate((root / path).read_text(encoding="utf-8").splitlines(), start=1)
-
-
-def read_levels(root: Path) -> dict[str, int]:
-    return tomllib.loads((root / "layers.toml").read_text(encoding="utf-8"))["levels"]
 
 
 def check_levels(root: Path) -> Iterator[Finding]:
@@ -75,9 +70,9 @@ def interfaces(root: Path) -> dict[str, set[str]]:
     levels = read_levels(root)
     headers: dict[str, set[str]] = {}
     for path in sorted((root / SOURCES).rglob("*.h")) + sorted((root / SOURCES).rglob("*.cc")):
-        includer = findings.library_of(path.relative_to(root / SOURCES).as_posix(), levels)
+        includer = library_of(path.relative_to(root / SOURCES).as_posix(), levels)
         for header in INCLUDE.findall(path.read_text(encoding="utf-8")):
-            folder = findings.library_of(header, levels)
+            folder = library_of(header, levels)
             if folder and folder != includer:
                 headers.setdefault(folder, set()).add(header.removeprefix(f"{folder}/"))
     return headers

@@ -9,12 +9,11 @@ Prints one line per finding, "path:line: problem: remedy"; exits with 1 if there
 
 import re
 import sys
-import tomllib
 from pathlib import Path
 from typing import Iterator, NamedTuple
 
 import findings
-from findings import Finding
+from findings import Finding, library_of, read_levels
 
 SOURCES = Path("src/victorious")
 PUBLIC_HEADERS = Path("include/victorious")
@@ -84,11 +83,6 @@ class Include(NamedTuple):
     quoted: bool
 
 
-def read_levels(root: Path) -> dict[str, int]:
-    with open(root / "layers.toml", "rb") as file:
-        return tomllib.load(file)["levels"]
-
-
 def includes_of(text: str) -> Iterator[Include]:
     for number, line in enumerate(text.splitlines(), start=1):
         if match := INCLUDE.match(line):
@@ -114,8 +108,8 @@ def check_level(path: Path, include: Include, levels: dict[str, int]) -> Iterato
 
     A test may also include folders of its own level: it feeds one stage with the output of another.
     """
-    folder = findings.library_of(path.relative_to(SOURCES).as_posix(), levels)
-    target = findings.library_of(include.path.removeprefix("victorious/"), levels)
+    folder = library_of(path.relative_to(SOURCES).as_posix(), levels)
+    target = library_of(include.path.removeprefix("victorious/"), levels)
     if target is None:
         yield Finding(path, include.line, f"includes {include.path}: layers.toml lists no folder of it")
     elif folder and target != folder and levels[target] >= levels[folder] + path.name.endswith("_test.cc"):

@@ -1,5 +1,6 @@
 """What the checks of this folder share: a finding, and the program about a check."""
 
+import tomllib
 from pathlib import Path
 from typing import Callable, Iterable, NamedTuple
 
@@ -11,6 +12,11 @@ class Finding(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.path.as_posix()}:{self.line}: {self.message}"
+
+
+def read_levels(root: Path) -> dict[str, int]:
+    """The folders of layers.toml, relative to src/victorious, with their levels."""
+    return tomllib.loads((root / "layers.toml").read_text(encoding="utf-8"))["levels"]
 
 
 def library_of(path: str, folders: Iterable[str]) -> str | None:

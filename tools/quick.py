@@ -7,10 +7,9 @@ Exits with the status of what failed first. `make test` is the whole.
 
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
-import findings
+from findings import library_of, read_levels
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = "src/victorious/"
@@ -20,9 +19,9 @@ TARGETS = {"experiments/": "victorious-experiment", "bench/": "victorious-bench"
 
 def test_folders(paths: list[str]) -> list[str]:
     """The folders of layers.toml with a changed file, sorted; each has one test program."""
-    levels = tomllib.loads((ROOT / "layers.toml").read_text(encoding="utf-8"))["levels"]
+    levels = read_levels(ROOT)
     inside = [path.removeprefix(SOURCES) for path in paths if path.startswith(SOURCES)]
-    return sorted({findings.library_of(path, levels) for path in inside} - {None})
+    return sorted({library_of(path, levels) for path in inside} - {None})
 
 
 def name_of(folder: str) -> str:

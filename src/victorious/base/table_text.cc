@@ -118,8 +118,8 @@ std::string CommaSeparated(std::string_view bytes) {
     header = TakeLine(header);
   }
   const char separator = SeparatorOf(header);
-  if (separator == ',') return (has_separator_line ? "\n" : "") + std::string(rest);
   std::string table(has_separator_line ? "\n" : "");
+  if (separator == ',') return table.append(rest);
   while (!rest.empty()) {
     bool first = true;
     for (std::string& cell : SplitRow(TakeLine(rest), separator)) {

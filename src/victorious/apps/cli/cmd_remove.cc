@@ -91,7 +91,8 @@ Status Run(const RemoveArguments& arguments) {
   if (!arguments.video.empty() && !arguments.models.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "--models: only with --model NAME");
   }
-  VICTORIOUS_RETURN_IF_ERROR(OpenStore(arguments.db, StoreMode::kRead));  // none is made
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool has_index, HasIndex(arguments.db));
+  if (!has_index) return Fail(ErrorCode::kNotFound, fmt::format("{}: no such index", StoreName(arguments.db)));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments.db, StoreMode::kCreate));
   return arguments.video.empty() ? RemoveModel(arguments, *store) : RemoveVideo(arguments, *store);
 }

@@ -17,7 +17,7 @@ bool SelectsByMotion(const IndexPass& pass, const VideoInfo& info) {
 }
 
 // Frames between two that are tracked. What categories are searched in is tracked, too: all frames.
-int TrackedInterval(const IndexPass& pass) {
+int StepOfTracking(const IndexPass& pass) {
   return pass.categories == nullptr ? std::min(pass.intervals.tracked, pass.intervals.models) : 1;
 }
 
@@ -26,7 +26,7 @@ int TrackedInterval(const IndexPass& pass) {
 FrameSelector::FrameSelector(const IndexPass& pass, const VideoInfo& info, SearchPace& pace,
                              std::optional<std::int64_t> first_required_frame)
     : kept_frames_(pass.options.keep.interval_s),
-      tracked_rate_(info.frame_rate / TrackedInterval(pass)),
+      tracked_rate_(info.frame_rate / StepOfTracking(pass)),
       shape_frames_(ShapeSearchInterval(pass.options.shape, pass.follow, tracked_rate_, 1)),
       schedule_(pass.intervals.models, pass.follow, SelectsByMotion(pass, info)),
       scale_({.models = pass.recognizer.models(),
@@ -57,7 +57,7 @@ FrameSizes FrameSelector::SizesOf(const Frame& frame) {
 
 // A frame before a restart is tracked, as tracks end there.
 bool FrameSelector::IsBetweenTracked(std::int64_t index) const {
-  return index % TrackedInterval(pass_) != 0 && !schedule_.MayBeSearched(index) &&
+  return index % StepOfTracking(pass_) != 0 && !schedule_.MayBeSearched(index) &&
          (index + 1) % pass_.follow.restart_interval_frames != 0;
 }
 

@@ -157,7 +157,7 @@ void AppendGrowth(const IndexPass& pass, const SearchRecord& search, std::span<c
 bool MayGrow(const IndexPass& pass, bool is_live) {
   const auto is_of_photos = [](const ObjectModel& model) { return model.kind == ModelKind::kPhotos; };
   return pass.options.grow.enabled && IsTrackingEnabled(pass) && !is_live && !pass.job.frame_budget &&
-         !pass.job.from_s && !pass.job.video.empty() && pass.segment == nullptr && !pass.cameras.is_of_photos() &&
+         !pass.job.from_s && pass.segment == nullptr && !pass.cameras.is_of_photos() &&
          std::ranges::any_of(pass.recognizer.models(), is_of_photos);
 }
 

@@ -22,7 +22,6 @@
 #include "victorious/jobs/index/search_scale.h"
 #include "victorious/jobs/index/shape_background.h"
 #include "victorious/jobs/index/shown_ground.h"
-#include "victorious/jobs/index/stored_parameters.h"
 #include "victorious/object/model/relit_views.h"
 #include "victorious/place/calibrate/assumed_attitude.h"
 #include "victorious/place/calibrate/sun_direction.h"
@@ -82,14 +81,6 @@ bool HasAttitudes(const CameraTrajectory* trajectory) {
          std::ranges::any_of(trajectory->states(), [](const CameraState& state) { return state.attitude.has_value(); });
 }
 
-// The stored model of a target, with the same content; null: none.
-const ModelRecord* FindStored(const std::vector<ModelRecord>& stored, const ModelRecord& target) {
-  const auto found = std::ranges::find_if(stored, [&](const ModelRecord& model) {
-    return model.name == target.name && model.content_id == target.content_id;
-  });
-  return found == stored.end() ? nullptr : &*found;
-}
-
 }  // namespace
 
 Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& video, const CancelToken& cancel) {
@@ -120,6 +111,12 @@ Expected<bool> IsRedone(const IndexSetup& setup, const IndexJob& job, const Vide
           "{}: was indexed with other parameters ({}): give the same parameters, or --redo to delete its results and "
           "search it again",
           WithoutCredentials(job.StoredName()), difference));
+}
+
+IndexRun::IndexRun(const IndexSetup& setup, const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                   const WarningSink& warn)
+    : setup_(setup), job_(job), cancel_(cancel), store_(store), warn_(warn) {
+  VICTORIOUS_CHECK(job.relit_templates.empty() || job.relit_templates.size() == setup.models->size());
 }
 
 Status IndexRun::Open() {
@@ -161,13 +158,13 @@ Status IndexRun::Open() {
 }
 
 Expected<std::vector<PlannedPass>> IndexRun::Plan() {
-  const StoredParameters parameters = ParametersOf(setup_.options, video_.intervals, job_);
+  parameters_ = ParametersOf(setup_.options, video_.intervals, job_);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<VideoRecord> stored_video,
                               store_.VideoOfContent(video_.record.content_id));
   std::map<std::int64_t, PlannedPass> passes;  // by first frame
   for (std::size_t t = 0; t < setup_.targets.size(); ++t) {
     const ModelRecord& target = setup_.targets[t];
-    const ModelRecord* const stored = FindStored(models_before_, target);
+    const ModelRecord* const stored = FindSame(models_before_, target);
     std::optional<SearchRecord> before;
     if (stored_video && stored != nullptr && !video_.is_redone) {
       VICTORIOUS_ASSIGN_OR_RETURN(before, store_.FindSearch(stored_video->id, stored->id));
@@ -179,7 +176,7 @@ Expected<std::vector<PlannedPass>> IndexRun::Plan() {
                                            .model = 0,
                                            .next_frame = next_frame,
                                            .finished = false,
-                                           .options_json = parameters.Of(target),
+                                           .options_json = parameters_.Of(target),
                                            .program_version = kVersion});
   }
   if (!passes.empty()) VICTORIOUS_RETURN_IF_ERROR(CorrectClock());
@@ -223,11 +220,10 @@ Status IndexRun::Begin(std::vector<PlannedPass>& plan) {
       pass.searches[i].model = ids[pass.targets[i]];
     }
   }
-  return store_.SetVideoFeatures(record.id, ParametersOf(setup_.options, video_.intervals, job_).features);
+  return store_.SetVideoFeatures(record.id, parameters_.features);
 }
 
 Expected<IndexReport> IndexRun::Search() {
-  VICTORIOUS_CHECK(job_.relit_templates.empty() || job_.relit_templates.size() == setup_.models->size());
   if (cancel_.IsCancelled()) {
     return Fail(ErrorCode::kCancelled,
                 fmt::format("{}: stopped before it was opened; run again to resume", job_.video));

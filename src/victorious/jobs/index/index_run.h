@@ -17,6 +17,7 @@
 #include "victorious/jobs/index/index_job.h"
 #include "victorious/jobs/index/index_pass.h"
 #include "victorious/jobs/index/index_setup.h"
+#include "victorious/jobs/index/stored_parameters.h"
 #include "victorious/place/cameras/camera_states.h"
 #include "victorious/search/follow/follower.h"
 #include "victorious/search/recognize/recognizer.h"
@@ -55,8 +56,7 @@ class IndexRun {
   /// The references outlive it.
   /// @param warn  not empty
   IndexRun(const IndexSetup& setup, const IndexJob& job, const CancelToken& cancel, IndexStore& store,
-           const WarningSink& warn)
-      : setup_(setup), job_(job), cancel_(cancel), store_(store), warn_(warn) {}
+           const WarningSink& warn);
 
   /// Opens the video and reads its telemetry.
   /// Errors: those of VideoReader, of a telemetry file that was given, of the store and of IsRedone; kInvalidArgument
@@ -117,6 +117,7 @@ class IndexRun {
   const WarningSink& warn_;
   OpenedVideo video_;
   std::vector<ModelRecord> models_before_;  // of the store, when the video was opened
+  StoredParameters parameters_;             // of the searches of the plan
   IndexReport report_;
 };
 

@@ -1,8 +1,17 @@
 #include "victorious/jobs/index/index_setup.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace victorious {
+
+const ModelRecord* FindSame(const std::vector<ModelRecord>& records, const ModelRecord& sought) {
+  const auto found = std::ranges::find_if(records, [&](const ModelRecord& record) {
+    return record.name == sought.name && record.content_id == sought.content_id;
+  });
+  return found == records.end() ? nullptr : &*found;
+}
 
 // The index identifies models and categories by name, so one would overwrite the other.
 Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others) {

@@ -26,6 +26,9 @@ struct IndexSetup {
   [[nodiscard]] bool IsModel(std::size_t target) const { return target < models->size(); }
 };
 
+/// The record of the same name and content; null: there is none. Of another content, results are not those sought.
+[[nodiscard]] const ModelRecord* FindSame(const std::vector<ModelRecord>& records, const ModelRecord& sought);
+
 /// The index identifies models and categories by name, so one would overwrite the other.
 /// Error: kInvalidArgument if one of `sought` has the name of another kind of target among `others`.
 [[nodiscard]] Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others);

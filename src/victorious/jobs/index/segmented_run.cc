@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/base/check.h"
 #include "victorious/base/json.h"
 #include "victorious/base/program_id.h"
 #include "victorious/base/version.h"
@@ -101,8 +100,6 @@ std::vector<std::int64_t> ModelsOf(const std::vector<SearchRecord>& searches) {
 }  // namespace
 
 Expected<SegmentedReport> SegmentedRun::Search(double segment_s) {
-  VICTORIOUS_CHECK(run_.job().relit_templates.empty() ||
-                   run_.job().relit_templates.size() == run_.setup().models->size());
   SegmentedReport result;
   const auto finish = [&] {
     result.index = run_.report();
@@ -162,10 +159,8 @@ Expected<std::string> SegmentedRun::CutPlan(const PlannedPass& pass, const Searc
 Expected<bool> SegmentedRun::IsFinished(const VideoRecord& video) const {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, run_.store().Models());
   for (const ModelRecord& target : run_.setup().targets) {
-    const auto stored = std::ranges::find_if(models, [&](const ModelRecord& model) {
-      return model.name == target.name && model.content_id == target.content_id;
-    });
-    if (stored == models.end()) return false;
+    const ModelRecord* const stored = FindSame(models, target);
+    if (stored == nullptr) return false;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search,
                                 run_.store().FindSearch(video.id, stored->id));
     if (!search || !search->finished) return false;
@@ -185,20 +180,18 @@ Expected<std::optional<SegmentedRun::PlannedCut>> SegmentedRun::ReadCutPlan(cons
   const std::vector<ModelRecord>& targets = run_.setup().targets;
   PlannedPass pass;
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    for (const ModelRecord& model : models) {
-      const bool is_target = model.name == targets[t].name && model.content_id == targets[t].content_id;
-      if (!is_target || std::ranges::find(of_plan, nlohmann::json(model.id)) == of_plan.end()) continue;
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before,
-                                  run_.store().FindSearch(cut.video, model.id));
-      pass.targets.push_back(t);
-      pass.searches.push_back({.video = cut.video,
-                               .model = model.id,
-                               .next_frame = before ? before->next_frame : 0,
-                               .finished = before && before->finished,
-                               .options_json = SearchOptionsText(run_.setup().options, intervals->Of(targets[t]),
-                                                                 intervals->tracked, run_.job()),
-                               .program_version = kVersion});
-    }
+    const ModelRecord* const model = FindSame(models, targets[t]);
+    if (model == nullptr || std::ranges::find(of_plan, nlohmann::json(model->id)) == of_plan.end()) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before,
+                                run_.store().FindSearch(cut.video, model->id));
+    pass.targets.push_back(t);
+    pass.searches.push_back({.video = cut.video,
+                             .model = model->id,
+                             .next_frame = before ? before->next_frame : 0,
+                             .finished = before && before->finished,
+                             .options_json = SearchOptionsText(run_.setup().options, intervals->Of(targets[t]),
+                                                               intervals->tracked, run_.job()),
+                             .program_version = kVersion});
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string own, CutPlan(pass, *intervals));
   if (own != cut.plan) return std::nullopt;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/json.h"
+#include "victorious/jobs/index/index_setup.h"
 
 namespace victorious {
 namespace {
@@ -96,10 +97,7 @@ Expected<std::string> FindDifference(const VideoRecord& video, const std::vector
   std::string difference = compare(video.features_json, now.features, defaults.features);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
   for (auto record = stored.begin(); difference.empty() && record != stored.end(); ++record) {
-    const bool is_sought = std::ranges::any_of(sought, [&](const ModelRecord& one) {
-      return one.name == record->name && one.content_id == record->content_id;  // other content is searched anew
-    });
-    if (!is_sought) continue;
+    if (FindSame(sought, *record) == nullptr) continue;  // other content is searched anew
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record->id));
     if (before) difference = compare(before->options_json, now.Of(*record), defaults.Of(*record));
   }
