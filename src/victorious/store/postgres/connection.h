@@ -14,6 +14,7 @@
 #include "victorious/base/error.h"
 #include "victorious/store/open_store.h"
 #include "victorious/store/postgres/values.h"
+#include "victorious/store/sql/database.h"
 #include "victorious/store/work_state.h"
 
 struct pg_conn;
@@ -129,13 +130,7 @@ class Connection {
   std::map<std::string, std::string, std::less<>> prepared_;  ///< names by statement
 };
 
-/// What a transaction excludes until it ends.
-enum class Exclusion {
-  kNothing,  ///< for writes that lock their rows by themselves
-  kShared,   ///< kAll of other processes, not their kShared: for writes that touch only rows of their own
-  kAll,      ///< all other writes of the index: for what changes rows that others write, too
-  kServer,   ///< kServer of other processes: for what servers alone write; no indexer waits for it
-};
+using sql::Exclusion;
 
 /// An RAII transaction that writes: the destructor rolls back unless Commit was called. The server ends it if the
 /// process stands still for a minute, so that others do not wait for it.

@@ -3,12 +3,15 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "victorious/store/postgres/migrations.h"
 
 namespace victorious::postgres {
 namespace {
 
-constexpr int kRowsAtOnce = 5000;
+constexpr int kRowsAtOnce = 2000;
+constexpr int kLargeRowsAtOnce = 8;  // a kept frame has some 0.3 MB
 
 class PostgresDatabase final : public sql::Database {
  public:
@@ -23,8 +26,9 @@ class PostgresDatabase final : public sql::Database {
                const std::function<Expected<bool>(const sql::Row&)>& visit) override {
     BoundValues bound;
     values.BindTo(bound);
-    if (count == sql::RowCount::kMany) {
-      return connection_->Visit(sql, bound, kRowsAtOnce, [&](const Result& row) { return visit(row); });
+    if (count != sql::RowCount::kFew) {
+      const int at_once = count == sql::RowCount::kMany ? kRowsAtOnce : kLargeRowsAtOnce;
+      return connection_->Visit(sql, bound, at_once, [&](const Result& row) { return visit(row); });
     }
     VICTORIOUS_ASSIGN_OR_RETURN(Result rows, connection_->Query(sql, bound));
     while (rows.Next()) {
@@ -43,8 +47,37 @@ class PostgresDatabase final : public sql::Database {
     return result.Changes();
   }
 
-  Status Begin() override {
-    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, Exclusion::kServer));
+  Status WriteRows(const std::string& sql, const sql::NewRows& rows) override {
+    for (std::size_t row = 0; row < rows.count; ++row) {
+      BoundValues values;
+      rows.bind(row, values);
+      VICTORIOUS_RETURN_IF_ERROR(connection_->Query(sql, values));
+    }
+    return {};
+  }
+
+  Status InsertRows(const std::string& table, const std::string& columns, const sql::NewRows& rows) override {
+    if (rows.count == 0) return {};
+    CopyRows copied;
+    for (std::size_t row = 0; row < rows.count; ++row) {
+      BoundValues values;
+      rows.bind(row, values);
+      copied.Add(values);
+    }
+    return connection_->Copy(fmt::format("{} ({})", table, columns), copied);
+  }
+
+  Status WriteFromRows(const std::string& table, const std::string& columns, const sql::NewRows& rows,
+                       const std::string& sql) override {
+    if (rows.count == 0) return {};
+    VICTORIOUS_RETURN_IF_ERROR(connection_->Execute(
+        fmt::format("CREATE TEMPORARY TABLE given ON COMMIT DROP AS SELECT {} FROM {} WITH NO DATA", columns, table)));
+    VICTORIOUS_RETURN_IF_ERROR(InsertRows("given", columns, rows));
+    return connection_->Execute(fmt::format("ANALYZE given; {}; DROP TABLE given", sql));
+  }
+
+  Status Begin(Exclusion exclusion) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_, exclusion));
     transaction_.emplace(std::move(transaction));
     return {};
   }

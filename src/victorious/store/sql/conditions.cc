@@ -35,4 +35,10 @@ int Conditions::Bind(Parameters& parameters, int first) const {
   return parameter;
 }
 
+ValueList ValuesOf(const Conditions& conditions) {
+  ValueList values;
+  conditions.Bind(values);
+  return values;
+}
+
 }  // namespace victorious::sql

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "victorious/store/sql/database.h"
 #include "victorious/store/sql/row.h"
 
 namespace victorious::sql {
@@ -37,5 +38,8 @@ class Conditions {
   std::string text_;
   std::vector<std::variant<std::int64_t, double, std::string>> values_;
 };
+
+/// The values of the conditions alone.
+[[nodiscard]] ValueList ValuesOf(const Conditions& conditions);
 
 }  // namespace victorious::sql

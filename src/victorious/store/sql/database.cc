@@ -32,9 +32,9 @@ Expected<std::int64_t> Database::ReadInteger(const std::string& sql, const Value
   return number.value_or(0);
 }
 
-Expected<Change> Change::Begin(Database& database) {
+Expected<Change> Change::Begin(Database& database, Exclusion exclusion) {
   if (database.IsInTransaction()) return Change(nullptr);
-  VICTORIOUS_RETURN_IF_ERROR(database.Begin());
+  VICTORIOUS_RETURN_IF_ERROR(database.Begin(exclusion));
   return Change(&database);
 }
 

@@ -1,6 +1,5 @@
-// A SQL database, as it is used by the stores whose statements are the same in SQLite and PostgreSQL: accounts, jobs,
-// thresholds and triage (sql_*_store.cc). sqlite/ and postgres/ implement it. Where the two differ, dialect.h has the
-// words of each.
+// A SQL database, as it is used by the stores whose statements are the same in SQLite and PostgreSQL (sql_*.cc).
+// sqlite/ and postgres/ implement it. Where the two differ, dialect.h has the words of each.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -51,9 +51,36 @@ class ValueList final : public Parameters {
 
 /// How many rows a query is expected to have.
 enum class RowCount {
-  kFew,   ///< held in memory
-  kMany,  ///< read in portions
+  kFew,        ///< held in memory
+  kMany,       ///< read in portions
+  kManyLarge,  ///< of many kilobytes each: read in small portions
 };
+
+/// What a transaction excludes until it ends. One of SQLite excludes all others.
+enum class Exclusion {
+  kNothing,  ///< for writes that lock their rows by themselves
+  kShared,   ///< kAll of other processes, not their kShared: for writes that touch only rows of their own
+  kAll,      ///< all other writes of the index: for what changes rows that others write, too
+  kServer,   ///< kServer of other processes: for what servers alone write; no indexer waits for it
+};
+
+/// Rows that the program writes.
+struct NewRows {
+  std::size_t count = 0;
+  std::function<void(std::size_t row, Parameters& values)> bind;  ///< gives the values of a row
+};
+
+/// What a reader of rows returns, or what it returns unless it fails.
+template <typename T>
+struct ReadResult {
+  using Record = T;
+};
+template <typename T>
+struct ReadResult<Expected<T>> {
+  using Record = T;
+};
+template <typename Read>
+using RecordOf = typename ReadResult<std::invoke_result_t<const Read&, const Row&>>::Record;
 
 /// Use from one thread at a time. Statements have one "?" for each parameter.
 class Database {
@@ -75,33 +102,44 @@ class Database {
   /// that it inserted, changed or deleted.
   [[nodiscard]] virtual Expected<std::int64_t> Write(const std::string& sql, const ValueList& values) = 0;
 
-  /// Begins a transaction. It excludes those of all others that write by this interface, so that what it has read does
-  /// not change.
-  [[nodiscard]] virtual Status Begin() = 0;
+  /// Runs a statement that writes once for each row, whose values are its parameters. Inside a transaction, as the two
+  /// that follow.
+  [[nodiscard]] virtual Status WriteRows(const std::string& sql, const NewRows& rows) = 0;
+  /// Adds rows to a table.
+  /// @param columns  "x, y"
+  [[nodiscard]] virtual Status InsertRows(const std::string& table, const std::string& columns,
+                                          const NewRows& rows) = 0;
+  /// Runs a statement that reads the rows from a table `given` with these columns of `table`: once for all rows, or
+  /// once for each.
+  [[nodiscard]] virtual Status WriteFromRows(const std::string& table, const std::string& columns, const NewRows& rows,
+                                             const std::string& sql) = 0;
+
+  /// Begins a transaction.
+  [[nodiscard]] virtual Status Begin(Exclusion exclusion) = 0;
   [[nodiscard]] virtual Status Commit() = 0;
   virtual void RollBack() = 0;
   [[nodiscard]] virtual bool IsInTransaction() const = 0;
 
-  /// The first row of a statement, as `read` converts it; std::nullopt: it has none.
+  /// The first row of a statement, as `read` converts it; std::nullopt: it has none. `read` may fail.
   template <typename Read>
-  auto ReadOne(const std::string& sql, const ValueList& values, const Read& read)
-      -> Expected<std::optional<typename decltype(read(std::declval<const Row&>()))::value_type>> {
-    std::optional<typename decltype(read(std::declval<const Row&>()))::value_type> found;
+  [[nodiscard]] Expected<std::optional<RecordOf<Read>>> ReadOne(const std::string& sql, const ValueList& values,
+                                                                const Read& read) {
+    std::optional<RecordOf<Read>> found;
     VICTORIOUS_RETURN_IF_ERROR(Visit(sql, values, RowCount::kFew, [&](const Row& row) -> Expected<bool> {
       if (found) return true;
-      VICTORIOUS_ASSIGN_OR_RETURN(found, read(row));
+      VICTORIOUS_ASSIGN_OR_RETURN(found, Expected<RecordOf<Read>>(read(row)));
       return true;
     }));
     return found;
   }
 
-  /// All rows of a query, as `read` converts them.
+  /// All rows of a query, as `read` converts them. `read` may fail.
   template <typename Read>
-  auto ReadAll(const std::string& sql, const ValueList& values, const Read& read)
-      -> Expected<std::vector<typename decltype(read(std::declval<const Row&>()))::value_type>> {
-    std::vector<typename decltype(read(std::declval<const Row&>()))::value_type> records;
+  [[nodiscard]] Expected<std::vector<RecordOf<Read>>> ReadAll(const std::string& sql, const ValueList& values,
+                                                              const Read& read) {
+    std::vector<RecordOf<Read>> records;
     VICTORIOUS_RETURN_IF_ERROR(Visit(sql, values, RowCount::kFew, [&](const Row& row) -> Expected<bool> {
-      VICTORIOUS_ASSIGN_OR_RETURN(auto record, read(row));
+      VICTORIOUS_ASSIGN_OR_RETURN(auto record, Expected<RecordOf<Read>>(read(row)));
       records.push_back(std::move(record));
       return true;
     }));
@@ -115,7 +153,8 @@ class Database {
 /// A transaction, or a part of the one that has begun already. The destructor rolls back unless Commit was called.
 class Change {
  public:
-  [[nodiscard]] static Expected<Change> Begin(Database& database);
+  /// By default it excludes those of all other servers, so that what it has read does not change.
+  [[nodiscard]] static Expected<Change> Begin(Database& database, Exclusion exclusion = Exclusion::kServer);
   ~Change() {
     if (database_ != nullptr) database_->RollBack();
   }

@@ -25,6 +25,21 @@ std::string Contains(Dialect dialect, std::string_view text, std::string_view pa
   return fmt::format("{}({}, {}) > 0", dialect == Dialect::kSqlite ? "instr" : "strpos", text, part);
 }
 
+std::string ListOf(Dialect dialect, std::string_view integer) {
+  return fmt::format(fmt::runtime(dialect == Dialect::kSqlite ? "group_concat({})" : "string_agg({}::text, ',')"),
+                     integer);
+}
+
+std::string Greater(Dialect dialect, std::string_view a, std::string_view b) {
+  return fmt::format("{}({}, {})", dialect == Dialect::kSqlite ? "max" : "greatest", a, b);
+}
+
+std::string Lesser(Dialect dialect, std::string_view a, std::string_view b) {
+  return fmt::format("{}({}, {})", dialect == Dialect::kSqlite ? "min" : "least", a, b);
+}
+
+std::string_view JoinInOrder(Dialect dialect) { return dialect == Dialect::kSqlite ? "CROSS JOIN" : "JOIN"; }
+
 std::string IndexedBy(Dialect dialect, std::string_view index) {
   return dialect == Dialect::kSqlite ? fmt::format(" INDEXED BY {}", index) : "";
 }

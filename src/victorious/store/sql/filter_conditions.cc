@@ -72,7 +72,10 @@ Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& f
 
 Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter& filter, Dialect dialect) {
   Conditions conditions;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, "s.video_id", conditions));
+  // By video and tracklet, SQLite would read all sightings of the video, to save the sort. The "+" excludes the video
+  // from the choice of the index, which leaves that of tracklets.
+  const bool reads_by_tracklet = dialect == Dialect::kSqlite && filter.tracklet.has_value();
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(store, filter, reads_by_tracklet ? "+s.video_id" : "s.video_id", conditions));
   AddModel(filter, "t.model_id", conditions);
   if (filter.object) conditions.AddOneOf("t.object_id", {*filter.object});
   if (filter.tracklet) conditions.AddOneOf("s.tracklet_id", {*filter.tracklet});
@@ -80,6 +83,8 @@ Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter&
   AddRejected(filter, conditions);
   AddThresholds(filter, conditions);
   if (filter.near) AddNear(dialect, *filter.near, PlacedObjects::kAll, conditions);
+  // PostgreSQL has the sightings in parts by video: only those of the tracklets' videos are looked into.
+  if (dialect == Dialect::kPostgres && (filter.object || filter.tracklet)) conditions.Add("s.video_id = t.video_id");
   return conditions;
 }
 

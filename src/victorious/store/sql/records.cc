@@ -193,10 +193,16 @@ std::string SelectTracklets() {
   return "SELECT " + kTrackletColumns.Names() + ", id, object_id, revision FROM tracklets ";
 }
 
-std::string ObjectResultColumns() {
-  return kObjectColumns.Names("o") +
-         ", coalesce(o.object_score, max(t.score)) AS score, CAST(sum(t.frames) AS bigint) AS frames, "
-         "min(t.first_time_s), max(t.last_time_s)";
+std::string SelectObjects(Dialect dialect) {
+  return fmt::format(
+      "SELECT {}, coalesce(o.object_score, max(t.score)) AS score, CAST(sum(t.frames) AS bigint) AS frames, "
+      "min(t.first_time_s), max(t.last_time_s), {}, {} FROM objects o JOIN tracklets t ON t.object_id = o.id ",
+      kObjectColumns.Names("o"), ListOf(dialect, "t.video_id"), ListOf(dialect, "t.id"));
+}
+
+std::string SelectSearches() {
+  return "SELECT s.video_id, s.model_id, s.next_frame, s.finished, o.json, s.program_version FROM searches s "
+         "JOIN options o ON o.id = s.options_id ";
 }
 
 std::string SelectSightings() {
@@ -282,13 +288,13 @@ Expected<ModelRecord> ReadModel(const Row& row, std::string_view name) {
   return ModelRecord{.id = row.Integer(0), .name = row.Text(1), .content_id = row.Text(2), .kind = *kind};
 }
 
-SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model) {
-  return {.video = video,
-          .model = model,
-          .next_frame = row.Integer(0),
-          .finished = row.Integer(1) != 0,
-          .options_json = row.Text(2),
-          .program_version = row.Text(3)};
+SearchRecord ReadSearch(const Row& row) {
+  return {.video = row.Integer(0),
+          .model = row.Integer(1),
+          .next_frame = row.Integer(2),
+          .finished = row.Integer(3) != 0,
+          .options_json = row.Text(4),
+          .program_version = row.Text(5)};
 }
 
 CoveredTime ReadCoveredTime(const Row& row) {
@@ -299,14 +305,13 @@ CoveredTime ReadCoveredTime(const Row& row) {
           .to_utc_us = row.Integer(4)};
 }
 
-std::string SelectSearchParts(Dialect dialect, std::string_view condition) {
-  constexpr std::string_view kSelect = "SELECT video_id, model_id, {}, from_frame, to_frame, from_s, to_s FROM {} {} ";
-  std::string sql = fmt::format(kSelect, "kind", "search_parts", condition);
-  if (dialect == Dialect::kPostgres) {
-    sql += "UNION ALL " +
-           fmt::format(kSelect, fmt::format("'{}' AS kind", ToText(SearchPartKind::kFailed)), "gaps", condition);
-  }
-  return sql;
+// In PostgreSQL, segments that failed are gaps of a search.
+std::string SelectSearchParts(Dialect dialect) {
+  constexpr std::string_view kSelect = "SELECT video_id, model_id, {}, from_frame, to_frame, from_s, to_s FROM {} ";
+  std::string sql = fmt::format(kSelect, "kind", "search_parts");
+  if (dialect == Dialect::kSqlite) return sql;
+  sql += "UNION ALL " + fmt::format(kSelect, fmt::format("'{}'", ToText(SearchPartKind::kFailed)), "gaps");
+  return fmt::format("SELECT * FROM ({}) AS parts ", sql);
 }
 
 Expected<SearchPart> ReadSearchPart(const Row& row, std::string_view name) {

@@ -75,36 +75,14 @@ inline constexpr ColumnList kKeptFitColumns({"tracklet_id", "key", "fit", "path"
 std::string SelectVideos();
 std::string SelectModels();
 std::string SelectTracklets();
-/// The columns of SelectObjects() before its lists of ids: kObjectColumns and the aggregates over the tracklets.
-/// Aliases: o for the object, t for its tracklets.
-std::string ObjectResultColumns();
-inline constexpr std::string_view kFromObjects = " FROM objects o JOIN tracklets t ON t.object_id = o.id ";
+/// To be followed by conditions and kGroupObjects. Aliases: o for the object, t for its tracklets.
+std::string SelectObjects(Dialect dialect);
 inline constexpr std::string_view kGroupObjects = "GROUP BY o.id ORDER BY score DESC, frames DESC, o.id";
-/// Whole; parameters: the ids of the video and of the model. ReadSearch converts its row.
-inline constexpr std::string_view kFindSearch =
-    "SELECT s.next_frame, s.finished, o.json, s.program_version FROM searches s JOIN options o ON o.id = s.options_id "
-    "WHERE s.video_id = ? AND s.model_id = ?";
-/// Whole; the same columns, then the ids of the video and of the model.
-inline constexpr std::string_view kSelectSearches =
-    "SELECT s.next_frame, s.finished, o.json, s.program_version, s.video_id, s.model_id FROM searches s JOIN options o "
-    "ON o.id = s.options_id";
-inline constexpr std::string_view kPutCoveredTime =
-    "INSERT INTO covered_times (video_id, from_frame, source, from_utc_us, to_utc_us) VALUES (?, ?, ?, ?, ?) "
-    "ON CONFLICT (video_id, from_frame) DO UPDATE SET from_utc_us = excluded.from_utc_us, "
-    "to_utc_us = excluded.to_utc_us";
-inline constexpr std::string_view kSelectCoveredTimes =
-    "SELECT video_id, from_frame, source, from_utc_us, to_utc_us FROM covered_times WHERE source = ? "
-    "ORDER BY from_utc_us, video_id";
-inline constexpr std::string_view kPutSearchPart =
-    "INSERT INTO search_parts (video_id, model_id, kind, from_frame, to_frame, from_s, to_s) VALUES (?, ?, ?, ?, ?, ?, "
-    "?) ON CONFLICT (video_id, model_id, from_frame, kind) DO UPDATE SET to_frame = excluded.to_frame, from_s = "
-    "excluded.from_s, to_s = excluded.to_s";
-/// To be followed by kOrderSearchParts. @param condition  that selects rows of a table with the column "video_id", or
-/// empty; of PostgreSQL it stands twice, with its parameter
-std::string SelectSearchParts(Dialect dialect, std::string_view condition);
-inline constexpr std::string_view kOrderSearchParts = " ORDER BY video_id, model_id, from_frame, kind";
-inline constexpr std::string_view kSelectKeptFits = "SELECT tracklet_id, key, fit FROM kept_fits";
-inline constexpr std::string_view kFindKeptPath = "SELECT path FROM kept_fits WHERE tracklet_id = ? AND key = ?";
+/// Aliases: s for the search, o for its options.
+std::string SelectSearches();
+/// To be followed by conditions and kOrderSearchParts.
+std::string SelectSearchParts(Dialect dialect);
+inline constexpr std::string_view kOrderSearchParts = "ORDER BY video_id, model_id, from_frame, kind";
 /// To be followed by conditions and kOrderSightings. Aliases: s for the sighting, t for its tracklet, o for its object.
 std::string SelectSightings();
 inline constexpr std::string_view kOrderSightings = "ORDER BY s.video_id, s.frame, s.tracklet_id";
@@ -123,20 +101,20 @@ void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::in
 VideoRecord ReadVideo(const Row& row);
 /// Error: kDataLoss for an unknown kind. `name`: the index's, for the message.
 [[nodiscard]] Expected<ModelRecord> ReadModel(const Row& row, std::string_view name);
-SearchRecord ReadSearch(const Row& row, std::int64_t video, std::int64_t model);
+SearchRecord ReadSearch(const Row& row);
 TrackletRecord ReadTracklet(const Row& row);
 CoveredTime ReadCoveredTime(const Row& row);
 /// Error: kDataLoss for an unknown kind. @param name  of the index, for messages
 [[nodiscard]] Expected<SearchPart> ReadSearchPart(const Row& row, std::string_view name);
-/// Columns of kSelectKeptFits.
+/// Columns: its tracklet, its key, the fit.
 KeptFit ReadKeptFit(const Row& row);
-/// Columns: ObjectResultColumns(), then the ids of its videos and of its tracklets, each as a text "3,1,3".
 /// Error: kDataLoss if a binary column has the wrong size. `name`: the index's, for the message.
 [[nodiscard]] Expected<ObjectRecord> ReadObject(const Row& row, std::string_view name);
 /// Columns from `first` on: verdict, note, reviewer, time; all NULL: no review. Error: kDataLoss for an unknown
 /// verdict.
 [[nodiscard]] Expected<Review> ReadReview(const Row& row, int first, std::string_view name);
-/// Columns: ObjectResultColumns(). Returns the object without its videos and tracklets.
+/// Columns: kObjectColumns, then score, frames, first and last time. Returns the object without its videos and
+/// tracklets.
 [[nodiscard]] Expected<ObjectRecord> ReadObjectRow(const Row& row, std::string_view name);
 /// Error: kDataLoss, as for ReadObject, and for an unknown source.
 [[nodiscard]] Expected<SightingRecord> ReadSighting(const Row& row, std::string_view name);

@@ -241,17 +241,11 @@ class SqlTriageStore final : public TriageStore {
   }
 
   Expected<std::vector<SearchPart>> SearchParts() override {
-    return database_->ReadAll(SelectSearchParts(dialect_, "") + std::string(kOrderSearchParts), ValueList(),
+    return database_->ReadAll(SelectSearchParts(dialect_) + std::string(kOrderSearchParts), ValueList(),
                               [&](const Row& row) { return ReadSearchPart(row, database_->name()); });
   }
 
  private:
-  static ValueList ValuesOf(const Conditions& conditions) {
-    ValueList values;
-    conditions.Bind(values);
-    return values;
-  }
-
   // SQLite may lack the functions, and visits as fast.
   Expected<std::vector<PlaceCell>> SumVisited(const MapGrid& grid, const ObjectQuery& query) {
     std::vector<PlaceCell> all(static_cast<std::size_t>(grid.cells) * static_cast<std::size_t>(grid.cells));

@@ -2,17 +2,30 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "victorious/store/sqlite/open_database.h"
 
 namespace victorious::sqlite {
 namespace {
 
+// "?, ?" for "x, y".
+std::string Placeholders(std::string_view columns) {
+  std::string placeholders = "?";
+  for (const char c : columns) {
+    if (c == ',') placeholders += ", ?";
+  }
+  return placeholders;
+}
+
 class SqliteDatabase final : public sql::Database {
  public:
-  explicit SqliteDatabase(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+  explicit SqliteDatabase(std::shared_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
   const std::string& name() const override { return connection_->name(); }
   sql::Dialect dialect() const override { return sql::Dialect::kSqlite; }
@@ -49,7 +62,25 @@ class SqliteDatabase final : public sql::Database {
     return connection_->Changes();
   }
 
-  Status Begin() override {
+  Status WriteRows(const std::string& sql, const sql::NewRows& rows) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement statement, connection_->Prepare(sql));
+    for (std::size_t row = 0; row < rows.count; ++row) {
+      rows.bind(row, statement);
+      VICTORIOUS_RETURN_IF_ERROR(statement.Run());
+    }
+    return {};
+  }
+
+  Status InsertRows(const std::string& table, const std::string& columns, const sql::NewRows& rows) override {
+    return WriteRows(fmt::format("INSERT INTO {} ({}) VALUES ({})", table, columns, Placeholders(columns)), rows);
+  }
+
+  Status WriteFromRows(const std::string& /*table*/, const std::string& columns, const sql::NewRows& rows,
+                       const std::string& sql) override {
+    return WriteRows(fmt::format("WITH given ({}) AS (VALUES ({})) {}", columns, Placeholders(columns), sql), rows);
+  }
+
+  Status Begin(sql::Exclusion /*exclusion*/) override {
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
     transaction_.emplace(std::move(transaction));
     return {};
@@ -65,15 +96,19 @@ class SqliteDatabase final : public sql::Database {
   bool IsInTransaction() const override { return transaction_.has_value(); }
 
  private:
-  std::unique_ptr<Connection> connection_;
+  std::shared_ptr<Connection> connection_;
   std::optional<Transaction> transaction_;
 };
 
 }  // namespace
 
+std::unique_ptr<sql::Database> MakeSqlDatabase(std::shared_ptr<Connection> connection) {
+  return std::make_unique<SqliteDatabase>(std::move(connection));
+}
+
 Expected<std::unique_ptr<sql::Database>> OpenSqlDatabase(const std::filesystem::path& path, StoreMode mode) {
   VICTORIOUS_ASSIGN_OR_RETURN(auto connection, OpenDatabase(path, mode));
-  return std::make_unique<SqliteDatabase>(std::move(connection));
+  return MakeSqlDatabase(std::move(connection));
 }
 
 }  // namespace victorious::sqlite

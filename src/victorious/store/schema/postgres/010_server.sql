@@ -64,7 +64,7 @@ CREATE INDEX tracklets_by_video ON tracklets (video_id, object_id) INCLUDE (firs
 DROP INDEX sightings_by_tracklet;
 CREATE INDEX sightings_by_tracklet ON sightings (tracklet_id, matches, score);
 
--- Whoever writes tracklets holds the rows of their objects (postgres_store.h: LockObjectsOf), or all of them.
+-- Whoever writes tracklets holds the rows of their objects (sql_index_store.cc: LockObjectsOf), or all of them.
 CREATE FUNCTION summarise_objects(ids bigint[]) RETURNS void LANGUAGE sql AS $$
   UPDATE victorious.objects o
   SET score = s.score, frames = s.frames, first_time_s = s.first_time_s, last_time_s = s.last_time_s
