@@ -12,7 +12,23 @@
 #include <string>
 #include <string_view>
 
+#include <fmt/format.h>
+
 namespace victorious::sql {
+
+/// "?, ?" for "x_px, y_px": one parameter for each column.
+[[nodiscard]] inline std::string ParametersOf(std::string_view columns) {
+  std::string parameters = "?";
+  for (const char c : columns) {
+    if (c == ',') parameters += ", ?";
+  }
+  return parameters;
+}
+
+/// "INSERT INTO boxes (x_px, y_px) VALUES (?, ?) "
+[[nodiscard]] inline std::string InsertInto(std::string_view table, std::string_view columns) {
+  return fmt::format("INSERT INTO {} ({}) VALUES ({}) ", table, columns, ParametersOf(columns));
+}
 
 template <std::size_t kCount>
 class ColumnList {
@@ -40,18 +56,12 @@ class ColumnList {
       return alias.empty() ? std::string(name) : std::string(alias) + "." + std::string(name);
     });
   }
-  /// "?, ?": one parameter for each column.
-  [[nodiscard]] std::string Parameters() const {
-    return Join(0, [](std::string_view) { return std::string("?"); });
-  }
   /// "y_px = excluded.y_px": for ON CONFLICT DO UPDATE SET of the columns from position `first` on.
   [[nodiscard]] std::string Updates(int first) const {
     return Join(first, [](std::string_view name) { return std::string(name) + " = excluded." + std::string(name); });
   }
   /// "INSERT INTO boxes (x_px, y_px) VALUES (?, ?) "
-  [[nodiscard]] std::string Insert(std::string_view table) const {
-    return "INSERT INTO " + std::string(table) + " (" + Names() + ") VALUES (" + Parameters() + ") ";
-  }
+  [[nodiscard]] std::string Insert(std::string_view table) const { return InsertInto(table, Names()); }
 
  private:
   template <typename Write>

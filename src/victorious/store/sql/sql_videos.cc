@@ -16,14 +16,18 @@ Status DeleteWithObjects(Database& database, const std::string& sql, std::string
   return change.Commit();
 }
 
+// The options that features were kept with; std::nullopt: none were kept. Inside a transaction.
+Expected<std::optional<std::int64_t>> PutFeatureOptions(Database& database, const std::string& features_json) {
+  if (features_json.empty()) return std::nullopt;
+  return PutOptions(database, features_json);
+}
+
 }  // namespace
 
 Expected<VideoRecord> SqlIndexStore::PutVideo(const VideoRecord& video) {
   VICTORIOUS_ASSIGN_OR_RETURN(Change change, Change::Begin(*database_, Exclusion::kShared));
-  std::optional<std::int64_t> features_options;
-  if (!video.features_json.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(features_options, PutOptions(*database_, video.features_json));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::int64_t> features_options,
+                              PutFeatureOptions(*database_, video.features_json));
   const int is_of_photos = video.is_of_photos ? 1 : 0;
   const auto update = [&] {
     return database_->Write(
@@ -99,10 +103,7 @@ Status SqlIndexStore::PutShownGround(std::int64_t video, std::span<const GeoBox>
 
 Status SqlIndexStore::SetVideoFeatures(std::int64_t video, const std::string& features_json) {
   VICTORIOUS_ASSIGN_OR_RETURN(Change change, Change::Begin(*database_, Exclusion::kShared));
-  std::optional<std::int64_t> options;
-  if (!features_json.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(options, PutOptions(*database_, features_json));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::int64_t> options, PutFeatureOptions(*database_, features_json));
   VICTORIOUS_RETURN_IF_ERROR(WriteOne(*database_, "UPDATE videos SET features_options_id = ? WHERE id = ?",
                                       ValueList(options, video), "video", video));
   return change.Commit();

@@ -116,8 +116,6 @@ Expected<std::string> Connection::QueryText(std::string_view sql) {
   return statement.Text(0);
 }
 
-std::int64_t Connection::LastInsertId() const { return sqlite3_last_insert_rowid(handle_); }
-
 std::int64_t Connection::Changes() const { return sqlite3_changes64(handle_); }
 
 bool Connection::IsInTransaction() const { return sqlite3_get_autocommit(handle_) == 0; }

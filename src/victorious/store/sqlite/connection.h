@@ -45,7 +45,6 @@ class Connection {
   /// Returns the single text value that `sql` selects.
   [[nodiscard]] Expected<std::string> QueryText(std::string_view sql);
 
-  [[nodiscard]] std::int64_t LastInsertId() const;
   /// Number of rows that the last statement inserted, changed or deleted.
   [[nodiscard]] std::int64_t Changes() const;
   [[nodiscard]] bool IsInTransaction() const;

@@ -3,25 +3,16 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "victorious/store/sql/column_list.h"
 #include "victorious/store/sqlite/open_database.h"
 
 namespace victorious::sqlite {
 namespace {
-
-// "?, ?" for "x, y".
-std::string Placeholders(std::string_view columns) {
-  std::string placeholders = "?";
-  for (const char c : columns) {
-    if (c == ',') placeholders += ", ?";
-  }
-  return placeholders;
-}
 
 class SqliteDatabase final : public sql::Database {
  public:
@@ -72,12 +63,13 @@ class SqliteDatabase final : public sql::Database {
   }
 
   Status InsertRows(const std::string& table, const std::string& columns, const sql::NewRows& rows) override {
-    return WriteRows(fmt::format("INSERT INTO {} ({}) VALUES ({})", table, columns, Placeholders(columns)), rows);
+    return WriteRows(sql::InsertInto(table, columns), rows);
   }
 
   Status WriteFromRows(const std::string& /*table*/, const std::string& columns, const sql::NewRows& rows,
                        const std::string& sql) override {
-    return WriteRows(fmt::format("WITH given ({}) AS (VALUES ({})) {}", columns, Placeholders(columns), sql), rows);
+    return WriteRows(fmt::format("WITH given ({}) AS (VALUES ({})) {}", columns, sql::ParametersOf(columns), sql),
+                     rows);
   }
 
   Status Begin(sql::Exclusion /*exclusion*/) override {
