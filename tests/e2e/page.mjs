@@ -525,6 +525,12 @@ async function checkMeasuring(page, map) {
   await becomes(() => measured.innerText(), /^247 m\s+last 135 m, 90°\s+area 7,5\d\d m², around it 422 m$/);
   await checkAccessible(page, "measuring");
   await page.getByRole("button", { name: "New" }).click();
+  // The panel is smaller now: the map has to take its new size before it is clicked, else it moves between two clicks.
+  await becomes(() => measured.innerText(), /^Click from place to place/);
+  await page.waitForFunction(() => {
+    const canvas = document.querySelector(".map .maplibregl-canvas");
+    return canvas.clientHeight === canvas.closest(".maplibregl-map").clientHeight;
+  });
   for (const part of [0.4, 0.6]) await page.mouse.click(map.x + part * map.width, map.y + map.height / 2);
   await becomes(() => measured.innerText(), /^[\d.,]+ k?m\s+last [\d.,]+ k?m, 90°$/);
   await page.keyboard.press("Backspace");

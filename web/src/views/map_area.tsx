@@ -2,7 +2,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import type { FeatureCollection } from "geojson";
 import type { Map as MapLibre, MapMouseEvent } from "maplibre-gl";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 
 import { type Area, MAX_CORNERS, formatArea, isArea, nearestCorner, onOneGlobe, parseArea, rectangle } from "../logic/area";
 import { parseQuery } from "../logic/filters";
@@ -113,7 +113,8 @@ export function AreaPanel() {
   const area = state.filters.value.area;
   const [text, setText] = useState("");
   const field = useRef<HTMLInputElement>(null);
-  useEffect(() => {
+  // At once: an effect after the next frame would overwrite what is typed until then.
+  useLayoutEffect(() => {
     setText(area ? formatArea(area) : "");
     // Zoomed, the map may stand far below what is shown.
     field.current?.closest(".map")?.scrollIntoView({ block: "nearest" });

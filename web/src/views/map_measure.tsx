@@ -2,7 +2,7 @@
 import { effect, signal } from "@preact/signals";
 import type { FeatureCollection } from "geojson";
 import type { Map as MapLibre } from "maplibre-gl";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 
 import { MAX_CORNERS, readCorners } from "../logic/area";
 import { formatAngle } from "../logic/format";
@@ -52,7 +52,8 @@ export function MeasurePanel() {
   const isMeasuring = state.isMeasuring.value;
   const [text, setText] = useState("");
   const field = useRef<HTMLInputElement>(null);
-  useEffect(() => {
+  // At once: an effect after the next frame would clear what is typed until then.
+  useLayoutEffect(() => {
     setText("");
     if (isMeasuring) field.current?.focus({ preventScroll: true });
   }, [isMeasuring]);
