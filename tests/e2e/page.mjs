@@ -360,6 +360,31 @@ async function checkQueue(page, objects) {
   await becomes(() => selectedId(page), second.id);
 }
 
+/** A rejection takes a reason, by key or by click, as long as its message stands; undo takes back both. */
+async function checkReasons(page, object) {
+  const hasNote = (wanted) => until(page, `/objects/${object.id}`, ({ review }) => (review?.note ?? null) === wanted);
+  const notice = page.locator(".notice", { hasText: `${object.model} ${object.id}: rejected` });
+  await page.click(`#object-${object.id}`);
+  await page.keyboard.press("x");
+  await notice.waitFor();
+  // What is typed is no reason.
+  await page.keyboard.press("/");
+  await page.keyboard.type("3");
+  await becomes(() => page.inputValue("#search"), "3");
+  await page.fill("#search", "");
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("3");
+  await hasNote("nothing there");
+  await notice.getByRole("button", { name: "wrong place or size" }).click();
+  await hasNote("wrong place or size");
+  await becomes(() => notice.innerText(), /rejected, wrong place or size\./);
+  await page.keyboard.press("u");
+  await hasNote(null);
+  await notice.waitFor({ state: "detached" });
+  await page.keyboard.press("3");
+  assert.deepEqual([await notice.count(), (await api(page, `/objects/${object.id}`)).review], [0, null]);
+}
+
 async function triage(page) {
   // The list greys out what filters exclude; other scenarios leave it out.
   await open(page, "/?list=all");
@@ -423,6 +448,7 @@ async function triage(page) {
   await page.waitForSelector(`#object-${second.id} .verdict`, { state: "detached" });
   await becomes(async () => (await api(page, `/objects/${second.id}`)).review, null);
 
+  await checkReasons(page, second);
   await checkQueue(page, objects);
 
   // A note by keyboard alone; the other keys are letters while it is typed.

@@ -10,6 +10,8 @@ export interface Notice {
   /** A later message about the same takes its place. */
   about: string;
   action: NoticeAction | null;
+  /** What may be added to what it says. */
+  choices: readonly NoticeChoice[];
 }
 
 /** What a click on a message does. */
@@ -17,13 +19,21 @@ export interface NoticeAction {
   label: string;
   run: () => void;
 }
+export interface NoticeChoice extends NoticeAction {
+  key: string;
+  isChosen: boolean;
+}
 export const notices = signal<Notice[]>([]);
 let nextNotice = 0;
 
-export function notify(text: string, kind: Notice["kind"] = "info", about = text, action: NoticeAction | null = null) {
+/** Returns the number of the message. */
+export function notify(
+  text: string, kind: Notice["kind"] = "info", about = text, action: NoticeAction | null = null, choices: readonly NoticeChoice[] = [],
+): number {
   const id = nextNotice++;
-  notices.value = [...notices.value.filter((one) => one.about !== about), { id, text, kind, about, action }];
+  notices.value = [...notices.value.filter((one) => one.about !== about), { id, text, kind, about, action, choices }];
   setTimeout(() => dismiss(id), kind === "error" ? 12_000 : action !== null ? 7000 : 4000);
+  return id;
 }
 
 export function dismiss(id: number) {
@@ -31,4 +41,6 @@ export function dismiss(id: number) {
 }
 
 /** Says what went wrong. */
-export const notifyError = (error: unknown) => notify(messageOf(error), "error");
+export function notifyError(error: unknown) {
+  notify(messageOf(error), "error");
+}

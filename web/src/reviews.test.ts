@@ -35,8 +35,10 @@ vi.mock("./state", async () => {
 const { ApiFailure } = await import("./api/client");
 const { MAX_DECISIONS, ownDecision } = await import("./logic/decisions");
 const { givenName } = await import("./me");
+const { notices } = await import("./notices");
 const objects = await import("./objects");
 const reviews = await import("./reviews");
+const state = await import("./state");
 const { session } = await import("./session");
 
 const say = (reviewer: string, verdict: Review["verdict"], note = "", at = 1): Review => ({ reviewer, verdict, note, updated_utc_us: at });
@@ -69,6 +71,117 @@ beforeEach(() => {
   );
   session.value = { has_accounts: false, account: null };
   givenName.value = "ann";
+  notices.value = [];
+  state.isQueueDone.value = false;
+});
+
+/** As the key does: rejects what is selected. */
+async function reject(stored: Review[] = []) {
+  const id = await show(stored);
+  (state.selected as { value: unknown }).value = objects.objectOf(id);
+  state.isQueueDone.value = false;
+  reviews.decide("rejected");
+  return id;
+}
+const told = () => notices.value.filter((one) => one.about === "review").map((one) => one.text);
+
+describe("the reason of a rejection", () => {
+  it("is its note, one step of undo with it", async () => {
+    const id = await reject();
+    await settle();
+    expect(reviews.giveReason("3")).toBe(true);
+    await settle();
+    expect(sent().at(-1)).toEqual([id, "rejected", "nothing there", "ann"]);
+    expect(told()).toEqual([`jet ${id}: rejected, nothing there.`]);
+    reviews.undo();
+    await settle();
+    await settle();
+    expect(sent().at(-1)).toEqual([id, null, "", "ann"]);
+    expect(told()).toEqual([]);
+  });
+
+  it("is asked for as long as the message stands", async () => {
+    const id = await reject();
+    await settle();
+    expect(reviews.giveReason("9")).toBe(false);
+    await vi.advanceTimersByTimeAsync(10_000);
+    expect(reviews.giveReason("3")).toBe(false);
+    await settle();
+    expect(sent()).toEqual([[id, "rejected", "", "ann"]]);
+  });
+
+  it("is not put after undo, also if the rejection waited for what was decided before", async () => {
+    const id = await reject([...crowd, say("ann", null, "")]);
+    expect(reviews.giveReason("2")).toBe(true);
+    reviews.undo();
+    expect(reviews.giveReason("2")).toBe(false);
+    await settle();
+    await settle();
+    expect(sent().filter(([, , note]) => note !== "")).toEqual([]);
+    expect(own(id, "ann")?.verdict ?? null).toBeNull();
+    expect(told()).toEqual([]);
+  });
+
+  it("is not asked for once another decision has replaced the rejection", async () => {
+    const id = await reject();
+    await settle();
+    reviews.review(id, null);
+    await settle();
+    expect(reviews.giveReason("2")).toBe(false);
+    await reject();
+    givenName.value = "bob";
+    expect(reviews.giveReason("2")).toBe(false);
+  });
+
+  it("replaces an earlier reason, the last one arrives last", async () => {
+    const id = await reject();
+    const answers: (() => void)[] = [];
+    server.putReview.mockImplementation((of: number, verdict: Review["verdict"], note: string, reviewer: string) =>
+      new Promise((resolve) => answers.push(() => resolve({ object_id: of, review: say(reviewer, verdict, note), decisions: [say(reviewer, verdict, note)], is_disputed: false }))),
+    );
+    await settle();
+    reviews.giveReason("2");
+    await settle();
+    reviews.giveReason("4");
+    await settle();
+    // One at a time: the server may answer the second request first.
+    expect(sent().map(([, , note]) => note)).toEqual([""]);
+    answers.shift()?.();
+    await settle();
+    expect(sent().map(([, , note]) => note)).toEqual(["", "wrong place or size"]);
+    answers.shift()?.();
+    await settle();
+    expect(own(id, "ann")?.note).toBe("wrong place or size");
+    expect(told()).toEqual([`jet ${id}: rejected, wrong place or size.`]);
+  });
+
+  it("leaves a note that was written", async () => {
+    const id = await reject([say("ann", null, "by the barn")]);
+    await settle();
+    expect(reviews.giveReason("2")).toBe(true);
+    await settle();
+    expect(sent()).toEqual([[id, "rejected", "by the barn", "ann"]]);
+    expect(notices.value.map((one) => one.text)).toContain("It has a note, which stays.");
+  });
+
+  it("is not asked for if the server has refused the rejection", async () => {
+    server.putReview.mockRejectedValueOnce(new ApiFailure("no", 403));
+    await reject();
+    await settle();
+    expect(reviews.giveReason("2")).toBe(false);
+    expect(told()).toEqual([]);
+  });
+
+  it("is of all that were rejected together", async () => {
+    const ids = [await show([]), await show([say("ann", "accepted", "mine")])];
+    reviews.marked.value = new Set(ids);
+    reviews.decide("rejected");
+    await settle();
+    reviews.giveReason("5");
+    await settle();
+    expect(ids.map((id) => own(id, "ann")?.note)).toEqual(["cannot tell", "mine"]);
+    expect(told()).toEqual(["2 objects rejected, cannot tell."]);
+  });
 });
 
 describe("what can be taken back", () => {

@@ -2,14 +2,15 @@
 import { computed, signal } from "@preact/signals";
 
 import { ApiFailure, listDecisions, putReview } from "./api/client";
-import type { Review, Verdict } from "./api/types";
+import type { Review, ReviewedObject, Verdict } from "./api/types";
 import { type Reviews, isOwnKnown, ownDecision, ownOf, reviewsOf, withDecision } from "./logic/decisions";
 import { messageOf } from "./logic/errors";
+import { REASONS, takesReason } from "./logic/reasons";
 import { formatUndoSteps, readUndoSteps } from "./logic/undo_steps";
 import { type Filters, isChosen, nextReview } from "./logic/filters";
 import { plural } from "./logic/format";
 import { me } from "./me";
-import { notify, notifyError } from "./notices";
+import { type NoticeChoice, dismiss, notices, notify, notifyError } from "./notices";
 import * as objects from "./objects";
 import { neighbour, select } from "./selection";
 import { account, session } from "./session";
@@ -56,6 +57,32 @@ export const waiting = computed(() => {
 
 const keyOf = (reviewer: string, id: number) => `${id} ${reviewer}`;
 
+/** What is on its way to the server, by person and object. */
+const underWay = new Map<string, Promise<unknown>>();
+let isLeaving = false;
+
+/** The page may go: what is decided now does not wait for the answer to what was decided before. */
+export function hurry() {
+  isLeaving = true;
+  // For the case that it stays, or comes back.
+  setTimeout(() => (isLeaving = false));
+}
+
+/** Of two decisions of a person about an object, the later one arrives later. */
+async function sendInOrder(key: string, isLatest: () => boolean, send: () => Promise<ReviewedObject>): Promise<ReviewedObject | null> {
+  for (let before = underWay.get(key); before !== undefined && !isLeaving; before = underWay.get(key)) {
+    await before.catch(() => undefined);
+    if (!isLatest()) return null;
+  }
+  const sent = send();
+  underWay.set(key, sent);
+  try {
+    return await sent;
+  } finally {
+    if (underWay.get(key) === sent) underWay.delete(key);
+  }
+}
+
 /** Keeps the steps that can be taken back, for the case of a reload. */
 async function keepUndoSteps() {
   const known = await Promise.all([...undoSteps].map(async ([name, steps]) => [name, await settled(steps)] as const));
@@ -97,7 +124,8 @@ async function writeReview(wanted: Decision) {
   while (isLatest()) {
     if (canSend(reviewer)) {
       try {
-        const reviewed = await putReview(id, verdict, note, reviewer);
+        const reviewed = await sendInOrder(key, isLatest, () => putReview(id, verdict, note, reviewer));
+        if (reviewed === null) return;
         isConnected.value = true;
         if (!isLatest()) return;
         setPending(key, null);
@@ -109,6 +137,7 @@ async function writeReview(wanted: Decision) {
         const isAway = error instanceof ApiFailure && (error.status === 0 || error.status >= 500);
         if (!isAway && !(error instanceof ApiFailure && error.status === 401)) {
           setPending(key, null);
+          if (told?.reviewer === reviewer && told.ids.includes(id)) endMessage(told);
           notify(`The review is not stored: ${messageOf(error)}`, "error");
           const shown = objects.objectOf(id) ?? object;
           objects.setReviews(id, withDecision(reviewsOf(shown), stored ?? asReview({ id, reviewer, verdict: null, note: "" })));
@@ -134,7 +163,70 @@ function canReview() {
 
 export function review(id: number, verdict: Verdict) {
   if (!objects.objectOf(id) || !canReview()) return;
+  if (told?.ids.includes(id) === true) endMessage(told);
   void change([id], (before) => ({ ...before, verdict }));
+}
+
+/** Decisions of which a message tells; as long as it stands, a rejection takes a reason. */
+interface Told {
+  ids: readonly number[];
+  /** "jeep 3: rejected" */
+  text: string;
+  reviewer: string;
+  /** What undo takes back, and whether it came about. */
+  step: Promise<Decision[]> | undefined;
+  isDone: Promise<boolean>;
+  notice: number;
+  /** The reason that was given last. */
+  reason: string | null;
+  isOver: boolean;
+}
+let told: Told | null = null;
+
+/** The message does not hold any more. */
+function endMessage(one: Told) {
+  one.isOver = true;
+  dismiss(one.notice);
+  if (told === one) told = null;
+}
+
+/** Says what was just decided by change(), and what may be done about it. */
+function tell(ids: readonly number[], text: string, verdict: Exclude<Verdict, null>, isDone: Promise<boolean>) {
+  const reviewer = me.peek();
+  const notice = notify(`${text}.`, "info", "review", UNDO_ACTION, verdict === "rejected" ? choicesOf(null) : []);
+  const one: Told = { ids, text, reviewer, step: undoSteps.get(reviewer)?.at(-1), isDone, notice, reason: null, isOver: false };
+  told = one;
+  void isDone.then((isThere) => {
+    if (!isThere) endMessage(one);
+  });
+}
+
+const choicesOf = (chosen: string | null): NoticeChoice[] =>
+  REASONS.map(({ key, text }) => ({ key, label: text, isChosen: text === chosen, run: () => giveReason(key) }));
+
+/** Puts the reason of a key to what was just rejected. Returns whether one is asked for: false as soon as its message has gone. */
+export function giveReason(key: string): boolean {
+  const one = told;
+  const reason = REASONS.find((other) => other.key === key);
+  if (!one || !reason || one.reviewer !== me.peek()) return false;
+  if (!notices.peek().some(({ id, choices }) => id === one.notice && choices.length > 0)) return false;
+  one.reason = reason.text;
+  void putReason(one, reason.text);
+  return true;
+}
+
+async function putReason(one: Told, reason: string) {
+  if (!(await one.isDone) || one.isOver || one.reason !== reason) return;
+  const owns = one.ids.flatMap((id) => {
+    const object = objects.objectOf(id);
+    const own = object ? ownDecision(object, one.reviewer) : null;
+    return own?.verdict === "rejected" ? [{ id, note: own.note }] : [];
+  });
+  const free = owns.filter(({ note }) => takesReason(note));
+  // The same step of undo as the rejection.
+  for (const { id } of free) void writeReview({ id, reviewer: one.reviewer, verdict: "rejected", note: reason });
+  if (free.length < owns.length) notify(owns.length === 1 ? "It has a note, which stays." : "Notes that are there stay.");
+  if (free.length > 0 && told === one) one.notice = notify(`${one.text}, ${reason}.`, "info", "review", UNDO_ACTION, choicesOf(reason));
 }
 
 /**
@@ -214,9 +306,10 @@ export function markRange(from: number, to: number) {
 function decideMarked(verdict: Exclude<Verdict, null>) {
   const ids = [...marked.value].filter((id) => objects.objectOf(id) !== undefined);
   marked.value = new Set();
-  notify(`${plural(ids.length, "object")} ${verdict}.`, "info", "review", UNDO_ACTION);
-  void change(ids, (before) => ({ ...before, verdict })).then((isDone) => {
-    if (!isDone) marked.value = new Set([...marked.value, ...ids]);
+  const isDone = change(ids, (before) => ({ ...before, verdict }));
+  tell(ids, `${plural(ids.length, "object")} ${verdict}`, verdict, isDone);
+  void isDone.then((isThere) => {
+    if (!isThere) marked.value = new Set([...marked.value, ...ids]);
   });
 }
 
@@ -234,11 +327,13 @@ export function decide(verdict: Exclude<Verdict, null>) {
   const object = selected.value;
   if (!object) return;
   // The key that ended the queue, pressed again, decides nothing.
-  if (isQueueDone.value) return notify(queueEnd.value);
+  if (isQueueDone.value) {
+    notify(queueEnd.value);
+    return;
+  }
   const wanted = { ...filters.value, review: nextReview(filters.value.review) };
   const next = neighbour(1, wanted);
-  review(object.id, verdict);
-  notify(`${object.model} ${object.id}: ${verdict}.`, "info", "review", UNDO_ACTION);
+  tell([object.id], `${object.model} ${object.id}: ${verdict}`, verdict, change([object.id], (before) => ({ ...before, verdict })));
   void goOn(object.id, next, wanted).catch(notifyError);
 }
 
@@ -264,6 +359,7 @@ export function undo() {
     notify("There is nothing to take back.");
     return;
   }
+  if (last === told?.step) endMessage(told);
   takeBack(last).catch(notifyError);
 }
 

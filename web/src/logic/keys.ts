@@ -17,6 +17,7 @@ export const BINDINGS = {
   previousSighting: { keys: ["H", "["], label: "Shift+H or [", what: "Previous sighting", group: "Move" },
   accept: { keys: ["a"], label: "A", what: "Accept, and go on", group: "Review" },
   reject: { keys: ["x"], label: "X", what: "Reject, and go on", group: "Review" },
+  reason: { keys: ["2", "3", "4", "5"], label: "2 to 5", what: "Why it was rejected, while the message stands", group: "Review" },
   note: { keys: ["n"], label: "N", what: "Write a note", group: "Review" },
   why: { keys: ["w"], label: "W", what: "Why it was found: its matches", group: "Review" },
   turn: { keys: ["t"], label: "T", what: "Turn the model, and show which of its views matched", group: "Review" },

@@ -63,6 +63,8 @@ function run(action: Action, shift: boolean) {
       return reviews.decide("accepted");
     case "reject":
       return reviews.decide("rejected");
+    case "reason":
+      return; // useKeys() has given it
     case "note":
       return focus("note");
     case "why":
@@ -130,6 +132,8 @@ function useKeys() {
       if (isOnControl && event.key === " " && !event.target.matches("[role=option]")) return;
       if (event.target instanceof HTMLInputElement && event.key.startsWith("Arrow")) return;
       if (event.target instanceof HTMLElement && event.key.startsWith("Arrow") && event.target.closest(".maplibregl-map")) return;
+      // Where no reason is asked for, these keys are nobody's.
+      if (action === "reason" && !reviews.giveReason(event.key)) return;
       event.preventDefault();
       if (event.repeat && (action === "accept" || action === "reject")) return;
       run(action, event.shiftKey);

@@ -271,10 +271,14 @@ function useAutoSave(draft: Draft | null) {
     if (draft === null) return;
     const store = () => keep(draft);
     const timer = setTimeout(store, PAUSE_MS);
-    window.addEventListener("pagehide", store);
+    const storeAtOnce = () => {
+      reviews.hurry();
+      store();
+    };
+    window.addEventListener("pagehide", storeAtOnce);
     return () => {
       clearTimeout(timer);
-      window.removeEventListener("pagehide", store);
+      window.removeEventListener("pagehide", storeAtOnce);
     };
   }, [draft]);
 }

@@ -6,7 +6,16 @@ export function Notices() {
     <div class="notices" role="status" aria-live="polite">
       {notices.notices.value.map((one) => (
         <div key={one.id} class={`notice ${one.kind}`}>
-          {one.text}
+          <span>{one.text}</span>
+          {one.choices.length > 0 && (
+            <span class="choices" role="group" aria-label="Reason">
+              {one.choices.map((choice) => (
+                <button key={choice.key} class="chip" aria-pressed={choice.isChosen} onClick={choice.run}>
+                  <kbd>{choice.key}</kbd> {choice.label}
+                </button>
+              ))}
+            </span>
+          )}
           {one.action && (
             <button
               class="link"
