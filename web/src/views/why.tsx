@@ -5,6 +5,8 @@ import { frameUrl, fullViewUrl } from "../api/client";
 import type { Evidence } from "../api/types";
 import { STAGES, SHEET, layOut, placeOn, sizeOf, verdictOf } from "../logic/evidence";
 import { type MatchCover, describeCover, matchCover } from "../logic/match_cover";
+import { formatScore } from "../logic/format";
+import { select } from "../selection";
 import * as state from "../state";
 import * as why from "../why";
 import { Icon } from "./icons";
@@ -79,6 +81,26 @@ function Stages({ evidence, stage, choose }: { evidence: Evidence; stage: number
   );
 }
 
+/** What other models explain it; a click goes to the other object. */
+function Rivals() {
+  const all = why.rivals.value;
+  if (all.length === 0) return null;
+  return (
+    <p class="rivals">
+      Also explained by:{" "}
+      {all.map((one, i) => (
+        <span key={one.object}>
+          {i > 0 && ", "}
+          <button class="link" title={`Object ${one.object}, score ${one.isInFrame ? "in this frame" : "of the object"}`} onClick={() => select(one.object, { push: true })}>
+            {one.model} {formatScore(one.score)}
+          </button>
+          {one.isInFrame ? "" : " at the same place"}
+        </span>
+      ))}
+    </p>
+  );
+}
+
 function Body({ evidence }: { evidence: Evidence }) {
   const last = evidence.stages.length - 1;
   const [stage, setStage] = useState(last);
@@ -91,6 +113,7 @@ function Body({ evidence }: { evidence: Evidence }) {
     <>
       <p class="verdict-text">{verdictOf(evidence)}</p>
       {cover && <p class={cover.isOnePatch ? "cover-text doubt" : "cover-text muted"}>{describeCover(cover)}</p>}
+      <Rivals />
       <Stages evidence={evidence} stage={stage} choose={setStage} />
       <Sheet evidence={evidence} cover={cover} stage={stage} isWhole={isWhole} hasLines={hasLines} />
       <div class="below">
