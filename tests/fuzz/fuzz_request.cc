@@ -127,6 +127,7 @@ std::vector<std::string> FuzzSeeds() {
       "GET\n/api/v1/objects?key=0123456789abcdef.1500000.40.30.100.60.jeep\n\n\n\n",
       "GET\n/api/v1/objects/counts?near=90,0,1e7&q=%27+OR\n\n\n\n",
       "GET\n/api/v1/objects/counts?area=52,13,52.1,13,52,13.1\n\n\n\n",
+      "GET\n/api/v1/objects/geopackage?review=rejected\n\n\n\n",
       "GET\n/api/v1/tiles/3/4/2?v=1&model=jeep\n\n\n\n",
       "GET\n/api/v1/objects/1\nbytes=0-99\n\n\n",
       "GET\n/api/v1/objects/1/sightings?from=0&to=1e3&limit=10\n\n\n\n",

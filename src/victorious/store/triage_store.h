@@ -145,6 +145,15 @@ class TriageStore {
  public:
   virtual ~TriageStore() = default;
 
+  /// Runs `read`: what it reads of this store is the index as it is at one moment, while others write. Error: that of
+  /// `read`, or of the store.
+  [[nodiscard]] virtual Status AtOneMoment(const std::function<Status()>& read) = 0;
+
+  /// By id.
+  [[nodiscard]] virtual Expected<std::vector<VideoRecord>> Videos() = 0;
+  /// By id.
+  [[nodiscard]] virtual Expected<std::vector<ModelRecord>> Models() = 0;
+
   [[nodiscard]] virtual Expected<std::vector<TriageObject>> Objects(const ObjectQuery& query,
                                                                     const ObjectSlice& slice) = 0;
   /// Returns these objects, by id; without those that are not in the index or rejected. At most 1000 ids.

@@ -98,6 +98,27 @@ class TriageStoreTest : public ::testing::TestWithParam<testing::StoreKind> {
   std::vector<std::int64_t> ids_;
 };
 
+// What is read at one moment does not change, and hinders no writer.
+TEST_P(TriageStoreTest, ReadsAtOneMoment) {
+  const Status read = store_->AtOneMoment([&]() -> Status {
+    EXPECT_THAT(*store_->Objects({}, {.limit = 3}), SizeIs(3));
+    EXPECT_TRUE(writer_->DeleteVideo(videos_[0]));
+    Commit(videos_[1], models_[0], 0.99, 2, 9);
+    EXPECT_EQ(*store_->CountObjects({}), 6);
+    EXPECT_THAT(*store_->Objects({}, {}), SizeIs(6));
+    EXPECT_THAT(*store_->Videos(), SizeIs(2));
+    EXPECT_THAT(*store_->Models(), SizeIs(2));
+    return {};
+  });
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(*store_->CountObjects({}), 4);
+  EXPECT_THAT(*store_->Videos(), SizeIs(1));
+  const Status failed = store_->AtOneMoment([] { return Fail(ErrorCode::kCancelled, "enough"); });
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(*store_->CountObjects({}), 4);
+}
+
 TEST_P(TriageStoreTest, ListsWhatTheIndexStoreLists) {
   const auto expected = writer_->Objects({});
   const auto listed = store_->Objects({}, {});

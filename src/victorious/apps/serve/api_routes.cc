@@ -57,6 +57,8 @@ std::vector<ApiRoute> MakeRoutes(RouteParts& parts) {
        !kHasQuery, kIsSlow},
       {HttpMethod::kGet, "/api/v1/objects", Role::kViewer, Of(parts.objects, &ObjectRoutes::List), kHasQuery},
       {HttpMethod::kGet, "/api/v1/objects/counts", Role::kViewer, Of(parts.objects, &ObjectRoutes::Counts), kHasQuery},
+      {HttpMethod::kGet, "/api/v1/objects/geopackage", Role::kViewer, Of(parts.objects, &ObjectRoutes::Package),
+       kHasQuery, kIsSlow},
       {HttpMethod::kGet, "/api/v1/tiles/{z}/{x}/{y}", Role::kViewer, Of(parts.objects, &ObjectRoutes::Tile), kHasQuery},
       {HttpMethod::kGet, "/api/v1/objects/{id}", Role::kViewer, Of(parts.objects, &ObjectRoutes::Get)},
       {HttpMethod::kGet, "/api/v1/objects/{id}/sightings", Role::kViewer, Of(parts.objects, &ObjectRoutes::Sightings),

@@ -11,6 +11,7 @@
 #include "testing/data.h"
 #include "testing/vector_tile_reader.h"
 #include "testing/video_tools.h"
+#include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/input/image/image_file.h"
 
@@ -21,6 +22,7 @@ using nlohmann::json;
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 constexpr int kPort = 8080;
@@ -238,6 +240,43 @@ TEST_F(ApiTest, CountsFollowFiltersAndReviews) {
   EXPECT_EQ(Get("/api/v1/objects/counts?q=jee")["objects"], 3);
   EXPECT_EQ(Get("/api/v1/objects/counts?q=jee+tank")["objects"], 0);
   EXPECT_EQ(Get("/api/v1/objects/counts?limit=3", 400)["field"], "limit");
+}
+
+// show/export/ tests the rows; a GeoPackage has texts as they are.
+TEST_F(ApiTest, GeoPackageHasWhatWasDecided) {
+  ASSERT_EQ(Review(ids_[0], R"({"verdict": "rejected", "note": "nothing there", "reviewer": "ann"})").status, 200);
+  std::filesystem::path path;
+  {
+    const HttpResponse response = Send({.target = "/api/v1/objects/geopackage"});
+    ASSERT_EQ(response.status, 200) << response.body;
+    EXPECT_EQ(response.content_type, "application/geopackage+sqlite3");
+    ASSERT_TRUE(response.file);
+    path = response.file->path;
+    const std::string bytes = *ReadFile(path);
+    EXPECT_EQ(std::ssize(bytes), response.file->length);
+    EXPECT_THAT(bytes, HasSubstr("nothing there"));
+    EXPECT_THAT(bytes, HasSubstr("rejected by ann"));
+    EXPECT_THAT(bytes, HasSubstr("flight.mp4"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(path.parent_path())) << "it goes once it is sent";
+  EXPECT_EQ(Get("/api/v1/objects/geopackage?sort=rank", 400)["field"], "sort");
+  const HttpResponse none = Send({.target = "/api/v1/objects/geopackage?review=accepted"});
+  ASSERT_TRUE(none.file) << none.body;
+  const std::string bytes = *ReadFile(none.file->path);
+  for (const char* column : {"verdict", "reviewer", "note", "is_disputed", "decisions"}) {
+    EXPECT_THAT(bytes, HasSubstr(column)) << "also if no object matches";
+  }
+  EXPECT_THAT(bytes, Not(HasSubstr("flight.mp4")));
+}
+
+TEST_F(ApiTest, GeoPackageThatNobodyWaitsForIsNotMade) {
+  HttpResponse slow = api_->Begin({.target = "/api/v1/objects/geopackage", .host = "127.0.0.1:8080"}, kPort);
+  ASSERT_TRUE(slow.slow);
+  CancelToken left;
+  left.Cancel();
+  const HttpResponse response = slow.slow->make(left);
+  EXPECT_EQ(response.status, 503);
+  EXPECT_FALSE(response.file);
 }
 
 TEST_F(ApiTest, TilesHoldThePlaces) {

@@ -16,6 +16,7 @@
 #include "victorious/apps/serve/api_response.h"
 #include "victorious/apps/serve/index_lookup.h"
 #include "victorious/apps/serve/object_key.h"
+#include "victorious/apps/serve/object_package.h"
 #include "victorious/apps/serve/object_tiles.h"
 #include "victorious/base/json.h"
 #include "victorious/store/threshold_store.h"
@@ -295,6 +296,27 @@ ApiExpected<HttpResponse> ObjectRoutes::Counts(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectCounts counts, reader->objects->Count(filter));
   return JsonResponse(CountsToJson(counts));
+}
+
+ApiExpected<HttpResponse> ObjectRoutes::Package(const ApiCall& call) {
+  constexpr std::string_view kRetryAfter_s = "3";
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(index_, call.query, call.caller));
+  VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
+  const VideoNames names = call.caller.May(Role::kAdmin) ? VideoNames::kWhole : VideoNames::kWithoutFolders;
+  auto file = [&]() -> Expected<FileSlice> {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
+    return MakeObjectPackage(*reader->objects, filter, names, call.cancel);
+  }();
+  if (!file && file.error().code == ErrorCode::kUnavailable) {
+    HttpResponse busy = ErrorResponse(ApiError(std::move(file).error()));
+    busy.headers.emplace_back("Retry-After", kRetryAfter_s);
+    return busy;
+  }
+  if (!file) return std::unexpected(ApiError(std::move(file).error()));
+  return HttpResponse{
+      .content_type = "application/geopackage+sqlite3",
+      .headers = {{"Cache-Control", "no-store"}, {"Content-Disposition", "attachment; filename=\"objects.gpkg\""}},
+      .file = *std::move(file)};
 }
 
 ApiExpected<HttpResponse> ObjectRoutes::Tile(const ApiCall& call) {

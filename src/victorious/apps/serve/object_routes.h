@@ -1,4 +1,5 @@
-// The routes of objects: the list and its counts, tiles of the map, one object with its sightings and review.
+// The routes of objects: the list, its counts and its GeoPackage, tiles of the map, one object with its sightings and
+// review.
 // Thread-safe.
 #pragma once
 
@@ -14,6 +15,7 @@ class ObjectRoutes {
 
   ApiExpected<HttpResponse> List(const ApiCall& call);
   ApiExpected<HttpResponse> Counts(const ApiCall& call);
+  ApiExpected<HttpResponse> Package(const ApiCall& call);
   ApiExpected<HttpResponse> Tile(const ApiCall& call);
   ApiExpected<HttpResponse> Get(const ApiCall& call);
   ApiExpected<HttpResponse> Sightings(const ApiCall& call);

@@ -35,7 +35,7 @@ struct ApiRoute {
   std::optional<Role> least;  ///< that an account needs; std::nullopt: open to everybody
   ApiHandler handler;
   bool has_query = false;  ///< the handler reads parameters of the query, and refuses others
-  bool is_slow = false;    ///< it reads a video: waits for its turn (SlowResponse)
+  bool is_slow = false;    ///< it reads a video, or a whole list: waits for its turn (SlowResponse)
   bool is_upload = false;  ///< the body goes to a file (UploadPlan)
   bool is_probe = false;   ///< nobody is asked who he is, so that it is answered without the store, too
 };

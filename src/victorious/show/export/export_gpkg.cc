@@ -6,7 +6,10 @@
 #include <memory>
 #include <mutex>
 #include <ostream>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <cpl_conv.h>
@@ -57,6 +60,12 @@ constexpr auto kColumns = std::to_array<Column>({{"model", OFTString},
                                                  {"against", OFTString},
                                                  {"evidence", OFTString},
                                                  {"rejected", OFTString}});
+// What persons decided.
+constexpr auto kDecidedColumns = std::to_array<Column>({{"verdict", OFTString},
+                                                        {"reviewer", OFTString},
+                                                        {"note", OFTString},
+                                                        {"is_disputed", OFTInteger64},
+                                                        {"decisions", OFTString}});
 
 // Keeps GDAL's messages on this thread from stderr, and its clock out of the file.
 class GdalScope {
@@ -77,7 +86,9 @@ class GdalScope {
 std::unexpected<Error> FailWithLastMessage() {
   std::string message = CPLGetLastErrorMsg();
   std::ranges::replace_if(message, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-  return Fail(ErrorCode::kInternal,
+  // SQLite's words for SQLITE_FULL.
+  const bool is_full = message.find("disk is full") != std::string::npos;
+  return Fail(is_full ? ErrorCode::kNoSpace : ErrorCode::kInternal,
               fmt::format("write the GeoPackage: {}", message.empty() ? "GDAL gives no reason" : message));
 }
 
@@ -111,7 +122,9 @@ class MemoryFile {
   std::string path_;
 };
 
-OGRLayer* AddLayer(GDALDataset& file, const char* name, OGRwkbGeometryType type) {
+using Columns = std::vector<Column>;
+
+OGRLayer* AddLayer(GDALDataset& file, const char* name, OGRwkbGeometryType type, const Columns& columns) {
   OGRSpatialReference wgs84;
   wgs84.SetWellKnownGeogCS("WGS84");
   wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
@@ -119,21 +132,23 @@ OGRLayer* AddLayer(GDALDataset& file, const char* name, OGRwkbGeometryType type)
   std::array<char*, 2> options = {id_option.data(), nullptr};
   OGRLayer* layer = file.CreateLayer(name, &wgs84, type, options.data());
   if (layer == nullptr) return nullptr;
-  for (const Column& column : kColumns) {
+  for (const Column& column : columns) {
     OGRFieldDefn field(column.name, column.type);
     if (layer->CreateField(&field) != OGRERR_NONE) return nullptr;
   }
   return layer;
 }
 
-void SetFields(const Json& json, OGRFeature& feature) {
-  for (std::size_t i = 0; i < kColumns.size(); ++i) {
+void SetFields(const Json& json, const Columns& columns, OGRFeature& feature) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
     const int field = static_cast<int>(i);
-    const auto value = json.find(kColumns[i].name);
+    const auto value = json.find(columns[i].name);
     if (value == json.end() || value->is_null()) {
       feature.SetFieldNull(field);
     } else if (value->is_string()) {
       feature.SetField(field, ReplaceInvalidUtf8(value->get_ref<const std::string&>()).c_str());
+    } else if (value->is_boolean()) {
+      feature.SetField(field, value->get<bool>() ? 1 : 0);
     } else if (value->is_number_integer()) {
       feature.SetField(field, static_cast<GIntBig>(value->get<std::int64_t>()));
     } else if (value->is_number()) {
@@ -162,43 +177,116 @@ OGRMultiPolygon EllipseOf(const Geolocation& place) {
   return ellipse;
 }
 
-Status AddRow(const ListedObject& listed, const OGRGeometry& geometry, OGRLayer& layer) {
-  OGRFeature feature(layer.GetLayerDefn());
-  feature.SetFID(listed.object.id);
-  SetFields(ObjectJson(listed), feature);
-  if (feature.SetGeometry(&geometry) != OGRERR_NONE || layer.CreateFeature(&feature) != OGRERR_NONE) {
-    return FailWithLastMessage();
+// "rejected by bob; accepted by ann", as the page writes it.
+std::string TextOf(std::span<const Review> decisions) {
+  std::string text;
+  for (const Review& one : decisions) {
+    if (!one.verdict) continue;
+    text += fmt::format("{}{}{}{}", text.empty() ? "" : "; ", ToText(*one.verdict), one.reviewer.empty() ? "" : " by ",
+                        one.reviewer);
   }
-  return {};
+  return text;
 }
+
+void AddDecided(const DecidedObject& decided, Json& row) {
+  const auto text = [](const std::string& value) { return value.empty() ? Json() : Json(value); };
+  row["verdict"] = decided.review.verdict ? Json(ToText(*decided.review.verdict)) : Json();
+  row["reviewer"] = text(decided.review.reviewer);
+  row["note"] = text(decided.review.note);
+  row["is_disputed"] = decided.is_disputed;
+  row["decisions"] = text(TextOf(decided.decisions));
+}
+
+struct GpkgCloser {
+  void operator()(GDALDataset* dataset) const { GDALClose(dataset); }
+};
+
+// The layers of a file that is being written.
+class ObjectLayers {
+ public:
+  [[nodiscard]] Status Create(const std::string& path, Columns columns) {
+    columns_ = std::move(columns);
+    GDALDriver* driver = GeoPackageDriver();
+    if (driver == nullptr) return Fail(ErrorCode::kUnsupported, "this GDAL is built without GeoPackage");
+    file_.reset(driver->Create(path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+    if (file_ == nullptr || file_->StartTransaction() != OGRERR_NONE) return FailWithLastMessage();
+    objects_ = AddLayer(*file_, "objects", wkbPoint25D, columns_);
+    ellipses_ = AddLayer(*file_, "ellipses", wkbMultiPolygon, columns_);
+    if (objects_ == nullptr || ellipses_ == nullptr) return FailWithLastMessage();
+    return {};
+  }
+
+  [[nodiscard]] Status Add(const ObjectRecord& object, const Json& row) {
+    VICTORIOUS_RETURN_IF_ERROR(AddRow(object.id, row, PointOf(object.place->point), *objects_));
+    return AddRow(object.id, row, EllipseOf(*object.place), *ellipses_);
+  }
+
+  [[nodiscard]] Status Finish() {
+    if (file_->CommitTransaction() != OGRERR_NONE) return FailWithLastMessage();
+    file_.reset();  // writes the rest
+    if (CPLGetLastErrorType() >= CE_Failure) return FailWithLastMessage();
+    return {};
+  }
+
+ private:
+  [[nodiscard]] Status AddRow(std::int64_t id, const Json& row, const OGRGeometry& geometry, OGRLayer& layer) const {
+    OGRFeature feature(layer.GetLayerDefn());
+    feature.SetFID(id);
+    SetFields(row, columns_, feature);
+    if (feature.SetGeometry(&geometry) != OGRERR_NONE || layer.CreateFeature(&feature) != OGRERR_NONE) {
+      return FailWithLastMessage();
+    }
+    return {};
+  }
+
+  const GdalScope scope_;  // ends after the file is closed
+  Columns columns_;
+  std::unique_ptr<GDALDataset, GpkgCloser> file_;
+  OGRLayer* objects_ = nullptr;
+  OGRLayer* ellipses_ = nullptr;
+};
+
+class DecidedFile final : public GeoPackageFile {
+ public:
+  [[nodiscard]] Status Create(const std::filesystem::path& path) {
+    Columns columns(kColumns.begin(), kColumns.end());
+    columns.insert(columns.end(), kDecidedColumns.begin(), kDecidedColumns.end());
+    return layers_.Create(path.string(), std::move(columns));
+  }
+
+  Status Add(const ListedObject& listed, const DecidedObject& decided) override {
+    if (!listed.object.place) return {};
+    Json row = ObjectJson(listed);
+    AddDecided(decided, row);
+    return layers_.Add(listed.object, row);
+  }
+
+  Status Finish() override { return layers_.Finish(); }
+
+ private:
+  ObjectLayers layers_;
+};
 
 }  // namespace
 
 Status ExportGpkg(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> listed, ListObjects(store, catalogue, filter));
-  const GdalScope scope;
-  GDALDriver* driver = GeoPackageDriver();
-  if (driver == nullptr) return Fail(ErrorCode::kUnsupported, "this GDAL is built without GeoPackage");
   const MemoryFile memory;
-  struct Closer {
-    void operator()(GDALDataset* dataset) const { GDALClose(dataset); }
-  };
-  std::unique_ptr<GDALDataset, Closer> file(driver->Create(memory.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-  if (file == nullptr || file->StartTransaction() != OGRERR_NONE) return FailWithLastMessage();
-  OGRLayer* objects = AddLayer(*file, "objects", wkbPoint25D);
-  OGRLayer* ellipses = AddLayer(*file, "ellipses", wkbMultiPolygon);
-  if (objects == nullptr || ellipses == nullptr) return FailWithLastMessage();
-  for (const ListedObject& object : listed) {
-    if (!object.object.place) continue;
-    VICTORIOUS_RETURN_IF_ERROR(AddRow(object, PointOf(object.object.place->point), *objects));
-    VICTORIOUS_RETURN_IF_ERROR(AddRow(object, EllipseOf(*object.object.place), *ellipses));
+  ObjectLayers layers;
+  VICTORIOUS_RETURN_IF_ERROR(layers.Create(memory.path(), Columns(kColumns.begin(), kColumns.end())));
+  for (const ListedObject& one : listed) {
+    if (one.object.place) VICTORIOUS_RETURN_IF_ERROR(layers.Add(one.object, ObjectJson(one)));
   }
-  if (file->CommitTransaction() != OGRERR_NONE) return FailWithLastMessage();
-  file.reset();  // writes the rest
-  if (CPLGetLastErrorType() >= CE_Failure) return FailWithLastMessage();
+  VICTORIOUS_RETURN_IF_ERROR(layers.Finish());
   const std::string_view bytes = memory.bytes();
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return {};
+}
+
+Expected<std::unique_ptr<GeoPackageFile>> MakeGeoPackageFile(const std::filesystem::path& path) {
+  auto file = std::make_unique<DecidedFile>();
+  VICTORIOUS_RETURN_IF_ERROR(file->Create(path));
+  return file;
 }
 
 }  // namespace victorious

@@ -10,6 +10,7 @@
 #include "testing/data.h"
 #include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/show/export/export_gpkg.h"
 
 namespace victorious {
 namespace {
@@ -333,6 +334,48 @@ TEST_F(ExportTest, GeoPackageHasPointsEllipsesAndObjectKeys) {
   EXPECT_TRUE(box.MinX < 13.25 && 13.25 < box.MaxX && box.MinY < 52.5 && 52.5 < box.MaxY);
   const double height_m = (box.MaxY - box.MinY) * 111'250;  // of a degree of latitude, at 52.5 degrees
   EXPECT_NEAR(height_m, 2 * 3 * 2.146, 0.02);
+}
+
+TEST_F(ExportTest, GeoPackageHasWhatPersonsDecided) {
+  const auto open = [](const std::filesystem::path& path) {
+    return std::unique_ptr<GDALDataset>(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
+  };
+  const std::filesystem::path empty = folder_ / "empty.gpkg";
+  ASSERT_TRUE((*MakeGeoPackageFile(empty))->Finish());
+  const auto none = open(empty);
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->GetLayerByName("objects")->GetFeatureCount(), 0);
+  for (const char* column : {"verdict", "reviewer", "note", "is_disputed", "decisions", "model"}) {
+    EXPECT_GE(none->GetLayerByName("objects")->GetLayerDefn()->GetFieldIndex(column), 0) << column;
+  }
+
+  const std::filesystem::path path = folder_ / "decided.gpkg";
+  const auto file = MakeGeoPackageFile(path);
+  ASSERT_TRUE(file);
+  ListedObject listed{.object = {.id = 7, .score = 0.5}, .rank = 3, .model = "jeep"};
+  const Review review{.verdict = Verdict::kRejected, .note = "nothing there", .reviewer = "bob"};
+  const std::vector<Review> decisions = {
+      review, {.note = "who knows", .reviewer = "cid"}, {.verdict = Verdict::kAccepted}};
+  const DecidedObject decided{.review = review, .decisions = decisions, .is_disputed = true};
+  ASSERT_TRUE((*file)->Add(listed, decided)) << "an object without a place is left out";
+  listed.object.id = 8;
+  listed.object.place = Geolocation{.point = {0.9, 0.2, 40}};
+  listed.object.place->covariance_enu_m2.setIdentity();
+  ASSERT_TRUE((*file)->Add(listed, decided));
+  ASSERT_TRUE((*file)->Finish());
+  const auto written = open(path);
+  ASSERT_TRUE(written);
+  OGRLayer* objects = written->GetLayerByName("objects");
+  ASSERT_EQ(objects->GetFeatureCount(), 1);
+  const std::unique_ptr<OGRFeature> row(objects->GetNextFeature());
+  EXPECT_EQ(row->GetFID(), 8);
+  const auto text = [&](const char* column) { return std::string(row->GetFieldAsString(row->GetFieldIndex(column))); };
+  EXPECT_EQ(text("verdict"), "rejected");
+  EXPECT_EQ(text("reviewer"), "bob");
+  EXPECT_EQ(text("note"), "nothing there");
+  EXPECT_EQ(text("is_disputed"), "1");
+  EXPECT_EQ(text("decisions"), "rejected by bob; accepted");
+  EXPECT_EQ(text("rank"), "3");
 }
 
 TEST(ExportFormatTest, HasTheDocumentedNames) {

@@ -461,6 +461,14 @@ Expected<Transaction> Transaction::Begin(Connection& connection, Exclusion exclu
   return transaction;
 }
 
+Expected<Transaction> Transaction::BeginReading(Connection& connection) {
+  VICTORIOUS_CHECK(!connection.is_in_transaction_ && connection.cursors_ == 0);
+  VICTORIOUS_RETURN_IF_ERROR(connection.Execute(
+      "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY; SET LOCAL idle_in_transaction_session_timeout = '60s'"));
+  connection.is_in_transaction_ = true;
+  return Transaction(connection);
+}
+
 // The lock does not hinder the worker, which renews its lease by changing the row (FOR NO KEY UPDATE), but those who
 // end a lost lease or claim the task (FOR UPDATE).
 Status Connection::CheckTask() {

@@ -132,11 +132,13 @@ class Connection {
 
 using sql::Exclusion;
 
-/// An RAII transaction that writes: the destructor rolls back unless Commit was called. The server ends it if the
+/// An RAII transaction: the destructor rolls back unless Commit was called. The server ends it if the
 /// process stands still for a minute, so that others do not wait for it.
 class Transaction {
  public:
   [[nodiscard]] static Expected<Transaction> Begin(Connection& connection, Exclusion exclusion);
+  /// It only reads: all of it the database as it is at its first statement.
+  [[nodiscard]] static Expected<Transaction> BeginReading(Connection& connection);
   ~Transaction();
   Transaction(Transaction&& other) noexcept : connection_(std::exchange(other.connection_, nullptr)) {}
   Transaction& operator=(Transaction&&) = delete;

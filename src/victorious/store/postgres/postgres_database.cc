@@ -82,6 +82,12 @@ class PostgresDatabase final : public sql::Database {
     return {};
   }
 
+  Status BeginReading() override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::BeginReading(*connection_));
+    transaction_.emplace(std::move(transaction));
+    return {};
+  }
+
   Status Commit() override {
     const Status committed = transaction_->Commit();
     transaction_.reset();

@@ -38,6 +38,12 @@ Expected<Change> Change::Begin(Database& database, Exclusion exclusion) {
   return Change(&database);
 }
 
+Expected<Change> Change::BeginReading(Database& database) {
+  if (database.IsInTransaction()) return Change(nullptr);
+  VICTORIOUS_RETURN_IF_ERROR(database.BeginReading());
+  return Change(&database);
+}
+
 Status Change::Commit() {
   if (database_ == nullptr) return {};
   return std::exchange(database_, nullptr)->Commit();

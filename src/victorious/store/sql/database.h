@@ -116,6 +116,9 @@ class Database {
 
   /// Begins a transaction.
   [[nodiscard]] virtual Status Begin(Exclusion exclusion) = 0;
+  /// Begins a transaction that only reads, and reads the database as it is at one moment. It waits for nobody, and
+  /// nobody waits for it.
+  [[nodiscard]] virtual Status BeginReading() = 0;
   [[nodiscard]] virtual Status Commit() = 0;
   virtual void RollBack() = 0;
   [[nodiscard]] virtual bool IsInTransaction() const = 0;
@@ -155,6 +158,8 @@ class Change {
  public:
   /// By default it excludes those of all other servers, so that what it has read does not change.
   [[nodiscard]] static Expected<Change> Begin(Database& database, Exclusion exclusion = Exclusion::kServer);
+  /// One that only reads (Database::BeginReading).
+  [[nodiscard]] static Expected<Change> BeginReading(Database& database);
   ~Change() {
     if (database_ != nullptr) database_->RollBack();
   }

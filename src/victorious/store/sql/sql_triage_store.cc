@@ -53,6 +53,21 @@ class SqlTriageStore final : public TriageStore {
   explicit SqlTriageStore(std::unique_ptr<Database> database)
       : database_(std::move(database)), dialect_(database_->dialect()) {}
 
+  Status AtOneMoment(const std::function<Status()>& read) override {
+    VICTORIOUS_ASSIGN_OR_RETURN(Change reading, Change::BeginReading(*database_));
+    VICTORIOUS_RETURN_IF_ERROR(read());
+    return reading.Commit();
+  }
+
+  Expected<std::vector<VideoRecord>> Videos() override {
+    return database_->ReadAll(SelectVideos() + "ORDER BY v.id", ValueList(), ReadVideo);
+  }
+
+  Expected<std::vector<ModelRecord>> Models() override {
+    return database_->ReadAll(SelectModels() + "ORDER BY id", ValueList(),
+                              [&](const Row& row) { return ReadModel(row, database_->name()); });
+  }
+
   Expected<std::vector<TriageObject>> Objects(const ObjectQuery& query, const ObjectSlice& slice) override {
     VICTORIOUS_ASSIGN_OR_RETURN(const Conditions matching, MakeConditions(query));
     std::vector<TriageObject> objects;
@@ -364,11 +379,6 @@ class SqlTriageStore final : public TriageStore {
       conditions.Add("(o.model_id <> ? OR o.verdict IS NOT NULL OR o.order_score <= ?)", model->id, -one.min_score);
     }
     return {};
-  }
-
-  Expected<std::vector<ModelRecord>> Models() {
-    return database_->ReadAll(SelectModels(), ValueList(),
-                              [&](const Row& row) { return ReadModel(row, database_->name()); });
   }
 
   // Adds what limits a query to a part of the queue, and to one side of a key.

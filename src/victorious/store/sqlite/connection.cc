@@ -170,6 +170,11 @@ Expected<Transaction> Transaction::Begin(Connection& connection) {
   return Transaction(connection);
 }
 
+Expected<Transaction> Transaction::BeginReading(Connection& connection) {
+  VICTORIOUS_RETURN_IF_ERROR(connection.Execute("BEGIN"));
+  return Transaction(connection);
+}
+
 // Some errors (a full disk) roll back automatically; if this fails, the next open of the file rolls back.
 Transaction::~Transaction() {
   if (connection_ == nullptr || !connection_->IsInTransaction()) return;

@@ -72,6 +72,8 @@ class Transaction {
  public:
   /// Takes the write lock immediately, so that values read inside cannot change before they are written.
   [[nodiscard]] static Expected<Transaction> Begin(Connection& connection);
+  /// Takes no lock of writers: what it reads is the file as it is at its first statement.
+  [[nodiscard]] static Expected<Transaction> BeginReading(Connection& connection);
   ~Transaction();
   Transaction(Transaction&& other) noexcept : connection_(std::exchange(other.connection_, nullptr)) {}
   Transaction& operator=(Transaction&&) = delete;
