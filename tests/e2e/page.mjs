@@ -243,7 +243,7 @@ async function checkEvidence(page, object) {
   const { objects } = await api(page, "/objects");
   const other = objects.find((one) => one.model_id !== object.model_id && one.review?.verdict !== "rejected");
   const rival = { ...evidence.sighting, object_id: other.id, model_id: other.model_id, score: 0.41 };
-  for (const answer of [{ status: 500 }, { json: { sightings: [evidence.sighting, rival], truncated: false } }]) {
+  for (const answer of [{ status: 404 }, { json: { sightings: [evidence.sighting, rival], truncated: false } }]) {
     const asked = page.waitForResponse((one) => one.url().includes(`/videos/${best.video_id}/sightings`));
     await intercept(page, "**/videos/*/sightings*", (route) => route.fulfill(answer));
     await page.getByRole("button", { name: "why", exact: true }).click();
@@ -321,6 +321,44 @@ async function checkNear(page, object) {
   await page.fill("#search", "");
 }
 
+/** What is printed: the list with places, the map with north and scale, from what index and when. The page stays as it is. */
+async function checkPrint(page, objects) {
+  const stored = () => page.evaluate(() => [localStorage.getItem("theme"), document.documentElement.dataset.theme]);
+  const before = await stored();
+  await page.evaluate(() => {
+    window.print = () => {
+      window.dispatchEvent(new Event("beforeprint"));
+      window.isPrinting = true;
+    };
+  });
+  await saveAs(page, "Print map and list");
+  await page.waitForFunction(() => window.isPrinting);
+  assert.deepEqual(await stored(), before);
+  await page.emulateMedia({ media: "print" });
+  const sheet = page.locator(".print-sheet");
+  await sheet.waitFor();
+  assert.equal(await page.locator(".page").isVisible(), false);
+  const [text, { name }] = [await sheet.innerText(), await api(page, "/project")];
+  assert.ok(text.startsWith(name.replace(/.*\//, "")), text);
+  assert.match(text, new RegExp(`${objects.length} objects; printed \\d{4}-\\d\\d-\\d\\d \\d\\d:\\d\\d UTC`));
+  await becomes(() => sheet.locator("tbody tr").count(), objects.length);
+  assert.match(await sheet.locator("tbody tr").first().innerText(), /33U UU \d{5} \d{5}\s+\d+\.\d m/);
+  // The picture is the map: not of one colour.
+  const colours = await sheet.locator("img").evaluate(async (image) => {
+    await image.decode();
+    const canvas = new OffscreenCanvas(image.naturalWidth, image.naturalHeight);
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(Array.from({ length: data.length / 400 }, (_, i) => data[400 * i] >> 3)).size;
+  });
+  assert.ok(colours > 4, `${colours} shades`);
+  await page.emulateMedia({ media: null });
+  await page.evaluate(() => window.dispatchEvent(new Event("afterprint")));
+  await sheet.waitFor({ state: "detached" });
+  assert.deepEqual(await stored(), before);
+}
+
 /** A server that hangs is reported within some seconds; decisions are stored once it is back. */
 async function checkLostServer(page, object) {
   await page.evaluate(() => document.activeElement.blur());
@@ -330,6 +368,8 @@ async function checkLostServer(page, object) {
   await page.keyboard.press("x");
   const banner = page.locator(".lost");
   await banner.waitFor();
+  await page.locator(".verdict.pending").first().waitFor();
+  await checkAccessible(page, "a server that is away");
   const [lost, head] = [await banner.boundingBox(), await page.locator(".head").boundingBox()];
   assert.ok(lost.y + lost.height <= head.y + 1, "the banner covers the header");
   await page.unroute("**/api/v1/**", hang);
@@ -557,6 +597,7 @@ async function triage(page) {
   await checkOverlay(page);
   await checkTimeKeys(page);
   await checkNear(page, second);
+  await checkPrint(page, objects);
   await checkLostServer(page, second);
 }
 
@@ -626,6 +667,9 @@ async function videos(page) {
   assert.deepEqual(features.find(({ id }) => id === twice.id).properties.videos, shownIn.map(nameOf));
   const kml = await saved("Map (KML)");
   assert.deepEqual([...kml.matchAll(/<Placemark id="object-(\d+)">/g)].map(([, id]) => Number(id)), features.map(({ id }) => id));
+  const [geoPackage] = await Promise.all([page.waitForEvent("download"), saveAs(page, "Map (GeoPackage)")]);
+  assert.equal(geoPackage.suggestedFilename(), "objects.gpkg");
+  assert.equal(readFileSync(await geoPackage.path()).subarray(0, 15).toString(), "SQLite format 3");
   await open(page, "/?video=1&t=0");
   // The middle of the map shows the camera's path; its ground says when, and a click goes there.
   await page.waitForSelector(".map .canvas[data-ready=true]");
@@ -1418,6 +1462,42 @@ async function narrow(page) {
     assert.ok(field.y >= 0 && field.y + field.height <= height, `${what}: the field is out of sight`);
     await page.keyboard.press("Escape");
     await page.waitForSelector("form.area", { state: "detached" });
+  }
+  // List and decision are above the fold; what opens or is said covers neither them nor the map's controls.
+  const isApart = (a, b) => a.x + a.width <= b.x + 1 || b.x + b.width <= a.x + 1 || a.y + a.height <= b.y + 1 || b.y + b.height <= a.y + 1;
+  for (const [width, height] of [[1440, 900], [1024, 768], [720, 450]]) {
+    const what = `${width} x ${height}`;
+    await page.setViewportSize({ width, height });
+    await page.evaluate(() => window.scrollTo(0, 0));
+    await page.waitForTimeout(300);
+    for (const selector of [".inspector .accept", ".inspector .reject", SELECTED]) {
+      const { y, height: own } = await box(selector);
+      assert.ok(y >= 0 && y + own <= height + 1, `${what}: ${selector} ends at ${y + own}`);
+    }
+    const checkApart = async (selector, others) => {
+      const covering = await box(selector);
+      for (const one of others) assert.ok(isApart(covering, await box(one)), `${what}: ${selector} covers ${one}`);
+    };
+    await page.keyboard.press("x");
+    await page.locator(".notice", { hasText: "rejected" }).waitFor();
+    await checkApart(".notice", [".list", ".inspector", ".map", ".stage-tools"]);
+    await page.keyboard.press("u");
+    await page.waitForFunction(() => document.querySelector(".notice") === null);
+    await page.getByRole("button", { name: "Add" }).click();
+    await checkApart("aside.jobs", [".list", ".inspector", ".map .tools", ".maplibregl-ctrl-group"]);
+    // The video alone remains alone.
+    await page.keyboard.press("f");
+    await becomes(() => page.locator(".page").evaluate((one) => getComputedStyle(one).gridTemplateAreas), '"video"', what);
+    await page.keyboard.press("f");
+    await page.keyboard.press("Escape");
+    await page.locator("aside.jobs").waitFor({ state: "detached" });
+    if (width >= 1100) continue;
+    await page.getByRole("button", { name: "Filters" }).click();
+    const rows = await box(".rows");
+    assert.ok(Math.min(rows.y + rows.height, height) - rows.y >= 160, `${what}: the open filters leave the list ${rows.height} at ${rows.y}`);
+    await checkApart("#filters", [".rows"]);
+    await checkAccessible(page, `${what}, with filters`);
+    await page.getByRole("button", { name: "Filters" }).click();
   }
   // A tablet folds the filters.
   await page.setViewportSize({ width: 1024, height: 768 });

@@ -206,7 +206,7 @@ export async function needObjects(ids: readonly number[]) {
 }
 
 /** All objects that match, in an order: page after page, so that no answer of the server is large. */
-export async function loadAll(sort: Sort, filters: Filters): Promise<FoundObject[]> {
+export async function loadAll(sort: Sort, filters: Filters, enough = Infinity): Promise<FoundObject[]> {
   const all: FoundObject[] = [];
   let cursor: string | null = null;
   do {
@@ -215,8 +215,8 @@ export async function loadAll(sort: Sort, filters: Filters): Promise<FoundObject
     const page = await listObjects(params);
     all.push(...page.objects);
     cursor = page.next_cursor;
-  } while (cursor !== null);
-  return all;
+  } while (cursor !== null && all.length < enough);
+  return all.slice(0, enough);
 }
 
 /** Positions of the list that are on the screen. */

@@ -5,6 +5,7 @@ import { computed, effect, signal } from "@preact/signals";
 import type { CameraPath, FoundObject, ObjectDetail, Project, Video } from "./api/types";
 import { NO_FILTERS, type Filters, makeMatcher } from "./logic/filters";
 import { COORDINATE_STYLES, type CoordinateStyle, baseName, formatTime } from "./logic/format";
+import { type Mark, markAt } from "./logic/marks";
 import { type SeenIn, seenIn } from "./logic/moments";
 import type { FrameTable } from "./logic/frame_table";
 import { me } from "./me";
@@ -73,15 +74,10 @@ export const shownTime = computed(() =>
   shownFrame.value !== null && frameTable.value.state === "ready" ? frameTable.value.value.timeOf(shownFrame.value) : null,
 );
 
-// Okabe and Ito's colours, which people with any colour vision tell apart; a name stands beside each.
-// Their sky blue is the accent of the page, and left out.
-const COLOURS = ["#e69f00", "#00b98a", "#cc79a7", "#f0e442", "#d55e00", "#9f8cff", "#c2a878"];
 /** Of what was boxed and followed, which is of no model. */
 export const FOLLOWED_COLOUR = "#ffffff";
-export function colourOf(model: string): string {
-  const at = modelNames.value.indexOf(model);
-  return COLOURS[Math.max(at, 0) % COLOURS.length] ?? "#e69f00";
-}
+export const markOf = (model: string): Mark => markAt(modelNames.value.indexOf(model));
+export const colourOf = (model: string) => markOf(model).colour;
 
 /** A time of a video, with its name where there are several. */
 export function describeTime(video: number, time: number): string {

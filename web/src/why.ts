@@ -65,5 +65,6 @@ effect(() => {
 
 // The answer belongs to the selection.
 effect(() => {
-  if (asked.peek() !== null && asked.peek()?.object !== selectedId.value) asked.value = null;
+  const selection = selectedId.value;
+  if (asked.peek() !== null && asked.peek()?.object !== selection) asked.value = null;
 });

@@ -109,6 +109,9 @@ export const listVideosShowing = async (latitude: number, longitude: number) =>
 export const listObjects = (params: URLSearchParams, signal?: AbortSignal) =>
   request<components["schemas"]["ObjectList"]>(`/objects?${params}`, signal ? { signal } : undefined);
 
+/** A GeoPackage. */
+export const getObjectPackage = (params: URLSearchParams) => ask(`/objects/geopackage?${params}`, undefined, (response) => response.blob());
+
 export const countObjects = (params: URLSearchParams, signal?: AbortSignal) =>
   request<Counts>(`/objects/counts?${params}`, signal ? { signal } : undefined);
 

@@ -23,6 +23,7 @@ import { MapPane } from "./map";
 import { toggleDrawing } from "./map_area";
 import { toggleMeasuring } from "./map_measure";
 import { Notices } from "./notices";
+import { PrintSheet } from "./print";
 import { TurntableDialog } from "./turntable";
 import { toggleBoxing, togglePlay, zoomToSelected } from "./stage";
 import { VideoPane } from "./video";
@@ -184,18 +185,20 @@ export function App() {
             <MapPane />
             <Inspector />
           </main>
+          <JobsPanel />
+          <WorkersPanel />
+          <Notices />
         </div>
       )}
-      <JobsPanel />
-      <WorkersPanel />
       <ModelDialog />
       <ConfirmDialog />
       <WhyDialog />
       <TurntableDialog />
       <DropTarget />
-      <Notices />
+      {!isOpen && <Notices />}
       <Help />
       <LogIn />
+      {isOpen && <PrintSheet />}
     </>
   );
 }

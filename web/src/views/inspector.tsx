@@ -18,6 +18,7 @@ import * as why from "../why";
 import { Icon } from "./icons";
 import { VerdictMark } from "./list";
 import { Picture } from "./picture";
+import { Swatch } from "./swatch";
 
 function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail | null }) {
   const best = detail?.best ?? null;
@@ -138,7 +139,7 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
     <div>
       <div class="facts-head">
         <h2>
-          <span class="swatch" style={{ background: state.colourOf(object.model) }} /> {object.model}
+          <Swatch model={object.model} /> {object.model}
         </h2>
         <span class="muted">
           object {object.id}

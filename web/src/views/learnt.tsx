@@ -4,6 +4,7 @@ import { refineCategories, canAdd } from "../jobs";
 import { describeBelow, describeDecided, describeLearnt, isSuggested } from "../logic/learnt";
 import * as state from "../state";
 import * as thresholds from "../thresholds";
+import { Swatch } from "./swatch";
 
 function Row({ model }: { model: ThresholdOfModel }) {
   const { learnt, in_force: inForce } = model;
@@ -11,7 +12,7 @@ function Row({ model }: { model: ThresholdOfModel }) {
   return (
     <li class="learnt-row">
       <div>
-        <span class="swatch" style={{ background: state.colourOf(model.model) }} /> <strong>{model.model}</strong>{" "}
+        <Swatch model={model.model} /> <strong>{model.model}</strong>{" "}
         {inForce && (
           <span class="in-force" title={inForce.set_by === "" ? undefined : `Put into force by ${inForce.set_by}`}>
             only ≥ {inForce.min_score}: {describeBelow(inForce.undecided_below)}

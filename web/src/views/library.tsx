@@ -3,6 +3,7 @@ import { viewUrl } from "../api/client";
 import { baseName, plural } from "../logic/format";
 import * as library from "../library";
 import * as state from "../state";
+import { Swatch } from "./swatch";
 
 function Remove({ name, ask }: { name: string; ask: () => void }) {
   if (!library.canRemove.value) return null;
@@ -25,7 +26,7 @@ export function Library() {
       <ul aria-label="Models of the index">
         {models.value.map((one) => (
           <li key={one.id} class="library-row">
-            {hasViews && one.kind !== "category" ? <img src={viewUrl(one.id, 0)} alt="" width={40} height={40} loading="lazy" /> : <span class="swatch" style={{ background: state.colourOf(one.name) }} />}
+            {hasViews && one.kind !== "category" ? <img src={viewUrl(one.id, 0)} alt="" width={40} height={40} loading="lazy" /> : <Swatch model={one.name} />}
             <strong title={one.name}>{one.name}</strong>
             <span class="muted">{plural(one.objects, "object")}</span>
             <Remove name={one.name} ask={() => library.askToRemoveModel(one)} />

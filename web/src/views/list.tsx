@@ -18,6 +18,7 @@ import * as load from "../load";
 import { me } from "../me";
 import * as notices from "../notices";
 import * as objects from "../objects";
+import { printList } from "../print";
 import * as reviews from "../reviews";
 import * as save from "../save";
 import * as selection from "../selection";
@@ -27,6 +28,7 @@ import { Icon } from "./icons";
 import { Learnt } from "./learnt";
 import { Menu } from "./menu";
 import { Picture } from "./picture";
+import { Swatch } from "./swatch";
 
 const ROW_HEIGHT = 80;
 
@@ -117,7 +119,7 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
       <div class="lines">
         <div class="line">
           <div class="name">
-            <span class="swatch" style={{ background: state.colourOf(object.model) }} />
+            <Swatch model={object.model} />
             <span>{object.model}</span>
           </div>
           <span class="score" title={explainScore(object.score)}>
@@ -141,14 +143,30 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
   );
 }
 
-const REVIEWS: [ReviewFilter, string, string][] = [
+type ReviewChip = [ReviewFilter, string, string];
+const VERDICTS: readonly ReviewChip[] = [
   ["none", "to review", "Nobody has decided"],
   ["accepted", "accepted", "By the team: the latest decision"],
   ["rejected", "rejected", "By the team: the latest decision"],
+];
+const PERSONS: readonly ReviewChip[] = [
   ["own", "by you", "You have decided"],
   ["not_own", "not by you", "You have not decided, whether others have or not"],
   ["disputed", "disputed", "Some accepted it, some rejected it"],
 ];
+
+function ReviewChips({ label, chips }: { label: string; chips: readonly ReviewChip[] }) {
+  const { review } = state.filters.value;
+  return (
+    <div class="chip-group" role="group" aria-label={label}>
+      {chips.map(([one, text, title]) => (
+        <button key={one} class="chip" title={title} aria-pressed={review === one} onClick={() => state.setFilters({ review: review === one ? "all" : one })}>
+          {text}
+        </button>
+      ))}
+    </div>
+  );
+}
 
 /** All models, to be searched by name. */
 function ModelChoice({ all, toggle }: { all: readonly ChoosableModel[]; toggle: (name: string) => void }) {
@@ -177,7 +195,7 @@ function ModelChoice({ all, toggle }: { all: readonly ChoosableModel[]; toggle: 
           <li key={name}>
             <label class="check">
               <input type="checkbox" checked={models.includes(name)} onChange={() => toggle(name)} />
-              <span class="swatch" style={{ background: state.colourOf(name) }} />
+              <Swatch model={name} />
               <span class="name">{name}</span>
               <span class="muted">{count.toLocaleString("en")}</span>
             </label>
@@ -189,53 +207,55 @@ function ModelChoice({ all, toggle }: { all: readonly ChoosableModel[]; toggle: 
   );
 }
 
-function Chips() {
-  const { models, review, video, area } = state.filters.value;
+function ModelChips() {
+  const { models } = state.filters.value;
   const [isChoosing, setIsChoosing] = useState(false);
   const all = state.models.value;
   const shown = modelsWithChips(all, models);
+  if (all.length < 2) return null;
   const toggle = (name: string) =>
     state.setFilters({ models: models.includes(name) ? models.filter((one) => one !== name) : [...models, name] });
   return (
-    <div class="chips" role="group" aria-label="Filters">
-      {all.length > 1 &&
-        shown.map(({ name }) => (
-          <button key={name} class="chip" aria-pressed={models.includes(name)} onClick={() => toggle(name)}>
-            <span class="swatch" style={{ background: state.colourOf(name) }} />
-            {name}
-          </button>
-        ))}
+    <div class="chip-group" role="group" aria-label="Models">
+      {shown.map(({ name }) => (
+        <button key={name} class="chip" aria-pressed={models.includes(name)} onClick={() => toggle(name)}>
+          <Swatch model={name} />
+          {name}
+        </button>
+      ))}
       {shown.length < all.length && (
         <button class="chip" aria-expanded={isChoosing} aria-controls="all-models" onClick={() => setIsChoosing(!isChoosing)}>
           all {all.length} models <span aria-hidden="true">▾</span>
         </button>
       )}
       {isChoosing && <ModelChoice all={all} toggle={toggle} />}
-      {REVIEWS.map(([one, text, title]) => (
-        <button
-          key={one}
-          class="chip"
-          title={title}
-          aria-pressed={review === one}
-          onClick={() => state.setFilters({ review: review === one ? "all" : one })}
-        >
-          {text}
-        </button>
-      ))}
-      {area !== null && (
-        <button class="chip" aria-pressed title="Drawn on the map. Click: everywhere again" onClick={() => state.setFilters({ area: null })}>
-          in the area <Icon name="close" />
-        </button>
-      )}
-      {state.videos.value.length > 1 && (
-        <button
-          class="chip"
-          aria-pressed={video !== null}
-          onClick={() => state.setFilters({ video: video === null ? state.videoId.value : null })}
-        >
-          this video
-        </button>
-      )}
+    </div>
+  );
+}
+
+function Chips() {
+  const { video, area } = state.filters.value;
+  return (
+    <div class="chips" role="group" aria-label="Filters">
+      <ModelChips />
+      <ReviewChips label="Verdicts" chips={VERDICTS} />
+      <div class="chip-row">
+        <ReviewChips label="Persons" chips={PERSONS} />
+        {(area !== null || state.videos.value.length > 1) && (
+          <div class="chip-group" role="group" aria-label="Where">
+            {area !== null && (
+              <button class="chip" aria-pressed title="Drawn on the map. Click: everywhere again" onClick={() => state.setFilters({ area: null })}>
+                in the area <Icon name="close" />
+              </button>
+            )}
+            {state.videos.value.length > 1 && (
+              <button class="chip" aria-pressed={video !== null} onClick={() => state.setFilters({ video: video === null ? state.videoId.value : null })}>
+                this video
+              </button>
+            )}
+          </div>
+        )}
+      </div>
     </div>
   );
 }
@@ -392,12 +412,14 @@ function Save() {
   return (
     <Menu
       label="Save"
-      title="Save the objects that match the filters"
+      title="Save or print the objects that match the filters"
       items={[
         { label: "Table (CSV)", choose: () => void save.saveList("csv") },
         { label: "Moments by video (CSV)", choose: () => void save.saveList("moments") },
         { label: "Map (GeoJSON)", choose: () => void save.saveList("geojson") },
         { label: "Map (KML)", choose: () => void save.saveList("kml") },
+        { label: "Map (GeoPackage)", choose: () => void save.savePackage() },
+        { label: "Print map and list", choose: () => void printList() },
       ]}
     />
   );

@@ -15,12 +15,14 @@ import { askToSearchAgain, canAdd } from "../jobs";
 import { forReaders, messageOf } from "../logic/errors";
 import { filterParams } from "../logic/filters";
 import { baseName, formatMetres, formatPosition, formatTime } from "../logic/format";
+import { drawNorthAndScale, scaleBar } from "../logic/map_picture";
 import { type Position, cameraAt, ellipseRing, gridLines, gridSpacing } from "../logic/geo";
 import { unwrapLand } from "../logic/land";
 import { me } from "../me";
 import { lastReview, objectOf, videoObjects } from "../objects";
 import { seenAt, showPlace } from "../places";
 import { frameCanvas, pictureVersion } from "../player";
+import { setMapPicture } from "../print";
 import * as notices from "../notices";
 import * as searched from "../searched";
 import * as selection from "../selection";
@@ -199,6 +201,46 @@ function useMap() {
   return container;
 }
 
+/** Other colours: another style with the same data. */
+function paint(map: MapLibre) {
+  const style = makeStyle("", baseMap.peek());
+  for (const layer of style.layers) {
+    for (const [name, value] of Object.entries(layer.paint ?? {})) {
+      if (layer.id !== "coverage") map.setPaintProperty(layer.id, name, value);
+    }
+    if (layer.id === "names") map.setLayoutProperty("names", "icon-image", (layer.layout as { "icon-image": string })["icon-image"]);
+  }
+  for (const id of map.listImages()) {
+    if (id.startsWith("name:")) map.updateImage(id, nameImage(id.slice(5)));
+    if (id.startsWith("count:")) map.updateImage(id, countImage(id.slice(6)));
+  }
+}
+
+/** As it is now, in the colours of the light, with north and scale. The colours of the page are set back at once. */
+function pictureOf(map: MapLibre): string | null {
+  const { dataset } = document.documentElement;
+  const theme = dataset["theme"];
+  const picture = document.createElement("canvas");
+  const context = picture.getContext("2d");
+  if (!context) return null;
+  try {
+    dataset["theme"] = "light";
+    untracked(() => paint(map));
+    map.redraw();
+    const drawn = map.getCanvas();
+    [picture.width, picture.height] = [drawn.width, drawn.height];
+    context.drawImage(drawn, 0, 0);
+  } finally {
+    if (theme === undefined) delete dataset["theme"];
+    else dataset["theme"] = theme;
+    untracked(() => paint(map));
+  }
+  const { clientWidth: width, clientHeight: height } = map.getContainer();
+  const metres = map.unproject([0, height / 2]).distanceTo(map.unproject([width, height / 2]));
+  drawNorthAndScale(context, scaleBar(picture.width, metres), map.getBearing(), picture.width / width);
+  return picture.toDataURL("image/jpeg", 0.92);
+}
+
 // Connects the map's layers with the state, both ways.
 function connect(map: MapLibre): (() => void)[] {
   const shown = new Map<string, FeatureCollection>();
@@ -265,7 +307,9 @@ function connect(map: MapLibre): (() => void)[] {
     void showPlace([event.lngLat.lng, event.lngLat.lat]);
   });
 
+  setMapPicture(() => pictureOf(map));
   return [
+    () => setMapPicture(() => null),
     ...connectArea(map, setData),
     ...connectMeasure(map, setData),
     effect(() => {
@@ -334,19 +378,8 @@ function connect(map: MapLibre): (() => void)[] {
       if (!map.getBounds().contains(position)) map.easeTo({ center: position, duration: calm });
     }),
     effect(() => {
-      // Other colours: another style with the same data.
       void state.colours.value;
-      const style = makeStyle("", baseMap.peek());
-      for (const layer of style.layers) {
-        for (const [name, value] of Object.entries(layer.paint ?? {})) {
-          if (layer.id !== "coverage") map.setPaintProperty(layer.id, name, value);
-        }
-        if (layer.id === "names") map.setLayoutProperty("names", "icon-image", (layer.layout as { "icon-image": string })["icon-image"]);
-      }
-      for (const id of map.listImages()) {
-        if (id.startsWith("name:")) map.updateImage(id, nameImage(id.slice(5)));
-        if (id.startsWith("count:")) map.updateImage(id, countImage(id.slice(6)));
-      }
+      paint(map);
     }),
     effect(() => {
       const show = () => {

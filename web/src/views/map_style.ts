@@ -38,6 +38,8 @@ export function makeStyle(tiles: string, base: BaseMap | null): StyleSpecificati
   const geojson = () => ({ type: "geojson" as const, data: EMPTY });
   return {
     version: 8,
+    // Other colours at once: the picture for paper does not wait.
+    transition: { duration: 0, delay: 0 },
     sources: {
       ...(base && { base: base.source, "base-area": base.area ? { type: "geojson" as const, data: feature(polygon(base.area)) } : geojson() }),
       land: geojson(),
@@ -58,7 +60,7 @@ export function makeStyle(tiles: string, base: BaseMap | null): StyleSpecificati
       { id: "water", type: "background", paint: { "background-color": token("--water") } },
       { id: "land", type: "fill", source: "land", paint: { "fill-color": token("--land") } },
       { id: "borders", type: "line", source: "land", paint: { "line-color": token("--border-line"), "line-width": 0.7 } },
-      ...(base ? baseLayers(base, token, state.colours.value === "dark") : []),
+      ...(base ? baseLayers(base, token, document.documentElement.dataset["theme"] === "dark") : []),
       { id: "grid", type: "line", source: "grid", paint: { "line-color": token("--grid"), "line-width": 1 } },
       {
         id: "coverage",

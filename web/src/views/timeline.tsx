@@ -8,6 +8,7 @@ import { formatTime, plural } from "../logic/format";
 import { objectOf, videoObjects } from "../objects";
 import * as selection from "../selection";
 import * as state from "../state";
+import { Swatch } from "./swatch";
 
 const TICK_STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 120, 300, 600, 1800, 3600];
 
@@ -149,7 +150,7 @@ export function Timeline() {
           class={`lane ${object.id === state.selectedId.value ? "selected" : ""} ${state.matcher.value(object) ? "" : "greyed"}`}
         >
           <button tabIndex={-1} title={`${object.model} ${object.id}`} onClick={() => selection.select(object.id, { push: true })}>
-            <span class="swatch" style={{ background: state.colourOf(object.model), display: "inline-block" }} /> {object.model}
+            <Swatch model={object.model} /> {object.model}
           </button>
           <div class="track">
             {object.moments
