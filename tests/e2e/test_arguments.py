@@ -193,6 +193,22 @@ class ArgumentsTest(program.ProgramTest):
         missing = self.scratch / "none.db"
         self.refuses_unchanged((str(missing), "no such file", "`victorious index` makes"), "search", "--db", missing)
 
+    def test_a_file_is_no_folder(self):
+        file = self.write("file", "x")
+        for command in (("index", VIDEO, "--models", file, "--db", self.scratch / "db"), ("model", "list", "--models", file)):
+            self.refuses(2, f"{file}: a file, not a folder", *command)
+        self.refuses(2, f"{file}: a file, not a folder", "index", VIDEO, "--models", MODELS, "--db", file / "db")
+        gone = self.scratch / "gone"
+        self.refuses(2, f"{gone}: no such folder", "model", "list", "--models", gone)
+        self.refuses(2, f"--videos {file}: a file, not a folder", "serve", "--db", INDEX, "--videos", file)
+
+    def test_an_empty_index_is_said_to_be_empty(self):
+        db = self.scratch / "empty.db"
+        with program.Server(db, "--create"):
+            pass
+        for filters in ((), ("--near", "52.5,13.4,200"), ("--from", "3")):
+            self.assertIn("the index is empty", self.succeeds("search", "--db", db, *filters).err)
+
     def test_extra_arguments_are_named_in_their_order(self):
         self.refuses_unchanged("13.4 200", "search", "--db", INDEX, "--near", "52.5", "13.4", "200")
 

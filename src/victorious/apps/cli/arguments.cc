@@ -476,6 +476,8 @@ Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexSto
   if (!found.empty()) return "";
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, store));
   if (!below.empty()) return "";
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  if (videos.empty()) return "the index is empty: `victorious index VIDEO` searches a video";
   VICTORIOUS_ASSIGN_OR_RETURN(std::string none_near, ExplainNoObjectNear(filter, store));
   if (!none_near.empty()) return none_near;
   SightingFilter with_rejected = filter;

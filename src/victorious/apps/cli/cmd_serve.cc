@@ -20,6 +20,7 @@
 #include "victorious/apps/serve/http_server.h"
 #include "victorious/base/absolute_path.h"
 #include "victorious/base/log.h"
+#include "victorious/base/missing_path.h"
 #include "victorious/category/finder/category_source.h"
 #include "victorious/store/open_store.h"
 
@@ -85,9 +86,8 @@ Expected<bool> MakeIndex(const ServeArguments& arguments, const std::string& nam
   if (has_index) return false;
   if (!arguments.db.empty() && !arguments.is_created) {
     if (IsDatabaseUrl(name)) return false;  // opening it says what it lacks
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file: give an index that `victorious index` makes, or "
-                                                  "--create for a new one without videos",
-                                                  name));
+    return std::unexpected(
+        NoSuchFile(name, "give an index that `victorious index` makes, or --create for a new one without videos"));
   }
   VICTORIOUS_RETURN_IF_ERROR(OpenStore(name, StoreMode::kCreate));
   LogInfo("{}: made, without videos", StoreName(name));
@@ -119,10 +119,8 @@ std::string FilesBeside(const std::string& db) {
 
 Status CheckFolders(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
-    std::error_code error;
-    if (std::filesystem::is_directory(folder, error)) continue;
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--videos {}: no such folder: give one that holds videos of the index", OneLine(folder)));
+    const Status status = CheckIsFolder(folder, "give one that holds videos of the index");
+    if (!status) return Fail(ErrorCode::kInvalidArgument, OneLine("--videos " + status.error().message));
   }
   return {};
 }

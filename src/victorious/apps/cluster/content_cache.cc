@@ -15,6 +15,7 @@
 #include "victorious/base/absolute_path.h"
 #include "victorious/base/file.h"
 #include "victorious/base/folder.h"
+#include "victorious/base/missing_path.h"
 #include "victorious/base/one_line.h"
 #include "victorious/input/video/read_address.h"
 
@@ -116,11 +117,10 @@ Expected<ContentCache> ContentCache::Open(ContentCacheOptions options) {
                   "the address of the content has a name or a password in it, which messages would show: give one "
                   "without");
     }
-  } else if (std::error_code absent; !fs::is_directory(options.place, absent)) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: no such folder: give the one that `victorious submit --publish` writes, or its "
-                            "address, http://… or https://…",
-                            OneLine(options.place)));
+  } else {
+    VICTORIOUS_RETURN_IF_ERROR(CheckIsFolder(OneLine(options.place),
+                                             "give the one that `victorious submit --publish` writes, or its address, "
+                                             "http://… or https://…"));
   }
   for (const char* name : {"files", "tasks"}) VICTORIOUS_RETURN_IF_ERROR(CreateFolder(options.folder / name));
   options.folder = AbsolutePath(options.folder);

@@ -22,6 +22,7 @@
 #include <gdal_frmts.h>
 #include <ogr_srs_api.h>
 
+#include "victorious/base/missing_path.h"
 #include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/input/telemetry/geoid.h"
@@ -188,7 +189,7 @@ Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, cons
                                                       const std::function<void(const std::string&)>& warn) {
   std::error_code error;
   if (!fs::exists(path, error)) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file: must be a GeoTIFF of heights", path.string()));
+    return std::unexpected(NoSuchFile(path.string(), "must be a GeoTIFF of heights"));
   }
   const GdalErrorCapture error_capture;
   auto terrain = std::make_shared<Terrain>();

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "victorious/base/folder.h"
+#include "victorious/base/missing_path.h"
 #include "victorious/base/write_access.h"
 #include "victorious/object/model/model_file.h"
 
@@ -70,11 +71,8 @@ Status ModelLibrary::Add(const ObjectModel& model) const {
 }
 
 Expected<std::vector<std::string>> ModelLibrary::Names() const {
+  VICTORIOUS_RETURN_IF_ERROR(CheckIsFolder(folder_, "`victorious model add` makes one"));
   std::error_code error;
-  if (!fs::is_directory(folder_, error)) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: no such model folder; `victorious model add` makes one", folder_.string()));
-  }
   std::vector<std::string> names;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> paths, ListFolder(folder_));
   for (const fs::path& path : paths) {

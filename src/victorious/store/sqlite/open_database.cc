@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "victorious/base/missing_path.h"
 #include "victorious/base/one_line.h"
 #include "victorious/base/write_access.h"
 #include "victorious/store/sqlite/migrations.h"
@@ -58,10 +59,8 @@ Status CheckPrograms(Connection& connection) {
 Expected<ConnectionPtr> OpenForWriting(const fs::path& path) {
   std::error_code error;
   const fs::path folder = FolderOf(path);
-  if (!fs::is_directory(folder, error)) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: folder {} does not exist: create it first", path.string(), folder.string()));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckIsFolder(folder, fmt::format("give a folder that is there for {}", path.filename().string())));
   // Checked beforehand: for a file without write permission, SQLite reports only that it cannot be opened.
   if (!IsWritable(folder) || (fs::exists(path, error) && !IsWritable(path))) {
     return Fail(ErrorCode::kPermissionDenied,
@@ -95,7 +94,7 @@ Expected<ConnectionPtr> OpenForReading(const fs::path& path) {
   if (::stat(path.c_str(), &info) != 0) {
     const int problem = errno;
     if (problem == ENOENT) {
-      return Fail(ErrorCode::kNotFound, path.string() + ": no such file: `victorious index` makes an index");
+      return std::unexpected(NoSuchFile(path.string(), "`victorious index` makes an index"));
     }
     return std::unexpected(ErrorFromErrno(problem, path.string()));
   }
