@@ -52,7 +52,10 @@ def diagonal_m(file: Path) -> float:
 def paint(file: Path, colour: tuple[float, float, float], out: Path) -> None:
     """The file with all its surfaces in one colour, linear."""
     gltf, rest = read_glb(file)
-    for material in gltf["materials"]:
+    for part in [part for mesh in gltf["meshes"] for part in mesh["primitives"]]:
+        part["attributes"].pop("COLOR_0", None)
+    for material in gltf.get("materials", []):
+        material.pop("extensions", None)
         for key in ("normalTexture", "occlusionTexture", "emissiveTexture"):
             material.pop(key, None)
         rough = material.setdefault("pbrMetallicRoughness", {})

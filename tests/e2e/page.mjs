@@ -329,10 +329,12 @@ async function checkPrint(page, objects) {
     window.print = () => {
       window.dispatchEvent(new Event("beforeprint"));
       window.isPrinting = true;
+      window.printedRows = document.querySelectorAll(".print-sheet tbody tr").length;
     };
   });
   await saveAs(page, "Print map and list");
   await page.waitForFunction(() => window.isPrinting);
+  assert.notEqual(await page.evaluate(() => window.printedRows), 0);
   assert.deepEqual(await stored(), before);
   await page.emulateMedia({ media: "print" });
   const sheet = page.locator(".print-sheet");

@@ -8,7 +8,7 @@ import { notify } from "./notices";
 import * as objects from "./objects";
 import { filters, matcher, sort } from "./state";
 
-/** More would be a book. */
+/** Rows; some thirty pages. */
 const MAX_ROWS = 1000;
 
 export interface Sheet {
@@ -33,7 +33,10 @@ export function setMapPicture(draw: () => string | null) {
 export async function printList() {
   try {
     const found = await objects.loadAll(sort.peek(), filters.peek(), MAX_ROWS);
-    sheet.value = { when: new Date(), objects: found, total: Math.max(found.length, totalMatching()), map: null };
+    sheet.value = { when: new Date(), objects: found, total: Math.max(found.length, totalMatching()), map: drawMap() };
+    // The browser takes the page as it is when it is asked: the sheet must be rendered, and its picture decoded.
+    await new Promise((done) => setTimeout(done));
+    await Promise.all([...document.querySelectorAll<HTMLImageElement>(".print-sheet img")].map((one) => one.decode()));
     window.print();
   } catch (error) {
     notify(`The list is not printed: ${messageOf(error)}`, "error");
@@ -55,8 +58,8 @@ function loaded(): FoundObject[] {
 }
 
 window.addEventListener("beforeprint", () => {
-  const prepared = sheet.peek();
-  const found = prepared?.objects ?? loaded();
-  sheet.value = { when: new Date(), objects: found, total: prepared?.total ?? Math.max(found.length, totalMatching()), map: drawMap() };
+  if (sheet.peek() !== null) return;
+  const found = loaded();
+  sheet.value = { when: new Date(), objects: found, total: Math.max(found.length, totalMatching()), map: drawMap() };
 });
 window.addEventListener("afterprint", () => (sheet.value = null));

@@ -235,8 +235,11 @@ function pictureOf(map: MapLibre): string | null {
     else dataset["theme"] = theme;
     untracked(() => paint(map));
   }
+  // In the middle: of a map of half the world, the way between its edges is shorter than the map.
   const { clientWidth: width, clientHeight: height } = map.getContainer();
-  const metres = map.unproject([0, height / 2]).distanceTo(map.unproject([width, height / 2]));
+  const [x, y] = [width / 2, height / 2];
+  const metres = (width / 100) * map.unproject([x - 50, y]).distanceTo(map.unproject([x + 50, y]));
+  if (!(metres > 0)) return null;
   drawNorthAndScale(context, scaleBar(picture.width, metres), map.getBearing(), picture.width / width);
   return picture.toDataURL("image/jpeg", 0.92);
 }

@@ -120,7 +120,7 @@ std::string FilesBeside(const std::string& db) {
 Status CheckFolders(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
     const Status status = CheckIsFolder(folder, "give one that holds videos of the index");
-    if (!status) return Fail(ErrorCode::kInvalidArgument, OneLine("--videos " + status.error().message));
+    if (!status) return Fail(ErrorCode::kInvalidArgument, "--videos " + status.error().message);
   }
   return {};
 }

@@ -118,7 +118,7 @@ Expected<ContentCache> ContentCache::Open(ContentCacheOptions options) {
                   "without");
     }
   } else {
-    VICTORIOUS_RETURN_IF_ERROR(CheckIsFolder(OneLine(options.place),
+    VICTORIOUS_RETURN_IF_ERROR(CheckIsFolder(options.place,
                                              "give the one that `victorious submit --publish` writes, or its address, "
                                              "http://… or https://…"));
   }

@@ -246,6 +246,7 @@ HttpResponse Api::Make(const HttpRequest& request, const Admitted& admitted, int
     const bool hides_folders = !admitted.caller.May(Role::kAdmin);
     if (!answer && hides_folders) answer.error().error.message = WithoutFolders(answer.error().error.message);
     HttpResponse response = answer ? *std::move(answer) : ErrorResponse(answer.error());
+    if (!answer && response.status == 503) response.headers.emplace_back("Retry-After", kRetryAfter_s);
     if (hides_folders && NamesFiles(admitted.match.route)) response.body = WithoutFolders(response.body);
     // Age says what it says in caches (RFC 9111): for so long, nobody looked whether the answer holds.
     const auto age = parts_->index->ListsAge();

@@ -26,6 +26,9 @@ using ApiStatus = std::expected<void, ApiError>;
   return std::unexpected(ApiError(Error{ErrorCode::kInvalidArgument, std::move(message)}, std::move(field)));
 }
 
+/// After how many seconds a client asks again for what the server could not do now.
+inline constexpr const char* kRetryAfter_s = "3";
+
 /// The HTTP status of an error.
 [[nodiscard]] int HttpStatus(ErrorCode code);
 

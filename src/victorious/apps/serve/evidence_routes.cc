@@ -1,7 +1,6 @@
 #include "victorious/apps/serve/evidence_routes.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -15,6 +14,7 @@
 #include "victorious/apps/serve/api_json.h"
 #include "victorious/apps/serve/api_response.h"
 #include "victorious/apps/serve/index_lookup.h"
+#include "victorious/apps/serve/request_slot.h"
 #include "victorious/apps/serve/static_files.h"
 #include "victorious/base/json.h"
 #include "victorious/base/median.h"
@@ -33,25 +33,6 @@ constexpr std::size_t kMaxCameras = 4;     // trajectories of some megabytes
 constexpr std::size_t kMaxEvidence = 64;   // bodies of at most 150 kB
 constexpr std::size_t kMaxCoverages = 16;  // bodies of at most some megabytes
 constexpr std::size_t kMaxModels = 8;      // mapped files of 9 to 32 MB: a turning model asks for hundreds of views
-
-// How long a request waits for those before it. Each waits on one of the few threads that answer all requests.
-constexpr std::chrono::seconds kMaxWait{2};
-
-// The right to search a frame, of which there are few; none if it is not free within kMaxWait.
-class SearchSlot {
- public:
-  explicit SearchSlot(std::counting_semaphore<>& free) : free_(free), is_taken_(free.try_acquire_for(kMaxWait)) {}
-  SearchSlot(const SearchSlot&) = delete;
-  SearchSlot& operator=(const SearchSlot&) = delete;
-  ~SearchSlot() {
-    if (is_taken_) free_.release();
-  }
-  [[nodiscard]] bool is_taken() const { return is_taken_; }
-
- private:
-  std::counting_semaphore<>& free_;
-  bool is_taken_;
-};
 
 ApiExpected<bool> ReadWhole(QueryReader& query) {
   const auto size = query.Text("size");
@@ -171,7 +152,7 @@ Expected<std::string> EvidenceRoutes::Make(const SightingRecord& sighting, const
       GetUnlessCancelled(cameras_,
                          fmt::format("{} {} {}", video.content_id, video.telemetry, OptionsToJsonText(telemetry)),
                          cancel, load));
-  const SearchSlot slot(slots_);
+  const RequestSlot slot(slots_);
   if (!slot.is_taken()) return Fail(ErrorCode::kConflict, "others ask for evidence, too: ask again in a moment");
   VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat grey, videos_.GreyFrame(video, sighting.time_s, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(const MatchEvidence evidence,

@@ -42,7 +42,6 @@ using BoostError = boost::system::error_code;
 constexpr std::chrono::milliseconds kCancelPoll{50};
 constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::chrono::milliseconds kLeavingPoll{200};
-constexpr const char* kRetryAfter_s = "3";
 constexpr std::chrono::seconds kFinishTime{2};
 constexpr std::chrono::seconds kFarewellTime{2};
 

@@ -18,6 +18,7 @@
 #include "victorious/apps/serve/object_key.h"
 #include "victorious/apps/serve/object_package.h"
 #include "victorious/apps/serve/object_tiles.h"
+#include "victorious/apps/serve/request_slot.h"
 #include "victorious/base/json.h"
 #include "victorious/store/threshold_store.h"
 
@@ -299,24 +300,20 @@ ApiExpected<HttpResponse> ObjectRoutes::Counts(const ApiCall& call) {
 }
 
 ApiExpected<HttpResponse> ObjectRoutes::Package(const ApiCall& call) {
-  constexpr std::string_view kRetryAfter_s = "3";
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectQuery filter, ReadObjectQuery(index_, call.query, call.caller));
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
   const VideoNames names = call.caller.May(Role::kAdmin) ? VideoNames::kWhole : VideoNames::kWithoutFolders;
-  auto file = [&]() -> Expected<FileSlice> {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
-    return MakeObjectPackage(*reader->objects, filter, names, call.cancel);
-  }();
-  if (!file && file.error().code == ErrorCode::kUnavailable) {
-    HttpResponse busy = ErrorResponse(ApiError(std::move(file).error()));
-    busy.headers.emplace_back("Retry-After", kRetryAfter_s);
-    return busy;
+  const RequestSlot slot(packages_);
+  if (!slot.is_taken()) {
+    return std::unexpected(
+        ApiError(Error{ErrorCode::kUnavailable, "another GeoPackage is being made: ask again in some seconds"}));
   }
-  if (!file) return std::unexpected(ApiError(std::move(file).error()));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index_.Borrow());
+  VICTORIOUS_ASSIGN_OR_RETURN(FileSlice file, MakeObjectPackage(*reader->objects, filter, names, call.cancel));
   return HttpResponse{
       .content_type = "application/geopackage+sqlite3",
       .headers = {{"Cache-Control", "no-store"}, {"Content-Disposition", "attachment; filename=\"objects.gpkg\""}},
-      .file = *std::move(file)};
+      .file = std::move(file)};
 }
 
 ApiExpected<HttpResponse> ObjectRoutes::Tile(const ApiCall& call) {

@@ -3,6 +3,8 @@
 // Thread-safe.
 #pragma once
 
+#include <semaphore>
+
 #include "victorious/apps/serve/index_view.h"
 #include "victorious/apps/serve/route_table.h"
 #include "victorious/apps/serve/video_files.h"
@@ -26,6 +28,7 @@ class ObjectRoutes {
  private:
   IndexView& index_;
   VideoFiles& videos_;
+  std::counting_semaphore<> packages_{1};  // each keeps a reader and a thread for long
 };
 
 }  // namespace victorious

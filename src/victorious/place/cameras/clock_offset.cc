@@ -97,8 +97,7 @@ std::optional<std::string> DescribeUnknownClock(const TimeOffset& offset, std::s
   return fmt::format(
       "telemetry: the offset of its clock is unknown ({}){}: each second that it is off shifts all places by {:.1f} m "
       "along the flight; their errors contain {:.1f} s of it ({}), or less if the flight shows smaller errors of its "
-      "telemetry; "
-      "telemetry.time_offset_s corrects it",
+      "telemetry; telemetry.time_offset_s corrects it",
       DescribeStatus(offset), DescribePrior(prior, states), speed_m_s, prior.sigma_s,
       prior.extent == TelemetryExtent::kOther ? "telemetry.clock_sigma_apart_s; telemetry.clock_sigma_s 0: it is exact"
                                               : "telemetry.clock_sigma_s; 0: it is exact");

@@ -60,7 +60,7 @@ Expected<ConnectionPtr> OpenForWriting(const fs::path& path) {
   std::error_code error;
   const fs::path folder = FolderOf(path);
   VICTORIOUS_RETURN_IF_ERROR(
-      CheckIsFolder(folder, fmt::format("give a folder that is there for {}", path.filename().string())));
+      CheckIsFolder(folder, fmt::format("create it first, or give another folder for {}", path.filename().string())));
   // Checked beforehand: for a file without write permission, SQLite reports only that it cannot be opened.
   if (!IsWritable(folder) || (fs::exists(path, error) && !IsWritable(path))) {
     return Fail(ErrorCode::kPermissionDenied,
