@@ -39,6 +39,7 @@ export async function printList() {
     await Promise.all([...document.querySelectorAll<HTMLImageElement>(".print-sheet img")].map((one) => one.decode()));
     window.print();
   } catch (error) {
+    sheet.value = null;
     notify(`The list is not printed: ${messageOf(error)}`, "error");
   }
 }
